@@ -1,0 +1,73 @@
+/* Pellicle: status codes, errors and basic types that every other header uses.
+   SI units unless said otherwise. Nothing here keeps state; all functions may be called from any thread. */
+#ifndef PELLICLE_BASE_H
+#define PELLICLE_BASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PEL_VERSION_MAJOR 0
+#define PEL_VERSION_MINOR 1
+#define PEL_VERSION_PATCH 0
+#define PEL_VERSION "0.1.0"
+
+/* Scalar of the simulated state: double, or float when the library was built with PEL_SINGLE (preset `single`). */
+#ifdef PEL_SINGLE
+typedef float pel_real;
+#else
+typedef double pel_real;
+#endif
+
+/* Longest name of a field, body, load or tool, terminating zero included. */
+#define PEL_NAME_SIZE 64
+
+/* What a function that can fail returns. PEL_OK is 0; everything else is a failure. */
+typedef enum pel_status {
+    PEL_OK = 0,
+    PEL_OUT_OF_MEMORY, /* an allocation failed */
+    PEL_BAD_ARGUMENT,  /* an argument or a member of a def is missing, NaN, infinite or out of range */
+    PEL_BAD_FILE,      /* a file cannot be opened, read or written (see errno text in the message) */
+    PEL_BAD_FORMAT,    /* the content of a file is not what its format allows */
+    PEL_BAD_MESH,      /* a mesh has a topology or geometry that cannot be simulated */
+    PEL_BAD_SCENE,     /* a scene file has an unknown key, a wrong type or a value out of range */
+    PEL_UNSTABLE,      /* a parameter lies beyond the stability limit of this mesh */
+    PEL_DIVERGED,      /* the state became NaN, infinite or absurdly large during a step */
+    PEL_STOPPED,       /* a hook asked to stop (Ctrl-C) */
+    PEL_STATUS_COUNT
+} pel_status;
+
+/* Short English name of a status, such as "out of memory". Never null; lives forever. */
+const char *pel_status_text(pel_status status);
+
+/* Details of a failure. Every function that takes a `pel_error *` accepts null; on success it leaves the error alone.
+   Members that do not apply are zero or empty; `element` and `byte_offset` are -1 then. */
+typedef struct pel_error {
+    pel_status status;
+    char file[256];           /* file the failure is about */
+    int32_t line, column;     /* place in that file, from 1 */
+    int64_t byte_offset;      /* place in a binary file, from 0; -1 = does not apply */
+    char element_kind[24];    /* "vertex", "triangle", "edge", "tool", ... */
+    int64_t element;          /* its number, from 0; -1 = does not apply */
+    char what[320];           /* what is wrong, one sentence without a full stop */
+    char remedy[320];         /* what to do about it, one sentence without a full stop */
+} pel_error;
+
+/* Writes "file:line:column: error: what. remedy" to text (size bytes, always terminated when size > 0).
+   Returns text. */
+const char *pel_error_text(const pel_error *error, char *text, size_t size);
+
+/* Where notes and warnings go (a quad was triangulated, vertices were welded). Null log or null write: nowhere. */
+typedef struct pel_log {
+    void (*write)(void *user, const char *text); /* one line without newline */
+    void *user;
+} pel_log;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

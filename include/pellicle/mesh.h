@@ -1,0 +1,50 @@
+/* Pellicle: triangle surface meshes, their checks, repair and topology, and generated shapes.
+   Index letters: v vertex, t triangle, e edge, h half-edge. All indices count from 0. */
+#ifndef PELLICLE_MESH_H
+#define PELLICLE_MESH_H
+
+#include "base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A named quantity on the vertices: thickness, stiffness, region weight, ... */
+typedef struct pel_field {
+    char name[PEL_NAME_SIZE];
+    int32_t component_count; /* 1 = scalar, 3 = vector */
+    double *values;          /* (vertex_count x component_count) */
+} pel_field;
+
+/* An indexed triangle mesh: plain arrays, readable by anyone, owned by the mesh, not to be changed after creation.
+   Positions are metres unless the user says otherwise; triangles are counter-clockwise seen from outside. */
+typedef struct pel_mesh {
+    int32_t vertex_count;
+    int32_t triangle_count;
+    int32_t field_count;
+    double (*positions)[3];  /* (vertex_count x 3) */
+    int32_t (*triangles)[3]; /* (triangle_count x 3), each 0 .. vertex_count - 1 */
+    pel_field *fields;       /* (field_count) */
+} pel_mesh;
+
+/* Copies positions (vertex_count x 3) and triangles (triangle_count x 3) into a new mesh.
+   Refuses NaN, infinity, indices out of range and counts below 1 (PEL_BAD_ARGUMENT with the element).
+   Topology is not looked at: see pel_mesh_check. On failure *mesh is null. Free with pel_mesh_destroy. */
+pel_status pel_mesh_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+                           int32_t triangle_count, pel_mesh **mesh, pel_error *error);
+
+/* Frees a mesh and its fields; null is fine. */
+void pel_mesh_destroy(pel_mesh *mesh);
+
+/* Adds (or replaces) the field `name`; values (vertex_count x component_count) are copied, null fills zeros.
+   The only change allowed to a mesh, for use right after creation. */
+pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,
+                              pel_error *error);
+
+/* The field of that name, or null. Lives as long as the mesh. */
+const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

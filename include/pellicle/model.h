@@ -1,0 +1,85 @@
+/* Pellicle: the model (what never changes while simulating) and the state (what does).
+   A model joins all bodies into one set of arrays; a state belongs to one model.
+
+   Internally vertices are reordered for locality and padded to whole slices; everything public takes and gives values in
+   the order of the body's mesh. */
+#ifndef PELLICLE_MODEL_H
+#define PELLICLE_MODEL_H
+
+#include "mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One point of a piecewise linear curve over time. Before the first and after the last key the end values hold. */
+typedef struct pel_key {
+    double time; /* s */
+    double value;
+} pel_key;
+
+/* A material number that may vary over the body or over time (not both). */
+typedef struct pel_quantity {
+    double value;        /* used when field and keys are null */
+    const double *field; /* (vertex_count) value on each vertex; a spring takes the mean of its ends; nullable */
+    const pel_key *keys; /* (key_count) value over time; nullable */
+    int32_t key_count;
+} pel_quantity;
+
+/* How the mass of a body is given. */
+typedef enum pel_mass_kind {
+    PEL_MASS_PER_VERTEX, /* mass [kg] on each vertex (paper A: 1) */
+    PEL_MASS_TOTAL,      /* mass [kg] of the body, spread evenly over its vertices (paper A: total / number) */
+    PEL_MASS_DENSITY     /* mass = density [kg/m3] x thickness [m] x a third of the area of the triangles around */
+} pel_mass_kind;
+
+/* One body. Arrays are read during pel_model_create only; the mesh is copied. */
+typedef struct pel_body_def {
+    const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
+    const pel_mesh *mesh; /* oriented manifold, boundary allowed, no triangle without area */
+    pel_mass_kind mass_kind;
+    double mass;            /* kg, kg or kg/m3 by kind; > 0 */
+    pel_quantity thickness; /* m, for PEL_MASS_DENSITY; no keys */
+    pel_quantity spring_stiffness;     /* N/m on each edge (paper A, k; eq. A-3); >= 0 */
+    pel_quantity spring_damping;       /* N s/m on each vertex (paper A, d; eq. A-2); >= 0 */
+    pel_quantity volumetric_stiffness; /* N/m on each vertex (paper A, k'; eq. A-4); 0 = no volumetric springs */
+    pel_quantity volumetric_damping;   /* N s/m (paper A, d'; eq. A-4) */
+    bool volumetric_by_area; /* the volumetric numbers and spring_damping are those of a vertex with 1/reference_count of
+                                the body's area and scale with nodal area (theory: consistent under refinement) */
+    int32_t reference_count; /* 252 by default: the vertices of paper A's sphere */
+    const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
+    int32_t pinned_count;
+    uint32_t cookie; /* set by pel_body_def_default */
+} pel_body_def;
+
+/* Paper A's numbers: mass 1 per vertex, k 3, d 0.5, k' 1.5, d' 0.5; no mesh and no name yet. */
+pel_body_def pel_body_def_default(void);
+
+typedef struct pel_model_def {
+    const pel_body_def *bodies; /* (body_count) */
+    int32_t body_count;
+    double gravity[3]; /* m/s2 */
+    uint32_t cookie;
+} pel_model_def;
+
+pel_model_def pel_model_def_default(void);
+
+typedef struct pel_model pel_model;
+typedef struct pel_state pel_state;
+
+/* Checks the defs (PEL_BAD_ARGUMENT with body and value, PEL_BAD_MESH with element) and builds everything that stays.
+   The model may be shared by any number of simulations in any threads. Free with pel_model_destroy after them. */
+pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error);
+void pel_model_destroy(pel_model *model);
+
+int32_t pel_model_body_count(const pel_model *model);
+/* The body's index by name, -1 when there is none. */
+int32_t pel_model_find_body(const pel_model *model, const char *name);
+/* The mesh of a body as given (rest positions, triangles, fields). Lives as long as the model. */
+const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
+const char *pel_model_body_name(const pel_model *model, int32_t body);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

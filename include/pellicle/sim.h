@@ -1,0 +1,172 @@
+/* Pellicle: the simulation. One pel_sim steps one state of one model under loads and tools.
+
+       pel_sim_def def = pel_sim_def_default();
+       def.model = model;
+       pel_sim_create(&def, &sim, &error);
+       while (pel_sim_time(sim) < 5.0)
+           if (pel_sim_step(sim, &error) != PEL_OK) ...
+
+   A pel_sim is used by one thread at a time (it uses threads of its own inside a step); different sims are independent.
+   Vertex numbers and arrays are in the order of the body's mesh. */
+#ifndef PELLICLE_SIM_H
+#define PELLICLE_SIM_H
+
+#include "model.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pel_method {
+    PEL_METHOD_QUASI_STATIC, /* x += alpha F dt^2 / m (paper A, eq. A-5) */
+    PEL_METHOD_EXPLICIT      /* Euler's method on m a = F (paper A's baseline) */
+} pel_method;
+
+typedef struct pel_solver_def {
+    pel_method method;
+    double dt;          /* s, one step */
+    double alpha;       /* quasi-static: size of a step; 0 = a safe value for this mesh */
+    bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
+    bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
+} pel_solver_def;
+
+/* What a load's force means. */
+typedef enum pel_load_kind {
+    PEL_LOAD_TOTAL,     /* N, shared out evenly over the vertices of the load */
+    PEL_LOAD_PER_VERTEX /* N on each of them */
+} pel_load_kind;
+
+/* A force on some vertices during some time. */
+typedef struct pel_load_def {
+    const char *name; /* nullable */
+    int32_t body;
+    pel_load_kind kind;
+    double force[3];
+    const int32_t *vertices; /* (vertex_count); null = all vertices of the body */
+    int32_t vertex_count;
+    const double *weights; /* (vertex_count) factor per vertex (falloff); null = 1 */
+    double from, until;    /* s; acts while from <= t < until */
+    const pel_key *keys;   /* (key_count) factor over time; nullable */
+    int32_t key_count;
+} pel_load_def;
+
+pel_load_def pel_load_def_default(void);
+
+typedef enum pel_tool_shape {
+    PEL_TOOL_SPHERE,  /* radius */
+    PEL_TOOL_CAPSULE, /* radius; axis along the tool's z from -half_length to +half_length */
+    PEL_TOOL_BOX      /* half_extents; sharp */
+} pel_tool_shape;
+
+/* Pose of a tool at a time. Positions move linearly between keys, rotations by spherical interpolation. */
+typedef struct pel_pose_key {
+    double time;        /* s */
+    double position[3]; /* m */
+    double rotation[4]; /* unit quaternion x, y, z, w */
+} pel_pose_key;
+
+/* A rigid instrument that pushes bodies out of its way (press) and can hold vertices (grasp). */
+typedef struct pel_tool_def {
+    const char *name; /* unique, not empty */
+    pel_tool_shape shape;
+    double radius;          /* m */
+    double half_length;     /* m */
+    double half_extents[3]; /* m */
+    const pel_pose_key *keys; /* (key_count >= 1), times increasing */
+    int32_t key_count;
+    int32_t body;      /* the body it acts on; -1 = all */
+    bool press;        /* keeps the body out of the tool */
+    bool grasp;        /* holds the vertices within `reach` of its surface at grasp_from until grasp_until */
+    double grasp_from, grasp_until; /* s */
+    double reach;      /* m */
+} pel_tool_def;
+
+pel_tool_def pel_tool_def_default(void);
+
+typedef struct pel_sim pel_sim;
+
+typedef struct pel_sim_def {
+    const pel_model *model;
+    pel_solver_def solver;
+    const pel_load_def *loads; /* (load_count), copied */
+    int32_t load_count;
+    const pel_tool_def *tools; /* (tool_count), copied */
+    int32_t tool_count;
+    int32_t thread_count; /* 0 = as many as the machine has; the results do not depend on it */
+    uint32_t cookie;
+} pel_sim_def;
+
+pel_sim_def pel_sim_def_default(void);
+
+/* Checks everything against the mesh: PEL_UNSTABLE with the limit when alpha or dt is too large, PEL_BAD_ARGUMENT for
+   numbers out of range, a load on no vertex, a tool that starts inside a body. Free with pel_sim_destroy. */
+pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error);
+void pel_sim_destroy(pel_sim *sim);
+
+/* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it was
+   before the step. No memory is allocated. */
+pel_status pel_sim_step(pel_sim *sim, pel_error *error);
+
+double pel_sim_time(const pel_sim *sim);        /* s, step count x dt */
+int64_t pel_sim_step_count(const pel_sim *sim); /* steps done */
+const pel_model *pel_sim_model(const pel_sim *sim);
+double pel_sim_alpha(const pel_sim *sim);       /* the alpha in use; 0 for the explicit method */
+double pel_sim_alpha_limit(const pel_sim *sim); /* the stability limit found for this mesh */
+
+/* Copies out for one body: (vertex_count x 3). Velocity is that of the last step. Force is the sum of all forces of
+   eq. A-2 and A-4 and the loads on each vertex at the present state, contact excluded [N]. */
+void pel_sim_get_positions(const pel_sim *sim, int32_t body, double (*positions)[3]);
+void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double (*velocities)[3]);
+void pel_sim_get_forces(pel_sim *sim, int32_t body, double (*forces)[3]);
+/* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
+void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
+/* 1 where a tool touches or holds the vertex, else 0 (vertex_count). */
+void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
+
+/* Setters between steps. Values are checked like the defs. */
+pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double (*positions)[3], pel_error *error);
+pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double (*velocities)[3], pel_error *error);
+pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force[3], pel_error *error);
+/* From now on the tool's pose is what the caller sets, not its keys (haptic device, mouse). */
+pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double position[3], const double rotation[4],
+                                 pel_error *error);
+
+int32_t pel_sim_tool_count(const pel_sim *sim);
+const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool);
+/* Present pose and what the bodies did to the tool in the last step. */
+typedef struct pel_tool_reading {
+    double position[3];
+    double rotation[4];
+    double force[3];       /* N, on the tool */
+    double torque[3];      /* N m about the tool's position */
+    int32_t contact_count; /* vertices touched or held */
+} pel_tool_reading;
+void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
+
+/* Sums over all bodies; the first columns of series.csv. */
+typedef struct pel_sim_measures {
+    double volume_ratio;     /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
+    double area_ratio;       /* area over area at rest */
+    double kinetic_energy;   /* J */
+    double elastic_energy;   /* J, springs and volumetric springs */
+    double spring_energy;    /* J */
+    double volumetric_energy; /* J */
+    double max_displacement; /* m, from the rest position */
+    double max_force;        /* N, largest vertex force as in pel_sim_get_forces */
+    int64_t vertex_count, triangle_count, contact_count;
+} pel_sim_measures;
+void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
+
+/* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
+uint64_t pel_sim_hash(const pel_sim *sim);
+
+/* Snapshot: everything a later pel_sim_load needs to continue with the same bits, in a buffer of pel_sim_save_size bytes
+   (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT). */
+size_t pel_sim_save_size(const pel_sim *sim);
+void pel_sim_save(const pel_sim *sim, void *bytes);
+pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

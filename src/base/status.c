@@ -1,0 +1,119 @@
+#include "base/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const status_texts[PEL_STATUS_COUNT] = {
+    "ok",          "out of memory", "bad argument", "bad file", "bad format",
+    "bad mesh",    "bad scene",     "unstable",     "diverged", "stopped",
+};
+
+const char *pel_status_text(pel_status status)
+{
+    return (unsigned) status < PEL_STATUS_COUNT ? status_texts[status] : "unknown status";
+}
+
+pel_status pel_fail(pel_error *error, pel_status status, const char *what_format, ...)
+{
+    if (error == NULL)
+        return status;
+    memset(error, 0, sizeof *error);
+    error->status = status;
+    error->element = -1;
+    error->byte_offset = -1;
+    va_list arguments;
+    va_start(arguments, what_format);
+    vsnprintf(error->what, sizeof error->what, what_format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+pel_status pel_fail_memory(pel_error *error)
+{
+    pel_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+    pel_fail_remedy(error, "use a smaller mesh or free some memory");
+    return PEL_OUT_OF_MEMORY;
+}
+
+void pel_fail_remedy(pel_error *error, const char *format, ...)
+{
+    if (error == NULL)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(error->remedy, sizeof error->remedy, format, arguments);
+    va_end(arguments);
+}
+
+void pel_fail_element(pel_error *error, const char *kind, int64_t element)
+{
+    if (error == NULL)
+        return;
+    snprintf(error->element_kind, sizeof error->element_kind, "%s", kind);
+    error->element = element;
+}
+
+void pel_fail_place(pel_error *error, const char *file, int32_t line, int32_t column)
+{
+    if (error == NULL)
+        return;
+    snprintf(error->file, sizeof error->file, "%s", file);
+    error->line = line;
+    error->column = column;
+}
+
+void pel_fail_offset(pel_error *error, const char *file, int64_t byte_offset)
+{
+    pel_fail_place(error, file, 0, 0);
+    if (error != NULL)
+        error->byte_offset = byte_offset;
+}
+
+/* appends to text at *length, never past size */
+PEL_PRINTF(4, 5)
+static void append(char *text, size_t size, size_t *length, const char *format, ...)
+{
+    if (*length >= size)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    int written = vsnprintf(text + *length, size - *length, format, arguments);
+    va_end(arguments);
+    if (written > 0)
+        *length += (size_t) written;
+}
+
+const char *pel_error_text(const pel_error *error, char *text, size_t size)
+{
+    size_t length = 0;
+    if (size > 0)
+        text[0] = '\0';
+    if (error->file[0] != '\0')
+        append(text, size, &length, "%s:", error->file);
+    if (error->line > 0)
+        append(text, size, &length, "%d:", (int) error->line);
+    if (error->column > 0)
+        append(text, size, &length, "%d:", (int) error->column);
+    if (error->byte_offset >= 0)
+        append(text, size, &length, "byte %lld:", (long long) error->byte_offset);
+    append(text, size, &length, "%serror: ", length > 0 ? " " : "");
+    if (error->element >= 0)
+        append(text, size, &length, "%s %lld: ", error->element_kind, (long long) error->element);
+    append(text, size, &length, "%s", error->what);
+    if (error->remedy[0] != '\0')
+        append(text, size, &length, ". %s", error->remedy);
+    return text;
+}
+
+void pel_log_line(const pel_log *log, const char *format, ...)
+{
+    if (log == NULL || log->write == NULL)
+        return;
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    log->write(log->user, text);
+}

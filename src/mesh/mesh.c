@@ -1,0 +1,112 @@
+#include "pellicle/mesh.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static pel_status check_arrays(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+                               int32_t triangle_count, pel_error *error)
+{
+    if (vertex_count < 1 || triangle_count < 1)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "mesh has %d vertices and %d triangles; at least one of each is needed",
+                        (int) vertex_count, (int) triangle_count);
+    for (int32_t v = 0; v < vertex_count; v++) {
+        const double *p = positions[v];
+        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "position (%g, %g, %g) is not finite", p[0], p[1], p[2]);
+            pel_fail_element(error, "vertex", v);
+            return PEL_BAD_ARGUMENT;
+        }
+    }
+    for (int32_t t = 0; t < triangle_count; t++) {
+        for (int i = 0; i < 3; i++) {
+            int32_t v = triangles[t][i];
+            if (v < 0 || v >= vertex_count) {
+                pel_fail(error, PEL_BAD_ARGUMENT, "vertex index %d is outside 0..%d", (int) v, (int) vertex_count - 1);
+                pel_fail_element(error, "triangle", t);
+                return PEL_BAD_ARGUMENT;
+            }
+        }
+    }
+    return PEL_OK;
+}
+
+pel_status pel_mesh_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+                           int32_t triangle_count, pel_mesh **mesh, pel_error *error)
+{
+    *mesh = NULL;
+    pel_status status = check_arrays(positions, vertex_count, triangles, triangle_count, error);
+    if (status != PEL_OK)
+        return status;
+    pel_mesh *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->vertex_count = vertex_count;
+    made->triangle_count = triangle_count;
+    made->positions = pel_allocate((size_t) vertex_count, sizeof *made->positions);
+    made->triangles = pel_allocate((size_t) triangle_count, sizeof *made->triangles);
+    if (made->positions == NULL || made->triangles == NULL) {
+        pel_mesh_destroy(made);
+        return pel_fail_memory(error);
+    }
+    memcpy(made->positions, positions, (size_t) vertex_count * sizeof *positions);
+    memcpy(made->triangles, triangles, (size_t) triangle_count * sizeof *triangles);
+    *mesh = made;
+    return PEL_OK;
+}
+
+void pel_mesh_destroy(pel_mesh *mesh)
+{
+    if (mesh == NULL)
+        return;
+    for (int32_t f = 0; f < mesh->field_count; f++)
+        pel_free(mesh->fields[f].values);
+    pel_free(mesh->fields);
+    pel_free(mesh->triangles);
+    pel_free(mesh->positions);
+    pel_free(mesh);
+}
+
+pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,
+                              pel_error *error)
+{
+    if (component_count < 1 || name[0] == '\0' || strlen(name) >= PEL_NAME_SIZE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "field name '%s' is empty or longer than %d characters, or it has no components",
+                        name, PEL_NAME_SIZE - 1);
+    size_t count = (size_t) mesh->vertex_count * (size_t) component_count;
+    double *copy = pel_allocate(count, sizeof *copy);
+    if (copy == NULL)
+        return pel_fail_memory(error);
+    if (values != NULL)
+        memcpy(copy, values, count * sizeof *copy);
+    for (int32_t f = 0; f < mesh->field_count; f++) {
+        if (strcmp(mesh->fields[f].name, name) == 0) {
+            pel_free(mesh->fields[f].values);
+            mesh->fields[f].values = copy;
+            mesh->fields[f].component_count = component_count;
+            return PEL_OK;
+        }
+    }
+    pel_field *fields = pel_reallocate(mesh->fields, (size_t) mesh->field_count + 1, sizeof *fields);
+    if (fields == NULL) {
+        pel_free(copy);
+        return pel_fail_memory(error);
+    }
+    mesh->fields = fields;
+    pel_field *field = &fields[mesh->field_count++];
+    snprintf(field->name, sizeof field->name, "%s", name);
+    field->component_count = component_count;
+    field->values = copy;
+    return PEL_OK;
+}
+
+const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name)
+{
+    for (int32_t f = 0; f < mesh->field_count; f++)
+        if (strcmp(mesh->fields[f].name, name) == 0)
+            return &mesh->fields[f];
+    return NULL;
+}
