@@ -48,13 +48,13 @@ const char *pel_status_text(pel_status status);
    Members that do not apply are zero or empty; `element` and `byte_offset` are -1 then. */
 typedef struct pel_error {
     pel_status status;
-    char file[256];           /* file the failure is about */
-    int32_t line, column;     /* place in that file, from 1 */
-    int64_t byte_offset;      /* place in a binary file, from 0; -1 = does not apply */
-    char element_kind[24];    /* "vertex", "triangle", "edge", "tool", ... */
-    int64_t element;          /* its number, from 0; -1 = does not apply */
-    char what[320];           /* what is wrong, one sentence without a full stop */
-    char remedy[320];         /* what to do about it, one sentence without a full stop */
+    char file[256];        /* file the failure is about */
+    int32_t line, column;  /* place in that file, from 1 */
+    int64_t byte_offset;   /* place in a binary file, from 0; -1 = does not apply */
+    char element_kind[24]; /* "vertex", "triangle", "edge", "tool", ... */
+    int64_t element;       /* its number, from 0; -1 = does not apply */
+    char what[320];        /* what is wrong, one sentence without a full stop */
+    char remedy[320];      /* what to do about it, one sentence without a full stop */
 } pel_error;
 
 /* Writes "file:line:column: error: what. remedy" to text (size bytes, always terminated when size > 0).

@@ -1,8 +1,8 @@
 /* Pellicle: the model (what never changes while simulating) and the state (what does).
    A model joins all bodies into one set of arrays; a state belongs to one model.
 
-   Internally vertices are reordered for locality and padded to whole slices; everything public takes and gives values in
-   the order of the body's mesh. */
+   Internally vertices are reordered for locality and padded to whole slices; everything public takes and gives values
+   in the order of the body's mesh. */
 #ifndef PELLICLE_MODEL_H
 #define PELLICLE_MODEL_H
 
@@ -38,14 +38,14 @@ typedef struct pel_body_def {
     const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
     const pel_mesh *mesh; /* oriented manifold, boundary allowed, no triangle without area */
     pel_mass_kind mass_kind;
-    double mass;            /* kg, kg or kg/m3 by kind; > 0 */
-    pel_quantity thickness; /* m, for PEL_MASS_DENSITY; no keys */
+    double mass;                       /* kg, kg or kg/m3 by kind; > 0 */
+    pel_quantity thickness;            /* m, for PEL_MASS_DENSITY; no keys */
     pel_quantity spring_stiffness;     /* N/m on each edge (paper A, k; eq. A-3); >= 0 */
     pel_quantity spring_damping;       /* N s/m on each vertex (paper A, d; eq. A-2); >= 0 */
     pel_quantity volumetric_stiffness; /* N/m on each vertex (paper A, k'; eq. A-4); 0 = no volumetric springs */
     pel_quantity volumetric_damping;   /* N s/m (paper A, d'; eq. A-4) */
-    bool volumetric_by_area; /* the volumetric numbers and spring_damping are those of a vertex with 1/reference_count of
-                                the body's area and scale with nodal area (theory: consistent under refinement) */
+    bool volumetric_by_area; /* the volumetric numbers and spring_damping are those of a vertex with 1/reference_count
+                                of the body's area and scale with nodal area (theory: consistent under refinement) */
     int32_t reference_count; /* 252 by default: the vertices of paper A's sphere */
     const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;

@@ -8,5 +8,6 @@
 #include "model.h"
 #include "results.h"
 #include "sim.h"
+#include "topology.h"
 
 #endif

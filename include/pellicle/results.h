@@ -22,9 +22,9 @@ typedef struct pel_vtp {
     const int32_t (*triangles)[3];
     const pel_vtp_field *fields; /* (field_count) point data */
     int32_t field_count;
-    double time;      /* s, stored as TimeValue */
-    bool compress;    /* zlib; otherwise raw appended data */
-    bool float64;     /* positions and fields as Float64 instead of Float32 */
+    double time;   /* s, stored as TimeValue */
+    bool compress; /* zlib; otherwise raw appended data */
+    bool float64;  /* positions and fields as Float64 instead of Float32 */
 } pel_vtp;
 
 pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error);

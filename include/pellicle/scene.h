@@ -11,10 +11,10 @@ extern "C" {
 
 /* When and what a run writes. */
 typedef struct pel_output_def {
-    double every;          /* s between frames; 0 = use every_frame */
-    int32_t every_frame;   /* steps between frames when every is 0; >= 1 */
-    double checkpoint;     /* s between checkpoints; 0 = only the last good one when a run fails or is stopped */
-    bool compress;         /* zlib in the .vtp files */
+    double every;        /* s between frames; 0 = use every_frame */
+    int32_t every_frame; /* steps between frames when every is 0; >= 1 */
+    double checkpoint;   /* s between checkpoints; 0 = only the last good one when a run fails or is stopped */
+    bool compress;       /* zlib in the .vtp files */
     bool float64;
     const char *const *fields; /* (field_count) names of vertex fields to write */
     int32_t field_count;

@@ -69,16 +69,16 @@ typedef struct pel_pose_key {
 typedef struct pel_tool_def {
     const char *name; /* unique, not empty */
     pel_tool_shape shape;
-    double radius;          /* m */
-    double half_length;     /* m */
-    double half_extents[3]; /* m */
+    double radius;            /* m */
+    double half_length;       /* m */
+    double half_extents[3];   /* m */
     const pel_pose_key *keys; /* (key_count >= 1), times increasing */
     int32_t key_count;
-    int32_t body;      /* the body it acts on; -1 = all */
-    bool press;        /* keeps the body out of the tool */
-    bool grasp;        /* holds the vertices within `reach` of its surface at grasp_from until grasp_until */
+    int32_t body; /* the body it acts on; -1 = all */
+    bool press;   /* keeps the body out of the tool */
+    bool grasp;   /* holds the vertices within `reach` of its surface at grasp_from until grasp_until */
     double grasp_from, grasp_until; /* s */
-    double reach;      /* m */
+    double reach;                   /* m */
 } pel_tool_def;
 
 pel_tool_def pel_tool_def_default(void);
@@ -103,8 +103,8 @@ pel_sim_def pel_sim_def_default(void);
 pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error);
 void pel_sim_destroy(pel_sim *sim);
 
-/* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it was
-   before the step. No memory is allocated. */
+/* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
+   was before the step. No memory is allocated. */
 pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 double pel_sim_time(const pel_sim *sim);        /* s, step count x dt */
@@ -145,14 +145,14 @@ void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *readin
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
-    double volume_ratio;     /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
-    double area_ratio;       /* area over area at rest */
-    double kinetic_energy;   /* J */
-    double elastic_energy;   /* J, springs and volumetric springs */
-    double spring_energy;    /* J */
+    double volume_ratio;      /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
+    double area_ratio;        /* area over area at rest */
+    double kinetic_energy;    /* J */
+    double elastic_energy;    /* J, springs and volumetric springs */
+    double spring_energy;     /* J */
     double volumetric_energy; /* J */
-    double max_displacement; /* m, from the rest position */
-    double max_force;        /* N, largest vertex force as in pel_sim_get_forces */
+    double max_displacement;  /* m, from the rest position */
+    double max_force;         /* N, largest vertex force as in pel_sim_get_forces */
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
@@ -160,8 +160,8 @@ void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
 uint64_t pel_sim_hash(const pel_sim *sim);
 
-/* Snapshot: everything a later pel_sim_load needs to continue with the same bits, in a buffer of pel_sim_save_size bytes
-   (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT). */
+/* Snapshot: everything a later pel_sim_load needs to continue with the same bits, in a buffer of pel_sim_save_size
+   bytes (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT). */
 size_t pel_sim_save_size(const pel_sim *sim);
 void pel_sim_save(const pel_sim *sim, void *bytes);
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);

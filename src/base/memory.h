@@ -5,7 +5,8 @@
 
 #include <stddef.h>
 
-/* count zeroed elements of size bytes; null when out of memory or when count * size overflows; count 0 gives non-null */
+/* count zeroed elements of size bytes; null when out of memory or when count * size overflows; count 0 gives non-null
+ */
 void *pel_allocate(size_t count, size_t size);
 /* the same on a 64-byte boundary */
 void *pel_allocate_aligned(size_t count, size_t size);

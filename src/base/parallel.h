@@ -14,7 +14,7 @@ static inline int pel_thread_limit(void)
     return omp_get_max_threads();
 }
 #else
-#define PEL_PARALLEL_FOR(threads) (void) (threads);
+#define PEL_PARALLEL_FOR(threads) (void)(threads);
 static inline int pel_thread_limit(void)
 {
     return 1;

@@ -5,13 +5,13 @@
 #include <string.h>
 
 static const char *const status_texts[PEL_STATUS_COUNT] = {
-    "ok",          "out of memory", "bad argument", "bad file", "bad format",
-    "bad mesh",    "bad scene",     "unstable",     "diverged", "stopped",
+    "ok",       "out of memory", "bad argument", "bad file", "bad format",
+    "bad mesh", "bad scene",     "unstable",     "diverged", "stopped",
 };
 
 const char *pel_status_text(pel_status status)
 {
-    return (unsigned) status < PEL_STATUS_COUNT ? status_texts[status] : "unknown status";
+    return (unsigned)status < PEL_STATUS_COUNT ? status_texts[status] : "unknown status";
 }
 
 pel_status pel_fail(pel_error *error, pel_status status, const char *what_format, ...)
@@ -81,7 +81,7 @@ static void append(char *text, size_t size, size_t *length, const char *format, 
     int written = vsnprintf(text + *length, size - *length, format, arguments);
     va_end(arguments);
     if (written > 0)
-        *length += (size_t) written;
+        *length += (size_t)written;
 }
 
 const char *pel_error_text(const pel_error *error, char *text, size_t size)
@@ -92,14 +92,14 @@ const char *pel_error_text(const pel_error *error, char *text, size_t size)
     if (error->file[0] != '\0')
         append(text, size, &length, "%s:", error->file);
     if (error->line > 0)
-        append(text, size, &length, "%d:", (int) error->line);
+        append(text, size, &length, "%d:", (int)error->line);
     if (error->column > 0)
-        append(text, size, &length, "%d:", (int) error->column);
+        append(text, size, &length, "%d:", (int)error->column);
     if (error->byte_offset >= 0)
-        append(text, size, &length, "byte %lld:", (long long) error->byte_offset);
+        append(text, size, &length, "byte %lld:", (long long)error->byte_offset);
     append(text, size, &length, "%serror: ", length > 0 ? " " : "");
     if (error->element >= 0)
-        append(text, size, &length, "%s %lld: ", error->element_kind, (long long) error->element);
+        append(text, size, &length, "%s %lld: ", error->element_kind, (long long)error->element);
     append(text, size, &length, "%s", error->what);
     if (error->remedy[0] != '\0')
         append(text, size, &length, ". %s", error->remedy);

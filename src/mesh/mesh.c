@@ -11,8 +11,9 @@ static pel_status check_arrays(const double (*positions)[3], int32_t vertex_coun
                                int32_t triangle_count, pel_error *error)
 {
     if (vertex_count < 1 || triangle_count < 1)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "mesh has %d vertices and %d triangles; at least one of each is needed",
-                        (int) vertex_count, (int) triangle_count);
+        return pel_fail(error, PEL_BAD_ARGUMENT,
+                        "mesh has %d vertices and %d triangles; at least one of each is needed", (int)vertex_count,
+                        (int)triangle_count);
     for (int32_t v = 0; v < vertex_count; v++) {
         const double *p = positions[v];
         if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) {
@@ -25,7 +26,7 @@ static pel_status check_arrays(const double (*positions)[3], int32_t vertex_coun
         for (int i = 0; i < 3; i++) {
             int32_t v = triangles[t][i];
             if (v < 0 || v >= vertex_count) {
-                pel_fail(error, PEL_BAD_ARGUMENT, "vertex index %d is outside 0..%d", (int) v, (int) vertex_count - 1);
+                pel_fail(error, PEL_BAD_ARGUMENT, "vertex index %d is outside 0..%d", (int)v, (int)vertex_count - 1);
                 pel_fail_element(error, "triangle", t);
                 return PEL_BAD_ARGUMENT;
             }
@@ -46,14 +47,14 @@ pel_status pel_mesh_create(const double (*positions)[3], int32_t vertex_count, c
         return pel_fail_memory(error);
     made->vertex_count = vertex_count;
     made->triangle_count = triangle_count;
-    made->positions = pel_allocate((size_t) vertex_count, sizeof *made->positions);
-    made->triangles = pel_allocate((size_t) triangle_count, sizeof *made->triangles);
+    made->positions = pel_allocate((size_t)vertex_count, sizeof *made->positions);
+    made->triangles = pel_allocate((size_t)triangle_count, sizeof *made->triangles);
     if (made->positions == NULL || made->triangles == NULL) {
         pel_mesh_destroy(made);
         return pel_fail_memory(error);
     }
-    memcpy(made->positions, positions, (size_t) vertex_count * sizeof *positions);
-    memcpy(made->triangles, triangles, (size_t) triangle_count * sizeof *triangles);
+    memcpy(made->positions, positions, (size_t)vertex_count * sizeof *positions);
+    memcpy(made->triangles, triangles, (size_t)triangle_count * sizeof *triangles);
     *mesh = made;
     return PEL_OK;
 }
@@ -74,9 +75,10 @@ pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t componen
                               pel_error *error)
 {
     if (component_count < 1 || name[0] == '\0' || strlen(name) >= PEL_NAME_SIZE)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "field name '%s' is empty or longer than %d characters, or it has no components",
-                        name, PEL_NAME_SIZE - 1);
-    size_t count = (size_t) mesh->vertex_count * (size_t) component_count;
+        return pel_fail(error, PEL_BAD_ARGUMENT,
+                        "field name '%s' is empty or longer than %d characters, or it has no components", name,
+                        PEL_NAME_SIZE - 1);
+    size_t count = (size_t)mesh->vertex_count * (size_t)component_count;
     double *copy = pel_allocate(count, sizeof *copy);
     if (copy == NULL)
         return pel_fail_memory(error);
@@ -90,7 +92,7 @@ pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t componen
             return PEL_OK;
         }
     }
-    pel_field *fields = pel_reallocate(mesh->fields, (size_t) mesh->field_count + 1, sizeof *fields);
+    pel_field *fields = pel_reallocate(mesh->fields, (size_t)mesh->field_count + 1, sizeof *fields);
     if (fields == NULL) {
         pel_free(copy);
         return pel_fail_memory(error);
