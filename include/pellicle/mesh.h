@@ -30,7 +30,7 @@ typedef struct pel_mesh {
 /* Copies positions (vertex_count x 3) and triangles (triangle_count x 3) into a new mesh.
    Refuses NaN, infinity, indices out of range and counts below 1 (PEL_BAD_ARGUMENT with the element).
    Topology is not looked at: see pel_mesh_check. On failure *mesh is null. Free with pel_mesh_destroy. */
-pel_status pel_mesh_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
                            int32_t triangle_count, pel_mesh **mesh, pel_error *error);
 
 /* Frees a mesh and its fields; null is fine. */

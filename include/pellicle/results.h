@@ -18,8 +18,8 @@ typedef struct pel_vtp_field {
 /* One surface at one time. */
 typedef struct pel_vtp {
     int32_t vertex_count, triangle_count;
-    const double (*positions)[3];
-    const int32_t (*triangles)[3];
+    const double *positions;     /* (vertex_count x 3) */
+    const int32_t *triangles;    /* (triangle_count x 3) */
     const pel_vtp_field *fields; /* (field_count) point data */
     int32_t field_count;
     double time;   /* s, stored as TimeValue */

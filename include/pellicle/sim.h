@@ -115,17 +115,17 @@ double pel_sim_alpha_limit(const pel_sim *sim); /* the stability limit found for
 
 /* Copies out for one body: (vertex_count x 3). Velocity is that of the last step. Force is the sum of all forces of
    eq. A-2 and A-4 and the loads on each vertex at the present state, contact excluded [N]. */
-void pel_sim_get_positions(const pel_sim *sim, int32_t body, double (*positions)[3]);
-void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double (*velocities)[3]);
-void pel_sim_get_forces(pel_sim *sim, int32_t body, double (*forces)[3]);
+void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions);
+void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities);
+void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
 /* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
 /* 1 where a tool touches or holds the vertex, else 0 (vertex_count). */
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
 
 /* Setters between steps. Values are checked like the defs. */
-pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double (*positions)[3], pel_error *error);
-pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double (*velocities)[3], pel_error *error);
+pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *positions, pel_error *error);
+pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velocities, pel_error *error);
 pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force[3], pel_error *error);
 /* From now on the tool's pose is what the caller sets, not its keys (haptic device, mouse). */
 pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double position[3], const double rotation[4],

@@ -13,12 +13,12 @@ extern "C" {
 typedef struct pel_topology {
     int32_t vertex_count, triangle_count, edge_count;
     int32_t boundary_edge_count;
-    const int32_t (*triangles)[3]; /* (triangle_count x 3), a copy */
-    int32_t *twin;                 /* (3 triangle_count) opposite half-edge, -1 on the boundary */
-    int32_t *corner_of_vertex;     /* (vertex_count) an outgoing half-edge; -1 = isolated; on the boundary the one from
-                                      which turning by pel_half_edge_turn visits all outgoing half-edges of the vertex */
-    int32_t *edge_of_half_edge;    /* (3 triangle_count) */
-    int32_t *half_edge_of_edge;    /* (edge_count) the lower of its half-edges; edges are numbered by it */
+    int32_t (*triangles)[3];    /* (triangle_count x 3), a copy */
+    int32_t *twin;              /* (3 triangle_count) opposite half-edge, -1 on the boundary */
+    int32_t *corner_of_vertex;  /* (vertex_count) an outgoing half-edge; -1 = isolated; on the boundary the one from
+                                   which turning by pel_half_edge_turn visits all outgoing half-edges of the vertex */
+    int32_t *edge_of_half_edge; /* (3 triangle_count) */
+    int32_t *half_edge_of_edge; /* (edge_count) the lower of its half-edges; edges are numbered by it */
 } pel_topology;
 
 /* Builds the table in linear time. Refuses (PEL_BAD_MESH with edge or vertex) what is not an oriented manifold with

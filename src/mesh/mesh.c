@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static pel_status check_arrays(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+static pel_status check_arrays(const double *positions, int32_t vertex_count, const int32_t *triangles,
                                int32_t triangle_count, pel_error *error)
 {
     if (vertex_count < 1 || triangle_count < 1)
@@ -15,7 +15,7 @@ static pel_status check_arrays(const double (*positions)[3], int32_t vertex_coun
                         "mesh has %d vertices and %d triangles; at least one of each is needed", (int)vertex_count,
                         (int)triangle_count);
     for (int32_t v = 0; v < vertex_count; v++) {
-        const double *p = positions[v];
+        const double *p = positions + 3 * (size_t)v;
         if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) {
             pel_fail(error, PEL_BAD_ARGUMENT, "position (%g, %g, %g) is not finite", p[0], p[1], p[2]);
             pel_fail_element(error, "vertex", v);
@@ -24,7 +24,7 @@ static pel_status check_arrays(const double (*positions)[3], int32_t vertex_coun
     }
     for (int32_t t = 0; t < triangle_count; t++) {
         for (int i = 0; i < 3; i++) {
-            int32_t v = triangles[t][i];
+            int32_t v = triangles[3 * (size_t)t + (size_t)i];
             if (v < 0 || v >= vertex_count) {
                 pel_fail(error, PEL_BAD_ARGUMENT, "vertex index %d is outside 0..%d", (int)v, (int)vertex_count - 1);
                 pel_fail_element(error, "triangle", t);
@@ -35,7 +35,7 @@ static pel_status check_arrays(const double (*positions)[3], int32_t vertex_coun
     return PEL_OK;
 }
 
-pel_status pel_mesh_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
                            int32_t triangle_count, pel_mesh **mesh, pel_error *error)
 {
     *mesh = NULL;

@@ -2,8 +2,8 @@
 
 #include "pellicle/mesh.h"
 
-static const double square[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-static const int32_t halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
+static const double square[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+static const int32_t halves[6] = {0, 1, 2, 0, 2, 3};
 
 static void test_create_copies(void **unused)
 {
@@ -22,9 +22,9 @@ static void test_create_refuses(void **unused)
     pel_mesh *mesh;
     pel_error error;
     char text[600];
-    double bad[4][3];
+    double bad[12];
     memcpy(bad, square, sizeof bad);
-    bad[2][1] = NAN;
+    bad[7] = NAN;
     assert_int_equal(pel_mesh_create(bad, 4, halves, 2, &mesh, &error), PEL_BAD_ARGUMENT);
     assert_null(mesh);
     assert_int_equal(error.element, 2);
