@@ -53,8 +53,8 @@ pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const 
         pel_mesh_destroy(made);
         return pel_fail_memory(error);
     }
-    memcpy(made->positions, positions, (size_t)vertex_count * sizeof *positions);
-    memcpy(made->triangles, triangles, (size_t)triangle_count * sizeof *triangles);
+    memcpy(made->positions, positions, (size_t)vertex_count * sizeof *made->positions);
+    memcpy(made->triangles, triangles, (size_t)triangle_count * sizeof *made->triangles);
     *mesh = made;
     return PEL_OK;
 }
