@@ -348,8 +348,8 @@ static void fill_fans(pel_model *model)
 
 static pel_status copy_mesh(const pel_mesh *mesh, pel_mesh **copy, pel_error *error)
 {
-    pel_status status = pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0],
-                                        mesh->triangle_count, copy, error);
+    pel_status status =
+        pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0], mesh->triangle_count, copy, error);
     for (int32_t f = 0; status == PEL_OK && f < mesh->field_count; f++) {
         const pel_field *field = &mesh->fields[f];
         status = pel_mesh_add_field(*copy, field->name, field->component_count, field->values, error);
@@ -540,10 +540,12 @@ void pel_model_destroy(pel_model *model)
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)
             pel_free(model->bodies[b].curves[p].keys);
     }
-    void *arrays[] = {model->bodies,     model->rest,          model->inverse_mass, model->mass,
-                      model->damping,    model->volumetric_damping, model->body_of_slice, model->mesh_vertex,
-                      model->slot_begin, model->neighbours,    model->rest_lengths, model->stiffnesses,
-                      model->triangles,  model->triangle_begin, model->fan_begin,   model->fans};
+    void *arrays[] = {model->bodies,        model->rest,           model->inverse_mass,
+                      model->mass,          model->damping,        model->volumetric_damping,
+                      model->body_of_slice, model->mesh_vertex,    model->slot_begin,
+                      model->neighbours,    model->rest_lengths,   model->stiffnesses,
+                      model->triangles,     model->triangle_begin, model->fan_begin,
+                      model->fans};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(model);

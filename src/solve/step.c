@@ -1,9 +1,12 @@
-/* Both methods are one sweep over the slices that reads every record once: bytes per vertex and step are the records (x,
-   rest, new x and, explicit, v) plus 4 + 8 (4 + 4 in float) per spring end. See docs/performance.md for what that costs. */
+/* Both methods are one sweep over the slices that reads every record once: bytes per vertex and step are the records
+   (x, rest, new x and, explicit, v) plus 4 + 8 (4 + 4 in float) per spring end. See docs/performance.md for what that
+   costs. */
 #include "solve/step.h"
 
 #include "base/parallel.h"
 #include "force/body_force.h"
+
+#include <math.h>
 
 /* slices of one chunk of a parallel loop */
 enum { CHUNK = 64 };
@@ -75,7 +78,6 @@ static inline void sweep_body(const sweep *sweep, int32_t slice_begin, int32_t s
     int32_t chunk_count = (slice_end - slice_begin + CHUNK - 1) / CHUNK;
     int thread_count = chunk_count > 1 ? sweep->step->thread_count : 1;
     double longest = result->longest;
-    int outside = 0;
     PEL_PARALLEL_FOR_REDUCE(thread_count, max : longest)
     for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
         int32_t first = slice_begin + chunk * CHUNK;
@@ -83,12 +85,12 @@ static inline void sweep_body(const sweep *sweep, int32_t slice_begin, int32_t s
         tally sum = {pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
         for (int32_t slice = first; slice < last; slice++)
             function(sweep, slice, flag, &sum);
+        /* an infinite length says that a position left the bound */
         double chunk_longest = (double)pel_wide_largest(sum.longest);
         if (!(sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3]))
             chunk_longest = INFINITY;
         longest = longest > chunk_longest ? longest : chunk_longest;
     }
-    (void)outside;
     result->longest = longest;
     result->diverged |= isinf(longest);
 }
