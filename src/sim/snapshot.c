@@ -62,54 +62,54 @@ typedef struct cursor {
     bool load;
 } cursor;
 
-static void transfer(cursor *cursor, void *data, size_t size)
+static void transfer(cursor *at, void *data, size_t size)
 {
-    if (cursor->bytes != NULL && cursor->load)
-        memcpy(data, cursor->bytes + cursor->at, size);
-    else if (cursor->bytes != NULL)
-        memcpy(cursor->bytes + cursor->at, data, size);
-    cursor->at += size;
+    if (at->bytes != NULL && at->load)
+        memcpy(data, at->bytes + at->at, size);
+    else if (at->bytes != NULL)
+        memcpy(at->bytes + at->at, data, size);
+    at->at += size;
 }
 
-static void transfer_tool(cursor *cursor, pel_tool *tool, size_t vertex_count)
+static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
 {
-    transfer(cursor, &tool->pose, sizeof tool->pose);
-    transfer(cursor, &tool->driven_pose, sizeof tool->driven_pose);
-    transfer(cursor, &tool->driven, sizeof tool->driven);
-    transfer(cursor, &tool->phase, sizeof tool->phase);
-    transfer(cursor, &tool->held_count, sizeof tool->held_count);
-    transfer(cursor, &tool->contact_count, sizeof tool->contact_count);
-    transfer(cursor, tool->force, sizeof tool->force);
-    transfer(cursor, tool->torque, sizeof tool->torque);
+    transfer(at, &tool->pose, sizeof tool->pose);
+    transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
+    transfer(at, &tool->driven, sizeof tool->driven);
+    transfer(at, &tool->phase, sizeof tool->phase);
+    transfer(at, &tool->held_count, sizeof tool->held_count);
+    transfer(at, &tool->contact_count, sizeof tool->contact_count);
+    transfer(at, tool->force, sizeof tool->force);
+    transfer(at, tool->torque, sizeof tool->torque);
     if (tool->grasp) {
-        transfer(cursor, tool->held, vertex_count * sizeof *tool->held);
-        transfer(cursor, tool->anchors, vertex_count * sizeof *tool->anchors);
+        transfer(at, tool->held, vertex_count * sizeof *tool->held);
+        transfer(at, tool->anchors, vertex_count * sizeof *tool->anchors);
     }
 }
 
-static void transfer_sim(cursor *cursor, const pel_sim *sim)
+static void transfer_sim(cursor *at, const pel_sim *sim)
 {
     pel_state *state = sim->state;
     size_t count = (size_t)sim->model->vertex_count;
-    transfer(cursor, state->position, count * sizeof *state->position);
-    transfer(cursor, state->position_other, count * sizeof *state->position_other);
+    transfer(at, state->position, count * sizeof *state->position);
+    transfer(at, state->position_other, count * sizeof *state->position_other);
     if (state->velocity != NULL)
-        transfer(cursor, state->velocity, count * sizeof *state->velocity);
-    transfer(cursor, state->contact, count * sizeof *state->contact);
-    transfer(cursor, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
+        transfer(at, state->velocity, count * sizeof *state->velocity);
+    transfer(at, state->contact, count * sizeof *state->contact);
+    transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
     for (int32_t l = 0; l < sim->load_count; l++)
-        transfer(cursor, sim->loads[l].force, sizeof sim->loads[l].force);
+        transfer(at, sim->loads[l].force, sizeof sim->loads[l].force);
     for (int32_t t = 0; t < sim->tool_count; t++)
-        transfer_tool(cursor, &sim->tools[t], count);
+        transfer_tool(at, &sim->tools[t], count);
     if (sim->held != NULL)
-        transfer(cursor, sim->held, count * sizeof *sim->held);
+        transfer(at, sim->held, count * sizeof *sim->held);
 }
 
 size_t pel_sim_save_size(const pel_sim *sim)
 {
-    cursor cursor = {.at = sizeof(header)};
-    transfer_sim(&cursor, sim);
-    return cursor.at;
+    cursor place = {.at = sizeof(header)};
+    transfer_sim(&place, sim);
+    return place.at;
 }
 
 void pel_sim_save(const pel_sim *sim, void *bytes)
@@ -122,8 +122,8 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
         .step = sim->state->step,
     };
     memcpy(bytes, &head, sizeof head);
-    cursor cursor = {.bytes = bytes, .at = sizeof head};
-    transfer_sim(&cursor, sim);
+    cursor place = {.bytes = bytes, .at = sizeof head};
+    transfer_sim(&place, sim);
 }
 
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
@@ -139,8 +139,8 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     if (head.fingerprint != fingerprint(sim) || size != pel_sim_save_size(sim))
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another model, solver or set of tools");
     /* the bytes are only read: the cursor copies out of them */
-    cursor cursor = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
-    transfer_sim(&cursor, sim);
+    cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
+    transfer_sim(&place, sim);
     sim->state->step = head.step;
     return PEL_OK;
 }

@@ -163,6 +163,8 @@ double pel_stability_dt(const pel_stability *stability, double stiffness, bool s
     if (symplectic)
         return (sqrt(drag * drag + 4 * stiffness) - drag) / stiffness;
     double oscillating = stability->drag / stiffness;
-    double creeping = drag * drag > 4 * stiffness ? 4 / (drag + sqrt(drag * drag - 4 * stiffness)) : INFINITY;
+    double creeping = HUGE_VAL;
+    if (drag * drag > 4 * stiffness)
+        creeping = 4 / (drag + sqrt(drag * drag - 4 * stiffness));
     return fmin(oscillating, creeping);
 }
