@@ -9,6 +9,7 @@
 #include "model.h"
 #include "results.h"
 #include "sim.h"
+#include "subdivide.h"
 #include "topology.h"
 
 #endif
