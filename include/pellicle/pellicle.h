@@ -8,6 +8,7 @@
 #include "mesh_io.h"
 #include "model.h"
 #include "results.h"
+#include "shape.h"
 #include "sim.h"
 #include "subdivide.h"
 #include "topology.h"

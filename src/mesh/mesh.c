@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "mesh/allocate.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -35,6 +36,22 @@ static pel_status check_arrays(const double *positions, int32_t vertex_count, co
     return PEL_OK;
 }
 
+pel_mesh *pel_mesh_allocate(int32_t vertex_count, int32_t triangle_count)
+{
+    pel_mesh *mesh = pel_allocate(1, sizeof *mesh);
+    if (mesh == NULL)
+        return NULL;
+    mesh->vertex_count = vertex_count;
+    mesh->triangle_count = triangle_count;
+    mesh->positions = pel_allocate((size_t)vertex_count, sizeof *mesh->positions);
+    mesh->triangles = pel_allocate((size_t)triangle_count, sizeof *mesh->triangles);
+    if (mesh->positions == NULL || mesh->triangles == NULL) {
+        pel_mesh_destroy(mesh);
+        return NULL;
+    }
+    return mesh;
+}
+
 pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
                            int32_t triangle_count, pel_mesh **mesh, pel_error *error)
 {
@@ -42,17 +59,9 @@ pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const 
     pel_status status = check_arrays(positions, vertex_count, triangles, triangle_count, error);
     if (status != PEL_OK)
         return status;
-    pel_mesh *made = pel_allocate(1, sizeof *made);
+    pel_mesh *made = pel_mesh_allocate(vertex_count, triangle_count);
     if (made == NULL)
         return pel_fail_memory(error);
-    made->vertex_count = vertex_count;
-    made->triangle_count = triangle_count;
-    made->positions = pel_allocate((size_t)vertex_count, sizeof *made->positions);
-    made->triangles = pel_allocate((size_t)triangle_count, sizeof *made->triangles);
-    if (made->positions == NULL || made->triangles == NULL) {
-        pel_mesh_destroy(made);
-        return pel_fail_memory(error);
-    }
     memcpy(made->positions, positions, (size_t)vertex_count * sizeof *made->positions);
     memcpy(made->triangles, triangles, (size_t)triangle_count * sizeof *made->triangles);
     *mesh = made;

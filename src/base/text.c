@@ -1,0 +1,61 @@
+#include "base/text.h"
+
+#include <string.h>
+
+enum { LONGEST = 63 };
+
+static char folded(char letter)
+{
+    if (letter == '_')
+        return '-';
+    return letter >= 'A' && letter <= 'Z' ? (char)(letter - 'A' + 'a') : letter;
+}
+
+static size_t smaller(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+static size_t cut_length(const char *text)
+{
+    return smaller(strlen(text), LONGEST);
+}
+
+size_t pel_edit_distance(const char *a, const char *b)
+{
+    size_t a_length = cut_length(a), b_length = cut_length(b);
+    /* rows i - 2, i - 1 and i of the table: distance of the first i letters of a and the first j of b */
+    size_t rows[3][LONGEST + 1];
+    for (size_t j = 0; j <= b_length; j++)
+        rows[0][j] = j;
+    for (size_t i = 1; i <= a_length; i++) {
+        size_t *row = rows[i % 3];
+        const size_t *above = rows[(i + 2) % 3], *above_that = rows[(i + 1) % 3];
+        row[0] = i;
+        for (size_t j = 1; j <= b_length; j++) {
+            char p = folded(a[i - 1]), q = folded(b[j - 1]);
+            row[j] = smaller(above[j - 1] + (p != q), smaller(above[j], row[j - 1]) + 1);
+            if (i > 1 && j > 1 && p == folded(b[j - 2]) && q == folded(a[i - 2]))
+                row[j] = smaller(row[j], above_that[j - 2] + (p != q));
+        }
+    }
+    return rows[a_length % 3][b_length];
+}
+
+const char *pel_nearest_name(const char *name, const char *const *names, size_t count)
+{
+    size_t length = cut_length(name);
+    size_t allowed = length / 3 > 2 ? length / 3 : 2;
+    const char *nearest = NULL;
+    for (size_t i = 0; i < count; i++) {
+        size_t distance = pel_edit_distance(name, names[i]);
+        /* a name of which nothing is left is no help */
+        if (distance <= allowed && distance < strlen(names[i])) {
+            allowed = distance > 0 ? distance - 1 : 0;
+            nearest = names[i];
+            if (distance == 0)
+                break;
+        }
+    }
+    return nearest;
+}
