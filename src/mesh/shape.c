@@ -296,7 +296,7 @@ pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error
     }
     switch (def->kind) {
     case PEL_SHAPE_GEODESIC_SPHERE:
-        return pel_shape_geodesic_sphere(def->frequency, def->radius, mesh, error);
+        return pel_shape_geodesic_sphere(def->frequency, def->radius, false, mesh, error);
     case PEL_SHAPE_UV_SPHERE:
         return pel_shape_uv_sphere(def, mesh, error);
     case PEL_SHAPE_GRID:
