@@ -1,3 +1,4 @@
+#include "failing_malloc.h"
 #include "sample.h"
 
 #include "pellicle/subdivide.h"
@@ -104,6 +105,23 @@ static void test_interpolate(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+static pel_status forest_case(const void *mesh, pel_error *error)
+{
+    pel_lod_forest *forest = (pel_lod_forest *)1;
+    pel_status status = pel_lod_forest_create(mesh, 2, 0, &forest, error);
+    assert_true((status == PEL_OK) == (forest != NULL));
+    pel_lod_forest_destroy(forest);
+    return status;
+}
+
+static void test_out_of_memory(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = sample_sphere(3);
+    assert_true(for_every_allocation_failure(forest_case, mesh) > 10);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -111,6 +129,7 @@ int main(void)
         cmocka_unit_test(test_family),
         cmocka_unit_test(test_memory_bound),
         cmocka_unit_test(test_interpolate),
+        cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,3 +1,4 @@
+#include "failing_malloc.h"
 #include "sample.h"
 
 #include "pellicle/subdivide.h"
@@ -418,6 +419,25 @@ static void test_refusals(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+static pel_status subdivide_case(const void *mesh, pel_error *error)
+{
+    pel_mesh *fine = (pel_mesh *)1;
+    pel_status status = pel_mesh_subdivide(mesh, 2, &fine, error);
+    assert_true((status == PEL_OK) == (fine != NULL));
+    pel_mesh_destroy(fine);
+    return status;
+}
+
+static void test_out_of_memory(void **unused)
+{
+    (void)unused;
+    random_state random = {25};
+    pel_mesh *mesh = sample_random(&random);
+    assert_int_equal(pel_mesh_add_field(mesh, "two", 2, NULL, NULL), PEL_OK);
+    assert_true(for_every_allocation_failure(subdivide_case, mesh) > 10);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -431,6 +451,7 @@ int main(void)
         cmocka_unit_test(test_levels),
         cmocka_unit_test(test_smallest_meshes),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
