@@ -82,7 +82,7 @@ static pel_ccd_batch cleaned(const pel_ccd_batch *batch)
     if (clean.min_separation < 0)
         clean.min_separation = 0;
     if (clean.min_separation != clean.min_separation)
-        clean.min_separation = INFINITY;
+        clean.min_separation = (double)INFINITY;
     return clean;
 }
 

@@ -45,6 +45,21 @@ static inline pel_sim *make_sim(const pel_sim_def *def)
     return sim;
 }
 
+static inline int32_t nearest_vertex(const pel_mesh *mesh, double x, double y, double z)
+{
+    int32_t nearest = 0;
+    double least = HUGE_VAL;
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        const double *p = mesh->positions[v];
+        double square = (p[0] - x) * (p[0] - x) + (p[1] - y) * (p[1] - y) + (p[2] - z) * (p[2] - z);
+        if (square < least) {
+            least = square;
+            nearest = v;
+        }
+    }
+    return nearest;
+}
+
 static inline void run_steps(pel_sim *sim, int count)
 {
     pel_error error;

@@ -19,7 +19,7 @@ static pel_sim *press_sphere(pel_mesh *mesh, pel_model **model, const press_case
     body.volumetric_stiffness.value *= press->volumetric;
     body.volumetric_damping.value *= press->volumetric;
     *model = make_model(&body);
-    static const int32_t pole = 0;
+    const int32_t pole = nearest_vertex(mesh, 0, 0, 1);
     pel_load_def load = pel_load_def_default();
     load.force[2] = -1;
     load.vertices = &pole;
@@ -41,12 +41,13 @@ static void check_press(const press_case *press)
 {
     pel_mesh *mesh = make_sphere(5);
     assert_int_equal(mesh->vertex_count, 252);
+    const int32_t pole = nearest_vertex(mesh, 0, 0, 1);
     pel_model *model;
     pel_sim *sim = press_sphere(mesh, &model, press, 1);
     run_steps(sim, 500);
-    assert_near(1 - height_of(sim, 0), press->depth, FIGURE);
+    assert_near(mesh->positions[pole][2] - height_of(sim, pole), press->depth, FIGURE);
     run_steps(sim, 500);
-    assert_near(1 - height_of(sim, 0), press->residual, FIGURE);
+    assert_near(mesh->positions[pole][2] - height_of(sim, pole), press->residual, FIGURE);
     pel_sim_destroy(sim);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
@@ -69,7 +70,7 @@ static int sign_changes(const press_case *press)
     double before = 0, last = 1;
     for (int n = 0; n < 1000; n++) {
         run_steps(sim, 1);
-        double height = height_of(sim, 0), speed = height - last;
+        double height = height_of(sim, nearest_vertex(mesh, 0, 0, 1)), speed = height - last;
         /* rises and falls of less than a millionth of the radius do not count */
         if (fabs(speed) > 1e-6) {
             changes += before * speed < 0;
@@ -340,7 +341,7 @@ static void test_divergence_is_reported_and_undone(void **unused)
     assert_int_equal(pel_sim_set_load_force(sim, 0, huge, NULL), PEL_OK);
     pel_error error;
     assert_int_equal(pel_sim_step(sim, &error), PEL_DIVERGED);
-    assert_int_equal(error.element, 0);
+    assert_int_equal(error.element, nearest_vertex(mesh, 0, 0, 1));
     assert_non_null(strstr(error.what, "step 4"));
     assert_true(pel_sim_hash(sim) == before);
     pel_sim_destroy(sim);
