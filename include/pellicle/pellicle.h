@@ -3,6 +3,7 @@
 #define PELLICLE_H
 
 #include "base.h"
+#include "geometry.h"
 #include "mesh.h"
 #include "mesh_io.h"
 #include "model.h"
