@@ -12,6 +12,42 @@ int cli_report(const pel_error *error)
     return error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
+int cli_report_to(const pel_error *error, cli_json *json)
+{
+    if (json != NULL) {
+        cli_json_bool(json, "ok", false);
+        cli_json_open(json, "error", '{');
+        cli_json_text(json, "status", pel_status_text(error->status));
+        cli_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
+        if (error->line > 0)
+            cli_json_integer(json, "line", error->line);
+        if (error->column > 0)
+            cli_json_integer(json, "column", error->column);
+        if (error->byte_offset >= 0)
+            cli_json_integer(json, "byte_offset", error->byte_offset);
+        if (error->element >= 0) {
+            cli_json_text(json, "element_kind", error->element_kind);
+            cli_json_integer(json, "element", error->element);
+        }
+        cli_json_text(json, "what", error->what);
+        cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
+        cli_json_close(json, '}');
+    }
+    return cli_report(error);
+}
+
+bool cli_is_scene(const char *path)
+{
+    static const char *const endings[] = {".yaml", ".yml", ".json"};
+    size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i) {
+        size_t size = strlen(endings[i]);
+        if (length > size && strcmp(path + length - size, endings[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
 static void write_note(void *user, const char *text)
 {
     (void)user;
@@ -20,13 +56,13 @@ static void write_note(void *user, const char *text)
 
 const pel_log cli_notes = {.write = write_note};
 
-pel_mesh *cli_read_mesh(const char *path, const pel_log *log, int *status)
+pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, int *status)
 {
     pel_mesh *mesh = NULL;
     pel_error error;
     *status = CLI_DONE;
     if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK)
-        *status = cli_report(&error);
+        *status = cli_report_to(&error, json);
     return mesh;
 }
 

@@ -36,6 +36,7 @@ static void print_reply(FILE *file, cli_kind kind, cli_words *words)
         break;
     case CLI_FLAG:
     case CLI_COUNT:
+    case CLI_LENGTH:
         fputs("COMPREPLY=()", file);
         break;
     }

@@ -2,6 +2,7 @@
 
 #include <pellicle/base.h>
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,6 +96,10 @@ static bool check_value(const char *place, const char *noun, cli_kind kind, cons
         long number = strtol(value, &end, 10);
         if (*value == '\0' || *end != '\0' || number < 1 || number > 1000000000)
             return cli_complain("%s is '%s'. give a whole number from 1", place, value), false;
+    } else if (kind == CLI_LENGTH) {
+        double number = strtod(value, &end);
+        if (*value == '\0' || *end != '\0' || !isfinite(number) || number < 0.0)
+            return cli_complain("%s is '%s'. give a number from 0", place, value), false;
     } else if (kind == CLI_SETTING) {
         const char *equals = strchr(value, '=');
         if (equals == NULL || equals == value)
@@ -230,6 +235,12 @@ int cli_count(const cli_call *call, const char *option)
 {
     const char *value = cli_value(call, option);
     return value != NULL ? atoi(value) : 0;
+}
+
+double cli_number(const cli_call *call, const char *option)
+{
+    const char *value = cli_value(call, option);
+    return value != NULL ? strtod(value, NULL) : 0.0;
 }
 
 int cli_values(const cli_call *call, const char *option, const char **values)

@@ -12,6 +12,7 @@ enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_BAD_INPUT = 2 };
 typedef enum cli_kind {
     CLI_FLAG,    /* no value */
     CLI_COUNT,   /* whole number from 1 */
+    CLI_LENGTH,  /* number from 0 */
     CLI_SETTING, /* key=value */
     CLI_WORD,    /* one of `words` */
     CLI_FILE,
@@ -89,6 +90,8 @@ bool cli_has(const cli_call *call, const char *option);
 const char *cli_value(const cli_call *call, const char *option);
 /* the same for a CLI_COUNT; 0 when not given */
 int cli_count(const cli_call *call, const char *option);
+/* the same for a CLI_LENGTH */
+double cli_number(const cli_call *call, const char *option);
 /* copies the values of a repeated option to values (given_count), returns how many */
 int cli_values(const cli_call *call, const char *option, const char **values);
 

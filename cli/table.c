@@ -70,7 +70,8 @@ static const cli_command commands[] = {
         .summary = "find what is wrong with a mesh or a scene; repair a mesh",
         .text = "Says every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
                 "checked as a scene, with the meshes it names; anything else as a mesh.\n\n"
-                "Exit status 0: nothing stands in the way of a simulation (notes may be printed); 2: something does.",
+                "Exit status 0: fine (notes may be printed), or repaired and written; 2: there are errors (cannot be "
+                "simulated) or warnings (can be, but is probably not what was meant).",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .letter = 'x',
@@ -79,6 +80,13 @@ static const cli_command commands[] = {
                      .doc = "write the repaired mesh: vertices welded, degenerate, duplicate and isolated elements "
                             "dropped, triangles turned the same way and outward. Nothing is written when the result "
                             "still could not be simulated"},
+                    {.name = "tolerance",
+                     .letter = 't',
+                     .kind = CLI_LENGTH,
+                     .value = "LENGTH",
+                     .doc = "with --fix: weld vertices up to this far apart [units of the file]; left out: 0, only "
+                            "those at exactly the same place"},
+                    FORMAT_OPTION,
                     JSON_OPTION},
         .examples = "pellicle check liver.obj\n"
                     "pellicle check scan.stl --fix scan-fixed.ply\n"
