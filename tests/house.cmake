@@ -23,3 +23,10 @@ foreach(header ${HEADERS})
     add_test(NAME header/${header}_c99 COMMAND ${CMAKE_C_COMPILER} -std=c99 ${HEADER_FLAGS} ${alone})
     add_test(NAME header/${header}_c++17 COMMAND ${CMAKE_CXX_COMPILER} -std=c++17 ${HEADER_FLAGS} -x c++ ${alone})
 endforeach()
+
+# the installed library from outside; a sanitized or instrumented archive needs flags that outsiders do not have
+file(GLOB SIM_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/sim/*.c)
+if(SIM_SOURCES AND NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
+    add_test(NAME house/install COMMAND bash ${HOUSE}/install.sh ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}
+                                        ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
+endif()

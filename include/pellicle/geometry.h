@@ -32,6 +32,85 @@ double pel_closest_segment_segment(const double a[3], const double b[3], const d
 double pel_closest_segment_triangle(const double a[3], const double b[3], const double c0[3], const double c1[3],
                                     const double c2[3], double weights[5]);
 
+/* Continuous collision of points that move on straight lines, x(t) = start + t (end - start), 0 <= t <= 1.
+
+   The answer is "hit" unless freedom was proved with bounded rounding error, so there is no false negative by
+   construction: what comes within min_separation, touching included, is always found. A wrong "hit" needs a gap (beyond
+   min_separation) below `tolerance` or below about 1e-14 of the size of the features. Only differences of points
+   matter, not their place in the world; the answer does not depend on the order of the points of a face or an edge nor
+   of the two edges; degenerate faces and edges, and pairs that do not move, are treated as what they are. NaN and
+   infinite input cannot be ruled out and is a hit.
+
+   min_separation  length >= 0; negative counts as 0
+   tolerance       length: a motion is followed until the features move less than this, relative to each other, in the
+                   time interval that is left. 1e-6 of the size of the features is usual; 0 = as fine as double allows
+ */
+
+/* The first time at which freedom could not be proved any longer. */
+typedef struct pel_ccd_hit {
+    double time_of_impact; /* never later than the true one: until then the features are more than min_separation apart.
+                              At this time they are at most min_separation + tolerance apart */
+    double weight[4];      /* of the four points at the closest place: 1, then minus the barycentric coordinates
+                              (vertex-face), or (1-s), s, -(1-u), -u (edge-edge): their sum is 0, and
+                              sum weight[i] x[i] is the vector from the face (edge 2,3) to the vertex (edge 0,1) */
+    double normal[3];      /* unit vector from the face (edge 2,3) to the vertex (edge 0,1), on the side where they were
+                              before the hit; 0 when the input is not finite */
+} pel_ccd_hit;
+
+/* Point 0 against triangle 1,2,3. True = they come within min_separation during the step, or this cannot be ruled out;
+ *hit (nullable) is written only then. */
+bool pel_ccd_vertex_face(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
+                         pel_ccd_hit *hit);
+
+/* Edge 0,1 against edge 2,3. Otherwise as above. */
+bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
+                       pel_ccd_hit *hit);
+
+/* The non-penetration filter alone (Tang, Manocha, Tong 2010, with a bound of the rounding error): false = the four
+   points never become coplanar (nor come within min_separation of it), so there is no contact; true = may touch. */
+bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation);
+
+/* The plain method of Bridson, Fedkiw and Anderson 2002 that Sun et al. 2021 use: roots of the coplanarity cubic, then
+   the distance at the root, and at the end of the step, against min_separation + tolerance. Kept for comparison: it has
+   false negatives where the four points stay (nearly) coplanar, and its time of impact may be late by rounding. */
+bool pel_ccd_bridson(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation,
+                     double tolerance, pel_ccd_hit *hit);
+
+typedef enum pel_ccd_method {
+    PEL_CCD_CONSERVATIVE, /* filter, separating axes, conservative time of impact */
+    PEL_CCD_BRIDSON       /* filter, then the plain cubic */
+} pel_ccd_method;
+
+/* Many queries of one kind on one set of points. */
+typedef struct pel_ccd_batch {
+    const double *start, *end; /* (point count x 3) */
+    const int32_t *points; /* (query_count x 4) numbers of the points of a query; null: query i has points 4i..4i+3 */
+    int32_t query_count;
+    bool edge_edge;        /* false: vertex-face */
+    pel_ccd_method method; /* of pel_ccd_solve_batch */
+    double min_separation; /* as above */
+    double tolerance;
+} pel_ccd_batch;
+
+/* How far queries got: each number counts those that passed a stage. Functions add to it. */
+typedef struct pel_ccd_statistics {
+    int64_t queries;
+    int64_t passed_filter; /* not ruled out by the non-penetration filter */
+    int64_t passed_hull;   /* nor by separating axes of the swept hull: for these the cubic was solved */
+    int64_t hits;
+    int64_t intervals;  /* time intervals looked at for them */
+    int64_t fall_backs; /* hits because the budget of intervals was used up */
+} pel_ccd_statistics;
+
+/* Filter alone, four queries at a time: writes the numbers of the queries that may touch, rising, to survivors
+   (query_count) and returns how many there are. */
+int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors);
+
+/* All stages: writes the numbers of the queries that hit, rising, to queries (query_count) and the hits to hits
+   (query_count, nullable); returns how many there are. statistics is nullable. */
+int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
+                            pel_ccd_statistics *statistics);
+
 #ifdef __cplusplus
 }
 #endif

@@ -44,6 +44,21 @@ pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t componen
 /* The field of that name, or null. Lives as long as the mesh. */
 const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name);
 
+/* Moves points by x -> rotation (scale x) + translation. */
+typedef struct pel_transform {
+    double scale[3];       /* factor along each axis, not 0; an odd number of negative ones mirrors */
+    double rotation[4];    /* quaternion x, y, z, w, normalized when used */
+    double translation[3]; /* m */
+} pel_transform;
+
+/* Scale 1, no rotation, no translation. */
+pel_transform pel_transform_default(void);
+
+/* Moves all vertices, for use right after creation; fields stay as they are. A mirroring transform also turns the
+   triangles around, so that outside stays outside. PEL_BAD_ARGUMENT (mesh unchanged): a number that is NaN or infinite,
+   a zero scale or rotation, a vertex that would not be finite. */
+pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pel_error *error);
+
 #ifdef __cplusplus
 }
 #endif

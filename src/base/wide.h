@@ -1,7 +1,7 @@
 /* Wide scalars of the simulation: four pel_real lanes, written with the vector extensions that GCC and Clang share, so
-   that one source compiles for any target; without vector instructions the compiler splits the lanes. Every operation is
-   exact IEEE arithmetic per lane in a fixed order: the same bits with and without AVX2.
-   Tried and lost: hardware gathers (3.5 times slower than record loads and transposes on Zen 4). */
+   that one source compiles for any target; without vector instructions the compiler splits the lanes. Every operation
+   is exact IEEE arithmetic per lane in a fixed order: the same bits with and without AVX2. Tried and lost: hardware
+   gathers (3.5 times slower than record loads and transposes on Zen 4). */
 #ifndef PEL_BASE_WIDE_H
 #define PEL_BASE_WIDE_H
 
@@ -68,8 +68,10 @@ static inline pel_real pel_wide_largest(pel_wide a)
 /* rows to columns: four records in, their x, y, z and fourth numbers out (and back) */
 static inline void pel_wide_transpose(pel_wide *a, pel_wide *b, pel_wide *c, pel_wide *d)
 {
-    pel_wide ab_low = __builtin_shufflevector(*a, *b, 0, 4, 2, 6), ab_high = __builtin_shufflevector(*a, *b, 1, 5, 3, 7);
-    pel_wide cd_low = __builtin_shufflevector(*c, *d, 0, 4, 2, 6), cd_high = __builtin_shufflevector(*c, *d, 1, 5, 3, 7);
+    pel_wide ab_low = __builtin_shufflevector(*a, *b, 0, 4, 2, 6),
+             ab_high = __builtin_shufflevector(*a, *b, 1, 5, 3, 7);
+    pel_wide cd_low = __builtin_shufflevector(*c, *d, 0, 4, 2, 6),
+             cd_high = __builtin_shufflevector(*c, *d, 1, 5, 3, 7);
     *a = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
     *b = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
     *c = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);

@@ -86,9 +86,8 @@ static inline pel_body_force pel_body_force_of(const pel_model *model, const pel
 static inline pel_wide3 pel_elastic_force(const pel_model *model, const pel_record *position, int32_t slice,
                                           const pel_wide3 *own, const pel_body_force *body, pel_wide *longest)
 {
-    pel_wide3 force = body->uniform
-                          ? pel_spring_force(model, position, slice, own, true, body->stiffness, longest)
-                          : pel_spring_force(model, position, slice, own, false, body->stiffness, longest);
+    pel_wide3 force = body->uniform ? pel_spring_force(model, position, slice, own, true, body->stiffness, longest)
+                                    : pel_spring_force(model, position, slice, own, false, body->stiffness, longest);
     pel_slice rest = pel_slice_load(model->rest, slice); /* its fourth number is k' */
     pel_wide k = pel_wide_splat(body->volumetric_stiffness) * rest.inverse_mass;
     force.x += k * (rest.position.x - own->x);

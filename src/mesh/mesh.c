@@ -2,6 +2,8 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/vec3.h"
+#include "mesh/allocate.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -35,6 +37,22 @@ static pel_status check_arrays(const double *positions, int32_t vertex_count, co
     return PEL_OK;
 }
 
+pel_mesh *pel_mesh_allocate(int32_t vertex_count, int32_t triangle_count)
+{
+    pel_mesh *mesh = pel_allocate(1, sizeof *mesh);
+    if (mesh == NULL)
+        return NULL;
+    mesh->vertex_count = vertex_count;
+    mesh->triangle_count = triangle_count;
+    mesh->positions = pel_allocate((size_t)vertex_count, sizeof *mesh->positions);
+    mesh->triangles = pel_allocate((size_t)triangle_count, sizeof *mesh->triangles);
+    if (mesh->positions == NULL || mesh->triangles == NULL) {
+        pel_mesh_destroy(mesh);
+        return NULL;
+    }
+    return mesh;
+}
+
 pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
                            int32_t triangle_count, pel_mesh **mesh, pel_error *error)
 {
@@ -42,17 +60,9 @@ pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const 
     pel_status status = check_arrays(positions, vertex_count, triangles, triangle_count, error);
     if (status != PEL_OK)
         return status;
-    pel_mesh *made = pel_allocate(1, sizeof *made);
+    pel_mesh *made = pel_mesh_allocate(vertex_count, triangle_count);
     if (made == NULL)
         return pel_fail_memory(error);
-    made->vertex_count = vertex_count;
-    made->triangle_count = triangle_count;
-    made->positions = pel_allocate((size_t)vertex_count, sizeof *made->positions);
-    made->triangles = pel_allocate((size_t)triangle_count, sizeof *made->triangles);
-    if (made->positions == NULL || made->triangles == NULL) {
-        pel_mesh_destroy(made);
-        return pel_fail_memory(error);
-    }
     memcpy(made->positions, positions, (size_t)vertex_count * sizeof *made->positions);
     memcpy(made->triangles, triangles, (size_t)triangle_count * sizeof *made->triangles);
     *mesh = made;
@@ -111,4 +121,71 @@ const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name)
         if (strcmp(mesh->fields[f].name, name) == 0)
             return &mesh->fields[f];
     return NULL;
+}
+
+pel_transform pel_transform_default(void)
+{
+    const pel_transform transform = {{1, 1, 1}, {0, 0, 0, 1}, {0, 0, 0}};
+    return transform;
+}
+
+/* rotation times scale; false when a number is not finite or the scale or rotation is null */
+static bool linear_part(const pel_transform *transform, double matrix[3][3])
+{
+    const double *q = transform->rotation, *scale = transform->scale;
+    double squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(isfinite(squared) && squared > 0))
+        return false;
+    double s = 2 / squared;
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    pel_vec3_set(matrix[0], 1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y));
+    pel_vec3_set(matrix[1], s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x));
+    pel_vec3_set(matrix[2], s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y));
+    bool usable = true;
+    for (int i = 0; i < 3; i++) {
+        usable = usable && isfinite(scale[i]) && scale[i] != 0 && isfinite(transform->translation[i]);
+        for (int k = 0; k < 3; k++)
+            matrix[i][k] *= scale[k];
+    }
+    return usable;
+}
+
+static void transform_point(double matrix[3][3], const double translation[3], const double point[3], double moved[3])
+{
+    for (int i = 0; i < 3; i++)
+        moved[i] = pel_vec3_dot(matrix[i], point) + translation[i];
+}
+
+static void turn_around(pel_mesh *mesh)
+{
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        int32_t second = mesh->triangles[t][1];
+        mesh->triangles[t][1] = mesh->triangles[t][2];
+        mesh->triangles[t][2] = second;
+    }
+}
+
+pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pel_error *error)
+{
+    double matrix[3][3], moved[3];
+    if (!linear_part(transform, matrix)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "transform has a number that is not finite, or a zero scale or rotation");
+        pel_fail_remedy(error, "give finite numbers, scales other than 0 and a unit quaternion");
+        return PEL_BAD_ARGUMENT;
+    }
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        transform_point(matrix, transform->translation, mesh->positions[v], moved);
+        if (!isfinite(moved[0]) || !isfinite(moved[1]) || !isfinite(moved[2])) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "the transform moves this vertex beyond all numbers");
+            pel_fail_element(error, "vertex", v);
+            return PEL_BAD_ARGUMENT;
+        }
+    }
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        transform_point(matrix, transform->translation, mesh->positions[v], moved);
+        pel_vec3_copy(moved, mesh->positions[v]);
+    }
+    if (transform->scale[0] * transform->scale[1] * transform->scale[2] < 0)
+        turn_around(mesh);
+    return PEL_OK;
 }

@@ -308,8 +308,10 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
 {
     for (int32_t s = body->slice_begin; s < body->slice_end; s++)
         for (int32_t slot = model->slot_begin[s]; slot < model->slot_begin[s + 1]; slot++)
-            for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
+            for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
                 model->neighbours[slot][lane] = s * PEL_WIDTH + lane;
+                model->rest_lengths[slot][lane] = pel_sqrt(PEL_REAL_TINY);
+            }
     for (int32_t e = 0; e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e];
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
@@ -348,8 +350,8 @@ static void fill_fans(pel_model *model)
 
 static pel_status copy_mesh(const pel_mesh *mesh, pel_mesh **copy, pel_error *error)
 {
-    pel_status status = pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0],
-                                        mesh->triangle_count, copy, error);
+    pel_status status =
+        pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0], mesh->triangle_count, copy, error);
     for (int32_t f = 0; status == PEL_OK && f < mesh->field_count; f++) {
         const pel_field *field = &mesh->fields[f];
         status = pel_mesh_add_field(*copy, field->name, field->component_count, field->values, error);
@@ -385,38 +387,38 @@ typedef struct build {
     double *areas;
 } build;
 
-static void build_end(build *build)
+static void build_end(build *scratch)
 {
-    pel_topology_destroy(build->topology);
-    pel_free(build->order);
-    pel_free(build->valence);
-    pel_free(build->areas);
-    *build = (struct build){0};
+    pel_topology_destroy(scratch->topology);
+    pel_free(scratch->order);
+    pel_free(scratch->valence);
+    pel_free(scratch->areas);
+    *scratch = (struct build){0};
 }
 
 /* first pass: everything about a body that does not need the model's arrays */
-static pel_status begin_body(const pel_body_def *def, pel_body *body, build *build, pel_error *error)
+static pel_status begin_body(const pel_body_def *def, pel_body *body, build *scratch, pel_error *error)
 {
     size_t vertex_count = (size_t)def->mesh->vertex_count;
     snprintf(body->name, sizeof body->name, "%s", def->name);
     pel_status status = copy_mesh(def->mesh, &body->mesh, error);
     if (status == PEL_OK)
-        status = pel_topology_create(def->mesh, &build->topology, error);
+        status = pel_topology_create(def->mesh, &scratch->topology, error);
     if (status == PEL_OK)
         status = copy_curves(def, body, error);
     if (status != PEL_OK)
         return status;
     body->slot_of_vertex = pel_allocate(vertex_count, sizeof *body->slot_of_vertex);
-    build->order = pel_allocate(vertex_count, sizeof *build->order);
-    build->valence = pel_allocate(vertex_count, sizeof *build->valence);
-    build->areas = pel_allocate(vertex_count, sizeof *build->areas);
-    if (body->slot_of_vertex == NULL || build->order == NULL || build->valence == NULL || build->areas == NULL)
+    scratch->order = pel_allocate(vertex_count, sizeof *scratch->order);
+    scratch->valence = pel_allocate(vertex_count, sizeof *scratch->valence);
+    scratch->areas = pel_allocate(vertex_count, sizeof *scratch->areas);
+    if (body->slot_of_vertex == NULL || scratch->order == NULL || scratch->valence == NULL || scratch->areas == NULL)
         return pel_fail_memory(error);
-    status = lump_areas(def->mesh, build->areas, &body->rest_area, error);
+    status = lump_areas(def->mesh, scratch->areas, &body->rest_area, error);
     if (status == PEL_OK)
-        status = pel_order_vertices(build->topology, build->order, build->valence, error);
+        status = pel_order_vertices(scratch->topology, scratch->order, scratch->valence, error);
     for (size_t v = 0; status == PEL_OK && v < vertex_count; v++)
-        if (build->valence[v] == 0) {
+        if (scratch->valence[v] == 0) {
             pel_fail(error, PEL_BAD_MESH, "vertex belongs to no triangle");
             pel_fail_element(error, "vertex", (int64_t)v);
             pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
@@ -426,7 +428,7 @@ static pel_status begin_body(const pel_body_def *def, pel_body *body, build *bui
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
     body->uniform_spring = k->field != NULL ? -1 : quantity_at(k, 0);
     body->diameter = bounding_diagonal(def->mesh);
-    body->closed = build->topology->boundary_edge_count == 0;
+    body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
 }
 
@@ -540,10 +542,12 @@ void pel_model_destroy(pel_model *model)
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)
             pel_free(model->bodies[b].curves[p].keys);
     }
-    void *arrays[] = {model->bodies,     model->rest,          model->inverse_mass, model->mass,
-                      model->damping,    model->volumetric_damping, model->body_of_slice, model->mesh_vertex,
-                      model->slot_begin, model->neighbours,    model->rest_lengths, model->stiffnesses,
-                      model->triangles,  model->triangle_begin, model->fan_begin,   model->fans};
+    void *arrays[] = {model->bodies,        model->rest,           model->inverse_mass,
+                      model->mass,          model->damping,        model->volumetric_damping,
+                      model->body_of_slice, model->mesh_vertex,    model->slot_begin,
+                      model->neighbours,    model->rest_lengths,   model->stiffnesses,
+                      model->triangles,     model->triangle_begin, model->fan_begin,
+                      model->fans};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(model);

@@ -1,10 +1,10 @@
 /* Inside of the model: immutable arrays laid out for the force loops.
 
    Vertices of all bodies stand in one order: body after body, within a body by breadth-first order over the edges (so
-   that neighbours are close in memory), padded to whole slices of PEL_WIDTH. Springs stand in "sliced ELLPACK" form: slot
-   s of a slice holds one spring of each of its vertices; shorter vertices are filled up with springs to themselves, which
-   give no force. Each spring is stored at both ends: a vertex gathers its whole force alone, nothing is scattered, and the
-   sum has the same order for any number of threads. */
+   that neighbours are close in memory), padded to whole slices of PEL_WIDTH. Springs stand in "sliced ELLPACK" form:
+   slot s of a slice holds one spring of each of its vertices; shorter vertices are filled up with springs to
+   themselves, which give no force. Each spring is stored at both ends: a vertex gathers its whole force alone, nothing
+   is scattered, and the sum has the same order for any number of threads. */
 #ifndef PEL_MODEL_MODEL_H
 #define PEL_MODEL_MODEL_H
 
@@ -48,19 +48,19 @@ struct pel_model {
     int32_t triangle_count;
 
     /* by vertex; padding has no mass, no springs and repeats the body's first vertex */
-    pel_record *rest;              /* (vertex_count) rest position, volumetric stiffness */
-    pel_real *inverse_mass;        /* (vertex_count) 0 = pinned or padding */
-    pel_real *mass;                /* (vertex_count) 0 = padding */
-    pel_real *damping;             /* (vertex_count) */
-    pel_real *volumetric_damping;  /* (vertex_count) */
-    int32_t *body_of_slice;        /* (slice_count) */
-    int32_t *mesh_vertex;          /* (vertex_count) number in the body's mesh, -1 = padding */
+    pel_record *rest;             /* (vertex_count) rest position, volumetric stiffness */
+    pel_real *inverse_mass;       /* (vertex_count) 0 = pinned or padding */
+    pel_real *mass;               /* (vertex_count) 0 = padding */
+    pel_real *damping;            /* (vertex_count) */
+    pel_real *volumetric_damping; /* (vertex_count) */
+    int32_t *body_of_slice;       /* (slice_count) */
+    int32_t *mesh_vertex;         /* (vertex_count) number in the body's mesh, -1 = padding */
 
     /* by slot */
-    int32_t *slot_begin;                 /* (slice_count + 1) */
-    int32_t (*neighbours)[PEL_WIDTH];    /* (slot_count) */
-    pel_wide *rest_lengths;              /* (slot_count) */
-    pel_wide *stiffnesses;               /* (slot_count), null when every body has a uniform one */
+    int32_t *slot_begin;              /* (slice_count + 1) */
+    int32_t (*neighbours)[PEL_WIDTH]; /* (slot_count) */
+    pel_wide *rest_lengths;           /* (slot_count) */
+    pel_wide *stiffnesses;            /* (slot_count), null when every body has a uniform one */
 
     /* by triangle of all bodies, in model vertex order */
     int32_t (*triangles)[3];

@@ -1,5 +1,5 @@
 /* One step of time of paper A's body, without loads and tools. The new positions (and velocities) are written to
-   state->position_other (velocity_other), so that the present ones stay until the step is accepted. */
+   state->position_next (velocity_next), so that the present ones stay until the step is accepted. */
 #ifndef PEL_SOLVE_STEP_H
 #define PEL_SOLVE_STEP_H
 
@@ -11,7 +11,7 @@ typedef struct pel_step {
     bool keep_velocity; /* quasi-static */
     bool symplectic;    /* explicit */
     int thread_count;
-    double bound;       /* positions farther than this from the origin count as diverged */
+    double bound; /* positions farther than this from the origin count as diverged */
 } pel_step;
 
 typedef struct pel_step_result {
@@ -24,8 +24,5 @@ void pel_step_quasi_static(const pel_model *model, pel_state *state, const pel_s
 
 /* forward Euler: x' = x + dt v, v' = v + dt F(x, v) / m; symplectic: v' first, then x' = x + dt v' */
 void pel_step_explicit(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result);
-
-/* by how much a force on a vertex moves it and changes its velocity in one step, times the inverse mass */
-double pel_step_position_gain(const pel_step *step, bool explicit_method);
 
 #endif

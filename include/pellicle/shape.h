@@ -1,0 +1,121 @@
+/* Pellicle: generated triangle meshes. Every shape is an oriented manifold; closed ones are turned outward.
+
+       pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+       def.frequency = 10;
+       pel_shape_create(&def, &mesh, &error);
+
+   or by name, as the program and the scene reader do:
+
+       pel_shape_def def;
+       pel_shape_def_of_name("torus", &def, &error);
+       pel_shape_set(&def, "minor_radius", "0.2", &error); */
+#ifndef PELLICLE_SHAPE_H
+#define PELLICLE_SHAPE_H
+
+#include "mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pel_shape_kind {
+    PEL_SHAPE_GEODESIC_SPHERE, /* each side of an icosahedron cut into `frequency` parts (class I), pushed out to the
+                                  sphere: 10 frequency^2 + 2 vertices, 20 frequency^2 triangles; an edge of the
+                                  icosahedron lies across the z axis. Frequency 5 = 252 / 500, the sphere of paper A */
+    PEL_SHAPE_UV_SPHERE,       /* meridians and parallels about the z axis: slices (rings - 1) + 2 vertices; vertex 0 is
+                                  (0, 0, radius), the last one the other pole */
+    PEL_SHAPE_GRID,            /* rectangle in the plane z = 0 about the origin, normal +z; rows of constant y, lowest
+                                  first */
+    PEL_SHAPE_CYLINDER,        /* about the z axis, from -height/2 to height/2; with `capped` closed by flat discs */
+    PEL_SHAPE_TORUS,           /* about the z axis: slices x rings vertices */
+    PEL_SHAPE_CAPSULE,         /* cylinder of length `height` about the z axis with a half sphere on each end */
+    PEL_SHAPE_LENS_CAPSULE,    /* capsule of the human eye lens (Burd et al. 2002, outlines of three ages), metres, axis
+                                  z, front (anterior) +z, vertex 0 = anterior pole; field "thickness" [m] */
+    PEL_SHAPE_COUNT
+} pel_shape_kind;
+
+/* How the cells of a grid are cut. */
+typedef enum pel_grid_diagonals {
+    PEL_GRID_ONE_DIAGONAL, /* all the same way: (nx + 1) (ny + 1) vertices, 2 nx ny triangles */
+    PEL_GRID_UNION_JACK,   /* alternating in both directions: vertices of 4 and 8 triangles; same counts */
+    PEL_GRID_EQUILATERAL   /* every other row shifted by half a cell: equilateral triangles (but the half ones at the
+                              two sides) when size_y / ny = sqrt(3)/2 size_x / nx; odd rows have one vertex more */
+} pel_grid_diagonals;
+
+/* Which shape and its parameters; a kind looks at its own ones only (see pel_shape_info_of for which, their ranges and
+   defaults). Lengths in metres. */
+typedef struct pel_shape_def {
+    pel_shape_kind kind;
+    int32_t frequency; /* parts of an icosahedron's side */
+    int32_t slices;    /* parts around the z axis */
+    int32_t rings;     /* uv-sphere: parts from pole to pole; torus: around the tube; capsule: per half sphere */
+    int32_t segments;  /* cylinder, capsule: parts along the straight side */
+    int32_t nx, ny;    /* grid: cells */
+    int32_t age;       /* lens-capsule: 11, 29 or 45 years */
+    pel_grid_diagonals diagonals; /* grid */
+    bool capped;                  /* cylinder */
+    double radius;
+    double height;       /* cylinder; capsule: of the straight side, may be 0 */
+    double size_x;       /* grid */
+    double size_y;       /* grid */
+    double major_radius; /* torus: axis to middle of tube */
+    double minor_radius; /* torus: of the tube, less than major_radius */
+    uint32_t cookie;     /* set by pel_shape_def_default */
+} pel_shape_def;
+
+typedef enum pel_shape_value {
+    PEL_SHAPE_NUMBER,
+    PEL_SHAPE_INTEGER,
+    PEL_SHAPE_BOOLEAN,
+    PEL_SHAPE_CHOICE
+} pel_shape_value;
+
+/* One parameter of a shape. */
+typedef struct pel_shape_parameter {
+    const char *name;           /* key in a scene and after --set, such as "minor_radius" */
+    const char *doc;            /* one sentence without a full stop */
+    const char *unit;           /* "m", "years" or "" */
+    pel_shape_value type;       /* NUMBER is a double, INTEGER an int32_t, BOOLEAN a bool, CHOICE an enum */
+    size_t offset;              /* of the member in pel_shape_def */
+    double minimum, maximum;    /* both allowed, unless exclusive_minimum; of a CHOICE the first and last index */
+    bool exclusive_minimum;     /* true: greater than minimum */
+    double default_value;       /* of a CHOICE its index, of a BOOLEAN 0 or 1 */
+    const char *const *choices; /* names of a CHOICE in order (maximum + 1 of them), null otherwise */
+} pel_shape_parameter;
+
+/* One shape with its parameters. All of it lives forever. */
+typedef struct pel_shape_info {
+    pel_shape_kind kind;
+    const char *name;                      /* "geodesic-sphere", ... */
+    const char *doc;                       /* one sentence without a full stop */
+    const pel_shape_parameter *parameters; /* (parameter_count) */
+    int32_t parameter_count;
+} pel_shape_info;
+
+/* Null for a kind that does not exist. */
+const pel_shape_info *pel_shape_info_of(pel_shape_kind kind);
+
+/* All defaults of that kind. */
+pel_shape_def pel_shape_def_default(pel_shape_kind kind);
+
+/* The same by name; PEL_BAD_ARGUMENT names the nearest shape for an unknown one (*def is a geodesic sphere then). */
+pel_status pel_shape_def_of_name(const char *name, pel_shape_def *def, pel_error *error);
+
+/* Sets one parameter of def->kind. The text is a number, "true" or "false", or the name of a choice.
+   PEL_BAD_ARGUMENT: unknown key (the remedy names the nearest one), not a number, out of range; def is unchanged then.
+ */
+pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, pel_error *error);
+/* The same for a value that is a number already (0 or 1 for a BOOLEAN, the index of a CHOICE). */
+pel_status pel_shape_set_number(pel_shape_def *def, const char *key, double value, pel_error *error);
+/* Writes the value of `parameter` in def as pel_shape_set takes it (as few digits as give the same
+   number); 32 bytes are enough. Returns text. */
+const char *pel_shape_get(const pel_shape_def *def, const pel_shape_parameter *parameter, char *text, size_t size);
+
+/* Makes the mesh. PEL_BAD_ARGUMENT: a def without cookie, a parameter out of range or more than 2^31 / 3 triangles.
+   The same def gives the same bits. On failure *mesh is null. Free with pel_mesh_destroy. */
+pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,112 @@
+#include "mesh/edge_table.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+/* ends of half-edge h, the lower vertex first */
+static void edge_ends(const int32_t (*triangles)[3], int32_t h, int32_t *low, int32_t *high)
+{
+    const int32_t *triangle = triangles[h / 3];
+    int32_t a = triangle[h % 3], b = triangle[h % 3 == 2 ? 0 : h % 3 + 1];
+    *low = a < b ? a : b;
+    *high = a < b ? b : a;
+}
+
+/* half-edges in ascending order within each lower vertex v: sorted[offset[v]] .. sorted[offset[v + 1] - 1] */
+static void sort_by_low_vertex(const int32_t (*triangles)[3], int32_t triangle_count, int32_t vertex_count,
+                               const uint8_t *skip, int32_t *offset, int32_t *sorted)
+{
+    int32_t low, high;
+    /* counts two places up, so that filling moves each bucket's beginning into place */
+    for (int32_t h = 0; h < 3 * triangle_count; h++) {
+        if (skip != NULL && skip[h / 3])
+            continue;
+        edge_ends(triangles, h, &low, &high);
+        offset[low + 2]++;
+    }
+    for (int32_t v = 0; v < vertex_count; v++)
+        offset[v + 2] += offset[v + 1];
+    for (int32_t h = 0; h < 3 * triangle_count; h++) {
+        if (skip != NULL && skip[h / 3])
+            continue;
+        edge_ends(triangles, h, &low, &high);
+        sorted[offset[low + 1]++] = h;
+    }
+}
+
+/* chains half-edges with the same ends; edge_of_half_edge becomes the lowest half-edge of the chain */
+static void link_chains(const int32_t (*triangles)[3], int32_t vertex_count, const int32_t *offset,
+                        const int32_t *sorted, int32_t *place_of_high, pel_edge_table *table)
+{
+    for (int32_t v = 0; v < vertex_count; v++)
+        place_of_high[v] = -1;
+    for (int32_t v = 0; v < vertex_count; v++) {
+        int32_t begin = offset[v];
+        for (int32_t k = begin; k < offset[v + 1]; k++) {
+            int32_t h = sorted[k], low, high;
+            edge_ends(triangles, h, &low, &high);
+            int32_t place = place_of_high[high];
+            table->edge_of_half_edge[h] = h;
+            if (place >= begin) {
+                table->next_in_edge[sorted[place]] = h;
+                table->edge_of_half_edge[h] = table->edge_of_half_edge[sorted[place]];
+            }
+            place_of_high[high] = k;
+        }
+    }
+}
+
+static void number_edges(int32_t half_edge_count, pel_edge_table *table)
+{
+    for (int32_t h = 0; h < half_edge_count; h++) {
+        int32_t first = table->edge_of_half_edge[h];
+        if (first == h) {
+            table->edge_of_half_edge[h] = table->edge_count;
+            table->half_edge_of_edge[table->edge_count++] = h;
+        } else if (first >= 0) {
+            table->edge_of_half_edge[h] = table->edge_of_half_edge[first];
+        }
+    }
+}
+
+pel_status pel_edge_table_build(const int32_t (*triangles)[3], int32_t triangle_count, int32_t vertex_count,
+                                const uint8_t *skip, pel_edge_table *table)
+{
+    size_t half_edge_count = 3 * (size_t)triangle_count;
+    memset(table, 0, sizeof *table);
+    table->edge_of_half_edge = pel_allocate(half_edge_count, sizeof(int32_t));
+    table->half_edge_of_edge = pel_allocate(half_edge_count, sizeof(int32_t));
+    table->next_in_edge = pel_allocate(half_edge_count, sizeof(int32_t));
+    int32_t *offset = pel_allocate((size_t)vertex_count + 2, sizeof *offset);
+    int32_t *sorted = pel_allocate(half_edge_count, sizeof *sorted);
+    int32_t *place_of_high = pel_allocate((size_t)vertex_count, sizeof *place_of_high);
+    bool made = table->edge_of_half_edge != NULL && table->half_edge_of_edge != NULL && table->next_in_edge != NULL &&
+                offset != NULL && sorted != NULL && place_of_high != NULL;
+    if (made) {
+        memset(table->edge_of_half_edge, -1, half_edge_count * sizeof(int32_t));
+        memset(table->next_in_edge, -1, half_edge_count * sizeof(int32_t));
+        sort_by_low_vertex(triangles, triangle_count, vertex_count, skip, offset, sorted);
+        link_chains(triangles, vertex_count, offset, sorted, place_of_high, table);
+        number_edges((int32_t)half_edge_count, table);
+        int32_t *shrunk = pel_reallocate(table->half_edge_of_edge, (size_t)table->edge_count, sizeof *shrunk);
+        if (shrunk != NULL)
+            table->half_edge_of_edge = shrunk;
+    }
+    pel_free(place_of_high);
+    pel_free(sorted);
+    pel_free(offset);
+    if (!made) {
+        pel_edge_table_clear(table);
+        return PEL_OUT_OF_MEMORY;
+    }
+    return PEL_OK;
+}
+
+void pel_edge_table_clear(pel_edge_table *table)
+{
+    pel_free(table->edge_of_half_edge);
+    pel_free(table->half_edge_of_edge);
+    pel_free(table->next_in_edge);
+    memset(table, 0, sizeof *table);
+}

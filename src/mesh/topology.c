@@ -1,0 +1,176 @@
+#include "pellicle/topology.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "mesh/edge_table.h"
+
+#include <string.h>
+
+static const char remedy[] =
+    "run `pellicle check FILE` for a list of all such places and `pellicle check FILE --fix OUT` "
+    "to repair; cut apart in a mesh editor what remains";
+
+static pel_status refuse(pel_error *error, const char *kind, int64_t element)
+{
+    pel_fail_remedy(error, "%s", remedy);
+    pel_fail_element(error, kind, element);
+    return PEL_BAD_MESH;
+}
+
+static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
+{
+    if (mesh->vertex_count < 1 || mesh->triangle_count < 1 || mesh->triangle_count > INT32_MAX / 3)
+        return pel_fail(
+            error, PEL_BAD_ARGUMENT,
+            "mesh has %d vertices and %d triangles; at least one of each and at most %d triangles are needed",
+            (int)mesh->vertex_count, (int)mesh->triangle_count, (int)(INT32_MAX / 3));
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *triangle = mesh->triangles[t];
+        for (int i = 0; i < 3; i++) {
+            if (triangle[i] < 0 || triangle[i] >= mesh->vertex_count) {
+                pel_fail(error, PEL_BAD_MESH, "vertex index %d is outside 0..%d", (int)triangle[i],
+                         (int)mesh->vertex_count - 1);
+                return refuse(error, "triangle", t);
+            }
+        }
+        if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) {
+            pel_fail(error, PEL_BAD_MESH, "triangle has a vertex twice (%d, %d, %d)", (int)triangle[0],
+                     (int)triangle[1], (int)triangle[2]);
+            return refuse(error, "triangle", t);
+        }
+    }
+    return PEL_OK;
+}
+
+/* turns the chain of each edge into a pair of twins, in place */
+static pel_status pair_twins(pel_topology *topology, pel_error *error)
+{
+    for (int32_t e = 0; e < topology->edge_count; e++) {
+        int32_t h = topology->half_edge_of_edge[e], other = topology->twin[h];
+        if (other < 0) {
+            topology->boundary_edge_count++;
+            continue;
+        }
+        int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
+        if (topology->twin[other] >= 0) {
+            pel_fail(error, PEL_BAD_MESH,
+                     "more than two triangles (%d, %d, %d, ...) share the edge between vertices %d and %d", (int)h / 3,
+                     (int)other / 3, (int)topology->twin[other] / 3, (int)a, (int)b);
+            return refuse(error, "edge", e);
+        }
+        if (pel_half_edge_origin(topology, other) == a) {
+            pel_fail(error, PEL_BAD_MESH,
+                     "triangles %d and %d have opposite winding at the edge between vertices %d and %d", (int)h / 3,
+                     (int)other / 3, (int)a, (int)b);
+            return refuse(error, "edge", e);
+        }
+        topology->twin[other] = h;
+    }
+    return PEL_OK;
+}
+
+/* the lowest outgoing half-edge of each vertex, or the one on the boundary; corner_count: triangles around it */
+static pel_status find_corners(pel_topology *topology, int32_t *corner_count, pel_error *error)
+{
+    memset(topology->corner_of_vertex, -1, (size_t)topology->vertex_count * sizeof(int32_t));
+    for (int32_t h = 0; h < 3 * topology->triangle_count; h++) {
+        int32_t v = pel_half_edge_origin(topology, h);
+        int32_t corner = topology->corner_of_vertex[v];
+        corner_count[v]++;
+        if (topology->twin[h] < 0 && corner >= 0 && topology->twin[corner] < 0) {
+            pel_fail(error, PEL_BAD_MESH, "triangles %d and %d touch in this vertex only", (int)corner / 3, (int)h / 3);
+            return refuse(error, "vertex", v);
+        }
+        if (corner < 0 || topology->twin[h] < 0)
+            topology->corner_of_vertex[v] = h;
+    }
+    return PEL_OK;
+}
+
+/* one turn about a vertex must visit all its triangles */
+static pel_status check_fans(const pel_topology *topology, const int32_t *corner_count, pel_error *error)
+{
+    for (int32_t v = 0; v < topology->vertex_count; v++) {
+        int32_t begin = topology->corner_of_vertex[v], h = begin, visited = 0;
+        while (h >= 0) {
+            visited++;
+            h = pel_half_edge_turn(topology, h);
+            if (h == begin)
+                break;
+        }
+        if (visited != corner_count[v]) {
+            pel_fail(error, PEL_BAD_MESH, "the %d triangles of this vertex do not form one fan", (int)corner_count[v]);
+            return refuse(error, "vertex", v);
+        }
+    }
+    return PEL_OK;
+}
+
+static pel_status allocate_topology(const pel_mesh *mesh, pel_topology **topology)
+{
+    pel_topology *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return PEL_OUT_OF_MEMORY;
+    *topology = made;
+    made->vertex_count = mesh->vertex_count;
+    made->triangle_count = mesh->triangle_count;
+    made->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *made->triangles);
+    made->corner_of_vertex = pel_allocate((size_t)mesh->vertex_count, sizeof(int32_t));
+    if (made->triangles == NULL || made->corner_of_vertex == NULL)
+        return PEL_OUT_OF_MEMORY;
+    memcpy(made->triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof *made->triangles);
+    pel_edge_table edges;
+    if (pel_edge_table_build((const int32_t(*)[3])mesh->triangles, mesh->triangle_count, mesh->vertex_count, NULL,
+                             &edges) != PEL_OK)
+        return PEL_OUT_OF_MEMORY;
+    made->edge_count = edges.edge_count;
+    made->edge_of_half_edge = edges.edge_of_half_edge;
+    made->half_edge_of_edge = edges.half_edge_of_edge;
+    made->twin = edges.next_in_edge;
+    return PEL_OK;
+}
+
+static pel_status fill_topology(pel_topology *topology, pel_error *error)
+{
+    int32_t *corner_count = pel_allocate((size_t)topology->vertex_count, sizeof *corner_count);
+    if (corner_count == NULL)
+        return pel_fail_memory(error);
+    pel_status status = pair_twins(topology, error);
+    if (status == PEL_OK)
+        status = find_corners(topology, corner_count, error);
+    if (status == PEL_OK)
+        status = check_fans(topology, corner_count, error);
+    pel_free(corner_count);
+    return status;
+}
+
+pel_status pel_topology_create(const pel_mesh *mesh, pel_topology **topology, pel_error *error)
+{
+    *topology = NULL;
+    pel_status status = check_triangles(mesh, error);
+    if (status != PEL_OK)
+        return status;
+    pel_topology *made = NULL;
+    if (allocate_topology(mesh, &made) != PEL_OK)
+        status = pel_fail_memory(error);
+    else
+        status = fill_topology(made, error);
+    if (status != PEL_OK) {
+        pel_topology_destroy(made);
+        return status;
+    }
+    *topology = made;
+    return PEL_OK;
+}
+
+void pel_topology_destroy(pel_topology *topology)
+{
+    if (topology == NULL)
+        return;
+    pel_free(topology->triangles);
+    pel_free(topology->twin);
+    pel_free(topology->corner_of_vertex);
+    pel_free(topology->edge_of_half_edge);
+    pel_free(topology->half_edge_of_edge);
+    pel_free(topology);
+}
