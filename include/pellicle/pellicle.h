@@ -4,6 +4,7 @@
 
 #include "base.h"
 #include "mesh.h"
+#include "mesh_check.h"
 #include "mesh_io.h"
 #include "model.h"
 #include "results.h"
