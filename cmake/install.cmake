@@ -1,2 +1,40 @@
+# cmake --install: library, headers, program, scenes, CMake package and pkg-config files.
+# The scene library has an export of its own, so that the core is usable where libfyaml and assimp are not installed.
+include(CMakePackageConfigHelpers)
+set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
+
+# core
 install(TARGETS pellicle EXPORT pellicleTargets)
+install(EXPORT pellicleTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
 install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL FILES_MATCHING PATTERN *.yaml)
+
+# CMake package
+configure_package_config_file(cmake/pellicle-config.cmake.in pellicle-config.cmake INSTALL_DESTINATION ${PACKAGE_DIR})
+write_basic_package_version_file(pellicle-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/pellicle-config.cmake ${PROJECT_BINARY_DIR}/pellicle-config-version.cmake
+        DESTINATION ${PACKAGE_DIR})
+
+# pkg-config
+if(PELLICLE_SINGLE)
+    set(PC_CFLAGS -DPEL_SINGLE)
+endif()
+if(OpenMP_C_FOUND)
+    set(PC_OPENMP ${OpenMP_C_FLAGS})
+endif()
+file(RELATIVE_PATH PC_UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+configure_file(cmake/pellicle.pc.in pellicle.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/pellicle.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# scenes and program
+if(TARGET pellicle_scene)
+    set_target_properties(pellicle_scene PROPERTIES EXPORT_NAME scene)
+    install(TARGETS pellicle_scene EXPORT pellicleSceneTargets)
+    install(EXPORT pellicleSceneTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
+    configure_file(cmake/pellicle-scene.pc.in pellicle-scene.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/pellicle-scene.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
+if(TARGET pellicle_program)
+    install(TARGETS pellicle_program)
+endif()

@@ -1,8 +1,11 @@
-/* Pellicle: everything of the core library. Scene files and runs are in pellicle/scene.h. */
+/* Pellicle: everything of the core library. Scene files, foreign mesh formats and runs are in pellicle/scene.h,
+   pellicle/import.h and pellicle/run.h. */
 #ifndef PELLICLE_H
 #define PELLICLE_H
 
 #include "base.h"
+#include "geometry.h"
+#include "material.h"
 #include "mesh.h"
 #include "mesh_check.h"
 #include "mesh_io.h"
@@ -10,6 +13,7 @@
 #include "results.h"
 #include "shape.h"
 #include "sim.h"
+#include "subdivide.h"
 #include "topology.h"
 
 #endif

@@ -24,7 +24,7 @@ static void test_create_refuses(void **unused)
     char text[600];
     double bad[12];
     memcpy(bad, square, sizeof bad);
-    bad[7] = NAN;
+    bad[7] = (double)NAN;
     assert_int_equal(pel_mesh_create(bad, 4, halves, 2, &mesh, &error), PEL_BAD_ARGUMENT);
     assert_null(mesh);
     assert_int_equal(error.element, 2);

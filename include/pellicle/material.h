@@ -1,0 +1,81 @@
+/* Pellicle: constitutive energies of thin membranes and of fibres in them, as functions of the deformation gradient.
+   Pure functions without state: any thread may call them.
+
+   The deformation gradient F (3 x 2) maps rest directions in the plane of a triangle (an orthonormal frame of its own)
+   to space; it is row-major: F[2 i + j] is component i of the image of rest axis j. Energies are per unit rest area
+   with the thickness included [J/m2]; the first Piola-Kirchhoff stress P = d psi / d F (3 x 2) is then a force per unit
+   rest length [N/m].
+
+   With E = young, nu = poisson, h = thickness, C = F^T F, J = sqrt(det C) the area ratio, plane stress throughout:
+       mu = E h / (2 (1 + nu)),   lambda = E h nu / (1 - nu^2)          (not the lambda of a solid, which diverges)
+   stvk           mu |e|^2 + lambda/2 tr^2 e,            e = (C - I) / 2
+   corotated      mu |S - I|^2 + lambda/2 tr^2 (S - I),  S = sqrt C
+   linear         mu |e|^2 + lambda/2 tr^2 e,            e = (G + G^T) / 2 - I, G = F in a frame turning with the image
+                  of the first rest axis: drops rigid motion, but depends on the choice of that axis
+   mooney-rivlin  c1 (I1 - 3) + c2 (I2 - 3),             I1 = tr C + 1/det C, I2 = det C + tr C / det C
+                  incompressible: c1 + c2 = E h / 6, c2 = mooney_ratio c1, poisson is not read
+   neo-hookean    mu/2 (tr C - 2) - mu ln J + lambda/2 ln^2 J, compressible; with poisson 0.5 the incompressible one,
+                  mooney-rivlin with c2 = 0
+   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020; theory page section 3.
+
+   Collapsed triangles (J = 0, down to a point) give finite energies and stresses, never NaN. The last two are infinite
+   there: below J = 0.01 the functions 1/det C and ln J go on as their tangents, so that a squeezed triangle is pushed
+   open with a large, finite force. A triangle squeezed to a line has no normal: forces across the line are left out. */
+#ifndef PELLICLE_MATERIAL_H
+#define PELLICLE_MATERIAL_H
+
+#include "base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pel_membrane_kind {
+    PEL_MEMBRANE_STVK,
+    PEL_MEMBRANE_COROTATED,
+    PEL_MEMBRANE_LINEAR,
+    PEL_MEMBRANE_MOONEY_RIVLIN,
+    PEL_MEMBRANE_NEO_HOOKEAN
+} pel_membrane_kind;
+
+typedef struct pel_membrane_material {
+    pel_membrane_kind kind;
+    double young;        /* Young's modulus [Pa], > 0 */
+    double poisson;      /* Poisson's ratio, -1 < poisson < 1; above 0.5 only a sheet that is no solid has it */
+    double thickness;    /* [m], > 0 */
+    double mooney_ratio; /* c2 / c1, >= 0; read by mooney-rivlin only */
+} pel_membrane_material;
+
+/* Energies of fibres (Kim, De Goes, Iben 2019) with I5 = |F a|^2, stiffness k [N/m]. On a membrane arap and sqrt are
+   the same function, as the sign of its I4 is always 1. Stiffness against stretch at rest: k, 4 k, k. */
+typedef enum pel_fibre_kind {
+    PEL_FIBRE_ARAP, /* k/2 (sqrt I5 - sign I4)^2 */
+    PEL_FIBRE_STVK, /* k/2 (I5 - 1)^2 */
+    PEL_FIBRE_SQRT  /* k/2 (sqrt I5 - 1)^2 */
+} pel_fibre_kind;
+
+/* Refuses NaN, infinity and numbers out of the ranges above (PEL_BAD_ARGUMENT naming the member). */
+pel_status pel_membrane_material_check(const pel_membrane_material *material, pel_error *error);
+
+/* Plane-stress Lame parameters with the thickness included [N/m], theory page section 1. */
+void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda);
+
+/* Energy per unit rest area psi [J/m2]; first_piola (3 x 2) row-major, may be null. The stress is the exact derivative
+   of psi; for PEL_MEMBRANE_LINEAR the turning of the frame is in it. The material must be valid. */
+double pel_membrane_density(const pel_membrane_material *material, const double deformation_gradient[6],
+                            double first_piola[6]);
+
+/* Energy per unit rest area of fibres along the unit vector direction of the rest frame; first_piola may be null. A
+   fibre that was crushed to length 0 exerts no force. */
+double pel_fibre_density(pel_fibre_kind kind, double stiffness, const double direction[2],
+                         const double deformation_gradient[6], double first_piola[6]);
+
+/* Active fibre: k/2 (sqrt I5 - rest_length)^2, at rest when it has rest_length times the length of the rest shape.
+   rest_length < 1 contracts (a muscle), 1 is PEL_FIBRE_SQRT. rest_length >= 0; first_piola may be null. */
+double pel_fibre_active_density(double stiffness, double rest_length, const double direction[2],
+                                const double deformation_gradient[6], double first_piola[6]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

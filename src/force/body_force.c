@@ -1,0 +1,51 @@
+#include "force/body_force.h"
+
+#include "base/parallel.h"
+
+void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, int thread_count,
+                     pel_record *force)
+{
+    PEL_PARALLEL_FOR(thread_count)
+    for (int32_t slice = 0; slice < model->slice_count; slice++) {
+        pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
+        pel_slice own = pel_slice_load(state->position, slice);
+        pel_wide longest = pel_wide_splat(0);
+        pel_wide3 sum = pel_elastic_force(model, state->position, slice, &own.position, &body, &longest);
+        if (velocity != NULL) {
+            pel_slice v = pel_slice_load(velocity, slice);
+            pel_add_damping(model, slice, &own.position, &v.position, &body, &sum);
+        }
+        pel_slice_store(force, slice, sum, pel_wide_splat(0));
+    }
+}
+
+pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, const pel_record *position,
+                                int32_t vertex)
+{
+    int32_t slice = vertex / PEL_WIDTH, lane = vertex % PEL_WIDTH;
+    pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
+    pel_slice own = pel_slice_load(position, slice);
+    pel_wide longest = pel_wide_splat(0);
+    pel_wide3 sum = pel_elastic_force(model, position, slice, &own.position, &body, &longest);
+    return (pel_record){sum.x[lane], sum.y[lane], sum.z[lane], 0};
+}
+
+void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t slice, pel_wide *spring,
+                      pel_wide *volumetric)
+{
+    pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
+    pel_slice own = pel_slice_load(state->position, slice);
+    pel_wide half = pel_wide_splat((pel_real)0.5), sum = pel_wide_splat(0);
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_begin[slice + 1]; slot++) {
+        pel_wide3 d = pel_slot_offset(model, state->position, slot, &own.position);
+        pel_wide stiffness = pel_wide_splat(body.stiffness);
+        if (!body.uniform)
+            stiffness *= model->stiffnesses[slot];
+        sum += half * pel_spring_energy(pel_spring_length(d), model->rest_lengths[slot], stiffness);
+    }
+    pel_slice rest = pel_slice_load(model->rest, slice);
+    pel_wide3 e = {own.position.x - rest.position.x, own.position.y - rest.position.y,
+                   own.position.z - rest.position.z};
+    *spring = sum;
+    *volumetric = half * pel_wide_splat(body.volumetric_stiffness) * rest.inverse_mass * pel_wide3_dot(e, e);
+}

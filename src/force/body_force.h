@@ -1,0 +1,125 @@
+/* Forces of paper A's body on the vertices of one slice, gathered from their springs (eq. A-2 to A-4 without loads).
+   Everything is inline, so that a solver's loop reads each vertex once and integrates it in registers. */
+#ifndef PEL_FORCE_BODY_FORCE_H
+#define PEL_FORCE_BODY_FORCE_H
+
+#include "element/spring.h"
+#include "model/state.h"
+
+typedef struct pel_slice {
+    pel_wide3 position;
+    pel_wide inverse_mass;
+} pel_slice;
+
+/* loads the records of a slice, turned so that a lane is a vertex */
+static inline pel_slice pel_slice_load(const pel_record *records, int32_t slice)
+{
+    const pel_record *own = records + (size_t)slice * PEL_WIDTH;
+    pel_wide a = own[0], b = own[1], c = own[2], d = own[3];
+    pel_wide_transpose(&a, &b, &c, &d);
+    return (pel_slice){{a, b, c}, d};
+}
+
+static inline void pel_slice_store(pel_record *records, int32_t slice, pel_wide3 vector, pel_wide fourth)
+{
+    pel_record *own = records + (size_t)slice * PEL_WIDTH;
+    pel_wide a = vector.x, b = vector.y, c = vector.z, d = fourth;
+    pel_wide_transpose(&a, &b, &c, &d);
+    own[0] = a;
+    own[1] = b;
+    own[2] = c;
+    own[3] = d;
+}
+
+/* vectors to the neighbours of one slot */
+static inline pel_wide3 pel_slot_offset(const pel_model *model, const pel_record *position, int32_t slot,
+                                        const pel_wide3 *own)
+{
+    const int32_t *neighbour = model->neighbours[slot];
+    pel_wide a = position[neighbour[0]], b = position[neighbour[1]], c = position[neighbour[2]],
+             d = position[neighbour[3]];
+    pel_wide_transpose(&a, &b, &c, &d);
+    return (pel_wide3){a - own->x, b - own->y, c - own->z};
+}
+
+/* sum of the structural springs; `longest` takes up the largest spring length */
+static inline pel_wide3 pel_spring_force(const pel_model *model, const pel_record *position, int32_t slice,
+                                         const pel_wide3 *own, bool uniform, pel_real stiffness, pel_wide *longest)
+{
+    pel_wide3 force = {pel_wide_splat(0), pel_wide_splat(0), pel_wide_splat(0)};
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_begin[slice + 1]; slot++) {
+        pel_wide3 d = pel_slot_offset(model, position, slot, own);
+        pel_wide length = pel_spring_length(d);
+        pel_wide scale = pel_spring_strain(length, model->rest_lengths[slot]);
+        if (!uniform)
+            scale *= model->stiffnesses[slot];
+        force.x += scale * d.x;
+        force.y += scale * d.y;
+        force.z += scale * d.z;
+        *longest = pel_wide_max(length, *longest);
+    }
+    pel_wide k = pel_wide_splat(stiffness);
+    return (pel_wide3){k * force.x, k * force.y, k * force.z};
+}
+
+/* how the loops treat one body at the present time */
+typedef struct pel_body_force {
+    bool uniform;       /* one stiffness for all springs of the body */
+    pel_real stiffness; /* that stiffness times its present factor, or the factor of the stored ones */
+    pel_real damping, volumetric_stiffness, volumetric_damping; /* present factors */
+} pel_body_force;
+
+static inline pel_body_force pel_body_force_of(const pel_model *model, const pel_state *state, int32_t body)
+{
+    const double *factor = state->factors[body];
+    double uniform = model->bodies[body].uniform_spring;
+    return (pel_body_force){
+        .uniform = uniform >= 0,
+        .stiffness = (pel_real)(uniform >= 0 ? uniform * factor[PEL_SPRING_STIFFNESS] : factor[PEL_SPRING_STIFFNESS]),
+        .damping = (pel_real)factor[PEL_SPRING_DAMPING],
+        .volumetric_stiffness = (pel_real)factor[PEL_VOLUMETRIC_STIFFNESS],
+        .volumetric_damping = (pel_real)factor[PEL_VOLUMETRIC_DAMPING],
+    };
+}
+
+/* structural and volumetric springs of a slice; the part that depends on positions alone */
+static inline pel_wide3 pel_elastic_force(const pel_model *model, const pel_record *position, int32_t slice,
+                                          const pel_wide3 *own, const pel_body_force *body, pel_wide *longest)
+{
+    pel_wide3 force = body->uniform ? pel_spring_force(model, position, slice, own, true, body->stiffness, longest)
+                                    : pel_spring_force(model, position, slice, own, false, body->stiffness, longest);
+    pel_slice rest = pel_slice_load(model->rest, slice); /* its fourth number is k' */
+    pel_wide k = pel_wide_splat(body->volumetric_stiffness) * rest.inverse_mass;
+    force.x += k * (rest.position.x - own->x);
+    force.y += k * (rest.position.y - own->y);
+    force.z += k * (rest.position.z - own->z);
+    return force;
+}
+
+/* adds the part that depends on velocity: -d v and the damping of the volumetric springs */
+static inline void pel_add_damping(const pel_model *model, int32_t slice, const pel_wide3 *own,
+                                   const pel_wide3 *velocity, const pel_body_force *body, pel_wide3 *force)
+{
+    const pel_wide *damping = (const pel_wide *)model->damping, *radial = (const pel_wide *)model->volumetric_damping;
+    pel_slice rest = pel_slice_load(model->rest, slice);
+    pel_wide3 e = {own->x - rest.position.x, own->y - rest.position.y, own->z - rest.position.z};
+    pel_wide c = pel_volumetric_damping(e, *velocity, pel_wide_splat(body->volumetric_damping) * radial[slice]);
+    pel_wide d = pel_wide_splat(body->damping) * damping[slice];
+    force->x -= d * velocity->x + c * e.x;
+    force->y -= d * velocity->y + c * e.y;
+    force->z -= d * velocity->z + c * e.z;
+}
+
+/* Forces on all vertices into force (vertex_count), fourth number 0. velocity null = none. */
+void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, int thread_count,
+                     pel_record *force);
+
+/* Elastic force on one vertex: the same bits as in the loop over all. */
+pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, const pel_record *position,
+                                int32_t vertex);
+
+/* Energies on one slice's vertices: half of each spring there, and the volumetric spring. */
+void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t slice, pel_wide *spring,
+                      pel_wide *volumetric);
+
+#endif

@@ -1,0 +1,425 @@
+/* The conservative time of impact of one pair (see ccd_pair.h for the two proofs of freedom).
+
+   Only time is subdivided. On an interval [a, b] the cubic's Bernstein polygon is taken by blossoming the coefficients
+   of the whole step, so that errors do not build up; where its hull lies beyond the band the interval is clipped away
+   (Bezier clipping: quadratic convergence at simple roots). What is left is tested against separating axes; if that
+   fails it is followed until the motion left in it is below the tolerance, halved when clipping does not shrink it,
+   earlier half first. The lower end of the first interval that could not be proved free is the time of impact.
+
+   The axis tried is the vector between the closest points at mid-time, which is the best axis for pairs that do not
+   turn, whatever feature is closest. The direction carries no obligation: the proof bounds its own error. */
+#include "geom/ccd.h"
+
+#include <string.h>
+
+#include "geom/vector3.h"
+
+enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64 };
+
+/* no interval of time is split below this; also the outward rounding of a clip */
+#define TIME_RESOLUTION (64 * DBL_EPSILON)
+#define CLIP_ROUNDING (8 * DBL_EPSILON)
+
+/* of time, 0 <= begin <= end <= 1 */
+typedef struct interval {
+    double begin, end;
+} interval;
+
+/* ---- order and scale ---- */
+
+static bool comes_before(const ccd_points *points, int i, int j)
+{
+    for (int k = 0; k < 3; k++)
+        if (points->start[i][k] != points->start[j][k])
+            return points->start[i][k] < points->start[j][k];
+    for (int k = 0; k < 3; k++)
+        if (points->end[i][k] != points->end[j][k])
+            return points->end[i][k] < points->end[j][k];
+    return false;
+}
+
+static void sort_two(const ccd_points *points, int order[4], int i, int j)
+{
+    if (comes_before(points, order[j], order[i])) {
+        int swapped = order[i];
+        order[i] = order[j];
+        order[j] = swapped;
+    }
+}
+
+/* one order of the points for all orders in which they may be given */
+static void sort_points(const ccd_points *points, bool edge_edge, int order[4])
+{
+    for (int i = 0; i < 4; i++)
+        order[i] = i;
+    if (!edge_edge) {
+        sort_two(points, order, 1, 2);
+        sort_two(points, order, 2, 3);
+        sort_two(points, order, 1, 2);
+        return;
+    }
+    sort_two(points, order, 0, 1);
+    sort_two(points, order, 2, 3);
+    bool lower = comes_before(points, order[2], order[0]);
+    if (!lower && !comes_before(points, order[0], order[2]))
+        lower = comes_before(points, order[3], order[1]);
+    if (lower) {
+        const int swapped[4] = {order[2], order[3], order[0], order[1]};
+        memcpy(order, swapped, sizeof swapped);
+    }
+}
+
+static void scale_pair(ccd_pair *pair, double scale)
+{
+    for (int time = 0; time < 2; time++)
+        for (int k = 0; k < 3; k++) {
+            pair->offset[time][k] *= scale;
+            pair->edge1[time][k] *= scale;
+            pair->edge2[time][k] *= scale;
+        }
+}
+
+bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, ccd_query *query)
+{
+    double ordered[4][3];
+    query->edge_edge = edge_edge;
+    query->scale = 1;
+    query->min_separation = min_separation > 0 ? min_separation : 0;
+    query->tolerance = tolerance > 0 ? tolerance : 0;
+    sort_points(points, edge_edge, query->order);
+    for (int time = 0; time < 2; time++) {
+        for (int i = 0; i < 4; i++)
+            memcpy(ordered[i], (time ? points->end : points->start)[query->order[i]], sizeof ordered[i]);
+        ccd_pair_set(&query->pair, time, ordered, edge_edge);
+    }
+    query->error = ccd_pair_error(&query->pair);
+    if (!isfinite(query->error) || !isfinite(min_separation))
+        return false;
+    /* products of three lengths neither overflow nor underflow between these */
+    if (query->error < 0x1p-200 || query->error > 0x1p200) {
+        int exponent;
+        frexp(query->error, &exponent);
+        exponent = exponent < -950 ? -950 : exponent;
+        query->scale = ldexp(1, -exponent);
+        scale_pair(&query->pair, query->scale);
+        query->min_separation *= query->scale;
+        query->tolerance *= query->scale;
+        query->error = ccd_pair_error(&query->pair);
+    }
+    return isfinite(query->error);
+}
+
+/* ---- closest place at one time ---- */
+
+static double mix(double a, double b, double t)
+{
+    return (1 - t) * a + t * b;
+}
+
+static void closest_place(const double offset[3], const double edge1[3], const double edge2[3], bool edge_edge,
+                          double *s, double *u, double vector[3])
+{
+    static const double origin[3] = {0, 0, 0};
+    double end1[3], end2[3], weights[4];
+    vector3_along(offset, 1, edge1, end1);
+    if (edge_edge) {
+        vector3_subtract(origin, edge2, end2);
+        pel_closest_segment_segment(offset, end1, origin, end2, weights);
+        *s = weights[1];
+        *u = weights[3];
+    } else {
+        vector3_along(offset, 1, edge2, end2);
+        pel_closest_point_triangle(origin, offset, end1, end2, weights);
+        *s = weights[1];
+        *u = weights[2];
+    }
+    double along1[3];
+    vector3_along(offset, *s, edge1, along1);
+    vector3_along(along1, *u, edge2, vector);
+}
+
+void ccd_closest(const ccd_query *query, double time, double *s, double *u, double vector[3])
+{
+    const ccd_pair *pair = &query->pair;
+    double offset[3], edge1[3], edge2[3];
+    for (int k = 0; k < 3; k++) {
+        offset[k] = mix(pair->offset[0][k], pair->offset[1][k], time);
+        edge1[k] = mix(pair->edge1[0][k], pair->edge1[1][k], time);
+        edge2[k] = mix(pair->edge2[0][k], pair->edge2[1][k], time);
+    }
+    closest_place(offset, edge1, edge2, query->edge_edge, s, u, vector);
+}
+
+/* ---- separating axes on an interval of time ---- */
+
+static void cut_pair(const ccd_pair *pair, double begin, double end, ccd_pair *part)
+{
+    for (int k = 0; k < 3; k++) {
+        part->offset[0][k] = mix(pair->offset[0][k], pair->offset[1][k], begin);
+        part->offset[1][k] = mix(pair->offset[0][k], pair->offset[1][k], end);
+        part->edge1[0][k] = mix(pair->edge1[0][k], pair->edge1[1][k], begin);
+        part->edge1[1][k] = mix(pair->edge1[0][k], pair->edge1[1][k], end);
+        part->edge2[0][k] = mix(pair->edge2[0][k], pair->edge2[1][k], begin);
+        part->edge2[1][k] = mix(pair->edge2[0][k], pair->edge2[1][k], end);
+    }
+}
+
+static bool is_separated(const ccd_query *query, const interval *now)
+{
+    ccd_pair part;
+    double corners[8][3], offset[3], edge1[3], edge2[3], axis[3], s, u;
+    cut_pair(&query->pair, now->begin, now->end, &part);
+    int count = ccd_pair_corners(&part, query->edge_edge, corners);
+    if (ccd_box_margin(corners, count, query->error, query->min_separation) > 0)
+        return true;
+    for (int k = 0; k < 3; k++) {
+        offset[k] = 0.5 * (part.offset[0][k] + part.offset[1][k]);
+        edge1[k] = 0.5 * (part.edge1[0][k] + part.edge1[1][k]);
+        edge2[k] = 0.5 * (part.edge2[0][k] + part.edge2[1][k]);
+    }
+    closest_place(offset, edge1, edge2, query->edge_edge, &s, &u, axis);
+    return ccd_axis_margin(corners, count, axis, query->error, query->min_separation) > 0;
+}
+
+/* ---- clipping ---- */
+
+/* Bernstein coefficients on [begin, end] from those on [0, 1] */
+static void blossom(const double b[4], double begin, double end, double part[4])
+{
+    double p0 = mix(b[0], b[1], begin), p1 = mix(b[1], b[2], begin), p2 = mix(b[2], b[3], begin);
+    double q0 = mix(b[0], b[1], end), q1 = mix(b[1], b[2], end), q2 = mix(b[2], b[3], end);
+    double pp0 = mix(p0, p1, begin), pp1 = mix(p1, p2, begin);
+    double pq0 = mix(p0, p1, end), pq1 = mix(p1, p2, end);
+    double qq0 = mix(q0, q1, end), qq1 = mix(q1, q2, end);
+    part[0] = mix(pp0, pp1, begin);
+    part[1] = mix(pp0, pp1, end);
+    part[2] = mix(pq0, pq1, end);
+    part[3] = mix(qq0, qq1, end);
+}
+
+/* first place in [0, 1] where the hull of the polygon comes down to `level`; the polygon starts above it */
+static double first_below(const double b[4], double level)
+{
+    double first = 1;
+    for (int i = 0; i < 3; i++)
+        for (int j = i + 1; j < 4; j++)
+            if (b[i] > level && b[j] <= level) {
+                double place = (i + (j - i) * ((b[i] - level) / (b[i] - b[j]))) / 3;
+                first = place < first ? place : first;
+            }
+    return first;
+}
+
+/* first place where the hull meets the band about zero; 2 when it never does */
+static double first_in_band(const double b[4], double band)
+{
+    if (b[0] > band)
+        return first_below(b, band);
+    if (b[0] < -band) {
+        const double mirrored[4] = {-b[0], -b[1], -b[2], -b[3]};
+        return first_below(mirrored, band);
+    }
+    return 0;
+}
+
+/* Shrinks an interval to where the cubic may be zero; false when it is nowhere. */
+static bool clip(const ccd_cubic *cubic, interval *now)
+{
+    double b[4];
+    blossom(cubic->coefficient, now->begin, now->end, b);
+    if (ccd_cubic_margin(b, cubic->band) > 0)
+        return false;
+    const double reversed[4] = {b[3], b[2], b[1], b[0]};
+    double width = now->end - now->begin;
+    double low = now->begin + width * first_in_band(b, cubic->band) - CLIP_ROUNDING;
+    double high = now->end - width * first_in_band(reversed, cubic->band) + CLIP_ROUNDING;
+    if (low > now->begin)
+        now->begin = low;
+    if (high < now->end)
+        now->end = high;
+    return true;
+}
+
+/* ---- search in time ---- */
+
+/* no point of the one feature moves faster relative to the other */
+static double relative_speed(const ccd_query *query)
+{
+    double corners[8][3], largest = 0;
+    int count = ccd_pair_corners(&query->pair, query->edge_edge, corners);
+    for (int i = 0; i < count; i += 2) {
+        double motion[3];
+        vector3_subtract(corners[i + 1], corners[i], motion);
+        largest = real_max(vector3_dot(motion, motion), largest);
+    }
+    return sqrt(largest);
+}
+
+/* True with the first time that is not proved free. */
+static bool search(const ccd_query *query, const ccd_cubic *cubic, double *time, ccd_counts *counts)
+{
+    interval later[STACK_SIZE], now = {0, 1};
+    int depth = 0;
+    double speed = relative_speed(query);
+    for (counts->intervals = 1;; counts->intervals++) {
+        double width = now.end - now.begin;
+        if (!clip(cubic, &now) || is_separated(query, &now)) {
+            if (depth == 0)
+                return false;
+            now = later[--depth];
+            continue;
+        }
+        counts->fall_back = counts->intervals >= INTERVAL_BUDGET;
+        double left = now.end - now.begin;
+        if (counts->fall_back || left <= TIME_RESOLUTION || !(left * speed > query->tolerance)) {
+            *time = now.begin;
+            return true;
+        }
+        if (left > 0.5 * width && depth < STACK_SIZE) {
+            double middle = 0.5 * (now.begin + now.end);
+            later[depth++] = (interval){middle, now.end};
+            now.end = middle;
+        }
+    }
+}
+
+bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, pel_ccd_hit *hit,
+               ccd_counts *counts)
+{
+    ccd_query query;
+    ccd_cubic cubic;
+    double corners[8][3], time;
+    *counts = (ccd_counts){0};
+    if (!ccd_query_set(points, edge_edge, min_separation, tolerance, &query)) {
+        ccd_hit_unknown(edge_edge, hit);
+        return true;
+    }
+    int count = ccd_pair_corners(&query.pair, edge_edge, corners);
+    if (ccd_box_margin(corners, count, query.error, query.min_separation) > 0)
+        return false;
+    ccd_pair_cubic(&query.pair, query.min_separation, &cubic);
+    if (!search(&query, &cubic, &time, counts))
+        return false;
+    ccd_hit_set(&query, time, hit);
+    return true;
+}
+
+/* ---- the hit ---- */
+
+static void hit_weights(const ccd_query *query, double s, double u, double weight[4])
+{
+    const double vertex_face[4] = {1, -(1 - (s + u)), -s, -u}, edge_edge[4] = {1 - s, s, -(1 - u), -u};
+    for (int i = 0; i < 4; i++)
+        weight[query->order[i]] = query->edge_edge ? edge_edge[i] : vertex_face[i];
+    /* edges that were exchanged for the canonical order */
+    if (query->edge_edge && query->order[0] >= 2)
+        for (int i = 0; i < 4; i++)
+            weight[i] = -weight[i];
+}
+
+static bool normalize(double vector[3], double least)
+{
+    double length = sqrt(vector3_dot(vector, vector));
+    if (!(length > least))
+        return false;
+    for (int k = 0; k < 3; k++)
+        vector[k] /= length;
+    return true;
+}
+
+/* where the features touch from the start: the plane's normal against the relative motion at the place */
+static void normal_against_motion(const ccd_query *query, double s, double u, double normal[3])
+{
+    const ccd_pair *pair = &query->pair;
+    double motion[3], least = CCD_TINY_NORMAL;
+    for (int k = 0; k < 3; k++)
+        motion[k] = pair->offset[1][k] - pair->offset[0][k] + s * (pair->edge1[1][k] - pair->edge1[0][k]) +
+                    u * (pair->edge2[1][k] - pair->edge2[0][k]);
+    vector3_cross(pair->edge1[0], pair->edge2[0], normal);
+    if (!normalize(normal, least)) {
+        const double negative[3] = {-motion[0], -motion[1], -motion[2]}, any[3] = {0, 0, 1};
+        memcpy(normal, negative, sizeof negative);
+        if (!normalize(normal, least))
+            memcpy(normal, any, sizeof any);
+        return;
+    }
+    double along = vector3_dot(normal, motion);
+    for (int k = 0; k < 3 && along > 0; k++)
+        normal[k] = -normal[k];
+}
+
+void ccd_hit_set(const ccd_query *query, double time, pel_ccd_hit *hit)
+{
+    if (hit == NULL)
+        return;
+    double s, u, vector[3], earlier_s, earlier_u;
+    ccd_closest(query, time, &s, &u, vector);
+    hit->time_of_impact = time;
+    hit_weights(query, s, u, hit->weight);
+    /* the distance must stand out from rounding: go back in time until it does */
+    double least = 256 * query->error;
+    bool found = normalize(vector, least);
+    for (double back = 0x1p-24; !found && time > 0 && back < 8; back *= 8) {
+        ccd_closest(query, back < time ? time - back : 0, &earlier_s, &earlier_u, vector);
+        found = normalize(vector, least);
+    }
+    if (!found)
+        normal_against_motion(query, s, u, vector);
+    bool exchanged = query->edge_edge && query->order[0] >= 2;
+    for (int k = 0; k < 3; k++)
+        hit->normal[k] = exchanged ? -vector[k] : vector[k];
+}
+
+void ccd_hit_unknown(bool edge_edge, pel_ccd_hit *hit)
+{
+    static const pel_ccd_hit vertex_face = {.weight = {1, -1.0 / 3, -1.0 / 3, -1.0 / 3}};
+    static const pel_ccd_hit edges = {.weight = {0.5, 0.5, -0.5, -0.5}};
+    if (hit != NULL)
+        *hit = edge_edge ? edges : vertex_face;
+}
+
+/* ---- public functions ---- */
+
+static ccd_points points_of(const double start[4][3], const double end[4][3])
+{
+    ccd_points points;
+    for (int i = 0; i < 4; i++) {
+        points.start[i] = start[i];
+        points.end[i] = end[i];
+    }
+    return points;
+}
+
+bool pel_ccd_vertex_face(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
+                         pel_ccd_hit *hit)
+{
+    ccd_counts counts;
+    ccd_points points = points_of(start, end);
+    return ccd_solve(&points, false, min_separation, tolerance, hit, &counts);
+}
+
+bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
+                       pel_ccd_hit *hit)
+{
+    ccd_counts counts;
+    ccd_points points = points_of(start, end);
+    return ccd_solve(&points, true, min_separation, tolerance, hit, &counts);
+}
+
+bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation)
+{
+    ccd_query query;
+    ccd_cubic cubic;
+    ccd_points points = points_of(start, end);
+    if (!ccd_query_set(&points, edge_edge, min_separation, 0, &query))
+        return true;
+    ccd_pair_cubic(&query.pair, query.min_separation, &cubic);
+    return !(ccd_cubic_margin(cubic.coefficient, cubic.band) > 0);
+}
+
+bool pel_ccd_bridson(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation,
+                     double tolerance, pel_ccd_hit *hit)
+{
+    ccd_points points = points_of(start, end);
+    return ccd_solve_bridson(&points, edge_edge, min_separation, tolerance, hit);
+}

@@ -1,0 +1,179 @@
+/* The kernel of continuous collision detection, as text: src/geom/ccd_pair.h includes it once for double and once for
+   wide4, so that one query and four queries are computed by the same operations in the same order.
+   It needs CCD_INLINE, REAL, NAME(function), real_set, real_abs, real_min, real_max and real_sqrt. No include guard on
+   purpose. */
+
+typedef struct NAME(ccd_pair) {
+    REAL offset[2][3], edge1[2][3], edge2[2][3]; /* [time 0 and 1] */
+} NAME(ccd_pair);
+
+/* Bernstein coefficients of the coplanarity cubic times 3, and how far from zero a coefficient proves anything */
+typedef struct NAME(ccd_cubic) {
+    REAL coefficient[4];
+    REAL band;
+} NAME(ccd_cubic);
+
+CCD_INLINE REAL NAME(dot)(const REAL a[3], const REAL b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+CCD_INLINE void NAME(cross)(const REAL a[3], const REAL b[3], REAL product[3])
+{
+    product[0] = a[1] * b[2] - a[2] * b[1];
+    product[1] = a[2] * b[0] - a[0] * b[2];
+    product[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* differences of the four points at one time (0 or 1) */
+CCD_INLINE void NAME(ccd_pair_set)(NAME(ccd_pair) * pair, int time, REAL points[4][3], bool edge_edge)
+{
+    for (int k = 0; k < 3; k++) {
+        if (edge_edge) {
+            pair->offset[time][k] = points[0][k] - points[2][k];
+            pair->edge1[time][k] = points[1][k] - points[0][k];
+            pair->edge2[time][k] = points[2][k] - points[3][k];
+        } else {
+            pair->offset[time][k] = points[0][k] - points[1][k];
+            pair->edge1[time][k] = points[1][k] - points[2][k];
+            pair->edge2[time][k] = points[1][k] - points[3][k];
+        }
+    }
+}
+
+/* largest coordinate at both times */
+CCD_INLINE REAL NAME(largest)(const REAL vectors[2][3])
+{
+    REAL start = real_max(real_max(real_abs(vectors[0][0]), real_abs(vectors[0][1])), real_abs(vectors[0][2]));
+    REAL end = real_max(real_max(real_abs(vectors[1][0]), real_abs(vectors[1][1])), real_abs(vectors[1][2]));
+    return real_max(start, end);
+}
+
+CCD_INLINE void NAME(ccd_pair_cubic)(const NAME(ccd_pair) * pair, double min_separation, NAME(ccd_cubic) * cubic)
+{
+    REAL n0[3], n1[3], p[3], q[3];
+    NAME(cross)(pair->edge1[0], pair->edge2[0], n0);
+    NAME(cross)(pair->edge1[1], pair->edge2[1], n1);
+    NAME(cross)(pair->edge1[0], pair->edge2[1], p);
+    NAME(cross)(pair->edge1[1], pair->edge2[0], q);
+    for (int k = 0; k < 3; k++)
+        p[k] = p[k] + q[k]; /* twice the middle coefficient of the normal */
+    REAL b0 = 3.0 * NAME(dot)(n0, pair->offset[0]);
+    REAL b1 = NAME(dot)(p, pair->offset[0]) + NAME(dot)(n0, pair->offset[1]);
+    REAL b2 = NAME(dot)(p, pair->offset[1]) + NAME(dot)(n1, pair->offset[0]);
+    REAL b3 = 3.0 * NAME(dot)(n1, pair->offset[1]);
+    REAL size12 = NAME(largest)(pair->edge1) * NAME(largest)(pair->edge2);
+    REAL band = CCD_CUBIC_ERROR * (size12 + CCD_TINY_PRODUCT) * NAME(largest)(pair->offset) + CCD_TINY;
+    if (min_separation > 0) {
+        REAL middle = 0.25 * NAME(dot)(p, p);
+        REAL squared = real_max(middle, real_max(NAME(dot)(n0, n0), NAME(dot)(n1, n1)));
+        REAL normal = real_sqrt(squared) + CCD_NORMAL_ERROR * size12 + CCD_TINY_NORMAL;
+        band = band + (3.0 * CCD_ROUND_UP * min_separation) * normal;
+    }
+    /* NaN when anything above was NaN or overflowed: then nothing is proved */
+    cubic->band = band + 0.0 * ((b0 + b1) + (b2 + b3));
+    cubic->coefficient[0] = b0;
+    cubic->coefficient[1] = b1;
+    cubic->coefficient[2] = b2;
+    cubic->coefficient[3] = b3;
+}
+
+/* positive = all coefficients lie on one side of zero, beyond the band */
+CCD_INLINE REAL NAME(ccd_cubic_margin)(const REAL b[4], REAL band)
+{
+    REAL low = real_min(real_min(b[0], b[1]), real_min(b[2], b[3]));
+    REAL high = real_max(real_max(b[0], b[1]), real_max(b[2], b[3]));
+    return real_max(low, -high) - band;
+}
+
+/* bound of the rounding error of a coordinate of any corner at any time; NaN or infinite when a difference is */
+CCD_INLINE REAL NAME(ccd_pair_error)(const NAME(ccd_pair) * pair)
+{
+    REAL sum = real_set(0);
+    for (int time = 0; time < 2; time++)
+        for (int k = 0; k < 3; k++)
+            sum = sum + (pair->offset[time][k] + (pair->edge1[time][k] + pair->edge2[time][k]));
+    REAL size = NAME(largest)(pair->offset) + (NAME(largest)(pair->edge1) + NAME(largest)(pair->edge2));
+    return CCD_CORNER_ERROR * size + 0.0 * sum;
+}
+
+/* the corners (8 for edge-edge, 6 for vertex-face) of the swept difference; returns how many */
+CCD_INLINE int NAME(ccd_pair_corners)(const NAME(ccd_pair) * pair, bool edge_edge, REAL corners[8][3])
+{
+    for (int time = 0; time < 2; time++)
+        for (int k = 0; k < 3; k++) {
+            REAL offset = pair->offset[time][k], along1 = offset + pair->edge1[time][k];
+            corners[time][k] = offset;
+            corners[2 + time][k] = along1;
+            corners[4 + time][k] = offset + pair->edge2[time][k];
+            if (edge_edge)
+                corners[6 + time][k] = along1 + pair->edge2[time][k];
+        }
+    return edge_edge ? 8 : 6;
+}
+
+/* positive = the plane through the origin across `direction`, moved by min_separation, has all corners on one side */
+CCD_INLINE REAL NAME(ccd_axis_margin)(REAL corners[8][3], int corner_count, REAL direction[3], REAL error,
+                                      double min_separation)
+{
+    REAL low = NAME(dot)(direction, corners[0]), high = low;
+    for (int i = 1; i < corner_count; i++) {
+        REAL along = NAME(dot)(direction, corners[i]);
+        low = real_min(low, along);
+        high = real_max(high, along);
+    }
+    REAL sum = real_abs(direction[0]) + (real_abs(direction[1]) + real_abs(direction[2]));
+    REAL threshold = error * sum + CCD_TINY;
+    threshold = threshold + 0.0 * (0x1p60 * threshold); /* NaN where a dot product may have overflowed */
+    if (min_separation > 0)
+        threshold = threshold +
+                    (CCD_ROUND_UP * min_separation) * (real_sqrt(NAME(dot)(direction, direction)) + CCD_TINY_NORMAL);
+    return real_max(low, -high) - threshold;
+}
+
+/* the same for the coordinate axes, all three */
+CCD_INLINE REAL NAME(ccd_box_margin)(REAL corners[8][3], int corner_count, REAL error, double min_separation)
+{
+    REAL best = real_set(-1);
+    for (int k = 0; k < 3; k++) {
+        REAL low = corners[0][k], high = low;
+        for (int i = 1; i < corner_count; i++) {
+            low = real_min(low, corners[i][k]);
+            high = real_max(high, corners[i][k]);
+        }
+        REAL margin = real_max(low, -high) - (error + CCD_ROUND_UP * min_separation);
+        best = real_max(margin, best); /* drops a NaN margin */
+    }
+    return best;
+}
+
+/* axes worth trying on a whole step: the normal at mid-step, across each edge in that plane, the normals at both ends.
+   Positive = one of them proves freedom. */
+CCD_INLINE REAL NAME(ccd_hull_margin)(const NAME(ccd_pair) * pair, bool edge_edge, double min_separation)
+{
+    REAL corners[8][3], axis[3], edge1[3], edge2[3], normal[3];
+    REAL error = NAME(ccd_pair_error)(pair);
+    int count = NAME(ccd_pair_corners)(pair, edge_edge, corners);
+    REAL best = NAME(ccd_box_margin)(corners, count, error, min_separation);
+    for (int k = 0; k < 3; k++) {
+        edge1[k] = pair->edge1[0][k] + pair->edge1[1][k];
+        edge2[k] = pair->edge2[0][k] + pair->edge2[1][k];
+    }
+    NAME(cross)(edge1, edge2, normal);
+    best = real_max(NAME(ccd_axis_margin)(corners, count, normal, error, min_separation), best);
+    NAME(cross)(normal, edge1, axis);
+    best = real_max(NAME(ccd_axis_margin)(corners, count, axis, error, min_separation), best);
+    NAME(cross)(normal, edge2, axis);
+    best = real_max(NAME(ccd_axis_margin)(corners, count, axis, error, min_separation), best);
+    if (!edge_edge) {
+        for (int k = 0; k < 3; k++)
+            edge1[k] = edge1[k] - edge2[k];
+        NAME(cross)(normal, edge1, axis);
+        best = real_max(NAME(ccd_axis_margin)(corners, count, axis, error, min_separation), best);
+    }
+    for (int time = 0; time < 2; time++) {
+        NAME(cross)(pair->edge1[time], pair->edge2[time], axis);
+        best = real_max(NAME(ccd_axis_margin)(corners, count, axis, error, min_separation), best);
+    }
+    return best;
+}

@@ -1,0 +1,199 @@
+#include "geom/solid.h"
+
+#include <string.h>
+
+#include "math/vec3.h"
+#include "pellicle/geometry.h"
+
+/* unit vector along d, or the fallback when d has no length */
+static void unit_or(const double d[3], const double fallback[3], double unit[3])
+{
+    double length = pel_vec3_length(d);
+    if (length > 0)
+        pel_vec3_scale(d, 1 / length, unit);
+    else
+        pel_vec3_copy(fallback, unit);
+}
+
+static double clamp(double value, double low, double high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+/* distance to a sphere (half_length 0) or capsule */
+static double round_distance(double radius, double half_length, const double p[3], double normal[3])
+{
+    const double sideways[3] = {1, 0, 0};
+    double d[3] = {p[0], p[1], p[2] - clamp(p[2], -half_length, half_length)};
+    unit_or(d, sideways, normal);
+    return pel_vec3_length(d) - radius;
+}
+
+/* axis of the face of the box that p is nearest to from inside */
+static int nearest_face(const double half[3], const double p[3])
+{
+    int axis = 0;
+    for (int i = 1; i < 3; i++)
+        if (fabs(p[i]) - half[i] > fabs(p[axis]) - half[axis])
+            axis = i;
+    return axis;
+}
+
+static double box_distance(const double half[3], const double p[3], double normal[3])
+{
+    double out[3], outside = 0;
+    for (int i = 0; i < 3; i++) {
+        out[i] = p[i] - clamp(p[i], -half[i], half[i]);
+        outside += out[i] * out[i];
+    }
+    int axis = nearest_face(half, p);
+    const double face[3] = {axis == 0 ? copysign(1, p[0]) : 0, axis == 1 ? copysign(1, p[1]) : 0,
+                            axis == 2 ? copysign(1, p[2]) : 0};
+    unit_or(out, face, normal);
+    return outside > 0 ? sqrt(outside) : fabs(p[axis]) - half[axis];
+}
+
+double pel_solid_distance(const pel_solid *solid, const double p[3], double normal[3])
+{
+    if (solid->kind == PEL_SOLID_BOX)
+        return box_distance(solid->half_extents, p, normal);
+    return round_distance(solid->radius, solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0, p, normal);
+}
+
+/* direction to push a triangle that the axis itself pierces: sideways, as its own normal points */
+static void way_past_axis(const double a[3], const double b[3], const double c[3], double direction[3])
+{
+    double u[3], v[3], n[3];
+    const double sideways[3] = {1, 0, 0};
+    pel_vec3_subtract(b, a, u);
+    pel_vec3_subtract(c, a, v);
+    pel_vec3_cross(u, v, n);
+    n[2] = 0;
+    pel_vec3_scale(n, -1, n);
+    unit_or(n, sideways, direction);
+}
+
+static double round_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
+                          double weights[3], double normal[3])
+{
+    double half = solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0;
+    const double low[3] = {0, 0, -half}, high[3] = {0, 0, half};
+    double both[5] = {1, 0, 0, 0, 0};
+    double square = half > 0 ? pel_closest_segment_triangle(low, high, a, b, c, both)
+                             : pel_closest_point_triangle(low, a, b, c, both + 2);
+    double depth = solid->radius - sqrt(square);
+    if (!(depth > 0))
+        return depth;
+    const double *w = both + 2;
+    double point[3], axis[3] = {0, 0, half * (both[1] - both[0])};
+    for (int i = 0; i < 3; i++)
+        point[i] = w[0] * a[i] + w[1] * b[i] + w[2] * c[i] - axis[i];
+    double fallback[3];
+    way_past_axis(a, b, c, fallback);
+    bool pierced = square < 1e-18 * solid->radius * solid->radius;
+    unit_or(pierced ? fallback : point, fallback, normal);
+    memcpy(weights, w, 3 * sizeof *weights);
+    return depth;
+}
+
+/* ---- box: the deepest point of a triangle ----
+   Depth at a point p of the triangle is min over the six faces of (half - side p), a concave function; its maximum over
+   the triangle is the linear program
+       max s  subject to  s <= half_i - side p_i(u, v)  (6 faces),  u >= 0, v >= 0, u + v <= 1
+   in three unknowns. The optimum is a corner where three of the nine constraints hold with equality; all 84 triples are
+   tried. */
+
+typedef struct constraint {
+    double u, v, s, limit; /* u U + v V + s S <= limit */
+} constraint;
+
+static void box_constraints(const double half[3], const double a[3], const double b[3], const double c[3],
+                            constraint constraints[9])
+{
+    for (int i = 0; i < 3; i++)
+        for (int side = 0; side < 2; side++) {
+            double sign = side ? 1 : -1;
+            constraints[2 * i + side] =
+                (constraint){sign * (b[i] - a[i]), sign * (c[i] - a[i]), 1, half[i] - sign * a[i]};
+        }
+    constraints[6] = (constraint){-1, 0, 0, 0};
+    constraints[7] = (constraint){0, -1, 0, 0};
+    constraints[8] = (constraint){1, 1, 0, 1};
+}
+
+/* the point where three constraints hold with equality; false when there is none */
+static int solve_triple(const constraint *p, const constraint *q, const constraint *r, double solution[3])
+{
+    const double row[3][3] = {{p->u, p->v, p->s}, {q->u, q->v, q->s}, {r->u, r->v, r->s}};
+    const double x[3] = {p->u, q->u, r->u}, y[3] = {p->v, q->v, r->v}, z[3] = {p->s, q->s, r->s};
+    const double limit[3] = {p->limit, q->limit, r->limit};
+    double yz[3], zx[3], xy[3];
+    pel_vec3_cross(y, z, yz);
+    pel_vec3_cross(z, x, zx);
+    pel_vec3_cross(x, y, xy);
+    double determinant = pel_vec3_dot(x, yz);
+    double scale = pel_vec3_length(row[0]) * pel_vec3_length(row[1]) * pel_vec3_length(row[2]);
+    if (fabs(determinant) <= 1e-12 * scale)
+        return 0;
+    pel_vec3_set(solution, pel_vec3_dot(limit, yz) / determinant, pel_vec3_dot(limit, zx) / determinant,
+                 pel_vec3_dot(limit, xy) / determinant);
+    return 1;
+}
+
+static int is_feasible(const constraint constraints[9], const double x[3], double tolerance)
+{
+    for (int k = 0; k < 9; k++) {
+        const constraint *c = &constraints[k];
+        if (c->u * x[0] + c->v * x[1] + c->s * x[2] > c->limit + (k < 6 ? tolerance : 1e-12))
+            return 0;
+    }
+    return 1;
+}
+
+static double box_depth(const double half[3], const double a[3], const double b[3], const double c[3],
+                        double weights[3], double normal[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double low = fmin(a[i], fmin(b[i], c[i])), high = fmax(a[i], fmax(b[i], c[i]));
+        if (low >= half[i] || high <= -half[i])
+            return 0;
+    }
+    constraint constraints[9];
+    box_constraints(half, a, b, c, constraints);
+    double best[3] = {0, 0, 0}, size = half[0] + half[1] + half[2];
+    for (int p = 0; p < 6; p++)
+        for (int q = p + 1; q < 8; q++)
+            for (int r = q + 1; r < 9; r++) {
+                double x[3];
+                if (solve_triple(&constraints[p], &constraints[q], &constraints[r], x) && x[2] > best[2] &&
+                    is_feasible(constraints, x, 1e-12 * size))
+                    memcpy(best, x, sizeof best);
+            }
+    if (!(best[2] > 0))
+        return 0;
+    pel_vec3_set(weights, 1 - best[0] - best[1], best[0], best[1]);
+    double point[3];
+    for (int i = 0; i < 3; i++)
+        point[i] = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i];
+    int axis = nearest_face(half, point);
+    pel_vec3_set(normal, 0, 0, 0);
+    normal[axis] = copysign(1, point[axis]);
+    return best[2];
+}
+
+double pel_solid_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
+                       double weights[3], double normal[3])
+{
+    if (solid->kind == PEL_SOLID_BOX)
+        return box_depth(solid->half_extents, a, b, c, weights, normal);
+    return round_depth(solid, a, b, c, weights, normal);
+}
+
+void pel_solid_half_box(const pel_solid *solid, double half[3])
+{
+    if (solid->kind == PEL_SOLID_BOX)
+        pel_vec3_copy(solid->half_extents, half);
+    else
+        pel_vec3_set(half, solid->radius, solid->radius,
+                     solid->radius + (solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0));
+}

@@ -1,0 +1,42 @@
+/* Whole files: reading one into memory, and writing one so that what stands under its name is always whole. */
+#ifndef PEL_IO_FILE_H
+#define PEL_IO_FILE_H
+
+#include "base/status.h"
+
+#include <stdio.h>
+
+/* Reads a whole file (or pipe) into a new block of *size bytes, to be freed with pel_free. One zero byte follows the
+   last byte. Errors: PEL_BAD_FILE with the path (missing, a folder, unreadable, endless), PEL_OUT_OF_MEMORY; *bytes is
+   null then. An empty file is no error. */
+pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error *error);
+
+/* Writes to a temporary file in the folder of the path; commit renames it over the path, abandon removes it. A path
+   that is a device or a pipe is written directly, a symbolic link is followed, and the mode of a replaced file is kept.
+       pel_file_writer writer;
+       pel_status status = pel_file_writer_open(&writer, path, error);
+       if (status != PEL_OK)
+           return status;
+       pel_file_writer_printf(&writer, ...);
+       return pel_file_writer_commit(&writer, error);
+   A failed write is remembered and reported by commit, so the calls between need no checks. */
+typedef struct pel_file_writer {
+    FILE *stream;
+    char *path;      /* what the user named, for messages */
+    char *target;    /* the same with links resolved */
+    char *temporary; /* null when written directly */
+    int failure;     /* errno of the first failure, 0 = none */
+} pel_file_writer;
+
+/* On failure (PEL_BAD_FILE, PEL_OUT_OF_MEMORY) nothing is left to close. */
+pel_status pel_file_writer_open(pel_file_writer *writer, const char *path, pel_error *error);
+void pel_file_writer_write(pel_file_writer *writer, const void *bytes, size_t size);
+/* for text and integers; floating-point numbers follow the locale here: see pel_number_print for those */
+void pel_file_writer_printf(pel_file_writer *writer, const char *format, ...) PEL_PRINTF(2, 3);
+/* Flushes, closes and renames. On failure (disk full, ...) the temporary file is removed and an older file under the
+   path stays as it was. Closes the writer either way. */
+pel_status pel_file_writer_commit(pel_file_writer *writer, pel_error *error);
+/* Closes and removes what was written; fine on a closed writer. */
+void pel_file_writer_abandon(pel_file_writer *writer);
+
+#endif

@@ -1,0 +1,577 @@
+/* Building the model: checks of the defs, then masses, springs and triangles in the model's vertex order. */
+#include "model/model.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "model/order.h"
+#include "pellicle/topology.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { BODY_COOKIE = 0x626f6479, MODEL_COOKIE = 0x6d6f6465 };
+
+pel_body_def pel_body_def_default(void)
+{
+    return (pel_body_def){
+        .mass_kind = PEL_MASS_PER_VERTEX,
+        .mass = 1,
+        .spring_stiffness = {.value = 3},
+        .spring_damping = {.value = 0.5},
+        .volumetric_stiffness = {.value = 1.5},
+        .volumetric_damping = {.value = 0.5},
+        .reference_count = 252,
+        .cookie = BODY_COOKIE,
+    };
+}
+
+pel_model_def pel_model_def_default(void)
+{
+    return (pel_model_def){.cookie = MODEL_COOKIE};
+}
+
+double pel_curve_value(const pel_key *keys, int32_t key_count, double time)
+{
+    if (keys == NULL || key_count == 0)
+        return 1;
+    if (time <= keys[0].time)
+        return keys[0].value;
+    for (int32_t k = 1; k < key_count; k++)
+        if (time < keys[k].time) {
+            double s = (time - keys[k - 1].time) / (keys[k].time - keys[k - 1].time);
+            return keys[k - 1].value + s * (keys[k].value - keys[k - 1].value);
+        }
+    return keys[key_count - 1].value;
+}
+
+/* ---- checks ---- */
+
+static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *rule)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %g", name, value);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "%s", rule);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_quantity(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
+                                 bool keys_allowed, pel_error *error)
+{
+    if (quantity->field != NULL && quantity->key_count > 0)
+        return refuse(error, body, name, quantity->value, "give either a field or keys, not both");
+    if (quantity->key_count > 0 && !keys_allowed)
+        return refuse(error, body, name, quantity->value, "this number cannot vary over time");
+    if (quantity->field == NULL && quantity->key_count == 0 && !(quantity->value >= 0 && isfinite(quantity->value)))
+        return refuse(error, body, name, quantity->value, "give a finite number of at least 0");
+    for (int32_t v = 0; quantity->field != NULL && v < vertex_count; v++)
+        if (!(quantity->field[v] >= 0 && isfinite(quantity->field[v])))
+            return refuse(error, body, name, quantity->field[v], "give finite values of at least 0 on every vertex");
+    for (int32_t k = 0; k < quantity->key_count; k++) {
+        const pel_key *key = &quantity->keys[k];
+        if (!(key->value >= 0 && isfinite(key->value) && isfinite(key->time)))
+            return refuse(error, body, name, key->value, "give keys of finite times and finite values of at least 0");
+        if (k > 0 && !(key->time > key[-1].time))
+            return refuse(error, body, name, key->time, "give keys with increasing times");
+    }
+    return PEL_OK;
+}
+
+static pel_status check_name(const pel_model_def *def, int32_t body, pel_error *error)
+{
+    const char *name = def->bodies[body].name;
+    if (name == NULL || name[0] == '\0' || strlen(name) >= PEL_NAME_SIZE) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "body has no name or one longer than %d characters", PEL_NAME_SIZE - 1);
+        pel_fail_element(error, "body", body);
+        return PEL_BAD_ARGUMENT;
+    }
+    for (int32_t other = 0; other < body; other++)
+        if (strcmp(def->bodies[other].name, name) == 0) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "two bodies are named '%s'", name);
+            pel_fail_remedy(error, "give each body a name of its own");
+            return PEL_BAD_ARGUMENT;
+        }
+    return PEL_OK;
+}
+
+static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *error)
+{
+    const pel_body_def *b = &def->bodies[body];
+    if (b->cookie != BODY_COOKIE)
+        return refuse(error, body, "cookie", b->cookie, "start from pel_body_def_default()");
+    pel_status status = check_name(def, body, error);
+    if (status != PEL_OK)
+        return status;
+    if (b->mesh == NULL)
+        return refuse(error, body, "mesh", 0, "give each body a mesh");
+    if (!(b->mass > 0 && isfinite(b->mass)))
+        return refuse(error, body, "mass", b->mass, "give a finite mass above 0");
+    if (b->reference_count < 1)
+        return refuse(error, body, "reference_count", b->reference_count, "give at least 1");
+    const struct {
+        const char *name;
+        const pel_quantity *quantity;
+        bool keys;
+    } quantities[] = {
+        {"thickness", &b->thickness, false},
+        {"spring stiffness", &b->spring_stiffness, true},
+        {"spring damping", &b->spring_damping, true},
+        {"volumetric stiffness", &b->volumetric_stiffness, true},
+        {"volumetric damping", &b->volumetric_damping, true},
+    };
+    for (size_t q = 0; status == PEL_OK && q < sizeof quantities / sizeof *quantities; q++)
+        status = check_quantity(quantities[q].quantity, b->mesh->vertex_count, body, quantities[q].name,
+                                quantities[q].keys, error);
+    for (int32_t p = 0; status == PEL_OK && p < b->pinned_count; p++)
+        if (b->pinned[p] < 0 || b->pinned[p] >= b->mesh->vertex_count)
+            status = refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
+    return status;
+}
+
+static pel_status check_def(const pel_model_def *def, pel_error *error)
+{
+    if (def->cookie != MODEL_COOKIE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "model def was not made by pel_model_def_default()");
+    if (def->body_count < 1 || def->bodies == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "model has no body");
+    int64_t vertex_count = 0, triangle_count = 0;
+    for (int32_t b = 0; b < def->body_count; b++) {
+        pel_status status = check_body(def, b, error);
+        if (status != PEL_OK)
+            return status;
+        vertex_count += def->bodies[b].mesh->vertex_count + PEL_WIDTH;
+        triangle_count += def->bodies[b].mesh->triangle_count;
+    }
+    if (vertex_count > INT32_MAX / 16 || triangle_count > INT32_MAX / 16)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "model has %lld vertices; at most %d are possible",
+                        (long long)vertex_count, INT32_MAX / 16);
+    for (int i = 0; i < 3; i++)
+        if (!isfinite(def->gravity[i]))
+            return pel_fail(error, PEL_BAD_ARGUMENT, "gravity is not finite");
+    return PEL_OK;
+}
+
+/* ---- geometry of a body ---- */
+
+static void corners(const pel_mesh *mesh, int32_t t, double a[3], double b[3], double c[3])
+{
+    const int32_t *v = mesh->triangles[t];
+    memcpy(a, mesh->positions[v[0]], 3 * sizeof *a);
+    memcpy(b, mesh->positions[v[1]], 3 * sizeof *b);
+    memcpy(c, mesh->positions[v[2]], 3 * sizeof *c);
+}
+
+static double triangle_area(const double a[3], const double b[3], const double c[3])
+{
+    double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    double n[3] = {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
+    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
+/* a third of the area of the triangles around each vertex; returns the whole area, fails on a triangle without any */
+static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total, pel_error *error)
+{
+    *total = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double a[3], b[3], c[3];
+        corners(mesh, t, a, b, c);
+        double area = triangle_area(a, b, c);
+        if (!(area > 0 && isfinite(area))) {
+            pel_fail(error, PEL_BAD_MESH, "triangle has no area");
+            pel_fail_element(error, "triangle", t);
+            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
+            return PEL_BAD_MESH;
+        }
+        *total += area;
+        for (int i = 0; i < 3; i++)
+            areas[mesh->triangles[t][i]] += area / 3;
+    }
+    return PEL_OK;
+}
+
+static double bounding_diagonal(const pel_mesh *mesh)
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++) {
+        double low = mesh->positions[0][i], high = low;
+        for (int32_t v = 1; v < mesh->vertex_count; v++) {
+            low = fmin(low, mesh->positions[v][i]);
+            high = fmax(high, mesh->positions[v][i]);
+        }
+        square += (high - low) * (high - low);
+    }
+    return sqrt(square);
+}
+
+/* ---- arrays ---- */
+
+static double quantity_at(const pel_quantity *quantity, int32_t v)
+{
+    if (quantity->key_count > 0)
+        return 1;
+    return quantity->field != NULL ? quantity->field[v] : quantity->value;
+}
+
+static bool allocate_vertices(pel_model *model)
+{
+    size_t count = (size_t)model->vertex_count, slices = (size_t)model->slice_count;
+    model->rest = pel_allocate_aligned(count, sizeof *model->rest);
+    model->inverse_mass = pel_allocate_aligned(count, sizeof *model->inverse_mass);
+    model->mass = pel_allocate_aligned(count, sizeof *model->mass);
+    model->damping = pel_allocate_aligned(count, sizeof *model->damping);
+    model->volumetric_damping = pel_allocate_aligned(count, sizeof *model->volumetric_damping);
+    model->body_of_slice = pel_allocate(slices, sizeof *model->body_of_slice);
+    model->mesh_vertex = pel_allocate(count, sizeof *model->mesh_vertex);
+    model->slot_begin = pel_allocate(slices + 1, sizeof *model->slot_begin);
+    model->triangles = pel_allocate((size_t)model->triangle_count, sizeof *model->triangles);
+    model->triangle_begin = pel_allocate((size_t)model->body_count + 1, sizeof *model->triangle_begin);
+    model->fan_begin = pel_allocate(count + 2, sizeof *model->fan_begin);
+    model->fans = pel_allocate(3 * (size_t)model->triangle_count, sizeof *model->fans);
+    return model->rest != NULL && model->inverse_mass != NULL && model->mass != NULL && model->damping != NULL &&
+           model->volumetric_damping != NULL && model->body_of_slice != NULL && model->mesh_vertex != NULL &&
+           model->slot_begin != NULL && model->triangles != NULL && model->triangle_begin != NULL &&
+           model->fan_begin != NULL && model->fans != NULL;
+}
+
+static bool allocate_slots(pel_model *model, bool with_stiffness)
+{
+    size_t count = (size_t)model->slot_begin[model->slice_count];
+    model->neighbours = pel_allocate_aligned(count, sizeof *model->neighbours);
+    model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
+    if (with_stiffness)
+        model->stiffnesses = pel_allocate_aligned(count, sizeof *model->stiffnesses);
+    return model->neighbours != NULL && model->rest_lengths != NULL && (!with_stiffness || model->stiffnesses != NULL);
+}
+
+/* masses, damping and volumetric springs of one body's vertices; padding repeats the first vertex without mass */
+static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_body *body, const int32_t *order,
+                          const double *areas)
+{
+    int32_t first = body->slice_begin * PEL_WIDTH, last = body->slice_end * PEL_WIDTH;
+    double mean_area = body->rest_area / def->reference_count;
+    for (int32_t i = first; i < last; i++) {
+        bool padding = i - first >= def->mesh->vertex_count;
+        int32_t v = order[padding ? 0 : i - first];
+        const double *x = def->mesh->positions[v];
+        double share = def->volumetric_by_area ? areas[v] / mean_area : 1;
+        double volumetric = padding ? 0 : share * quantity_at(&def->volumetric_stiffness, v);
+        model->rest[i] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], (pel_real)volumetric};
+        model->mesh_vertex[i] = padding ? -1 : v;
+        if (padding)
+            continue;
+        body->slot_of_vertex[v] = i;
+        double mass = def->mass;
+        if (def->mass_kind == PEL_MASS_TOTAL)
+            mass /= def->mesh->vertex_count;
+        else if (def->mass_kind == PEL_MASS_DENSITY)
+            mass *= quantity_at(&def->thickness, v) * areas[v];
+        model->mass[i] = (pel_real)mass;
+        model->inverse_mass[i] = (pel_real)(1 / mass);
+        model->damping[i] = (pel_real)(share * quantity_at(&def->spring_damping, v));
+        model->volumetric_damping[i] = (pel_real)(share * quantity_at(&def->volumetric_damping, v));
+    }
+    for (int32_t p = 0; p < def->pinned_count; p++)
+        model->inverse_mass[body->slot_of_vertex[def->pinned[p]]] = 0;
+}
+
+/* slots of each slice = largest valence in it */
+static void count_slots(pel_model *model, const pel_body *body, const int32_t *valence)
+{
+    for (int32_t s = body->slice_begin; s < body->slice_end; s++) {
+        int32_t most = 0;
+        for (int32_t i = s * PEL_WIDTH; i < (s + 1) * PEL_WIDTH; i++)
+            if (model->mesh_vertex[i] >= 0 && valence[model->mesh_vertex[i]] > most)
+                most = valence[model->mesh_vertex[i]];
+        model->slot_begin[s + 1] = model->slot_begin[s] + most;
+    }
+}
+
+static pel_real rest_distance(const pel_model *model, int32_t i, int32_t j)
+{
+    /* the very operations of the force loop, so that the rest shape is free of force to the last bit */
+    pel_record d = model->rest[j] - model->rest[i];
+    return pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+}
+
+static void add_spring(pel_model *model, int32_t i, int32_t j, int32_t *filled, double stiffness)
+{
+    int32_t slot = model->slot_begin[i / PEL_WIDTH] + filled[i]++, lane = i % PEL_WIDTH;
+    model->neighbours[slot][lane] = j;
+    model->rest_lengths[slot][lane] = rest_distance(model, i, j);
+    if (model->stiffnesses != NULL)
+        model->stiffnesses[slot][lane] = (pel_real)stiffness;
+}
+
+/* both ends of every edge; lanes that stay empty point to their own vertex */
+static void fill_springs(pel_model *model, const pel_body_def *def, const pel_body *body, const pel_topology *topology,
+                         int32_t *filled)
+{
+    for (int32_t s = body->slice_begin; s < body->slice_end; s++)
+        for (int32_t slot = model->slot_begin[s]; slot < model->slot_begin[s + 1]; slot++)
+            for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
+                model->neighbours[slot][lane] = s * PEL_WIDTH + lane;
+                model->rest_lengths[slot][lane] = pel_sqrt(PEL_REAL_TINY);
+            }
+    for (int32_t e = 0; e < topology->edge_count; e++) {
+        int32_t h = topology->half_edge_of_edge[e];
+        int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
+        const pel_quantity *k = &def->spring_stiffness;
+        double stiffness = 0.5 * (quantity_at(k, a) + quantity_at(k, b));
+        int32_t i = body->slot_of_vertex[a], j = body->slot_of_vertex[b];
+        add_spring(model, i, j, filled, stiffness);
+        add_spring(model, j, i, filled, stiffness);
+    }
+}
+
+static void fill_triangles(pel_model *model, int32_t body)
+{
+    const pel_body *b = &model->bodies[body];
+    int32_t first = model->triangle_begin[body];
+    model->triangle_begin[body + 1] = first + b->mesh->triangle_count;
+    for (int32_t t = 0; t < b->mesh->triangle_count; t++)
+        for (int i = 0; i < 3; i++)
+            model->triangles[first + t][i] = b->slot_of_vertex[b->mesh->triangles[t][i]];
+}
+
+static void fill_fans(pel_model *model)
+{
+    int32_t *begin = model->fan_begin;
+    for (int32_t t = 0; t < model->triangle_count; t++)
+        for (int i = 0; i < 3; i++)
+            begin[model->triangles[t][i] + 2]++;
+    for (int32_t i = 0; i <= model->vertex_count; i++)
+        begin[i + 1] += begin[i];
+    for (int32_t t = 0; t < model->triangle_count; t++)
+        for (int i = 0; i < 3; i++)
+            model->fans[begin[model->triangles[t][i] + 1]++] = t;
+}
+
+/* ---- a body ---- */
+
+static pel_status copy_mesh(const pel_mesh *mesh, pel_mesh **copy, pel_error *error)
+{
+    pel_status status =
+        pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0], mesh->triangle_count, copy, error);
+    for (int32_t f = 0; status == PEL_OK && f < mesh->field_count; f++) {
+        const pel_field *field = &mesh->fields[f];
+        status = pel_mesh_add_field(*copy, field->name, field->component_count, field->values, error);
+    }
+    return status;
+}
+
+static pel_status copy_curves(const pel_body_def *def, pel_body *body, pel_error *error)
+{
+    const pel_quantity *quantities[PEL_PARAMETER_COUNT] = {
+        [PEL_SPRING_STIFFNESS] = &def->spring_stiffness,
+        [PEL_SPRING_DAMPING] = &def->spring_damping,
+        [PEL_VOLUMETRIC_STIFFNESS] = &def->volumetric_stiffness,
+        [PEL_VOLUMETRIC_DAMPING] = &def->volumetric_damping,
+    };
+    for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
+        int32_t count = quantities[p]->key_count;
+        if (count == 0)
+            continue;
+        body->curves[p].keys = pel_allocate((size_t)count, sizeof *body->curves[p].keys);
+        if (body->curves[p].keys == NULL)
+            return pel_fail_memory(error);
+        memcpy(body->curves[p].keys, quantities[p]->keys, (size_t)count * sizeof *body->curves[p].keys);
+        body->curves[p].key_count = count;
+    }
+    return PEL_OK;
+}
+
+/* scratch of building one body */
+typedef struct build {
+    pel_topology *topology;
+    int32_t *order, *valence;
+    double *areas;
+} build;
+
+static void build_end(build *scratch)
+{
+    pel_topology_destroy(scratch->topology);
+    pel_free(scratch->order);
+    pel_free(scratch->valence);
+    pel_free(scratch->areas);
+    *scratch = (struct build){0};
+}
+
+/* first pass: everything about a body that does not need the model's arrays */
+static pel_status begin_body(const pel_body_def *def, pel_body *body, build *scratch, pel_error *error)
+{
+    size_t vertex_count = (size_t)def->mesh->vertex_count;
+    snprintf(body->name, sizeof body->name, "%s", def->name);
+    pel_status status = copy_mesh(def->mesh, &body->mesh, error);
+    if (status == PEL_OK)
+        status = pel_topology_create(def->mesh, &scratch->topology, error);
+    if (status == PEL_OK)
+        status = copy_curves(def, body, error);
+    if (status != PEL_OK)
+        return status;
+    body->slot_of_vertex = pel_allocate(vertex_count, sizeof *body->slot_of_vertex);
+    scratch->order = pel_allocate(vertex_count, sizeof *scratch->order);
+    scratch->valence = pel_allocate(vertex_count, sizeof *scratch->valence);
+    scratch->areas = pel_allocate(vertex_count, sizeof *scratch->areas);
+    if (body->slot_of_vertex == NULL || scratch->order == NULL || scratch->valence == NULL || scratch->areas == NULL)
+        return pel_fail_memory(error);
+    status = lump_areas(def->mesh, scratch->areas, &body->rest_area, error);
+    if (status == PEL_OK)
+        status = pel_order_vertices(scratch->topology, scratch->order, scratch->valence, error);
+    for (size_t v = 0; status == PEL_OK && v < vertex_count; v++)
+        if (scratch->valence[v] == 0) {
+            pel_fail(error, PEL_BAD_MESH, "vertex belongs to no triangle");
+            pel_fail_element(error, "vertex", (int64_t)v);
+            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
+            return PEL_BAD_MESH;
+        }
+    const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
+    body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
+    body->uniform_spring = k->field != NULL ? -1 : quantity_at(k, 0);
+    body->diameter = bounding_diagonal(def->mesh);
+    body->closed = scratch->topology->boundary_edge_count == 0;
+    return status;
+}
+
+static pel_status check_masses(const pel_model *model, int32_t body, pel_error *error)
+{
+    const pel_body *b = &model->bodies[body];
+    for (int32_t v = 0; v < b->mesh->vertex_count; v++) {
+        pel_real mass = model->mass[b->slot_of_vertex[v]];
+        if (mass > 0 && isfinite(mass) && isfinite(1 / mass))
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "mass of the vertex is %g in body '%s'", (double)mass, b->name);
+        pel_fail_element(error, "vertex", v);
+        pel_fail_remedy(error, "give a density and thickness above 0");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
+static pel_status build_bodies(pel_model *model, const pel_model_def *def, build *builds, pel_error *error)
+{
+    bool with_stiffness = false;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        pel_body *body = &model->bodies[b];
+        pel_status status = begin_body(&def->bodies[b], body, &builds[b], error);
+        if (status != PEL_OK)
+            return status;
+        body->slice_begin = model->slice_count;
+        model->slice_count += (body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH;
+        body->slice_end = model->slice_count;
+        model->triangle_count += body->mesh->triangle_count;
+        with_stiffness |= body->uniform_spring < 0;
+    }
+    model->vertex_count = model->slice_count * PEL_WIDTH;
+    if (!allocate_vertices(model))
+        return pel_fail_memory(error);
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b];
+        fill_vertices(model, &def->bodies[b], body, builds[b].order, builds[b].areas);
+        count_slots(model, body, builds[b].valence);
+        for (int32_t s = body->slice_begin; s < body->slice_end; s++)
+            model->body_of_slice[s] = b;
+        pel_status status = check_masses(model, b, error);
+        if (status != PEL_OK)
+            return status;
+        fill_triangles(model, b);
+    }
+    fill_fans(model);
+    int32_t *filled = pel_allocate((size_t)model->vertex_count, sizeof *filled);
+    bool room = filled != NULL && allocate_slots(model, with_stiffness);
+    for (int32_t b = 0; room && b < model->body_count; b++)
+        fill_springs(model, &def->bodies[b], &model->bodies[b], builds[b].topology, filled);
+    pel_free(filled);
+    return room ? PEL_OK : pel_fail_memory(error);
+}
+
+/* volume enclosed by a body's mesh about its first vertex */
+static double mesh_volume(const pel_mesh *mesh)
+{
+    double volume = 0;
+    const double *o = mesh->positions[0];
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double a[3], b[3], c[3];
+        corners(mesh, t, a, b, c);
+        for (int i = 0; i < 3; i++) {
+            a[i] -= o[i];
+            b[i] -= o[i];
+            c[i] -= o[i];
+        }
+        volume += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                  a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return volume / 6;
+}
+
+pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error)
+{
+    *model = NULL;
+    pel_status status = check_def(def, error);
+    if (status != PEL_OK)
+        return status;
+    pel_model *made = pel_allocate(1, sizeof *made);
+    build *builds = pel_allocate((size_t)def->body_count, sizeof *builds);
+    if (made != NULL)
+        made->bodies = pel_allocate((size_t)def->body_count, sizeof *made->bodies);
+    if (made == NULL || builds == NULL || made->bodies == NULL) {
+        status = pel_fail_memory(error);
+    } else {
+        made->body_count = def->body_count;
+        memcpy(made->gravity, def->gravity, sizeof made->gravity);
+        status = build_bodies(made, def, builds, error);
+        for (int32_t b = 0; b < def->body_count; b++)
+            build_end(&builds[b]);
+        for (int32_t b = 0; status == PEL_OK && b < def->body_count; b++)
+            made->bodies[b].rest_volume = mesh_volume(made->bodies[b].mesh);
+    }
+    pel_free(builds);
+    if (status == PEL_OK)
+        *model = made;
+    else
+        pel_model_destroy(made);
+    return status;
+}
+
+void pel_model_destroy(pel_model *model)
+{
+    if (model == NULL)
+        return;
+    for (int32_t b = 0; model->bodies != NULL && b < model->body_count; b++) {
+        pel_mesh_destroy(model->bodies[b].mesh);
+        pel_free(model->bodies[b].slot_of_vertex);
+        for (int p = 0; p < PEL_PARAMETER_COUNT; p++)
+            pel_free(model->bodies[b].curves[p].keys);
+    }
+    void *arrays[] = {model->bodies,        model->rest,           model->inverse_mass,
+                      model->mass,          model->damping,        model->volumetric_damping,
+                      model->body_of_slice, model->mesh_vertex,    model->slot_begin,
+                      model->neighbours,    model->rest_lengths,   model->stiffnesses,
+                      model->triangles,     model->triangle_begin, model->fan_begin,
+                      model->fans};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(model);
+}
+
+int32_t pel_model_body_count(const pel_model *model)
+{
+    return model->body_count;
+}
+
+int32_t pel_model_find_body(const pel_model *model, const char *name)
+{
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (strcmp(model->bodies[b].name, name) == 0)
+            return b;
+    return -1;
+}
+
+const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body)
+{
+    return model->bodies[body].mesh;
+}
+
+const char *pel_model_body_name(const pel_model *model, int32_t body)
+{
+    return model->bodies[body].name;
+}

@@ -1,0 +1,20 @@
+/* The state: what changes while simulating. Plain arrays in the model's vertex order. */
+#ifndef PEL_MODEL_STATE_H
+#define PEL_MODEL_STATE_H
+
+#include "model/model.h"
+
+struct pel_state {
+    int64_t step;
+    /* (vertex_count) position and inverse mass: now, one step ago, and scratch of the step in progress; they change
+       places when a step is accepted */
+    pel_record *position, *position_before, *position_next;
+    pel_record *velocity, *velocity_next;   /* (vertex_count) explicit methods only, else null */
+    uint8_t *contact;                       /* (vertex_count) 1 = a tool touches or holds it */
+    double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) present factor of each keyed parameter */
+};
+
+pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error);
+void pel_state_destroy(pel_state *state);
+
+#endif

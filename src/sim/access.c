@@ -1,0 +1,239 @@
+/* Getters and setters between the model's vertex order and the mesh's, and sums over everything. */
+#include "base/status.h"
+#include "math/vec3.h"
+#include "sim/sim.h"
+
+#include <string.h>
+
+/* velocities of the last step: stored by the explicit method, else the displacement over dt */
+static void vertex_velocity(const pel_sim *sim, int32_t i, double velocity[3])
+{
+    const pel_state *state = sim->state;
+    for (int c = 0; c < 3; c++)
+        velocity[c] = state->velocity != NULL
+                          ? (double)state->velocity[i][c]
+                          : ((double)state->position[i][c] - (double)state->position_before[i][c]) / sim->step.dt;
+}
+
+static void copy_out(const pel_body *body, const pel_record *records, double *out)
+{
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            out[3 * (size_t)v + (size_t)c] = (double)records[body->slot_of_vertex[v]][c];
+}
+
+void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions)
+{
+    copy_out(&sim->model->bodies[body], sim->state->position, positions);
+}
+
+void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities)
+{
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
+        vertex_velocity(sim, b->slot_of_vertex[v], velocities + 3 * (size_t)v);
+}
+
+/* forces of eq. with the loads at the present time, into sim->force */
+static void compute_forces(pel_sim *sim)
+{
+    const pel_state *state = sim->state;
+    pel_body_forces(sim->model, state, state->velocity, sim->step.thread_count, sim->force);
+    pel_loads_add(sim, pel_sim_time(sim), sim->force);
+}
+
+void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
+{
+    compute_forces(sim);
+    copy_out(&sim->model->bodies[body], sim->force, forces);
+}
+
+void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric)
+{
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t slice = b->slice_begin; slice < b->slice_end; slice++) {
+        pel_wide s, w;
+        pel_slice_energy(sim->model, sim->state, slice, &s, &w);
+        for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
+            int32_t v = sim->model->mesh_vertex[slice * PEL_WIDTH + lane];
+            if (v < 0)
+                continue;
+            spring[v] = (double)s[lane];
+            volumetric[v] = (double)w[lane];
+        }
+    }
+}
+
+void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact)
+{
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
+        contact[v] = sim->state->contact[b->slot_of_vertex[v]];
+}
+
+/* ---- setters ---- */
+
+static pel_status check_values(const double *values, int32_t vertex_count, const char *name, pel_error *error)
+{
+    for (int32_t v = 0; v < vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            if (!isfinite(values[3 * (size_t)v + (size_t)c])) {
+                pel_fail(error, PEL_BAD_ARGUMENT, "%s is not finite", name);
+                pel_fail_element(error, "vertex", v);
+                return PEL_BAD_ARGUMENT;
+            }
+    return PEL_OK;
+}
+
+static pel_status check_body(const pel_sim *sim, int32_t body, pel_error *error)
+{
+    if (body >= 0 && body < sim->model->body_count)
+        return PEL_OK;
+    return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist", (int)body);
+}
+
+pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *positions, pel_error *error)
+{
+    pel_status status = check_body(sim, body, error);
+    if (status == PEL_OK)
+        status = check_values(positions, sim->model->bodies[body].mesh->vertex_count, "position", error);
+    if (status != PEL_OK)
+        return status;
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++) {
+            int32_t i = b->slot_of_vertex[v];
+            sim->state->position[i][c] = (pel_real)positions[3 * (size_t)v + (size_t)c];
+            /* a displaced body starts at rest */
+            sim->state->position_before[i][c] = sim->state->position[i][c];
+        }
+    return PEL_OK;
+}
+
+pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velocities, pel_error *error)
+{
+    pel_status status = check_body(sim, body, error);
+    if (status == PEL_OK)
+        status = check_values(velocities, sim->model->bodies[body].mesh->vertex_count, "velocity", error);
+    if (status != PEL_OK)
+        return status;
+    const pel_body *b = &sim->model->bodies[body];
+    pel_state *state = sim->state;
+    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++) {
+            int32_t i = b->slot_of_vertex[v];
+            double value = sim->model->inverse_mass[i] > 0 ? velocities[3 * (size_t)v + (size_t)c] : 0;
+            if (state->velocity != NULL)
+                state->velocity[i][c] = (pel_real)value;
+            else
+                state->position_before[i][c] = (pel_real)((double)state->position[i][c] - sim->step.dt * value);
+        }
+    return PEL_OK;
+}
+
+pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force[3], pel_error *error)
+{
+    if (load < 0 || load >= sim->load_count)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "load %d does not exist", (int)load);
+    if (!isfinite(force[0]) || !isfinite(force[1]) || !isfinite(force[2]))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "force of load %d is not finite", (int)load);
+    memcpy(sim->loads[load].force, force, sizeof sim->loads[load].force);
+    return PEL_OK;
+}
+
+pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double position[3], const double rotation[4],
+                                 pel_error *error)
+{
+    if (tool < 0 || tool >= sim->tool_count)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "tool %d does not exist", (int)tool);
+    double square = 0;
+    for (int i = 0; i < 4; i++)
+        square += rotation[i] * rotation[i];
+    if (!isfinite(position[0]) || !isfinite(position[1]) || !isfinite(position[2]) || !(fabs(square - 1) < 1e-6)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "pose of tool '%s' is not finite or its rotation is no unit quaternion",
+                 sim->tools[tool].name);
+        return PEL_BAD_ARGUMENT;
+    }
+    pel_tool *t = &sim->tools[tool];
+    t->driven = true;
+    memcpy(t->driven_pose.position, position, sizeof t->driven_pose.position);
+    memcpy(t->driven_pose.rotation, rotation, sizeof t->driven_pose.rotation);
+    return PEL_OK;
+}
+
+/* ---- measures ---- */
+
+static void corner_at(const pel_sim *sim, int32_t v, const double origin[3], double x[3])
+{
+    for (int c = 0; c < 3; c++)
+        x[c] = (double)sim->state->position[v][c] - origin[c];
+}
+
+/* area and enclosed volume of a body, about its first vertex */
+static void measure_surface(const pel_sim *sim, int32_t body, double *area, double *volume)
+{
+    const pel_model *model = sim->model;
+    const double zero[3] = {0, 0, 0};
+    double origin[3];
+    corner_at(sim, model->bodies[body].slot_of_vertex[0], zero, origin);
+    *area = *volume = 0;
+    for (int32_t t = model->triangle_begin[body]; t < model->triangle_begin[body + 1]; t++) {
+        double a[3], b[3], c[3], u[3], w[3], n[3];
+        corner_at(sim, model->triangles[t][0], origin, a);
+        corner_at(sim, model->triangles[t][1], origin, b);
+        corner_at(sim, model->triangles[t][2], origin, c);
+        pel_vec3_subtract(b, a, u);
+        pel_vec3_subtract(c, a, w);
+        pel_vec3_cross(u, w, n);
+        *area += pel_vec3_length(n) / 2;
+        *volume += pel_vec3_dot(a, n) / 6;
+    }
+}
+
+static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
+{
+    double area = 0, rest_area = 0, volume = 0, rest_volume = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        double body_area, body_volume;
+        measure_surface(sim, b, &body_area, &body_volume);
+        area += body_area;
+        rest_area += body->rest_area;
+        volume += body->closed ? body_volume : 0;
+        rest_volume += body->closed ? body->rest_volume : 0;
+        measures->vertex_count += body->mesh->vertex_count;
+        measures->triangle_count += body->mesh->triangle_count;
+    }
+    measures->area_ratio = area / rest_area;
+    measures->volume_ratio = rest_volume != 0 ? volume / rest_volume : 1;
+}
+
+void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
+{
+    *measures = (pel_sim_measures){0};
+    measure_surfaces(sim, measures);
+    compute_forces(sim);
+    const pel_model *model = sim->model;
+    for (int32_t slice = 0; slice < model->slice_count; slice++) {
+        pel_wide spring, volumetric;
+        pel_slice_energy(model, sim->state, slice, &spring, &volumetric);
+        for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
+            int32_t i = slice * PEL_WIDTH + lane;
+            if (model->mesh_vertex[i] < 0)
+                continue;
+            double velocity[3], offset[3], force[3];
+            vertex_velocity(sim, i, velocity);
+            for (int c = 0; c < 3; c++) {
+                offset[c] = (double)sim->state->position[i][c] - (double)model->rest[i][c];
+                force[c] = (double)sim->force[i][c];
+            }
+            measures->spring_energy += (double)spring[lane];
+            measures->volumetric_energy += (double)volumetric[lane];
+            measures->kinetic_energy += 0.5 * (double)model->mass[i] * pel_vec3_squared_length(velocity);
+            measures->max_displacement = fmax(measures->max_displacement, pel_vec3_length(offset));
+            measures->max_force = fmax(measures->max_force, pel_vec3_length(force));
+            measures->contact_count += sim->state->contact[i];
+        }
+    }
+    measures->elastic_energy = measures->spring_energy + measures->volumetric_energy;
+}

@@ -1,0 +1,189 @@
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/sim.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+pel_load_def pel_load_def_default(void)
+{
+    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)INFINITY};
+}
+
+static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_element(error, "load", load);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+static bool is_finite3(const double a[3])
+{
+    return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]);
+}
+
+static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_t load, pel_error *error)
+{
+    if (def->body < 0 || def->body >= sim->model->body_count)
+        return refuse(error, load, "load names a body that does not exist", "give the number of a body of the model");
+    if (!is_finite3(def->force))
+        return refuse(error, load, "force is not finite", "give three finite numbers");
+    if (isnan(def->from) || isnan(def->until) || !(def->until > def->from))
+        return refuse(error, load, "load ends before it begins", "give `from` less than `until`");
+    const pel_body *body = &sim->model->bodies[def->body];
+    if (def->vertices != NULL && def->vertex_count < 1)
+        return refuse(error, load, "load acts on no vertex", "choose a region that holds at least one vertex");
+    for (int32_t i = 0; def->vertices != NULL && i < def->vertex_count; i++) {
+        if (def->vertices[i] < 0 || def->vertices[i] >= body->mesh->vertex_count)
+            return refuse(error, load, "load names a vertex that does not exist", "give vertex numbers of the mesh");
+        if (def->weights != NULL && !isfinite(def->weights[i]))
+            return refuse(error, load, "weight is not finite", "give finite weights");
+    }
+    for (int32_t k = 0; k < def->key_count; k++)
+        if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
+            (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
+            return refuse(error, load, "keys are not finite or not in order", "give keys with increasing times");
+    return PEL_OK;
+}
+
+static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t index, pel_error *error)
+{
+    pel_status status = check_load(sim, def, index, error);
+    if (status != PEL_OK)
+        return status;
+    pel_load *load = &sim->loads[index];
+    const pel_body *body = &sim->model->bodies[def->body];
+    int32_t count = def->vertices != NULL ? def->vertex_count : body->mesh->vertex_count;
+    snprintf(load->name, sizeof load->name, "%s", def->name != NULL ? def->name : "");
+    memcpy(load->force, def->force, sizeof load->force);
+    load->body = def->body;
+    load->kind = def->kind;
+    load->from = def->from;
+    load->until = def->until;
+    load->vertices = pel_allocate((size_t)count, sizeof *load->vertices);
+    load->weights = pel_allocate((size_t)count, sizeof *load->weights);
+    load->keys = pel_allocate((size_t)def->key_count, sizeof *load->keys);
+    if (load->vertices == NULL || load->weights == NULL || load->keys == NULL)
+        return pel_fail_memory(error);
+    load->vertex_count = count;
+    double share = def->kind == PEL_LOAD_TOTAL ? 1.0 / count : 1.0;
+    for (int32_t i = 0; i < count; i++) {
+        load->vertices[i] = body->slot_of_vertex[def->vertices != NULL ? def->vertices[i] : i];
+        load->weights[i] = share * (def->weights != NULL ? def->weights[i] : 1);
+    }
+    if (def->key_count > 0)
+        memcpy(load->keys, def->keys, (size_t)def->key_count * sizeof *load->keys);
+    load->key_count = def->key_count;
+    return PEL_OK;
+}
+
+pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error)
+{
+    sim->loads = pel_allocate((size_t)count, sizeof *sim->loads);
+    if (sim->loads == NULL)
+        return pel_fail_memory(error);
+    sim->load_count = count;
+    pel_status status = PEL_OK;
+    for (int32_t i = 0; status == PEL_OK && i < count; i++)
+        status = create_load(sim, &defs[i], i, error);
+    return status;
+}
+
+void pel_loads_destroy(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->load_count; i++) {
+        pel_free(sim->loads[i].vertices);
+        pel_free(sim->loads[i].weights);
+        pel_free(sim->loads[i].keys);
+    }
+    pel_free(sim->loads);
+}
+
+/* force of a load on a vertex of weight 1 at a time; false when it does not act */
+static bool load_force(const pel_load *load, double time, double force[3])
+{
+    if (!(time >= load->from && time < load->until))
+        return false;
+    double factor = pel_curve_value(load->keys, load->key_count, time);
+    for (int i = 0; i < 3; i++)
+        force[i] = factor * load->force[i];
+    return true;
+}
+
+static bool has_gravity(const pel_model *model)
+{
+    return model->gravity[0] != 0 || model->gravity[1] != 0 || model->gravity[2] != 0;
+}
+
+static pel_record record_of(const double a[3])
+{
+    return (pel_record){(pel_real)a[0], (pel_real)a[1], (pel_real)a[2], 0};
+}
+
+/* adds force / mass, times the gains, to the new position and velocity of a vertex */
+typedef struct gains {
+    pel_real position, velocity;
+} gains;
+
+static bool push(pel_sim *sim, int32_t v, gains gain, pel_record acceleration)
+{
+    pel_record *x = &sim->state->position_next[v];
+    *x += gain.position * acceleration;
+    if (sim->state->velocity_next != NULL)
+        sim->state->velocity_next[v] += gain.velocity * acceleration;
+    pel_real bound = (pel_real)sim->step.bound;
+    return (*x)[0] * (*x)[0] + (*x)[1] * (*x)[1] + (*x)[2] * (*x)[2] < bound * bound;
+}
+
+static gains gains_of(const pel_sim *sim)
+{
+    double dt = sim->step.dt;
+    if (!pel_sim_is_explicit(sim))
+        return (gains){(pel_real)(sim->step.alpha * dt * dt), 0};
+    return (gains){(pel_real)(sim->step.symplectic ? dt * dt : 0), (pel_real)dt};
+}
+
+bool pel_loads_apply(pel_sim *sim)
+{
+    gains gain = gains_of(sim);
+    double time = pel_sim_time(sim), force[3];
+    bool inside = true;
+    for (int32_t l = 0; l < sim->load_count; l++) {
+        const pel_load *load = &sim->loads[l];
+        if (!load_force(load, time, force))
+            continue;
+        pel_record full = record_of(force);
+        for (int32_t i = 0; i < load->vertex_count; i++) {
+            int32_t v = load->vertices[i];
+            pel_real scale = (pel_real)load->weights[i] * sim->model->inverse_mass[v];
+            inside &= push(sim, v, gain, scale * full);
+        }
+    }
+    if (has_gravity(sim->model)) {
+        pel_record gravity = record_of(sim->model->gravity);
+        for (int32_t v = 0; v < sim->model->vertex_count; v++)
+            if (sim->model->inverse_mass[v] > 0)
+                inside &= push(sim, v, gain, gravity);
+    }
+    return inside;
+}
+
+void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
+{
+    double each[3];
+    for (int32_t l = 0; l < sim->load_count; l++) {
+        const pel_load *load = &sim->loads[l];
+        if (!load_force(load, time, each))
+            continue;
+        pel_record full = record_of(each);
+        for (int32_t i = 0; i < load->vertex_count; i++)
+            force[load->vertices[i]] += (pel_real)load->weights[i] * full;
+    }
+    if (has_gravity(sim->model)) {
+        pel_record gravity = record_of(sim->model->gravity);
+        for (int32_t v = 0; v < sim->model->vertex_count; v++)
+            force[v] += sim->model->mass[v] * gravity;
+    }
+}

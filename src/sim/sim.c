@@ -1,0 +1,287 @@
+#include "sim/sim.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SIM_COOKIE = 0x73696d21 };
+
+/* share of the stability limit that the automatic alpha takes */
+#define SAFE_SHARE 0.9
+/* positions farther than this many model sizes from the model count as diverged */
+#define BOUND_SIZES 1e3
+
+pel_sim_def pel_sim_def_default(void)
+{
+    return (pel_sim_def){
+        .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true},
+        .cookie = SIM_COOKIE,
+    };
+}
+
+/* ---- creation ---- */
+
+static pel_status check_def(const pel_sim_def *def, pel_error *error)
+{
+    if (def->cookie != SIM_COOKIE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim def was not made by pel_sim_def_default()");
+    if (def->model == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim has no model");
+    const pel_solver_def *solver = &def->solver;
+    if (!(solver->dt > 0 && isfinite(solver->dt))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver dt is %g", solver->dt);
+        pel_fail_remedy(error, "give a time step above 0");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!(solver->alpha >= 0 && isfinite(solver->alpha))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver alpha is %g", solver->alpha);
+        pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
+    return PEL_OK;
+}
+
+static pel_status refuse_unstable(pel_error *error, const char *name, double value, double limit)
+{
+    pel_fail(error, PEL_UNSTABLE, "%s %.6g is unstable on this mesh: the limit is %.6g", name, value, limit);
+    pel_fail_remedy(error, "use at most %.4g%s", SAFE_SHARE * limit,
+                    strcmp(name, "alpha") == 0 ? ", or leave alpha out for a safe value" : ", or softer springs");
+    return PEL_UNSTABLE;
+}
+
+/* the safe bound decides most cases; only beyond it the true limit is worth its cost */
+static pel_status choose_alpha(pel_sim *sim, pel_error *error)
+{
+    const pel_solver_def *solver = &sim->solver;
+    pel_stability stability;
+    pel_stability_bound(sim->model, &stability);
+    sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness_bound, solver->dt, solver->keep_velocity);
+    sim->step.alpha = solver->alpha > 0 ? solver->alpha : SAFE_SHARE * sim->alpha_limit;
+    if (!isfinite(sim->step.alpha))
+        sim->step.alpha = 1;
+    if (sim->step.alpha < sim->alpha_limit)
+        return PEL_OK;
+    pel_status status = pel_stability_refine(sim->model, &stability, error);
+    if (status != PEL_OK)
+        return status;
+    sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness, solver->dt, solver->keep_velocity);
+    if (sim->step.alpha >= sim->alpha_limit)
+        return refuse_unstable(error, "alpha", sim->step.alpha, sim->alpha_limit);
+    return PEL_OK;
+}
+
+static pel_status check_dt(pel_sim *sim, pel_error *error)
+{
+    pel_stability stability;
+    pel_stability_bound(sim->model, &stability);
+    bool symplectic = sim->solver.symplectic;
+    if (sim->step.dt <= pel_stability_dt(&stability, stability.stiffness_bound, symplectic))
+        return PEL_OK;
+    pel_status status = pel_stability_refine(sim->model, &stability, error);
+    if (status != PEL_OK)
+        return status;
+    double limit = pel_stability_dt(&stability, stability.stiffness, symplectic);
+    if (sim->step.dt <= limit)
+        return PEL_OK;
+    if (limit > 0)
+        return refuse_unstable(error, "dt", sim->step.dt, limit);
+    pel_fail(error, PEL_UNSTABLE, "forward Euler is unstable at every dt without damping");
+    pel_fail_remedy(error, "give the springs a damping above 0, or use the symplectic integrator");
+    return PEL_UNSTABLE;
+}
+
+static double position_bound(const pel_model *model)
+{
+    double size = 0, far = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        size = fmax(size, model->bodies[b].diameter);
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        for (int i = 0; i < 3; i++)
+            far = fmax(far, fabs((double)model->rest[v][i]));
+    return 2 * far + BOUND_SIZES * size;
+}
+
+static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+{
+    sim->model = def->model;
+    sim->solver = def->solver;
+    int limit = pel_thread_limit();
+    sim->step = (pel_step){
+        .dt = def->solver.dt,
+        .keep_velocity = def->solver.keep_velocity,
+        .symplectic = def->solver.symplectic,
+        .thread_count = def->thread_count > 0 ? def->thread_count : limit,
+        .bound = position_bound(def->model),
+    };
+    sim->force = pel_allocate_aligned((size_t)def->model->vertex_count, sizeof *sim->force);
+    if (sim->force == NULL)
+        return pel_fail_memory(error);
+    pel_status status = pel_state_create(def->model, pel_sim_is_explicit(sim), &sim->state, error);
+    if (status == PEL_OK)
+        status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
+    if (status == PEL_OK)
+        status = pel_loads_create(sim, def->loads, def->load_count, error);
+    if (status == PEL_OK)
+        status = pel_tools_create(sim, def->tools, def->tool_count, error);
+    return status;
+}
+
+pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error)
+{
+    *sim = NULL;
+    pel_status status = check_def(def, error);
+    if (status != PEL_OK)
+        return status;
+    pel_sim *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    status = build(made, def, error);
+    if (status == PEL_OK)
+        *sim = made;
+    else
+        pel_sim_destroy(made);
+    return status;
+}
+
+void pel_sim_destroy(pel_sim *sim)
+{
+    if (sim == NULL)
+        return;
+    pel_tools_destroy(sim);
+    pel_loads_destroy(sim);
+    pel_state_destroy(sim->state);
+    pel_free(sim->force);
+    pel_free(sim);
+}
+
+/* ---- step ---- */
+
+/* keyed material numbers at the time of the step */
+static void update_factors(pel_sim *sim, double time)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
+            const pel_curve *curve = &sim->model->bodies[b].curves[p];
+            if (curve->key_count > 0)
+                sim->state->factors[b][p] = pel_curve_value(curve->keys, curve->key_count, time);
+        }
+}
+
+static bool is_inside(const pel_sim *sim, const pel_record *x)
+{
+    double bound = sim->step.bound, square = 0;
+    for (int i = 0; i < 3; i++)
+        square += (double)(*x)[i] * (double)(*x)[i];
+    return square < bound * bound;
+}
+
+static pel_status report_divergence(const pel_sim *sim, pel_error *error)
+{
+    const pel_model *model = sim->model;
+    int32_t bad = 0;
+    while (bad < model->vertex_count - 1 && is_inside(sim, &sim->state->position_next[bad]))
+        bad++;
+    const pel_body *body = &model->bodies[model->body_of_slice[bad / PEL_WIDTH]];
+    pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
+             (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
+    pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
+    if (pel_sim_is_explicit(sim))
+        pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);
+    else
+        pel_fail_remedy(error, "make solver alpha (%g) smaller, or the loads", sim->step.alpha);
+    return PEL_DIVERGED;
+}
+
+/* the new positions and velocities become the present ones */
+static void accept(pel_state *state)
+{
+    pel_record *oldest = state->position_before, *velocity = state->velocity;
+    state->position_before = state->position;
+    state->position = state->position_next;
+    state->position_next = oldest;
+    state->velocity = state->velocity_next;
+    state->velocity_next = velocity;
+    state->step++;
+}
+
+static void mark_contacts(pel_sim *sim)
+{
+    if (sim->tool_count == 0)
+        return;
+    memset(sim->state->contact, 0, (size_t)sim->model->vertex_count);
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
+            sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
+}
+
+pel_status pel_sim_step(pel_sim *sim, pel_error *error)
+{
+    pel_state *state = sim->state;
+    double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
+    update_factors(sim, time);
+    pel_step_result result;
+    if (pel_sim_is_explicit(sim))
+        pel_step_explicit(sim->model, state, &sim->step, &result);
+    else
+        pel_step_quasi_static(sim->model, state, &sim->step, &result);
+    result.diverged |= !pel_loads_apply(sim);
+    if (result.diverged)
+        return report_divergence(sim, error);
+    if (sim->tool_count > 0)
+        pel_tools_apply(sim, next, result.longest);
+    mark_contacts(sim);
+    accept(state);
+    return PEL_OK;
+}
+
+/* ---- plain questions ---- */
+
+double pel_sim_time(const pel_sim *sim)
+{
+    return (double)sim->state->step * sim->step.dt;
+}
+
+int64_t pel_sim_step_count(const pel_sim *sim)
+{
+    return sim->state->step;
+}
+
+const pel_model *pel_sim_model(const pel_sim *sim)
+{
+    return sim->model;
+}
+
+double pel_sim_alpha(const pel_sim *sim)
+{
+    return pel_sim_is_explicit(sim) ? 0 : sim->step.alpha;
+}
+
+double pel_sim_alpha_limit(const pel_sim *sim)
+{
+    return sim->alpha_limit;
+}
+
+int32_t pel_sim_tool_count(const pel_sim *sim)
+{
+    return sim->tool_count;
+}
+
+const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool)
+{
+    return sim->tools[tool].name;
+}
+
+void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading)
+{
+    const pel_tool *t = &sim->tools[tool];
+    memcpy(reading->position, t->pose.position, sizeof reading->position);
+    memcpy(reading->rotation, t->pose.rotation, sizeof reading->rotation);
+    memcpy(reading->force, t->force, sizeof reading->force);
+    memcpy(reading->torque, t->torque, sizeof reading->torque);
+    reading->contact_count = t->contact_count;
+}

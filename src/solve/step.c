@@ -1,0 +1,123 @@
+/* Both methods are one sweep over the slices that reads every record once: bytes per vertex and step are the records
+   (x, rest, new x and, explicit, v) plus 4 + 8 (4 + 4 in float) per spring end. See docs/performance.md for what that
+   costs. */
+#include "solve/step.h"
+
+#include "base/parallel.h"
+#include "force/body_force.h"
+
+#include <math.h>
+
+/* slices of one chunk of a parallel loop */
+enum { CHUNK = 64 };
+
+/* what a chunk adds to the result */
+typedef struct tally {
+    pel_wide longest;
+    pel_wide_mask inside;
+} tally;
+
+typedef struct sweep {
+    const pel_model *model;
+    pel_state *state;
+    const pel_step *step;
+    pel_body_force body;
+} sweep;
+
+static inline void note_position(tally *sum, const pel_wide3 *position, const pel_step *step)
+{
+    pel_real bound = (pel_real)step->bound;
+    sum->inside &= pel_wide3_dot(*position, *position) < pel_wide_splat(bound * bound);
+}
+
+static inline void quasi_static_slice(const sweep *run, int32_t slice, bool keep_velocity, tally *sum)
+{
+    const pel_step *step = run->step;
+    pel_state *state = run->state;
+    pel_slice own = pel_slice_load(state->position, slice);
+    pel_wide3 force = pel_elastic_force(run->model, state->position, slice, &own.position, &run->body, &sum->longest);
+    if (keep_velocity) {
+        pel_slice before = pel_slice_load(state->position_before, slice);
+        pel_wide rate = pel_wide_splat((pel_real)(1 / step->dt));
+        pel_wide3 velocity = {rate * (own.position.x - before.position.x), rate * (own.position.y - before.position.y),
+                              rate * (own.position.z - before.position.z)};
+        pel_add_damping(run->model, slice, &own.position, &velocity, &run->body, &force);
+    }
+    pel_wide factor = pel_wide_splat((pel_real)(step->alpha * step->dt * step->dt)) * own.inverse_mass;
+    pel_wide3 next = {own.position.x + factor * force.x, own.position.y + factor * force.y,
+                      own.position.z + factor * force.z};
+    note_position(sum, &next, step);
+    pel_slice_store(state->position_next, slice, next, own.inverse_mass);
+}
+
+static inline void explicit_slice(const sweep *run, int32_t slice, bool symplectic, tally *sum)
+{
+    const pel_step *step = run->step;
+    pel_state *state = run->state;
+    pel_slice own = pel_slice_load(state->position, slice), speed = pel_slice_load(state->velocity, slice);
+    pel_wide3 force = pel_elastic_force(run->model, state->position, slice, &own.position, &run->body, &sum->longest);
+    pel_add_damping(run->model, slice, &own.position, &speed.position, &run->body, &force);
+    pel_wide dt = pel_wide_splat((pel_real)step->dt), factor = dt * own.inverse_mass;
+    pel_wide3 v = speed.position;
+    pel_wide3 faster = {v.x + factor * force.x, v.y + factor * force.y, v.z + factor * force.z};
+    pel_wide3 used = symplectic ? faster : v;
+    pel_wide3 next = {own.position.x + dt * used.x, own.position.y + dt * used.y, own.position.z + dt * used.z};
+    note_position(sum, &next, step);
+    pel_slice_store(state->position_next, slice, next, own.inverse_mass);
+    pel_slice_store(state->velocity_next, slice, faster, pel_wide_splat(0));
+}
+
+typedef void slice_function(const sweep *run, int32_t slice, bool flag, tally *sum);
+
+/* runs one body through a slice function; the flag is a constant at each call, so that the branches vanish */
+static inline void sweep_body(const sweep *run, int32_t slice_begin, int32_t slice_end, slice_function *function,
+                              bool flag, pel_step_result *result)
+{
+    int32_t chunk_count = (slice_end - slice_begin + CHUNK - 1) / CHUNK;
+    int thread_count = chunk_count > 1 ? run->step->thread_count : 1;
+    double longest = result->longest;
+    PEL_PARALLEL_FOR_REDUCE(thread_count, max : longest)
+    for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
+        int32_t first = slice_begin + chunk * CHUNK;
+        int32_t last = slice_end - first < CHUNK ? slice_end : first + CHUNK;
+        tally sum = {pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
+        for (int32_t slice = first; slice < last; slice++)
+            function(run, slice, flag, &sum);
+        /* an infinite length says that a position left the bound */
+        double chunk_longest = (double)pel_wide_largest(sum.longest);
+        if (!(sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3]))
+            chunk_longest = (double)INFINITY;
+        longest = longest > chunk_longest ? longest : chunk_longest;
+    }
+    result->longest = longest;
+    result->diverged |= isinf(longest);
+}
+
+static void sweep_all(const pel_model *model, pel_state *state, const pel_step *step, bool explicit_method,
+                      pel_step_result *result)
+{
+    *result = (pel_step_result){0};
+    sweep run = {model, state, step, {0}};
+    for (int32_t b = 0; b < model->body_count; b++) {
+        int32_t begin = model->bodies[b].slice_begin, end = model->bodies[b].slice_end;
+        run.body = pel_body_force_of(model, state, b);
+        if (explicit_method && step->symplectic)
+            sweep_body(&run, begin, end, explicit_slice, true, result);
+        else if (explicit_method)
+            sweep_body(&run, begin, end, explicit_slice, false, result);
+        else if (step->keep_velocity)
+            sweep_body(&run, begin, end, quasi_static_slice, true, result);
+        else
+            sweep_body(&run, begin, end, quasi_static_slice, false, result);
+    }
+}
+
+void pel_step_quasi_static(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result)
+{
+    sweep_all(model, state, step, false, result);
+}
+
+void pel_step_explicit(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result)
+{
+    sweep_all(model, state, step, true, result);
+}

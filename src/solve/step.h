@@ -1,0 +1,28 @@
+/* One step of time of paper A's body, without loads and tools. The new positions (and velocities) are written to
+   state->position_next (velocity_next), so that the present ones stay until the step is accepted. */
+#ifndef PEL_SOLVE_STEP_H
+#define PEL_SOLVE_STEP_H
+
+#include "model/state.h"
+
+typedef struct pel_step {
+    double dt;
+    double alpha;       /* quasi-static */
+    bool keep_velocity; /* quasi-static */
+    bool symplectic;    /* explicit */
+    int thread_count;
+    double bound; /* positions farther than this from the origin count as diverged */
+} pel_step;
+
+typedef struct pel_step_result {
+    double longest; /* longest spring at the start of the step */
+    bool diverged;  /* a new position is NaN, infinite or out of bound */
+} pel_step_result;
+
+/* x' = x + alpha F(x, v) dt^2 / m (eq. A-5), v = 0 or, kept, (x - x_before) / dt */
+void pel_step_quasi_static(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result);
+
+/* forward Euler: x' = x + dt v, v' = v + dt F(x, v) / m; symplectic: v' first, then x' = x + dt v' */
+void pel_step_explicit(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result);
+
+#endif

@@ -1,0 +1,133 @@
+#include "check.h"
+
+#include "base/status.h"
+
+static const char *text_of(const pel_error *error)
+{
+    static char text[800];
+    return pel_error_text(error, text, sizeof text);
+}
+
+static void test_every_status_has_a_text(void **unused)
+{
+    (void)unused;
+    for (int status = 0; status < PEL_STATUS_COUNT; status++) {
+        assert_string_not_equal(pel_status_text((pel_status)status), "unknown status");
+        for (int other = 0; other < status; other++)
+            assert_string_not_equal(pel_status_text((pel_status)status), pel_status_text((pel_status)other));
+    }
+    assert_string_equal(pel_status_text(PEL_STATUS_COUNT), "unknown status");
+}
+
+static void test_text_of_each_place(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    assert_int_equal(pel_fail(&error, PEL_BAD_MESH, "%d is odd", 3), PEL_BAD_MESH);
+    assert_string_equal(text_of(&error), "error: 3 is odd");
+    pel_fail_remedy(&error, "use %d", 4);
+    assert_string_equal(text_of(&error), "error: 3 is odd. use 4");
+    pel_fail_element(&error, "vertex", 7);
+    assert_string_equal(text_of(&error), "error: vertex 7: 3 is odd. use 4");
+    pel_fail_place(&error, "a.obj", 12, 5);
+    assert_string_equal(text_of(&error), "a.obj:12:5: error: vertex 7: 3 is odd. use 4");
+    pel_fail_place(&error, "a.obj", 12, 0);
+    assert_string_equal(text_of(&error), "a.obj:12: error: vertex 7: 3 is odd. use 4");
+    pel_fail_offset(&error, "b.stl", 84);
+    assert_string_equal(text_of(&error), "b.stl:byte 84: error: vertex 7: 3 is odd. use 4");
+}
+
+static void test_new_failure_forgets_the_old(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    pel_fail(&error, PEL_BAD_FILE, "first");
+    pel_fail_place(&error, "a.obj", 1, 2);
+    pel_fail_element(&error, "vertex", 0);
+    assert_int_equal(pel_fail_memory(&error), PEL_OUT_OF_MEMORY);
+    assert_int_equal(error.status, PEL_OUT_OF_MEMORY);
+    assert_int_equal(error.element, -1);
+    assert_int_equal(error.byte_offset, -1);
+    assert_true(error.file[0] == '\0' && error.line == 0 && error.column == 0);
+}
+
+/* text is cut, never written past its end, and always terminated */
+static void test_text_is_cut(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    char whole[200], text[200];
+    pel_fail(&error, PEL_BAD_FILE, "no such file");
+    pel_fail_place(&error, "folder/a.obj", 3, 4);
+    pel_fail_remedy(&error, "check the path");
+    pel_error_text(&error, whole, sizeof whole);
+    for (size_t size = 1; size <= strlen(whole) + 1; size++) {
+        memset(text, '#', sizeof text);
+        assert_ptr_equal(pel_error_text(&error, text, size), text);
+        assert_int_equal(strlen(text), size - 1);
+        assert_memory_equal(text, whole, size - 1);
+        assert_int_equal(text[size], '#');
+    }
+    text[0] = '#';
+    pel_error_text(&error, text, 0);
+    assert_int_equal(text[0], '#');
+}
+
+static void test_long_values_are_cut(void **unused)
+{
+    (void)unused;
+    char file[2000];
+    memset(file, 'x', sizeof file - 1);
+    file[sizeof file - 1] = '\0';
+    pel_error error;
+    pel_fail(&error, PEL_BAD_FILE, "%s", file);
+    pel_fail_place(&error, file, 1, 1);
+    pel_fail_remedy(&error, "%s", file);
+    pel_fail_element(&error, file, 1);
+    assert_int_equal(strlen(error.file), sizeof error.file - 1);
+    assert_int_equal(strlen(error.what), sizeof error.what - 1);
+    assert_int_equal(strlen(error.remedy), sizeof error.remedy - 1);
+    assert_int_equal(strlen(error.element_kind), sizeof error.element_kind - 1);
+}
+
+static void test_null_error(void **unused)
+{
+    (void)unused;
+    assert_int_equal(pel_fail(NULL, PEL_BAD_SCENE, "nobody reads this"), PEL_BAD_SCENE);
+    assert_int_equal(pel_fail_memory(NULL), PEL_OUT_OF_MEMORY);
+    pel_fail_remedy(NULL, "none");
+    pel_fail_element(NULL, "vertex", 1);
+    pel_fail_place(NULL, "a.obj", 1, 1);
+    pel_fail_offset(NULL, "a.obj", 1);
+}
+
+static void keep_line(void *user, const char *text)
+{
+    snprintf(user, 100, "%s", text);
+}
+
+static void test_log_line(void **unused)
+{
+    (void)unused;
+    char kept[100] = "";
+    const pel_log log = {keep_line, kept}, silent = {NULL, NULL};
+    pel_log_line(&log, "welded %d vertices", 3);
+    assert_string_equal(kept, "welded 3 vertices");
+    pel_log_line(&silent, "lost");
+    pel_log_line(NULL, "lost");
+    assert_string_equal(kept, "welded 3 vertices");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_status_has_a_text),
+        cmocka_unit_test(test_text_of_each_place),
+        cmocka_unit_test(test_new_failure_forgets_the_old),
+        cmocka_unit_test(test_text_is_cut),
+        cmocka_unit_test(test_long_values_are_cut),
+        cmocka_unit_test(test_null_error),
+        cmocka_unit_test(test_log_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,31 @@
+# Tests of the house itself: layers, text, format, headers, compiler flags, install.
+set(HOUSE ${CMAKE_CURRENT_SOURCE_DIR}/house)
+enable_language(CXX)
+
+add_test(NAME house/layers COMMAND ${PYTHON3} ${HOUSE}/layers.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house/layers_self_test COMMAND ${PYTHON3} ${HOUSE}/layers.py --self-test ${PROJECT_SOURCE_DIR})
+add_test(NAME house/text COMMAND ${PYTHON3} ${HOUSE}/text.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house/flags COMMAND ${PYTHON3} ${HOUSE}/flags.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+
+# clang-format 14 is pinned: other versions format differently
+find_program(CLANG_FORMAT clang-format-14 REQUIRED)
+file(GLOB_RECURSE FORMATTED CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.[ch] ${PROJECT_SOURCE_DIR}/cli/*.[ch]
+     ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/tests/*.[ch] ${PROJECT_SOURCE_DIR}/tests/*.cpp
+     ${PROJECT_SOURCE_DIR}/bench/*.[ch] ${PROJECT_SOURCE_DIR}/examples/*.[ch])
+add_test(NAME house/format COMMAND ${CLANG_FORMAT} --dry-run -Werror ${FORMATTED})
+
+# each public header compiles alone, in C99 and in C++17
+file(GLOB HEADERS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/include/pellicle ${PROJECT_SOURCE_DIR}/include/pellicle/*.h)
+set(HEADER_FLAGS -Wall -Wextra -Wpedantic -Werror -fsyntax-only -I ${PROJECT_SOURCE_DIR}/include)
+foreach(header ${HEADERS})
+    set(alone ${CMAKE_CURRENT_BINARY_DIR}/alone/${header}.c)
+    file(CONFIGURE OUTPUT ${alone} CONTENT "#include <pellicle/@header@>\n#include <pellicle/@header@>\nint nothing;\n")
+    add_test(NAME header/${header}_c99 COMMAND ${CMAKE_C_COMPILER} -std=c99 ${HEADER_FLAGS} ${alone})
+    add_test(NAME header/${header}_c++17 COMMAND ${CMAKE_CXX_COMPILER} -std=c++17 ${HEADER_FLAGS} -x c++ ${alone})
+endforeach()
+
+# the installed library from outside; a sanitized or instrumented archive needs flags that outsiders do not have
+if(NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
+    add_test(NAME house/install COMMAND bash ${HOUSE}/install.sh ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}
+                                        ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
+endif()

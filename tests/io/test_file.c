@@ -1,0 +1,183 @@
+#include "check.h"
+
+#include "base/memory.h"
+#include "io/file.h"
+
+#include <dirent.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char folder[64];
+
+static void path_in_folder(char *path, size_t size, const char *name)
+{
+    snprintf(path, size, "%s/%s", folder, name);
+}
+
+static int file_count(void)
+{
+    int count = 0;
+    DIR *stream = opendir(folder);
+    for (struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream))
+        count += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    closedir(stream);
+    return count;
+}
+
+static void write_text(const char *path, const char *text)
+{
+    pel_file_writer writer;
+    pel_error error;
+    assert_int_equal(pel_file_writer_open(&writer, path, &error), PEL_OK);
+    pel_file_writer_write(&writer, text, strlen(text));
+    assert_int_equal(pel_file_writer_commit(&writer, &error), PEL_OK);
+}
+
+static void check_text(const char *path, const char *text)
+{
+    char *bytes;
+    size_t size;
+    assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
+    assert_int_equal(size, strlen(text));
+    assert_string_equal(bytes, text);
+    pel_free(bytes);
+}
+
+static int make_folder(void **unused)
+{
+    (void)unused;
+    snprintf(folder, sizeof folder, "file-test-XXXXXX");
+    return mkdtemp(folder) == NULL;
+}
+
+static int remove_folder(void **unused)
+{
+    (void)unused;
+    char path[512];
+    DIR *stream = opendir(folder);
+    for (struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
+        path_in_folder(path, sizeof path, entry->d_name);
+        unlink(path);
+    }
+    closedir(stream);
+    return rmdir(folder);
+}
+
+static void test_round_trip(void **unused)
+{
+    (void)unused;
+    char path[128];
+    path_in_folder(path, sizeof path, "a.txt");
+    write_text(path, "hello\nworld");
+    check_text(path, "hello\nworld");
+    write_text(path, "");
+    check_text(path, "");
+    assert_int_equal(file_count(), 1);
+}
+
+static void test_read_failures(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    char *bytes;
+    size_t size;
+    assert_int_equal(pel_file_read("does/not/exist", &bytes, &size, &error), PEL_BAD_FILE);
+    assert_null(bytes);
+    assert_non_null(strstr(error.what, "No such file"));
+    assert_string_equal(error.file, "does/not/exist");
+    assert_int_equal(pel_file_read(folder, &bytes, &size, &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.what, "directory"));
+}
+
+static void test_read_device(void **unused)
+{
+    (void)unused;
+    char *bytes;
+    size_t size;
+    assert_int_equal(pel_file_read("/dev/null", &bytes, &size, NULL), PEL_OK);
+    assert_int_equal(size, 0);
+    pel_free(bytes);
+}
+
+/* an abandoned or uncommitted writer changes nothing under the path */
+static void test_abandon_keeps_old(void **unused)
+{
+    (void)unused;
+    char path[128];
+    path_in_folder(path, sizeof path, "b.txt");
+    write_text(path, "old");
+    int before = file_count();
+    pel_file_writer writer;
+    assert_int_equal(pel_file_writer_open(&writer, path, NULL), PEL_OK);
+    pel_file_writer_printf(&writer, "new %d", 1);
+    check_text(path, "old");
+    pel_file_writer_abandon(&writer);
+    pel_file_writer_abandon(&writer);
+    check_text(path, "old");
+    assert_int_equal(file_count(), before);
+}
+
+static void test_mode_and_links_kept(void **unused)
+{
+    (void)unused;
+    char path[128], link[128];
+    struct stat information;
+    path_in_folder(path, sizeof path, "c.txt");
+    path_in_folder(link, sizeof link, "link.txt");
+    write_text(path, "one");
+    assert_int_equal(chmod(path, 0640), 0);
+    assert_int_equal(symlink("c.txt", link), 0);
+    write_text(link, "two");
+    check_text(path, "two");
+    assert_int_equal(lstat(link, &information), 0);
+    assert_true(S_ISLNK(information.st_mode));
+    assert_int_equal(stat(path, &information), 0);
+    assert_int_equal(information.st_mode & 0777, 0640);
+}
+
+static void test_write_failures(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    pel_file_writer writer;
+    assert_int_equal(pel_file_writer_open(&writer, "does/not/exist", &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.what, "No such file"));
+    pel_file_writer_abandon(&writer);
+    assert_int_equal(pel_file_writer_open(&writer, folder, &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.what, "directory"));
+    assert_true(strlen(error.remedy) > 0);
+}
+
+/* the kernel refuses every byte written to /dev/full: small files fail in commit, large ones before */
+static void test_disk_full(void **unused)
+{
+    (void)unused;
+    if (access("/dev/full", W_OK) != 0)
+        skip();
+    const int counts[2] = {1, 100000};
+    for (int i = 0; i < 2; i++) {
+        pel_error error;
+        pel_file_writer writer;
+        assert_int_equal(pel_file_writer_open(&writer, "/dev/full", &error), PEL_OK);
+        for (int line = 0; line < counts[i]; line++)
+            pel_file_writer_printf(&writer, "line %d\n", line);
+        assert_int_equal(pel_file_writer_commit(&writer, &error), PEL_BAD_FILE);
+        assert_non_null(strstr(error.what, "No space left"));
+        assert_string_equal(error.file, "/dev/full");
+    }
+    struct stat information;
+    assert_int_equal(stat("/dev/full", &information), 0);
+    assert_true(S_ISCHR(information.st_mode));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip),          cmocka_unit_test(test_read_failures),
+        cmocka_unit_test(test_read_device),         cmocka_unit_test(test_abandon_keeps_old),
+        cmocka_unit_test(test_mode_and_links_kept), cmocka_unit_test(test_write_failures),
+        cmocka_unit_test(test_disk_full),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
