@@ -48,7 +48,7 @@ static pel_status read_name(pel_scan *scan, char name[PEL_NAME_SIZE], pel_error 
         return pel_scan_fail_number(scan, error, "a name");
     if (length >= PEL_NAME_SIZE || memchr(word, '\0', length) != NULL)
         return pel_scan_fail(scan, word, error, "shorten the name",
-                             "a name has %zu characters, more than %d, or a zero byte", length, PEL_NAME_SIZE - 1);
+                             "a name is longer than %d characters or holds a zero byte", PEL_NAME_SIZE - 1);
     memcpy(name, word, length);
     name[length] = '\0';
     return PEL_OK;
@@ -89,6 +89,7 @@ static pel_status read_format(pel_scan *scan, pel_ply_header *header, pel_error 
 
 static pel_status read_element(pel_scan *scan, pel_ply_header *header, pel_error *error)
 {
+    pel_scan_skip_blanks(scan);
     pel_ply_element element = {.place = scan->at, .first_property = header->property_count};
     if (header->element_count == PEL_PLY_ELEMENT_LIMIT)
         return pel_scan_fail(scan, scan->at, error, "remove elements", "more than %d elements",
@@ -111,6 +112,7 @@ static pel_status read_element(pel_scan *scan, pel_ply_header *header, pel_error
 
 static pel_status read_property(pel_scan *scan, pel_ply_header *header, pel_error *error)
 {
+    pel_scan_skip_blanks(scan);
     const char *place = scan->at;
     if (header->element_count == 0)
         return pel_scan_fail(scan, place, error, "move it behind the line of its element",
@@ -121,7 +123,6 @@ static pel_status read_property(pel_scan *scan, pel_ply_header *header, pel_erro
     pel_ply_element *element = &header->elements[header->element_count - 1];
     pel_ply_property property = {.is_list = false};
     pel_status status = PEL_OK;
-    pel_scan_skip_blanks(scan);
     if (pel_scan_accept(scan, "list")) {
         property.is_list = true;
         status = read_type(scan, &property.count_type, error);
