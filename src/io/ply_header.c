@@ -3,18 +3,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct {
-    const char *name, *other_name;
-    size_t size;
-} types[PEL_PLY_TYPE_COUNT] = {
-    {"char", "int8", 1}, {"uchar", "uint8", 1}, {"short", "int16", 2},   {"ushort", "uint16", 2},
-    {"int", "int32", 4}, {"uint", "uint32", 4}, {"float", "float32", 4}, {"double", "float64", 8},
+/* the two names of each type */
+static const char *const type_names[PEL_PLY_TYPE_COUNT][3] = {
+    {"char", "int8", NULL}, {"uchar", "uint8", NULL}, {"short", "int16", NULL},   {"ushort", "uint16", NULL},
+    {"int", "int32", NULL}, {"uint", "uint32", NULL}, {"float", "float32", NULL}, {"double", "float64", NULL},
 };
-
-size_t pel_ply_type_size(pel_ply_type type)
-{
-    return types[type].size;
-}
 
 const pel_ply_element *pel_ply_find_element(const pel_ply_header *header, const char *name)
 {
@@ -59,8 +52,7 @@ static pel_status read_type(pel_scan *scan, pel_ply_type *type, pel_error *error
     size_t length;
     const char *word = pel_scan_word(scan, &length);
     for (int i = 0; i < PEL_PLY_TYPE_COUNT; i++) {
-        const char *const names[] = {types[i].name, types[i].other_name, NULL};
-        if (pel_word_is_one_of(word, length, names)) {
+        if (pel_word_is_one_of(word, length, type_names[i])) {
             *type = (pel_ply_type)i;
             return PEL_OK;
         }
