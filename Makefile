@@ -1,19 +1,48 @@
-# The front door. Everything is built under build/; results go to results/.
-.PHONY: build test demo bench format docs install packages clean
-PRESET ?= release
+# The front door. Everything is built under build/, results go to results/.
+PRESET  ?= release
+OPTIONS ?=
+PREFIX  ?= /usr/local
+PROGRAM  = build/$(PRESET)/pellicle
+# one line per finished step on a terminal, only warnings and errors elsewhere
+QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
+
+.PHONY: help build test demo bench format docs install packages clean
+
+build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
+	@cmake --build build/$(PRESET) $(QUIET)
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):[^#]*## /  make \1\t/p' Makefile | expand -t 18
+
+demo: build ## press the human lens capsule; MESH=file presses that mesh, SCENE=file runs that scene
+	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)"
+
+test: build ## run the tests
+	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
+
+bench: build ## run the benchmarks
+	@$(PROGRAM) bench
+	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
+
+format: packages ## format the sources
+	@git ls-files -co --exclude-standard '*.[ch]' '*.cpp' | xargs clang-format-14 -i
+
+docs: build ## write docs/reference from the program's own tables
+	@mkdir -p docs/reference
+	@$(PROGRAM) reference >docs/reference/scene.md
+	@$(PROGRAM) schema >docs/reference/scene.schema.json
+
+install: build ## install library, headers and program (PREFIX=/usr/local)
+	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log
+	@echo "installed into $(PREFIX); build/$(PRESET)/install_manifest.txt lists the files"
+
+clean: ## remove everything that was built (results/ stays)
+	rm -rf build
 
 packages:
 	@tools/install-packages
 
-build: packages
-	@cmake --preset $(PRESET) >build-configure.log 2>&1 || { cat build-configure.log; exit 1; }; rm -f build-configure.log
-	@cmake --build build/$(PRESET)
-
-test: build
-	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
-
-format: packages
-	@git ls-files '*.c' '*.h' | xargs clang-format-14 -i
-
-clean:
-	rm -rf build
+build/$(PRESET)/build.ninja: CMakePresets.json | packages
+	@mkdir -p $(@D)
+	@cmake --preset $(PRESET) $(OPTIONS) >$(@D)/configure.log 2>&1 || { cat $(@D)/configure.log; rm -f $@; exit 1; }
+	@touch $@

@@ -12,6 +12,7 @@
 #include "results.h"
 #include "shape.h"
 #include "sim.h"
+#include "subdivide.h"
 #include "topology.h"
 
 #endif

@@ -20,8 +20,8 @@ extern "C" {
 
 typedef enum pel_shape_kind {
     PEL_SHAPE_GEODESIC_SPHERE, /* each side of an icosahedron cut into `frequency` parts (class I), pushed out to the
-                                  sphere: 10 frequency^2 + 2 vertices, 20 frequency^2 triangles; vertex 0 is (0, 0,
-                                  radius). Frequency 5 = 252 / 500, the sphere of paper A */
+                                  sphere: 10 frequency^2 + 2 vertices, 20 frequency^2 triangles; an edge of the
+                                  icosahedron lies across the z axis. Frequency 5 = 252 / 500, the sphere of paper A */
     PEL_SHAPE_UV_SPHERE,       /* meridians and parallels about the z axis: slices (rings - 1) + 2 vertices; vertex 0 is
                                   (0, 0, radius), the last one the other pole */
     PEL_SHAPE_GRID,            /* rectangle in the plane z = 0 about the origin, normal +z; rows of constant y, lowest

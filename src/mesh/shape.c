@@ -226,12 +226,12 @@ static double parse_value(const pel_shape_parameter *parameter, const char *text
     if (parameter->type == PEL_SHAPE_BOOLEAN && strcmp(text, "false") == 0)
         return 0;
     if (parameter->type == PEL_SHAPE_BOOLEAN)
-        return NAN;
+        return (double)NAN;
     if (parameter->type == PEL_SHAPE_CHOICE) {
         for (int32_t i = 0; parameter->choices[i] != NULL; i++)
             if (strcmp(text, parameter->choices[i]) == 0)
                 return i;
-        return NAN;
+        return (double)NAN;
     }
     char *end;
     double value = strtod(text, &end);
@@ -296,7 +296,7 @@ pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error
     }
     switch (def->kind) {
     case PEL_SHAPE_GEODESIC_SPHERE:
-        return pel_shape_geodesic_sphere(def->frequency, def->radius, mesh, error);
+        return pel_shape_geodesic_sphere(def->frequency, def->radius, false, mesh, error);
     case PEL_SHAPE_UV_SPHERE:
         return pel_shape_uv_sphere(def, mesh, error);
     case PEL_SHAPE_GRID:

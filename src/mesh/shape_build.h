@@ -4,7 +4,9 @@
 
 #include "pellicle/shape.h"
 
-pel_status pel_shape_geodesic_sphere(int32_t frequency, double radius, pel_mesh **mesh, pel_error *error);
+/* standing: vertex 0 is the pole (0, 0, radius), the last corner the other one */
+pel_status pel_shape_geodesic_sphere(int32_t frequency, double radius, bool standing, pel_mesh **mesh,
+                                     pel_error *error);
 pel_status pel_shape_grid(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_uv_sphere(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_cylinder(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);

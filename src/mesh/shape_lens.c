@@ -42,7 +42,7 @@ pel_status pel_shape_lens_capsule(const pel_shape_def *def, pel_mesh **mesh, pel
         return PEL_BAD_ARGUMENT;
     }
     pel_mesh *made;
-    pel_status status = pel_shape_geodesic_sphere(def->frequency, 1, &made, error);
+    pel_status status = pel_shape_geodesic_sphere(def->frequency, 1, true, &made, error);
     if (status != PEL_OK)
         return status;
     double *thickness = pel_allocate((size_t)made->vertex_count, sizeof *thickness);

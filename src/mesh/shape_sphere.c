@@ -1,6 +1,7 @@
 /* Geodesic sphere, class I: each face of an icosahedron is cut into frequency^2 triangles, whose corners are pushed out
-   to the sphere. The icosahedron stands on a vertex: pole, five vertices at height 1/sqrt(5), five at -1/sqrt(5) turned
-   by 36 degrees, pole. Vertices are numbered corners first, then the inner points of the 30 sides, then those of the 20
+   to the sphere. The icosahedron lies on an edge, as three golden rectangles in the coordinate planes (the usual way,
+   so that a point such as "nearest to (0, 0, 1)" is the same vertex as elsewhere), or stands on a vertex for shapes
+   that have a pole. Vertices are numbered corners first, then the inner points of the 30 sides, then those of the 20
    faces. Only sqrt is used, so the positions are the same bits everywhere. */
 #include "mesh/shape_build.h"
 
@@ -26,7 +27,19 @@ typedef struct icosahedron {
     int8_t side_of[CORNERS][CORNERS]; /* -1 = none */
 } icosahedron;
 
-static void fill_corners(double corners[CORNERS][3])
+/* (0, +-a, +-b) and its cyclic permutations; an order that suits the faces */
+static void fill_lying_corners(double corners[CORNERS][3])
+{
+    double root = sqrt(5.0), a = sqrt((5 - root) / 10), b = sqrt((5 + root) / 10);
+    const double lying[CORNERS][3] = {
+        {0, a, b},  {0, -a, b}, {b, 0, a},  {a, b, 0},   {-a, b, 0},  {-b, 0, a},
+        {a, -b, 0}, {b, 0, -a}, {0, a, -b}, {-b, 0, -a}, {-a, -b, 0}, {0, -a, -b},
+    };
+    memcpy(corners, lying, sizeof lying);
+}
+
+/* pole, five vertices at height 1/sqrt(5), five at -1/sqrt(5) turned by 36 degrees, pole */
+static void fill_standing_corners(double corners[CORNERS][3])
 {
     /* cosine and sine of 0, 36, ... 324 degrees */
     double root = sqrt(5.0);
@@ -127,14 +140,17 @@ static void fill_triangles(const icosahedron *base, int32_t frequency, int32_t (
     }
 }
 
-pel_status pel_shape_geodesic_sphere(int32_t frequency, double radius, pel_mesh **mesh, pel_error *error)
+pel_status pel_shape_geodesic_sphere(int32_t frequency, double radius, bool standing, pel_mesh **mesh, pel_error *error)
 {
     int32_t squared = frequency * frequency;
     pel_mesh *made = pel_mesh_allocate(10 * squared + 2, FACES * squared);
     if (made == NULL)
         return pel_fail_memory(error);
     icosahedron base;
-    fill_corners(base.corners);
+    if (standing)
+        fill_standing_corners(base.corners);
+    else
+        fill_lying_corners(base.corners);
     fill_sides(&base);
     fill_positions(&base, frequency, radius, made->positions);
     fill_triangles(&base, frequency, made->triangles);

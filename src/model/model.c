@@ -308,8 +308,10 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
 {
     for (int32_t s = body->slice_begin; s < body->slice_end; s++)
         for (int32_t slot = model->slot_begin[s]; slot < model->slot_begin[s + 1]; slot++)
-            for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
+            for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
                 model->neighbours[slot][lane] = s * PEL_WIDTH + lane;
+                model->rest_lengths[slot][lane] = pel_sqrt(PEL_REAL_TINY);
+            }
     for (int32_t e = 0; e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e];
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);

@@ -11,22 +11,24 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
     if (made == NULL)
         return pel_fail_memory(error);
     made->position = pel_allocate_aligned(count, sizeof *made->position);
-    made->position_other = pel_allocate_aligned(count, sizeof *made->position);
+    made->position_before = pel_allocate_aligned(count, sizeof *made->position);
+    made->position_next = pel_allocate_aligned(count, sizeof *made->position);
     made->contact = pel_allocate(count, sizeof *made->contact);
     made->factors = pel_allocate((size_t)model->body_count, sizeof *made->factors);
     if (with_velocity) {
         made->velocity = pel_allocate_aligned(count, sizeof *made->velocity);
-        made->velocity_other = pel_allocate_aligned(count, sizeof *made->velocity);
+        made->velocity_next = pel_allocate_aligned(count, sizeof *made->velocity);
     }
-    if (made->position == NULL || made->position_other == NULL || made->contact == NULL || made->factors == NULL ||
-        (with_velocity && (made->velocity == NULL || made->velocity_other == NULL))) {
+    if (made->position == NULL || made->position_before == NULL || made->position_next == NULL ||
+        made->contact == NULL || made->factors == NULL ||
+        (with_velocity && (made->velocity == NULL || made->velocity_next == NULL))) {
         pel_state_destroy(made);
         return pel_fail_memory(error);
     }
     for (size_t i = 0; i < count; i++) {
         made->position[i] = model->rest[i];
         made->position[i][3] = model->inverse_mass[i];
-        made->position_other[i] = made->position[i];
+        made->position_before[i] = made->position_next[i] = made->position[i];
     }
     for (int32_t b = 0; b < model->body_count; b++)
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
@@ -42,9 +44,10 @@ void pel_state_destroy(pel_state *state)
     if (state == NULL)
         return;
     pel_free(state->position);
-    pel_free(state->position_other);
+    pel_free(state->position_before);
+    pel_free(state->position_next);
     pel_free(state->velocity);
-    pel_free(state->velocity_other);
+    pel_free(state->velocity_next);
     pel_free(state->contact);
     pel_free(state->factors);
     pel_free(state);

@@ -6,10 +6,10 @@
 
 struct pel_state {
     int64_t step;
-    pel_record *position;       /* (vertex_count) position and inverse mass; swapped with position_other by each step */
-    pel_record *position_other; /* (vertex_count) positions of the step before */
-    pel_record *velocity;       /* (vertex_count) explicit methods only, else null */
-    pel_record *velocity_other;
+    /* (vertex_count) position and inverse mass: now, one step ago, and scratch of the step in progress; they change
+       places when a step is accepted */
+    pel_record *position, *position_before, *position_next;
+    pel_record *velocity, *velocity_next;   /* (vertex_count) explicit methods only, else null */
     uint8_t *contact;                       /* (vertex_count) 1 = a tool touches or holds it */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) present factor of each keyed parameter */
 };

@@ -12,7 +12,7 @@ static void vertex_velocity(const pel_sim *sim, int32_t i, double velocity[3])
     for (int c = 0; c < 3; c++)
         velocity[c] = state->velocity != NULL
                           ? (double)state->velocity[i][c]
-                          : ((double)state->position[i][c] - (double)state->position_other[i][c]) / sim->step.dt;
+                          : ((double)state->position[i][c] - (double)state->position_before[i][c]) / sim->step.dt;
 }
 
 static void copy_out(const pel_body *body, const pel_record *records, double *out)
@@ -105,7 +105,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
             int32_t i = b->slot_of_vertex[v];
             sim->state->position[i][c] = (pel_real)positions[3 * (size_t)v + (size_t)c];
             /* a displaced body starts at rest */
-            sim->state->position_other[i][c] = sim->state->position[i][c];
+            sim->state->position_before[i][c] = sim->state->position[i][c];
         }
     return PEL_OK;
 }
@@ -126,7 +126,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
             if (state->velocity != NULL)
                 state->velocity[i][c] = (pel_real)value;
             else
-                state->position_other[i][c] = (pel_real)((double)state->position[i][c] - sim->step.dt * value);
+                state->position_before[i][c] = (pel_real)((double)state->position[i][c] - sim->step.dt * value);
         }
     return PEL_OK;
 }

@@ -8,7 +8,7 @@
 
 pel_load_def pel_load_def_default(void)
 {
-    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = INFINITY};
+    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)INFINITY};
 }
 
 static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
@@ -129,10 +129,10 @@ typedef struct gains {
 
 static bool push(pel_sim *sim, int32_t v, gains gain, pel_record acceleration)
 {
-    pel_record *x = &sim->state->position_other[v];
+    pel_record *x = &sim->state->position_next[v];
     *x += gain.position * acceleration;
-    if (sim->state->velocity_other != NULL)
-        sim->state->velocity_other[v] += gain.velocity * acceleration;
+    if (sim->state->velocity_next != NULL)
+        sim->state->velocity_next[v] += gain.velocity * acceleration;
     pel_real bound = (pel_real)sim->step.bound;
     return (*x)[0] * (*x)[0] + (*x)[1] * (*x)[1] + (*x)[2] * (*x)[2] < bound * bound;
 }

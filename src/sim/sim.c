@@ -184,7 +184,7 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
 {
     const pel_model *model = sim->model;
     int32_t bad = 0;
-    while (bad < model->vertex_count - 1 && is_inside(sim, &sim->state->position_other[bad]))
+    while (bad < model->vertex_count - 1 && is_inside(sim, &sim->state->position_next[bad]))
         bad++;
     const pel_body *body = &model->bodies[model->body_of_slice[bad / PEL_WIDTH]];
     pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
@@ -197,11 +197,16 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
     return PEL_DIVERGED;
 }
 
-static void swap(pel_record **a, pel_record **b)
+/* the new positions and velocities become the present ones */
+static void accept(pel_state *state)
 {
-    pel_record *c = *a;
-    *a = *b;
-    *b = c;
+    pel_record *oldest = state->position_before, *velocity = state->velocity;
+    state->position_before = state->position;
+    state->position = state->position_next;
+    state->position_next = oldest;
+    state->velocity = state->velocity_next;
+    state->velocity_next = velocity;
+    state->step++;
 }
 
 static void mark_contacts(pel_sim *sim)
@@ -230,10 +235,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     if (sim->tool_count > 0)
         pel_tools_apply(sim, next, result.longest);
     mark_contacts(sim);
-    swap(&state->position, &state->position_other);
-    if (state->velocity != NULL)
-        swap(&state->velocity, &state->velocity_other);
-    state->step++;
+    accept(state);
     return PEL_OK;
 }
 

@@ -37,7 +37,7 @@ uint64_t pel_sim_hash(const pel_sim *sim)
         const pel_body *body = &sim->model->bodies[b];
         hash = hash_records(hash, body, sim->state->position);
         hash =
-            hash_records(hash, body, sim->state->velocity != NULL ? sim->state->velocity : sim->state->position_other);
+            hash_records(hash, body, sim->state->velocity != NULL ? sim->state->velocity : sim->state->position_before);
     }
     return hash;
 }
@@ -92,7 +92,7 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     pel_state *state = sim->state;
     size_t count = (size_t)sim->model->vertex_count;
     transfer(at, state->position, count * sizeof *state->position);
-    transfer(at, state->position_other, count * sizeof *state->position_other);
+    transfer(at, state->position_before, count * sizeof *state->position_before);
     if (state->velocity != NULL)
         transfer(at, state->velocity, count * sizeof *state->velocity);
     transfer(at, state->contact, count * sizeof *state->contact);

@@ -22,7 +22,7 @@ enum { SWEEP_LIMIT = 40, ROUND_LIMIT = 4 };
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){.shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .grasp_until = INFINITY};
+    return (pel_tool_def){.shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .grasp_until = (double)INFINITY};
 }
 
 /* ---- creation ---- */
@@ -308,9 +308,9 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
 {
     double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
     for (int c = 0; c < at->count; c++) {
-        vertex_position(sim->state->position_other, at->vertices[c], x);
+        vertex_position(sim->state->position_next, at->vertices[c], x);
         pel_vec3_along(point, at->weights[c], x, point);
-        vertex_position(sim->state->velocity_other, at->vertices[c], x);
+        vertex_position(sim->state->velocity_next, at->vertices[c], x);
         pel_vec3_along(relative, at->weights[c], x, relative);
     }
     tool_velocity(tool, point, sim->step.dt, moving);
@@ -321,7 +321,7 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     double impulse = approach / inertia, force[3];
     for (int c = 0; c < at->count; c++) {
         int32_t v = at->vertices[c];
-        record_add(&sim->state->velocity_other[v], impulse * at->weights[c] * mobility(sim, v), normal);
+        record_add(&sim->state->velocity_next[v], impulse * at->weights[c] * mobility(sim, v), normal);
     }
     pel_vec3_scale(normal, -impulse / sim->step.dt, force);
     add_reaction(tool, point, force);
@@ -340,11 +340,11 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
         double share = mobility(sim, v) * at->weights[c] / inertia * depth;
         if (share <= 0)
             continue;
-        record_add(&sim->state->position_other[v], share, normal);
+        record_add(&sim->state->position_next[v], share, normal);
         pel_touch *touch = touch_of(tool, v);
         pel_vec3_along(touch->push, share, normal, touch->push);
     }
-    if (sim->state->velocity_other != NULL)
+    if (sim->state->velocity_next != NULL)
         stop_point(sim, tool, at, normal, inertia);
     return true;
 }
@@ -352,7 +352,7 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
 static bool press_vertex(pel_sim *sim, pel_tool *tool, int32_t v, double tolerance)
 {
     double x[3], local[3], normal[3];
-    vertex_position(sim->state->position_other, v, x);
+    vertex_position(sim->state->position_next, v, x);
     to_local(&tool->pose, x, local);
     double depth = -pel_solid_distance(&tool->solid, local, normal);
     if (depth <= tolerance)
@@ -377,7 +377,7 @@ static double triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel
 static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
 {
     double weights[3], normal[3];
-    double depth = triangle_depth(sim, tool, sim->state->position_other, t, weights, normal);
+    double depth = triangle_depth(sim, tool, sim->state->position_next, t, weights, normal);
     if (depth <= tolerance)
         return false;
     pel_rotate(tool->pose.rotation, normal, normal);
@@ -387,7 +387,7 @@ static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double toler
 /* pushes the surface out of one tool; true when anything moved */
 static bool press(pel_sim *sim, pel_tool *tool, double longest)
 {
-    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_other, 1.25 * longest);
+    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, 1.25 * longest);
     double tolerance = DEPTH_TOLERANCE * tool_size(tool);
     bool moved = false;
     for (int32_t i = 0; i < near_count; i++)
@@ -452,14 +452,14 @@ static void carry(pel_sim *sim, pel_tool *tool)
         double target[3], velocity[3], change[3];
         to_world(&tool->pose, tool->anchors[i], target);
         for (int c = 0; c < 3; c++)
-            state->position_other[v][c] = (pel_real)target[c];
+            state->position_next[v][c] = (pel_real)target[c];
         touch_of(tool, v);
-        if (state->velocity_other == NULL)
+        if (state->velocity_next == NULL)
             continue;
         tool_velocity(tool, target, sim->step.dt, velocity);
         for (int c = 0; c < 3; c++) {
-            change[c] = velocity[c] - (double)state->velocity_other[v][c];
-            state->velocity_other[v][c] = (pel_real)velocity[c];
+            change[c] = velocity[c] - (double)state->velocity_next[v][c];
+            state->velocity_next[v][c] = (pel_real)velocity[c];
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
         add_reaction(tool, target, change);
@@ -472,7 +472,7 @@ static void carry(pel_sim *sim, pel_tool *tool)
 static void quasi_static_force(const pel_sim *sim, int32_t v, double force[3])
 {
     const pel_state *state = sim->state;
-    pel_record elastic = pel_elastic_force_at(sim->model, state, state->position_other, v);
+    pel_record elastic = pel_elastic_force_at(sim->model, state, state->position_next, v);
     for (int i = 0; i < 3; i++)
         force[i] = (double)(elastic[i] + sim->force[v][i]);
 }
@@ -489,7 +489,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
             double along = push > 0 ? fmin(pel_vec3_dot(force, touch->push) / push, 0) : 0;
             pel_vec3_scale(touch->push, along, force);
         }
-        vertex_position(sim->state->position_other, touch->vertex, x);
+        vertex_position(sim->state->position_next, touch->vertex, x);
         add_reaction(tool, x, force);
     }
 }
@@ -521,7 +521,7 @@ void pel_tools_apply(pel_sim *sim, double time, double longest)
             if (sim->tools[i].press)
                 moved |= press(sim, &sim->tools[i], longest);
     }
-    if (sim->state->velocity_other == NULL) {
+    if (sim->state->velocity_next == NULL) {
         for (int32_t i = 0; i < sim->tool_count; i++)
             for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
                 sim->force[sim->tools[i].touches[k].vertex] = pel_wide_splat(0);

@@ -37,7 +37,7 @@ static inline void quasi_static_slice(const sweep *run, int32_t slice, bool keep
     pel_slice own = pel_slice_load(state->position, slice);
     pel_wide3 force = pel_elastic_force(run->model, state->position, slice, &own.position, &run->body, &sum->longest);
     if (keep_velocity) {
-        pel_slice before = pel_slice_load(state->position_other, slice);
+        pel_slice before = pel_slice_load(state->position_before, slice);
         pel_wide rate = pel_wide_splat((pel_real)(1 / step->dt));
         pel_wide3 velocity = {rate * (own.position.x - before.position.x), rate * (own.position.y - before.position.y),
                               rate * (own.position.z - before.position.z)};
@@ -47,7 +47,7 @@ static inline void quasi_static_slice(const sweep *run, int32_t slice, bool keep
     pel_wide3 next = {own.position.x + factor * force.x, own.position.y + factor * force.y,
                       own.position.z + factor * force.z};
     note_position(sum, &next, step);
-    pel_slice_store(state->position_other, slice, next, own.inverse_mass);
+    pel_slice_store(state->position_next, slice, next, own.inverse_mass);
 }
 
 static inline void explicit_slice(const sweep *run, int32_t slice, bool symplectic, tally *sum)
@@ -63,8 +63,8 @@ static inline void explicit_slice(const sweep *run, int32_t slice, bool symplect
     pel_wide3 used = symplectic ? faster : v;
     pel_wide3 next = {own.position.x + dt * used.x, own.position.y + dt * used.y, own.position.z + dt * used.z};
     note_position(sum, &next, step);
-    pel_slice_store(state->position_other, slice, next, own.inverse_mass);
-    pel_slice_store(state->velocity_other, slice, faster, pel_wide_splat(0));
+    pel_slice_store(state->position_next, slice, next, own.inverse_mass);
+    pel_slice_store(state->velocity_next, slice, faster, pel_wide_splat(0));
 }
 
 typedef void slice_function(const sweep *run, int32_t slice, bool flag, tally *sum);
@@ -86,7 +86,7 @@ static inline void sweep_body(const sweep *run, int32_t slice_begin, int32_t sli
         /* an infinite length says that a position left the bound */
         double chunk_longest = (double)pel_wide_largest(sum.longest);
         if (!(sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3]))
-            chunk_longest = INFINITY;
+            chunk_longest = (double)INFINITY;
         longest = longest > chunk_longest ? longest : chunk_longest;
     }
     result->longest = longest;

@@ -1,5 +1,5 @@
 /* One step of time of paper A's body, without loads and tools. The new positions (and velocities) are written to
-   state->position_other (velocity_other), so that the present ones stay until the step is accepted. */
+   state->position_next (velocity_next), so that the present ones stay until the step is accepted. */
 #ifndef PEL_SOLVE_STEP_H
 #define PEL_SOLVE_STEP_H
 

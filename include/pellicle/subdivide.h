@@ -1,0 +1,44 @@
+/* Pellicle: modified butterfly subdivision (Zorin, Schroeder, Sweldens 1996), paper A section 3.1. It interpolates:
+   vertices stay where they are, each edge gets a new vertex and each triangle becomes four. */
+#ifndef PELLICLE_SUBDIVIDE_H
+#define PELLICLE_SUBDIVIDE_H
+
+#include "mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pel_subdivide_def {
+    int32_t levels;      /* how often each triangle is split in four; 0 copies */
+    bool clamp_fields;   /* true (default): new values of a field stay between the least and the greatest value that
+                            the component has on the mesh: a thickness stays positive, a weight within 0 .. 1 */
+    size_t memory_limit; /* bytes that may be used, result included; 2 GiB by default, 0 = no limit */
+    uint32_t cookie;     /* set by pel_subdivide_def_default */
+} pel_subdivide_def;
+
+/* One level, clamped fields. */
+pel_subdivide_def pel_subdivide_def_default(void);
+
+/* Subdivides with the defaults above. */
+pel_status pel_mesh_subdivide(const pel_mesh *mesh, int32_t levels, pel_mesh **fine, pel_error *error);
+
+/* Subdivides an oriented manifold, with or without boundary, of any valence.
+   Numbering: the vertices of the mesh come first, then one vertex per edge in the order of pel_topology's edges, level
+   by level. Triangle t of a level becomes 4 t + i at corner i and 4 t + 3 in the middle, whose corner i is the new
+   vertex of the edge from corner i to corner i + 1. Winding is kept; fields are interpolated by the same stencils.
+
+   A new vertex depends on: for ends of six triangles or on the boundary, the eight points around its edge (1/2, 1/8,
+   -1/16), a point that is missing beyond a boundary edge p q of a triangle p q r being p + q - r; for an inner end with
+   another number of triangles, the ring of this end (the mean of both rings where both ends are so); on the boundary,
+   the four boundary vertices around (-1/16, 9/16, 9/16, -1/16), so that patches with a common boundary stay joined.
+
+   Errors: PEL_BAD_ARGUMENT for negative levels and for results beyond memory_limit or 2^31 half-edges, with the
+   numbers; PEL_BAD_MESH as pel_topology_create; PEL_OUT_OF_MEMORY. On failure *fine is null. Linear time. */
+pel_status pel_mesh_subdivide_with(const pel_mesh *mesh, const pel_subdivide_def *def, pel_mesh **fine,
+                                   pel_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

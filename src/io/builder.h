@@ -1,0 +1,43 @@
+/* Collects vertices and polygons of any size while a file is read, then cuts the polygons into triangles. A triangle
+   mesh passes through without a copy. */
+#ifndef PEL_IO_BUILDER_H
+#define PEL_IO_BUILDER_H
+
+#include "io/scan.h"
+#include "pellicle/mesh.h"
+
+typedef struct pel_builder {
+    double (*positions)[3];
+    size_t vertex_count, vertex_capacity;
+    int32_t *corners; /* of all polygons, one after the other */
+    size_t corner_count, corner_capacity;
+    int32_t *sizes; /* corners of each polygon */
+    size_t polygon_count, polygon_capacity;
+    size_t ignored_count;      /* polygons with fewer than three corners */
+    int32_t index_base;        /* what the file calls the first vertex: 0 or 1 */
+    int64_t largest_corner;    /* largest vertex index so far, from 0; -1 = none */
+    const char *largest_place; /* where in the file it stands */
+} pel_builder;
+
+void pel_builder_init(pel_builder *builder, int32_t index_base);
+/* frees what was not taken over by a mesh */
+void pel_builder_free(pel_builder *builder);
+
+/* Each returns false when out of memory. */
+bool pel_builder_reserve_vertices(pel_builder *builder, size_t count);
+bool pel_builder_add_vertex(pel_builder *builder, const double position[3]);
+/* Adds a corner (vertex >= 0) to the polygon that pel_builder_end_polygon ends. An index beyond the last vertex is
+   found at the end, because a file may hold faces before vertices. */
+bool pel_builder_add_corner(pel_builder *builder, int32_t vertex, const char *place);
+bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count);
+
+/* Joins vertices at exactly equal positions in the order of their first appearance, with a note. All corners must be in
+   range. PEL_OUT_OF_MEMORY. */
+pel_status pel_builder_weld(pel_builder *builder, const pel_log *log, pel_error *error);
+
+/* Cuts polygons into triangles (noted), makes the mesh and empties the builder. Errors, with the place in the scan:
+   PEL_BAD_FORMAT for no vertices, no polygons, too many of them, an index beyond the last vertex. */
+pel_status pel_builder_finish(pel_builder *builder, const pel_scan *scan, const pel_log *log, pel_mesh **mesh,
+                              pel_error *error);
+
+#endif

@@ -1,0 +1,192 @@
+#include "pellicle/mesh_io.h"
+
+#include "base/memory.h"
+#include "io/formats.h"
+#include "io/number.h"
+
+#include <math.h>
+#include <string.h>
+
+pel_mesh_format pel_mesh_format_of_path(const char *path)
+{
+    static const struct {
+        const char *extension;
+        pel_mesh_format format;
+    } formats[] = {{"obj", PEL_FORMAT_OBJ}, {"ply", PEL_FORMAT_PLY}, {"stl", PEL_FORMAT_STL}, {"off", PEL_FORMAT_OFF}};
+    const char *dot = strrchr(path, '.');
+    if (dot == NULL)
+        return PEL_FORMAT_AUTO;
+    pel_scan extension = {.at = dot + 1, .end = dot + strlen(dot)};
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        pel_scan ahead = extension;
+        if (pel_scan_accept(&ahead, formats[i].extension) && ahead.at == ahead.end)
+            return formats[i].format;
+    }
+    return PEL_FORMAT_AUTO;
+}
+
+/* headers that cannot be mistaken first, then the extension, then the look of the first words */
+static pel_mesh_format detect_format(const pel_scan *scan)
+{
+    if (pel_ply_matches(scan))
+        return PEL_FORMAT_PLY;
+    if (pel_stl_size_fits(scan))
+        return PEL_FORMAT_STL;
+    if (pel_off_matches(scan))
+        return PEL_FORMAT_OFF;
+    pel_mesh_format by_name = pel_mesh_format_of_path(scan->name);
+    if (by_name != PEL_FORMAT_AUTO)
+        return by_name;
+    if (pel_stl_matches(scan))
+        return PEL_FORMAT_STL;
+    return pel_obj_matches(scan) ? PEL_FORMAT_OBJ : PEL_FORMAT_AUTO;
+}
+
+static void skip_byte_order_mark(pel_scan *scan)
+{
+    if (scan->end - scan->at >= 3 && memcmp(scan->at, "\xef\xbb\xbf", 3) == 0)
+        scan->at += 3;
+}
+
+static pel_status fail_unknown(const char *name, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FORMAT, "neither the extension nor the content tells the format of this file");
+    pel_fail_remedy(error, "give it the extension .obj, .ply, .stl or .off, or convert it to one of these");
+    pel_fail_place(error, name, 0, 0);
+    return PEL_BAD_FORMAT;
+}
+
+pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format, const pel_log *log,
+                          pel_mesh **mesh, pel_error *error)
+{
+    *mesh = NULL;
+    if (size == 0) {
+        pel_fail(error, PEL_BAD_FORMAT, "the file is empty");
+        pel_fail_remedy(error, "copy or export it again");
+        pel_fail_place(error, name, 0, 0);
+        return PEL_BAD_FORMAT;
+    }
+    pel_scan scan = {.name = name, .begin = bytes, .at = bytes, .end = (const char *)bytes + size};
+    skip_byte_order_mark(&scan);
+    switch (format == PEL_FORMAT_AUTO ? detect_format(&scan) : format) {
+    case PEL_FORMAT_OBJ:
+        return pel_obj_read(&scan, log, mesh, error);
+    case PEL_FORMAT_PLY:
+    case PEL_FORMAT_PLY_ASCII:
+    case PEL_FORMAT_PLY_BIG:
+        return pel_ply_read(&scan, log, mesh, error);
+    case PEL_FORMAT_STL:
+    case PEL_FORMAT_STL_ASCII:
+        return pel_stl_read(&scan, log, mesh, error);
+    case PEL_FORMAT_OFF:
+        return pel_off_read(&scan, log, mesh, error);
+    default:
+        return fail_unknown(name, error);
+    }
+}
+
+pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log *log, pel_mesh **mesh,
+                         pel_error *error)
+{
+    char *bytes;
+    size_t size;
+    *mesh = NULL;
+    pel_status status = pel_file_read(path, &bytes, &size, error);
+    if (status != PEL_OK)
+        return status;
+    status = pel_mesh_parse(path, bytes, size, format, log, mesh, error);
+    pel_free(bytes);
+    return status;
+}
+
+void pel_write_numbers(pel_file_writer *writer, const char *before, const double values[3])
+{
+    char text[3 * (PEL_NUMBER_SIZE + 1)];
+    size_t length = 0;
+    for (int i = 0; i < 3; i++) {
+        length += pel_number_print(text + length, values[i]);
+        text[length++] = i < 2 ? ' ' : '\n';
+    }
+    pel_file_writer_write(writer, before, strlen(before));
+    pel_file_writer_write(writer, text, length);
+}
+
+static bool holds_fields(pel_mesh_format format)
+{
+    return format == PEL_FORMAT_PLY || format == PEL_FORMAT_PLY_ASCII || format == PEL_FORMAT_PLY_BIG;
+}
+
+static pel_status check_values(const double *values, int32_t vertex_count, int32_t component_count, const char *name,
+                               pel_error *error)
+{
+    const size_t width = (size_t)component_count;
+    for (size_t i = 0; i < (size_t)vertex_count * width; i++) {
+        if (isfinite(values[i]))
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "a value of '%s' is %g, which no mesh file can hold", name, values[i]);
+        pel_fail_remedy(error, "write finite values only");
+        pel_fail_element(error, "vertex", (int64_t)(i / width));
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
+/* a mesh that was changed after its creation may hold anything */
+static pel_status check_mesh(const pel_mesh *mesh, pel_mesh_format format, pel_error *error)
+{
+    pel_status status = check_values(mesh->positions[0], mesh->vertex_count, 3, "positions", error);
+    for (int32_t f = 0; f < mesh->field_count && holds_fields(format) && status == PEL_OK; f++)
+        status = check_values(mesh->fields[f].values, mesh->vertex_count, mesh->fields[f].component_count,
+                              mesh->fields[f].name, error);
+    return status;
+}
+
+static pel_status write_format(pel_file_writer *writer, pel_mesh_format format, const pel_mesh *mesh,
+                               const pel_log *log, pel_error *error)
+{
+    switch (format) {
+    case PEL_FORMAT_OBJ:
+        pel_obj_write(writer, mesh);
+        return PEL_OK;
+    case PEL_FORMAT_PLY:
+        return pel_ply_write(writer, PEL_ENCODING_LITTLE, mesh, log, error);
+    case PEL_FORMAT_PLY_ASCII:
+        return pel_ply_write(writer, PEL_ENCODING_ASCII, mesh, log, error);
+    case PEL_FORMAT_PLY_BIG:
+        return pel_ply_write(writer, PEL_ENCODING_BIG, mesh, log, error);
+    case PEL_FORMAT_STL:
+        return pel_stl_write(writer, PEL_ENCODING_LITTLE, mesh, error);
+    case PEL_FORMAT_STL_ASCII:
+        return pel_stl_write(writer, PEL_ENCODING_ASCII, mesh, error);
+    default:
+        pel_off_write(writer, mesh);
+        return PEL_OK;
+    }
+}
+
+pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
+                          pel_error *error)
+{
+    if (format == PEL_FORMAT_AUTO)
+        format = pel_mesh_format_of_path(path);
+    if (format <= PEL_FORMAT_AUTO || format >= PEL_FORMAT_COUNT) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "the extension does not tell the format to write");
+        pel_fail_remedy(error, "use the extension .obj, .ply, .stl or .off");
+        pel_fail_place(error, path, 0, 0);
+        return PEL_BAD_ARGUMENT;
+    }
+    pel_status status = check_mesh(mesh, format, error);
+    pel_file_writer writer;
+    if (status == PEL_OK)
+        status = pel_file_writer_open(&writer, path, error);
+    if (status != PEL_OK)
+        return status;
+    status = write_format(&writer, format, mesh, log, error);
+    if (status != PEL_OK) {
+        pel_file_writer_abandon(&writer);
+        return status;
+    }
+    if (mesh->field_count > 0 && !holds_fields(format))
+        pel_log_line(log, "%d vertex fields dropped: only PLY holds them", (int)mesh->field_count);
+    return pel_file_writer_commit(&writer, error);
+}

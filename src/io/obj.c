@@ -1,0 +1,208 @@
+#include "io/builder.h"
+#include "io/formats.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+typedef struct obj_reader {
+    pel_scan *scan;
+    pel_builder builder;
+    size_t colour_count;    /* vertices with a colour or weight */
+    size_t reference_count; /* corners with texture or normal indices */
+    size_t curve_count;     /* points and lines */
+    size_t unknown_count;   /* statements that are not of OBJ */
+} obj_reader;
+
+/* white space within a statement, which goes on after a backslash at the end of a line */
+static inline void skip_blanks(pel_scan *scan)
+{
+    while (scan->at < scan->end) {
+        if (pel_is_blank(*scan->at)) {
+            scan->at++;
+        } else if (*scan->at == '\\' && scan->at + 1 < scan->end && pel_is_line_end(scan->at[1])) {
+            bool two = scan->at[1] == '\r' && scan->at + 2 < scan->end && scan->at[2] == '\n';
+            scan->at += two ? 3 : 2;
+        } else {
+            return;
+        }
+    }
+}
+
+static inline bool at_statement_end(const pel_scan *scan)
+{
+    return scan->at == scan->end || pel_is_line_end(*scan->at) || *scan->at == '#';
+}
+
+/* to the end of a statement, over continued lines; a comment is never continued */
+static void skip_statement(pel_scan *scan)
+{
+    while (!at_statement_end(scan)) {
+        skip_blanks(scan);
+        if (!at_statement_end(scan))
+            scan->at++;
+    }
+    pel_scan_skip_line(scan);
+}
+
+static pel_status read_vertex(obj_reader *reader, pel_error *error)
+{
+    pel_scan *scan = reader->scan;
+    double position[3], rest;
+    for (int i = 0; i < 3; i++) {
+        skip_blanks(scan);
+        if (!pel_scan_number(scan, &position[i]))
+            return pel_scan_fail_number(scan, error, "a finite coordinate");
+    }
+    /* a weight or a colour may follow */
+    skip_blanks(scan);
+    bool more = !at_statement_end(scan);
+    while (!at_statement_end(scan)) {
+        if (!pel_scan_number(scan, &rest))
+            return pel_scan_fail_number(scan, error, "a number");
+        skip_blanks(scan);
+    }
+    reader->colour_count += more;
+    return pel_builder_add_vertex(&reader->builder, position) ? PEL_OK : pel_fail_memory(error);
+}
+
+/* vertex number of the file, from 1 or counted back from the last vertex, to an index */
+static pel_status resolve_index(const obj_reader *reader, int64_t number, const char *place, int32_t *vertex,
+                                pel_error *error)
+{
+    const int64_t count = (int64_t)reader->builder.vertex_count;
+    int64_t index = number > 0 ? number - 1 : count + number;
+    if (number == 0)
+        return pel_scan_fail(reader->scan, place, error, "number the vertices from 1",
+                             "a face uses vertex 0 but OBJ counts from 1");
+    if (index < 0 || index >= INT32_MAX)
+        return pel_scan_fail(reader->scan, place, error, "correct the index",
+                             "a face uses vertex %lld but %lld vertices stand before it", (long long)number,
+                             (long long)count);
+    *vertex = (int32_t)index;
+    return PEL_OK;
+}
+
+/* v, v/vt, v//vn or v/vt/vn */
+static pel_status read_corner(obj_reader *reader, pel_error *error)
+{
+    pel_scan *scan = reader->scan;
+    const char *place = scan->at;
+    int64_t number, ignored;
+    int32_t vertex = 0;
+    if (!pel_scan_integer(scan, &number))
+        return pel_scan_fail_number(scan, error, "a vertex number");
+    if (scan->at < scan->end && *scan->at == '/') {
+        reader->reference_count++;
+        for (int i = 0; i < 2 && scan->at < scan->end && *scan->at == '/'; i++) {
+            scan->at++;
+            pel_scan_integer(scan, &ignored);
+        }
+    }
+    if (!pel_scan_at_break(scan)) {
+        scan->at = place;
+        return pel_scan_fail_number(scan, error, "a face corner (v, v/vt, v//vn or v/vt/vn)");
+    }
+    pel_status status = resolve_index(reader, number, place, &vertex, error);
+    if (status == PEL_OK && !pel_builder_add_corner(&reader->builder, vertex, place))
+        status = pel_fail_memory(error);
+    return status;
+}
+
+static pel_status read_face(obj_reader *reader, pel_error *error)
+{
+    size_t count = 0;
+    for (skip_blanks(reader->scan); !at_statement_end(reader->scan); skip_blanks(reader->scan), count++) {
+        pel_status status = read_corner(reader, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    return pel_builder_end_polygon(&reader->builder, count) ? PEL_OK : pel_fail_memory(error);
+}
+
+/* every statement that is not a vertex or a face */
+static pel_status read_other(obj_reader *reader, const char *word, size_t length, pel_error *error)
+{
+    static const char *const curves[] = {"l", "p", NULL};
+    static const char *const silent[] = {"o", "g", "s", "vt", "vn", "usemtl", "mtllib", NULL};
+    static const char *const known[] = {"vp",     "curv",       "curv2",     "surf",     "parm",  "trim",   "hole",
+                                        "scrv",   "sp",         "end",       "deg",      "bmat",  "step",   "cstype",
+                                        "con",    "mg",         "bevel",     "c_interp", "lod",   "usemap", "d_interp",
+                                        "maplib", "shadow_obj", "trace_obj", "ctech",    "stech", "call",   "csh",
+                                        "bsp",    "bzp",        "cdc",       "cdp",      "res",   NULL};
+    if (pel_word_is_one_of(word, length, curves)) {
+        reader->curve_count++;
+    } else if (pel_word_is_one_of(word, length, known)) {
+        reader->unknown_count++;
+    } else if (!pel_word_is_one_of(word, length, silent)) {
+        reader->scan->at = word;
+        return pel_scan_fail_number(reader->scan, error, "an OBJ statement");
+    }
+    skip_statement(reader->scan);
+    return PEL_OK;
+}
+
+static pel_status read_statement(obj_reader *reader, pel_error *error)
+{
+    size_t length;
+    const char *word = pel_scan_word(reader->scan, &length);
+    if (length == 1 && word[0] == 'v')
+        return read_vertex(reader, error);
+    if (length == 1 && word[0] == 'f')
+        return read_face(reader, error);
+    return read_other(reader, word, length, error);
+}
+
+static pel_status read_statements(obj_reader *reader, pel_error *error)
+{
+    pel_scan *scan = reader->scan;
+    pel_status status = PEL_OK;
+    for (pel_scan_skip_comments(scan); scan->at < scan->end && status == PEL_OK; pel_scan_skip_comments(scan))
+        status = read_statement(reader, error);
+    return status;
+}
+
+static void note_ignored(const obj_reader *reader, const pel_log *log)
+{
+    if (reader->curve_count > 0)
+        pel_log_line(log, "%zu points and lines ignored", reader->curve_count);
+    if (reader->colour_count > 0)
+        pel_log_line(log, "colours or weights of %zu vertices ignored", reader->colour_count);
+    if (reader->reference_count > 0)
+        pel_log_line(log, "texture coordinates and normals ignored");
+    if (reader->unknown_count > 0)
+        pel_log_line(log, "%zu statements for curves, surfaces or display ignored", reader->unknown_count);
+}
+
+pel_status pel_obj_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
+{
+    obj_reader reader = {.scan = scan};
+    pel_builder_init(&reader.builder, 1);
+    pel_status status = read_statements(&reader, error);
+    if (status == PEL_OK) {
+        note_ignored(&reader, log);
+        status = pel_builder_finish(&reader.builder, scan, log, mesh, error);
+    }
+    pel_builder_free(&reader.builder);
+    return status;
+}
+
+bool pel_obj_matches(const pel_scan *scan)
+{
+    static const char *const words[] = {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl", NULL};
+    pel_scan ahead = *scan;
+    pel_scan_skip_comments(&ahead);
+    size_t length;
+    const char *word = pel_scan_word(&ahead, &length);
+    return pel_word_is_one_of(word, length, words);
+}
+
+void pel_obj_write(pel_file_writer *writer, const pel_mesh *mesh)
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        pel_write_numbers(writer, "v ", mesh->positions[v]);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *c = mesh->triangles[t];
+        pel_file_writer_printf(writer, "f %lld %lld %lld\n", c[0] + 1LL, c[1] + 1LL, c[2] + 1LL);
+    }
+}

@@ -1,0 +1,355 @@
+#include "io/builder.h"
+#include "io/bytes.h"
+#include "io/ply_header.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* where the values of a vertex property go: base[stride * vertex], or nowhere when base is null */
+typedef struct sink {
+    double *base;
+    int32_t stride;
+} sink;
+
+typedef struct ply_reader {
+    pel_scan *scan;
+    pel_ply_header header;
+    pel_builder builder;
+    pel_field *fields; /* vertex properties other than x, y, z */
+    int32_t field_count;
+    sink sinks[PEL_PLY_PROPERTY_LIMIT]; /* of the vertex properties */
+    size_t ignored_list_count;          /* list properties of vertices */
+} ply_reader;
+
+static double load_binary(const char *bytes, pel_ply_type type, bool big)
+{
+    switch (type) {
+    case PEL_PLY_INT8:
+        return (double)(int8_t)pel_load_bytes(bytes, 1, big);
+    case PEL_PLY_UINT8:
+        return (double)(uint8_t)pel_load_bytes(bytes, 1, big);
+    case PEL_PLY_INT16:
+        return (double)(int16_t)pel_load_bytes(bytes, 2, big);
+    case PEL_PLY_UINT16:
+        return (double)(uint16_t)pel_load_bytes(bytes, 2, big);
+    case PEL_PLY_INT32:
+        return (double)(int32_t)pel_load_bytes(bytes, 4, big);
+    case PEL_PLY_UINT32:
+        return (double)(uint32_t)pel_load_bytes(bytes, 4, big);
+    case PEL_PLY_FLOAT:
+        return pel_load_float(bytes, big);
+    default:
+        return pel_load_double(bytes, big);
+    }
+}
+
+/* the next value of either encoding; false when there is none */
+static inline bool read_value(ply_reader *reader, pel_ply_type type, double *value)
+{
+    pel_scan *scan = reader->scan;
+    if (reader->header.encoding == PEL_ENCODING_ASCII) {
+        pel_scan_skip_spaces(scan);
+        return pel_scan_any_number(scan, value);
+    }
+    const size_t size = pel_ply_type_size(type);
+    if ((size_t)(scan->end - scan->at) < size)
+        return false;
+    *value = load_binary(scan->at, type, reader->header.encoding == PEL_ENCODING_BIG);
+    scan->at += size;
+    return true;
+}
+
+static pel_status fail_value(const ply_reader *reader, const pel_ply_property *property, pel_error *error)
+{
+    if (reader->header.encoding == PEL_ENCODING_ASCII)
+        return pel_scan_fail_number(reader->scan, error, "a number");
+    return pel_scan_fail(reader->scan, reader->scan->end, error,
+                         "the file seems to be cut off: copy or export it again", "the file ends within property '%s'",
+                         property->name);
+}
+
+static pel_status read_list_count(ply_reader *reader, const pel_ply_property *property, size_t *count, pel_error *error)
+{
+    const char *place = reader->scan->at;
+    double value;
+    if (!read_value(reader, property->count_type, &value))
+        return fail_value(reader, property, error);
+    /* values take a byte or more each, in either encoding */
+    const double room = (double)(reader->scan->end - reader->scan->at);
+    if (!(value >= 0 && value <= room && value == floor(value)))
+        return pel_scan_fail(reader->scan, place, error, "the file seems to be damaged: copy or export it again",
+                             "list '%s' has %g values, which the rest of the file cannot hold", property->name, value);
+    *count = (size_t)value;
+    return PEL_OK;
+}
+
+static pel_status skip_values(ply_reader *reader, const pel_ply_property *property, size_t count, pel_error *error)
+{
+    pel_scan *scan = reader->scan;
+    if (reader->header.encoding != PEL_ENCODING_ASCII) {
+        const size_t size = pel_ply_type_size(property->type);
+        if ((size_t)(scan->end - scan->at) / size < count)
+            return fail_value(reader, property, error);
+        scan->at += count * size;
+        return PEL_OK;
+    }
+    for (size_t i = 0; i < count; i++) {
+        double value;
+        if (!read_value(reader, property->type, &value))
+            return fail_value(reader, property, error);
+    }
+    return PEL_OK;
+}
+
+/* goes behind one value or list */
+static pel_status skip_property(ply_reader *reader, const pel_ply_property *property, pel_error *error)
+{
+    size_t count = 1;
+    pel_status status = PEL_OK;
+    if (property->is_list)
+        status = read_list_count(reader, property, &count, error);
+    return status == PEL_OK ? skip_values(reader, property, count, error) : status;
+}
+
+/* refuses a count that the rest of the file cannot hold, before anything is allocated for it */
+static pel_status check_element_count(const ply_reader *reader, const pel_ply_element *element, pel_error *error)
+{
+    const bool ascii = reader->header.encoding == PEL_ENCODING_ASCII;
+    int64_t smallest = 0, room = reader->scan->end - reader->scan->at;
+    for (int i = 0; i < element->property_count; i++) {
+        const pel_ply_property *property = &reader->header.properties[element->first_property + i];
+        pel_ply_type first = property->is_list ? property->count_type : property->type;
+        smallest += ascii ? 2 : (int64_t)pel_ply_type_size(first);
+    }
+    /* a number and a blank each; the last blank may be missing */
+    room += ascii;
+    if (smallest == 0 || element->count <= room / smallest)
+        return PEL_OK;
+    return pel_scan_fail(reader->scan, ascii ? element->place : reader->scan->end, error,
+                         "the file seems to be cut off: copy or export it again",
+                         "the header promises %lld elements '%s', more than the file holds", (long long)element->count,
+                         element->name);
+}
+
+/* Length of the stem when the properties from here on are stem_0, stem_1, ... (two or more), and how many; else 0.
+   A property or list that has the stem as its whole name keeps them apart. */
+static size_t find_vector(const ply_reader *reader, const pel_ply_element *element, int first, int32_t *count)
+{
+    const pel_ply_property *properties = &reader->header.properties[element->first_property];
+    const char *name = properties[first].name;
+    const size_t length = strlen(name);
+    char stem[PEL_NAME_SIZE], wanted[PEL_NAME_SIZE + 16];
+    *count = 1;
+    if (length < 3 || strcmp(name + length - 2, "_0") != 0)
+        return 0;
+    snprintf(stem, sizeof stem, "%.*s", (int)length - 2, name);
+    if (pel_ply_find_property(&reader->header, element, stem) != NULL)
+        return 0;
+    while (first + *count < element->property_count) {
+        snprintf(wanted, sizeof wanted, "%s_%d", stem, (int)*count);
+        const pel_ply_property *next = &properties[first + *count];
+        if (next->is_list || strcmp(next->name, wanted) != 0)
+            break;
+        ++*count;
+    }
+    return *count > 1 ? length - 2 : 0;
+}
+
+/* a field for the scalar property, or for the vector that begins with it; returns its number of components, 0 = failed
+ */
+static int32_t add_field(ply_reader *reader, const pel_ply_element *element, int first)
+{
+    int32_t component_count;
+    size_t stem = find_vector(reader, element, first, &component_count);
+    pel_field *field = &reader->fields[reader->field_count];
+    field->values = pel_allocate((size_t)element->count * (size_t)component_count, sizeof *field->values);
+    if (field->values == NULL)
+        return 0;
+    const char *name = reader->header.properties[element->first_property + first].name;
+    snprintf(field->name, sizeof field->name, "%.*s", (int)(stem > 0 ? stem : strlen(name)), name);
+    field->component_count = component_count;
+    reader->field_count++;
+    for (int32_t i = 0; i < component_count; i++)
+        reader->sinks[first + i] = (sink){field->values + i, component_count};
+    return component_count;
+}
+
+/* the axis that a property name stands for, -1 = none */
+static int axis_of(const char *name)
+{
+    return name[0] >= 'x' && name[0] <= 'z' && name[1] == '\0' ? name[0] - 'x' : -1;
+}
+
+static pel_status prepare_vertices(ply_reader *reader, const pel_ply_element *element, pel_error *error)
+{
+    const pel_ply_property *properties = &reader->header.properties[element->first_property];
+    int axis_count = 0;
+    for (int i = 0; i < element->property_count; i++)
+        axis_count += axis_of(properties[i].name) >= 0 && !properties[i].is_list;
+    if (axis_count != 3)
+        return pel_scan_fail(reader->scan, element->place, error, "add the missing property",
+                             "vertices have no properties x, y and z");
+    reader->fields = pel_allocate((size_t)element->property_count, sizeof *reader->fields);
+    if (reader->fields == NULL || !pel_builder_reserve_vertices(&reader->builder, (size_t)element->count))
+        return pel_fail_memory(error);
+    for (int i = 0; i < element->property_count;) {
+        int axis = axis_of(properties[i].name);
+        int32_t taken = 1;
+        if (properties[i].is_list)
+            reader->ignored_list_count++;
+        else if (axis >= 0)
+            reader->sinks[i] = (sink){&reader->builder.positions[0][axis], 3};
+        else
+            taken = add_field(reader, element, i);
+        if (taken == 0)
+            return pel_fail_memory(error);
+        i += taken;
+    }
+    return PEL_OK;
+}
+
+static pel_status read_vertex(ply_reader *reader, const pel_ply_element *element, int64_t v, pel_error *error)
+{
+    const pel_ply_property *properties = &reader->header.properties[element->first_property];
+    for (int i = 0; i < element->property_count; i++) {
+        const sink *to = &reader->sinks[i];
+        if (to->base == NULL) {
+            pel_status status = skip_property(reader, &properties[i], error);
+            if (status != PEL_OK)
+                return status;
+            continue;
+        }
+        const char *place = reader->scan->at;
+        double value;
+        if (!read_value(reader, properties[i].type, &value))
+            return fail_value(reader, &properties[i], error);
+        if (!isfinite(value))
+            return pel_scan_fail(reader->scan, place, error, "repair the mesh in the program that wrote it",
+                                 "property '%s' of vertex %lld is %g", properties[i].name, (long long)v, value);
+        to->base[to->stride * v] = value;
+    }
+    return PEL_OK;
+}
+
+static pel_status read_vertices(ply_reader *reader, const pel_ply_element *element, pel_error *error)
+{
+    pel_status status = prepare_vertices(reader, element, error);
+    for (int64_t v = 0; v < element->count && status == PEL_OK; v++)
+        status = read_vertex(reader, element, v, error);
+    reader->builder.vertex_count = status == PEL_OK ? (size_t)element->count : 0;
+    return status;
+}
+
+static pel_status read_corners(ply_reader *reader, const pel_ply_property *property, pel_error *error)
+{
+    size_t count = 0;
+    pel_status status = read_list_count(reader, property, &count, error);
+    for (size_t i = 0; i < count && status == PEL_OK; i++) {
+        const char *place = reader->scan->at;
+        double value;
+        if (!read_value(reader, property->type, &value))
+            return fail_value(reader, property, error);
+        if (!(value >= 0 && value < INT32_MAX && value == floor(value)))
+            return pel_scan_fail(reader->scan, place, error, "correct the index", "%g is not a vertex index", value);
+        if (!pel_builder_add_corner(&reader->builder, (int32_t)value, place))
+            return pel_fail_memory(error);
+    }
+    if (status == PEL_OK && !pel_builder_end_polygon(&reader->builder, count))
+        status = pel_fail_memory(error);
+    return status;
+}
+
+static pel_status read_faces(ply_reader *reader, const pel_ply_element *element, pel_error *error)
+{
+    const pel_ply_property *properties = &reader->header.properties[element->first_property];
+    const pel_ply_property *corners = pel_ply_find_property(&reader->header, element, "vertex_indices");
+    if (corners == NULL)
+        corners = pel_ply_find_property(&reader->header, element, "vertex_index");
+    if (corners == NULL || !corners->is_list)
+        return pel_scan_fail(reader->scan, element->place, error, "add the property",
+                             "faces have no list property vertex_indices");
+    pel_status status = PEL_OK;
+    for (int64_t f = 0; f < element->count && status == PEL_OK; f++)
+        for (int i = 0; i < element->property_count && status == PEL_OK; i++)
+            status = &properties[i] == corners ? read_corners(reader, corners, error)
+                                               : skip_property(reader, &properties[i], error);
+    return status;
+}
+
+static pel_status skip_element(ply_reader *reader, const pel_ply_element *element, pel_error *error)
+{
+    const pel_ply_property *properties = &reader->header.properties[element->first_property];
+    pel_status status = PEL_OK;
+    for (int64_t e = 0; element->property_count > 0 && e < element->count && status == PEL_OK; e++)
+        for (int i = 0; i < element->property_count && status == PEL_OK; i++)
+            status = skip_property(reader, &properties[i], error);
+    return status;
+}
+
+/* the elements in the order of the file; what follows vertices and faces is not looked at */
+static pel_status read_body(ply_reader *reader, pel_error *error)
+{
+    const pel_ply_header *header = &reader->header;
+    const pel_ply_element *vertices = pel_ply_find_element(header, "vertex");
+    const pel_ply_element *faces = pel_ply_find_element(header, "face");
+    if (vertices == NULL || vertices->count == 0)
+        return pel_scan_fail(reader->scan, reader->scan->begin, error, "export the mesh again",
+                             "the header promises no vertices");
+    const pel_ply_element *last = faces != NULL && faces > vertices ? faces : vertices;
+    reader->scan->binary = header->encoding != PEL_ENCODING_ASCII;
+    pel_status status = PEL_OK;
+    for (const pel_ply_element *element = header->elements; element <= last && status == PEL_OK; element++) {
+        status = check_element_count(reader, element, error);
+        if (status != PEL_OK)
+            return status;
+        if (element == vertices)
+            status = read_vertices(reader, element, error);
+        else if (element == faces)
+            status = read_faces(reader, element, error);
+        else
+            status = skip_element(reader, element, error);
+    }
+    return status;
+}
+
+static pel_status finish(ply_reader *reader, const pel_log *log, pel_mesh **mesh, pel_error *error)
+{
+    if (reader->ignored_list_count > 0)
+        pel_log_line(log, "%zu list properties of vertices ignored", reader->ignored_list_count);
+    pel_status status = pel_builder_finish(&reader->builder, reader->scan, log, mesh, error);
+    if (status != PEL_OK || reader->field_count == 0)
+        return status;
+    (*mesh)->fields = reader->fields;
+    (*mesh)->field_count = reader->field_count;
+    reader->fields = NULL;
+    reader->field_count = 0;
+    return PEL_OK;
+}
+
+static void free_reader(ply_reader *reader)
+{
+    for (int32_t f = 0; f < reader->field_count; f++)
+        pel_free(reader->fields[f].values);
+    pel_free(reader->fields);
+    pel_builder_free(&reader->builder);
+    pel_free(reader);
+}
+
+pel_status pel_ply_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
+{
+    ply_reader *reader = pel_allocate(1, sizeof *reader);
+    if (reader == NULL)
+        return pel_fail_memory(error);
+    reader->scan = scan;
+    pel_builder_init(&reader->builder, 0);
+    pel_status status = pel_ply_read_header(scan, &reader->header, error);
+    if (status == PEL_OK)
+        status = read_body(reader, error);
+    if (status == PEL_OK)
+        status = finish(reader, log, mesh, error);
+    free_reader(reader);
+    return status;
+}

@@ -1,0 +1,84 @@
+/* A model and a sim on a shape, with paper A's parameters unless a test changes the defs. */
+#ifndef PEL_TESTS_SIM_FIXTURE_H
+#define PEL_TESTS_SIM_FIXTURE_H
+
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "pellicle/shape.h"
+#include "pellicle/sim.h"
+
+static inline pel_mesh *make_sphere(int32_t frequency)
+{
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    def.frequency = frequency;
+    pel_mesh *mesh;
+    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+    return mesh;
+}
+
+static inline pel_model *make_model(const pel_body_def *body)
+{
+    pel_model_def def = pel_model_def_default();
+    def.bodies = body;
+    def.body_count = 1;
+    pel_model *model;
+    pel_error error;
+    char text[800];
+    pel_status status = pel_model_create(&def, &model, &error);
+    if (status != PEL_OK)
+        print_error("%s\n", pel_error_text(&error, text, sizeof text));
+    assert_int_equal(status, PEL_OK);
+    return model;
+}
+
+static inline pel_sim *make_sim(const pel_sim_def *def)
+{
+    pel_sim *sim;
+    pel_error error;
+    char text[800];
+    pel_status status = pel_sim_create(def, &sim, &error);
+    if (status != PEL_OK)
+        print_error("%s\n", pel_error_text(&error, text, sizeof text));
+    assert_int_equal(status, PEL_OK);
+    return sim;
+}
+
+static inline int32_t nearest_vertex(const pel_mesh *mesh, double x, double y, double z)
+{
+    int32_t nearest = 0;
+    double least = HUGE_VAL;
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        const double *p = mesh->positions[v];
+        double square = (p[0] - x) * (p[0] - x) + (p[1] - y) * (p[1] - y) + (p[2] - z) * (p[2] - z);
+        if (square < least) {
+            least = square;
+            nearest = v;
+        }
+    }
+    return nearest;
+}
+
+static inline void run_steps(pel_sim *sim, int count)
+{
+    pel_error error;
+    char text[800];
+    for (int n = 0; n < count; n++) {
+        pel_status status = pel_sim_step(sim, &error);
+        if (status != PEL_OK)
+            print_error("%s\n", pel_error_text(&error, text, sizeof text));
+        assert_int_equal(status, PEL_OK);
+    }
+}
+
+static inline double height_of(const pel_sim *sim, int32_t vertex)
+{
+    const pel_mesh *mesh = pel_model_mesh(pel_sim_model(sim), 0);
+    static double positions[3 * 200000];
+    assert_true(mesh->vertex_count <= 200000);
+    pel_sim_get_positions(sim, 0, positions);
+    return positions[3 * vertex + 2];
+}
+
+#endif
