@@ -5,7 +5,6 @@
 #include <pellicle/mesh_check.h>
 #include <pellicle/scene.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 /* findings of one kind that are printed one by one */
@@ -63,7 +62,7 @@ static void print_issue(const char *path, const pel_mesh *mesh, const pel_issue_
 {
     const char *severity = severity_name(info->severity);
     if (info->severity == PEL_SEVERITY_NOTE) {
-        fprintf(stderr, "%s: note: %d x %s: %s\n", path, (int)issue->count, info->name, info->doc);
+        fprintf(stderr, "%s: note: %s: %d of them\n", path, info->doc, (int)issue->count);
         return;
     }
     int32_t shown = issue->listed_count < SHOWN_MAX ? issue->listed_count : SHOWN_MAX;
@@ -89,6 +88,15 @@ static void print_issues(const char *path, const pel_mesh *mesh, const pel_mesh_
     }
 }
 
+/* the two vertices of each edge */
+static void write_edges(cli_json *json, const pel_issue *issue)
+{
+    cli_json_open(json, "vertices", '[');
+    for (int32_t i = 0; i < issue->listed_count; ++i)
+        cli_json_numbers(json, NULL, (double[]){issue->related[i][0], issue->related[i][1]}, 2);
+    cli_json_close(json, ']');
+}
+
 static void write_issue(cli_json *json, const pel_issue_info *info, const pel_issue *issue)
 {
     cli_json_open(json, NULL, '{');
@@ -104,6 +112,8 @@ static void write_issue(cli_json *json, const pel_issue_info *info, const pel_is
     for (int32_t i = 0; i < issue->listed_count; ++i)
         cli_json_integer(json, NULL, by_component ? issue->related[i][0] : issue->elements[i]);
     cli_json_close(json, ']');
+    if (strcmp(info->element_kind, "edge") == 0)
+        write_edges(json, issue);
     cli_json_close(json, '}');
 }
 

@@ -18,7 +18,9 @@ static void print_reply(FILE *file, cli_kind kind, cli_words *words)
         fputs("COMPREPLY=($(compgen -d -- \"$word\"))", file);
         break;
     case CLI_SCENE:
-        fputs("COMPREPLY=($(compgen -f -X '!*.@(yaml|yml|json)' -- \"$word\") $(compgen -d -- \"$word\"))", file);
+        fputs("COMPREPLY=($(for end in yaml yml json; do compgen -f -X \"!*.$end\" -- \"$word\"; done; "
+              "compgen -d -- \"$word\"))",
+              file);
         break;
     case CLI_SETTING:
         if (words != NULL) {

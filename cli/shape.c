@@ -47,9 +47,14 @@ static void print_range(FILE *file, const pel_shape_parameter *parameter)
     } else if (parameter->type == PEL_SHAPE_BOOLEAN) {
         fputs("true | false", file);
     } else {
-        fprintf(file, parameter->exclusive_minimum ? "more than %g" : "%g or more", parameter->minimum);
-        if (parameter->maximum < 1e9)
-            fprintf(file, ", at most %g", parameter->maximum);
+        bool bounded = parameter->maximum < 1e9;
+        fprintf(file,
+                parameter->exclusive_minimum ? "more than %g"
+                : bounded                    ? "%g"
+                                             : "%g or more",
+                parameter->minimum);
+        if (bounded)
+            fprintf(file, parameter->exclusive_minimum ? ", at most %.0f" : " to %.0f", parameter->maximum);
     }
 }
 
