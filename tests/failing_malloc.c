@@ -90,8 +90,10 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 
 void *__wrap_realloc(void *block, size_t size)
 {
-    if (must_fail())
+    if (must_fail()) {
+        count.failed_realloc = true;
         return NULL;
+    }
     uintptr_t old = (uintptr_t)block;
     void *moved = __real_realloc(block, size);
     if (old == 0)
@@ -135,6 +137,9 @@ long for_every_allocation_failure(allocation_case *run, const void *data)
             assert_int_equal(status, PEL_OK);
             return counted.calls;
         }
+        /* a failed realloc leaves the old block, and code that only wanted to shrink it goes on */
+        if (counted.failed_realloc && status == PEL_OK)
+            continue;
         if (status != PEL_OUT_OF_MEMORY)
             print_error("allocation %ld failed and the status was '%s'\n", n, pel_status_text(status));
         assert_int_equal(status, PEL_OUT_OF_MEMORY);

@@ -6,9 +6,10 @@
 #include "pellicle/base.h"
 
 typedef struct allocation_count {
-    long calls;  /* allocations asked for between begin and end */
-    long failed; /* of these, made to fail */
-    long live;   /* blocks made in between and not freed */
+    long calls;          /* allocations asked for between begin and end */
+    long failed;         /* of these, made to fail */
+    long live;           /* blocks made in between and not freed */
+    bool failed_realloc; /* the one that failed was a realloc */
 } allocation_count;
 
 /* Starts counting; the n-th allocation from here fails, 0 = none. */
@@ -21,7 +22,8 @@ allocation_count failing_malloc_end(void);
 typedef pel_status allocation_case(const void *data, pel_error *error);
 
 /* Runs the case with its 1st, 2nd, ... allocation failing until it passes without a failure. Asserts that each failure
-   gives PEL_OUT_OF_MEMORY with its error filled and leaks nothing. Returns the number of allocations of the case. */
+   gives PEL_OUT_OF_MEMORY with its error filled (or success, after a failed realloc that was only to shrink) and leaks
+   nothing. Returns the number of allocations of the case. */
 long for_every_allocation_failure(allocation_case *run, const void *data);
 
 #endif

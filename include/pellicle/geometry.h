@@ -111,6 +111,26 @@ int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors);
 int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
                             pel_ccd_statistics *statistics);
 
+/* Exact predicates: the true sign, -1, 0 or 1, for all finite input, without tolerance, overflow or underflow; 0 when a
+   coordinate is not finite. Fast where rounding cannot matter. */
+
+/* Sign of the area of triangle a, b, c in the plane, points (2): 1 = counter-clockwise, 0 = on one line. */
+int pel_orient2d(const double a[2], const double b[2], const double c[2]);
+
+/* Sign of ((b - a) x (c - a)) . (d - a): 1 = d is on the side from which a, b, c is counter-clockwise, 0 = on one
+ * plane. */
+int pel_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
+
+/* True when two triangles (3 corners x 3) have a point in common, exactly: touching at a single point counts, in one
+   plane too; triangles without area are treated as the segments or points they are. True when a coordinate is not
+   finite. */
+bool pel_triangles_intersect(const double a[3][3], const double b[3][3]);
+
+/* The same for neighbours in a mesh: the first shared_count corners of both (0, 1 or 2) are the same points, in the
+   same order, and only what they have in common beyond the shared corner or edge counts: one cuts through the other, or
+   is folded onto it. True when a neighbour has no area or shared_count is 3 (the same triangle twice). */
+bool pel_triangles_intersect_beyond(const double a[3][3], const double b[3][3], int shared_count);
+
 #ifdef __cplusplus
 }
 #endif

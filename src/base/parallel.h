@@ -18,6 +18,7 @@ static inline int pel_thread_limit(void)
 }
 #else
 #define PEL_PARALLEL_FOR(threads) (void)(threads);
+#define PEL_PARALLEL_FOR_REDUCE(threads, clause) (void)(threads);
 static inline int pel_thread_limit(void)
 {
     return 1;

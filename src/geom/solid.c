@@ -90,7 +90,8 @@ static double round_depth(const pel_solid *solid, const double a[3], const doubl
         point[i] = w[0] * a[i] + w[1] * b[i] + w[2] * c[i] - axis[i];
     double fallback[3];
     way_past_axis(a, b, c, fallback);
-    unit_or(point, fallback, normal);
+    bool pierced = square < 1e-18 * solid->radius * solid->radius;
+    unit_or(pierced ? fallback : point, fallback, normal);
     memcpy(weights, w, 3 * sizeof *weights);
     return depth;
 }

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "io/polygon.h"
+#include "mesh/weld.h"
 
 #include <string.h>
 
@@ -73,6 +74,30 @@ bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count)
     return true;
 }
 
+pel_status pel_builder_weld(pel_builder *builder, const pel_log *log, pel_error *error)
+{
+    const size_t count = builder->vertex_count;
+    int32_t place_count = 0, *index_of = pel_allocate(count, sizeof *index_of);
+    if (index_of == NULL ||
+        pel_weld_points((const double(*)[3])builder->positions, (int32_t)count, 0, index_of, &place_count) != PEL_OK) {
+        pel_free(index_of);
+        return pel_fail_memory(error);
+    }
+    /* the first vertex of a place never stands before the place's number */
+    int32_t first = 0;
+    for (size_t v = 0; v < count; v++)
+        if (index_of[v] == first)
+            memmove(builder->positions[first++], builder->positions[v], sizeof *builder->positions);
+    for (size_t i = 0; i < builder->corner_count; i++)
+        builder->corners[i] = index_of[builder->corners[i]];
+    pel_free(index_of);
+    builder->vertex_count = (size_t)place_count;
+    builder->largest_corner = place_count - 1;
+    if (count > builder->vertex_count)
+        pel_log_line(log, "%zu corners welded into %zu vertices", count, builder->vertex_count);
+    return PEL_OK;
+}
+
 static pel_status check_counts(const pel_builder *builder, const pel_scan *scan, pel_error *error)
 {
     const size_t vertex_count = builder->vertex_count;
@@ -116,13 +141,6 @@ static bool cut_polygons(pel_builder *builder, size_t triangle_count, const pel_
     return true;
 }
 
-/* gives back memory that the growing arrays did not use */
-static void *trim(void *block, size_t count, size_t size)
-{
-    void *smaller = pel_reallocate(block, count, size);
-    return smaller != NULL ? smaller : block;
-}
-
 pel_status pel_builder_finish(pel_builder *builder, const pel_scan *scan, const pel_log *log, pel_mesh **mesh,
                               pel_error *error)
 {
@@ -139,8 +157,8 @@ pel_status pel_builder_finish(pel_builder *builder, const pel_scan *scan, const 
     }
     made->vertex_count = (int32_t)builder->vertex_count;
     made->triangle_count = (int32_t)triangle_count;
-    made->positions = trim(builder->positions, builder->vertex_count, sizeof *made->positions);
-    made->triangles = trim(builder->corners, triangle_count, sizeof *made->triangles);
+    made->positions = builder->positions;
+    made->triangles = (int32_t(*)[3])builder->corners;
     builder->positions = NULL;
     builder->corners = NULL;
     pel_builder_free(builder);

@@ -31,6 +31,10 @@ bool pel_builder_add_vertex(pel_builder *builder, const double position[3]);
 bool pel_builder_add_corner(pel_builder *builder, int32_t vertex, const char *place);
 bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count);
 
+/* Joins vertices at exactly equal positions in the order of their first appearance, with a note. All corners must be in
+   range. PEL_OUT_OF_MEMORY. */
+pel_status pel_builder_weld(pel_builder *builder, const pel_log *log, pel_error *error);
+
 /* Cuts polygons into triangles (noted), makes the mesh and empties the builder. Errors, with the place in the scan:
    PEL_BAD_FORMAT for no vertices, no polygons, too many of them, an index beyond the last vertex. */
 pel_status pel_builder_finish(pel_builder *builder, const pel_scan *scan, const pel_log *log, pel_mesh **mesh,

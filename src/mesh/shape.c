@@ -226,12 +226,12 @@ static double parse_value(const pel_shape_parameter *parameter, const char *text
     if (parameter->type == PEL_SHAPE_BOOLEAN && strcmp(text, "false") == 0)
         return 0;
     if (parameter->type == PEL_SHAPE_BOOLEAN)
-        return NAN;
+        return (double)NAN;
     if (parameter->type == PEL_SHAPE_CHOICE) {
         for (int32_t i = 0; parameter->choices[i] != NULL; i++)
             if (strcmp(text, parameter->choices[i]) == 0)
                 return i;
-        return NAN;
+        return (double)NAN;
     }
     char *end;
     double value = strtod(text, &end);

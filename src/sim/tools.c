@@ -22,7 +22,7 @@ enum { SWEEP_LIMIT = 40, ROUND_LIMIT = 4 };
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){.shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .grasp_until = INFINITY};
+    return (pel_tool_def){.shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .grasp_until = (double)INFINITY};
 }
 
 /* ---- creation ---- */

@@ -86,7 +86,7 @@ static inline void sweep_body(const sweep *run, int32_t slice_begin, int32_t sli
         /* an infinite length says that a position left the bound */
         double chunk_longest = (double)pel_wide_largest(sum.longest);
         if (!(sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3]))
-            chunk_longest = INFINITY;
+            chunk_longest = (double)INFINITY;
         longest = longest > chunk_longest ? longest : chunk_longest;
     }
     result->longest = longest;

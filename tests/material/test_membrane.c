@@ -275,12 +275,12 @@ static void test_check(void **unused)
     for (int i = 0; i < 8; i++)
         bad[i] = good;
     bad[0].young = -1;
-    bad[1].young = INFINITY;
+    bad[1].young = (double)INFINITY;
     bad[2].poisson = 1;
-    bad[3].poisson = NAN;
+    bad[3].poisson = (double)NAN;
     bad[4].thickness = 0;
     bad[5].mooney_ratio = -0.1;
-    bad[6].mooney_ratio = NAN;
+    bad[6].mooney_ratio = (double)NAN;
     bad[7].kind = (pel_membrane_kind)77;
     for (int i = 0; i < 8; i++)
         assert_int_equal(pel_membrane_material_check(&bad[i], &error), PEL_BAD_ARGUMENT);
