@@ -233,32 +233,66 @@ static int check_mesh(const cli_call *call, const char *path, cli_json *json)
     return status;
 }
 
-/* loads the scene and makes its simulation, so that everything a run would refuse is found */
-static int check_scene(const char *path, cli_json *json)
+/* prints what is wrong with the meshes of the scene's bodies; false when one cannot be simulated */
+static bool check_bodies(const char *path, const pel_scene *scene, cli_json *json)
 {
-    pel_scene *scene = NULL;
+    bool good = true;
+    for (int32_t i = 0; i < scene->model.body_count; ++i) {
+        const pel_body_def *body = &scene->model.bodies[i];
+        char place[PEL_NAME_SIZE + 300];
+        snprintf(place, sizeof place, "%.256s: body %s", path, body->name);
+        pel_mesh_report *report = NULL;
+        pel_error error;
+        if (pel_mesh_check(body->mesh, &report, &error) != PEL_OK) {
+            cli_report_to(&error, json);
+            return false;
+        }
+        print_issues(place, body->mesh, report);
+        good = good && report->error_count == 0;
+        pel_mesh_report_destroy(report);
+    }
+    if (!good && json != NULL)
+        cli_json_bool(json, "ok", false);
+    return good;
+}
+
+/* makes model and simulation, so that everything is found that a run would refuse */
+static pel_status try_scene(const pel_scene *scene, pel_error *error)
+{
     pel_model *model = NULL;
     pel_sim *sim = NULL;
-    pel_error error;
-    pel_status status = pel_scene_load(path, NULL, 0, &cli_notes, &scene, &error);
-    if (status == PEL_OK)
-        status = pel_model_create(&scene->model, &model, &error);
+    pel_status status = pel_model_create(&scene->model, &model, error);
     if (status == PEL_OK) {
         pel_sim_def def = scene->sim;
         def.model = model;
-        status = pel_sim_create(&def, &sim, &error);
+        status = pel_sim_create(&def, &sim, error);
     }
-    if (status != PEL_OK)
-        cli_report_to(&error, json);
-    else if (json != NULL)
-        cli_json_bool(json, "ok", true);
-    else
-        printf("%s: fine, %d %s, %g s\n", path, (int)scene->model.body_count,
-               scene->model.body_count == 1 ? "body" : "bodies", scene->duration);
     pel_sim_destroy(sim);
     pel_model_destroy(model);
+    return status;
+}
+
+static int check_scene(const char *path, cli_json *json)
+{
+    pel_scene *scene = NULL;
+    pel_error error;
+    if (pel_scene_load(path, NULL, 0, &cli_notes, &scene, &error) != PEL_OK)
+        return cli_report_to(&error, json);
+    int status = CLI_BAD_INPUT;
+    if (check_bodies(path, scene, json)) {
+        if (try_scene(scene, &error) != PEL_OK) {
+            status = cli_report_to(&error, json);
+        } else {
+            status = CLI_DONE;
+            int bodies = (int)scene->model.body_count;
+            if (json != NULL)
+                cli_json_bool(json, "ok", true);
+            else
+                printf("%s: fine, %d %s, %g s\n", path, bodies, bodies == 1 ? "body" : "bodies", scene->duration);
+        }
+    }
     pel_scene_destroy(scene);
-    return status == PEL_OK ? CLI_DONE : CLI_BAD_INPUT;
+    return status;
 }
 
 int cli_check(const cli_call *call)

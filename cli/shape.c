@@ -25,17 +25,15 @@ static bool is_known_earlier(int kind, const char *name)
     return false;
 }
 
-/* the parameters of all shapes, each once */
-const char *cli_shape_keys(int index)
+void cli_print_shape_keys(FILE *file)
 {
     for (int kind = 0; kind < PEL_SHAPE_COUNT; ++kind) {
         const pel_shape_info *info = pel_shape_info_of((pel_shape_kind)kind);
         for (int p = 0; p < info->parameter_count; ++p) {
-            if (!is_known_earlier(kind, info->parameters[p].name) && index-- == 0)
-                return info->parameters[p].name;
+            if (!is_known_earlier(kind, info->parameters[p].name))
+                fprintf(file, "%s\n", info->parameters[p].name);
         }
     }
-    return NULL;
 }
 
 /* "1 to 400", "more than 0", or the choices */

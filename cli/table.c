@@ -38,7 +38,7 @@ static const cli_command commands[] = {
                      .kind = CLI_SETTING,
                      .repeated = true,
                      .value = "KEY=VALUE",
-                     .words = cli_scene_keys,
+                     .print_keys = cli_print_scene_keys,
                      .doc =
                          "change one value of the scene, such as bodies.ball.springs.stiffness=5 or solver.dt=0.005; "
                          "'pellicle reference' lists the keys"},
@@ -108,7 +108,7 @@ static const cli_command commands[] = {
                      .kind = CLI_SETTING,
                      .repeated = true,
                      .value = "KEY=VALUE",
-                     .words = cli_shape_keys,
+                     .print_keys = cli_print_shape_keys,
                      .doc = "set one parameter of the shape"},
                     FORMAT_OPTION,
                     {.name = "list", .kind = CLI_FLAG, .doc = "print the shapes and their parameters"}},
