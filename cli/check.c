@@ -163,7 +163,7 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
         if (json != NULL)
             cli_json_integer(json, deeds[i].key, deeds[i].count);
         else if (deeds[i].count > 0)
-            printf("%s: %d %s\n", out, (int)deeds[i].count, deeds[i].text);
+            printf("%s: %s: %d\n", out, deeds[i].text, (int)deeds[i].count);
     }
     if (json != NULL)
         cli_json_close(json, '}');
@@ -172,26 +172,25 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
 }
 
 /* writes the repaired mesh unless it still has errors */
-static int write_repaired(const cli_call *call, const char *out, const pel_mesh *mesh, cli_json *json)
+static int write_repaired(const char *out, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
 {
     pel_error error;
     pel_mesh_report *report = NULL;
     if (pel_mesh_check(mesh, &report, &error) != PEL_OK)
         return cli_report(&error);
     bool good = report->error_count == 0;
-    if (!good) {
-        print_issues(out, mesh, report);
+    print_issues(out, mesh, report);
+    if (!good)
         cli_complain("'%s' is not written: the repaired mesh still cannot be simulated. edit the elements named above",
                      out);
-    }
     pel_mesh_report_destroy(report);
-    int status = good ? cli_write_mesh(call, out, mesh, &cli_notes, json != NULL) : CLI_BAD_INPUT;
+    int status = good ? cli_write_mesh(out, format, mesh, &cli_notes, json != NULL) : CLI_BAD_INPUT;
     if (json != NULL)
         cli_json_text(json, "written", status == CLI_DONE ? out : NULL);
     return status;
 }
 
-static int fix_mesh(const cli_call *call, const pel_mesh *mesh, cli_json *json)
+static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
 {
     const char *out = cli_value(call, "fix");
     pel_repair_options options = pel_repair_options_default();
@@ -203,12 +202,12 @@ static int fix_mesh(const cli_call *call, const pel_mesh *mesh, cli_json *json)
     if (pel_mesh_repair(mesh, &options, &repaired, &summary, &error) != PEL_OK)
         return cli_report(&error);
     tell_repair(json, out, &summary);
-    int status = write_repaired(call, out, repaired, json);
+    int status = write_repaired(out, format, repaired, json);
     pel_mesh_destroy(repaired);
     return status;
 }
 
-static int check_mesh(const cli_call *call, const char *path, cli_json *json)
+static int check_mesh(const cli_call *call, const char *path, pel_mesh_format format, cli_json *json)
 {
     int status;
     pel_mesh *mesh = cli_read_mesh(path, &cli_notes, json, &status);
@@ -219,14 +218,16 @@ static int check_mesh(const cli_call *call, const char *path, cli_json *json)
     if (pel_mesh_check(mesh, &report, &error) != PEL_OK) {
         status = cli_report(&error);
     } else {
-        print_issues(path, mesh, report);
+        /* with --fix it is the rest after the repair that matters */
+        if (!cli_has(call, "fix"))
+            print_issues(path, mesh, report);
         if (json != NULL)
             write_issues(json, report);
         else
             print_verdict(path, report);
         status = report->error_count + report->warning_count == 0 ? CLI_DONE : CLI_BAD_INPUT;
         if (cli_has(call, "fix"))
-            status = fix_mesh(call, mesh, json);
+            status = fix_mesh(call, format, mesh, json);
     }
     pel_mesh_report_destroy(report);
     pel_mesh_destroy(mesh);
@@ -295,22 +296,29 @@ static int check_scene(const char *path, cli_json *json)
     return status;
 }
 
-int cli_check(const cli_call *call)
+/* format is that of --fix */
+static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, cli_json *json)
 {
     const char *path = call->arguments[0];
+    return is_scene ? check_scene(path, json) : check_mesh(call, path, format, json);
+}
+
+int cli_check(const cli_call *call)
+{
+    const char *path = call->arguments[0], *out = cli_value(call, "fix");
     bool is_scene = cli_is_scene(path);
-    if (is_scene && cli_has(call, "fix"))
-        return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as the messages of 'pellicle check' say",
-                            path);
+    pel_mesh_format format = PEL_FORMAT_AUTO;
+    if (is_scene && out != NULL)
+        return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as 'pellicle check' says", path);
+    if (out != NULL && !cli_output_format(call, out, &format))
+        return CLI_BAD_INPUT;
+    if (!cli_has(call, "json"))
+        return check_file(call, is_scene, format, NULL);
     cli_json json = {.file = stdout};
-    bool as_json = cli_has(call, "json");
-    if (as_json) {
-        cli_json_open(&json, NULL, '{');
-        cli_json_text(&json, "file", path);
-        cli_json_text(&json, "kind", is_scene ? "scene" : "mesh");
-    }
-    int status = is_scene ? check_scene(path, as_json ? &json : NULL) : check_mesh(call, path, as_json ? &json : NULL);
-    if (as_json)
-        cli_json_close(&json, '}');
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "file", path);
+    cli_json_text(&json, "kind", is_scene ? "scene" : "mesh");
+    int status = check_file(call, is_scene, format, &json);
+    cli_json_close(&json, '}');
     return status;
 }

@@ -121,11 +121,14 @@ int cli_shape(const cli_call *call)
         return cli_complain("'pellicle shape' needs the name of a shape. 'pellicle shape --list' prints them");
     if (path == NULL)
         return cli_complain("'pellicle shape' needs a file to write. add '-o %s.ply'", call->arguments[0]);
+    pel_mesh_format format;
+    if (!cli_output_format(call, path, &format))
+        return CLI_BAD_INPUT;
     pel_mesh *mesh = NULL;
     pel_error error;
     if (make_shape(call, &mesh, &error) != PEL_OK)
         return cli_report(&error);
-    int status = cli_write_mesh(call, path, mesh, &cli_notes, false);
+    int status = cli_write_mesh(path, format, mesh, &cli_notes, false);
     pel_mesh_destroy(mesh);
     return status;
 }

@@ -61,10 +61,11 @@ static const cli_command commands[] = {
     {
         .name = "check",
         .summary = "find what is wrong with a mesh or a scene; repair a mesh",
-        .text = "Says every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
-                "checked as a scene, with the meshes it names; anything else as a mesh.\n\n"
-                "Exit status 0: fine (notes may be printed), or repaired and written; 2: there are errors (cannot be "
-                "simulated) or warnings (can be, but is probably not what was meant).",
+        .text =
+            "Says every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
+            "checked as a scene, with the meshes it names; anything else as a mesh. Elements are numbered from 0.\n\n"
+            "Exit status 0: fine (notes may be printed), or repaired and written; 2: there are errors (cannot be "
+            "simulated) or warnings (can be, but is probably not what was meant).",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .kind = CLI_FILE,
