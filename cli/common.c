@@ -1,8 +1,6 @@
 #include "common.h"
 #include "commands.h"
 
-#include <pellicle/import.h>
-
 #include <string.h>
 
 int cli_report(const pel_error *error)
@@ -61,7 +59,7 @@ pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, in
     pel_mesh *mesh = NULL;
     pel_error error;
     *status = CLI_DONE;
-    if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK)
+    if (pel_mesh_read(path, PEL_FORMAT_AUTO, log, &mesh, &error) != PEL_OK)
         *status = cli_report_to(&error, json);
     return mesh;
 }
@@ -82,22 +80,22 @@ const char *cli_format_names(int index)
     return index < FORMAT_COUNT ? formats[index].name : NULL;
 }
 
-static pel_mesh_format chosen_format(const cli_call *call, const char *path)
+bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *format)
 {
     const char *name = cli_value(call, "format");
+    *format = pel_mesh_format_of_path(path);
     for (int i = 0; name != NULL && i < FORMAT_COUNT; ++i) {
         if (strcmp(formats[i].name, name) == 0)
-            return formats[i].format;
+            *format = formats[i].format;
     }
-    return pel_mesh_format_of_path(path);
+    if (*format != PEL_FORMAT_AUTO)
+        return true;
+    cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl or .off", path);
+    return false;
 }
 
-int cli_write_mesh(const cli_call *call, const char *path, const pel_mesh *mesh, const pel_log *log, bool quiet)
+int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log, bool quiet)
 {
-    pel_mesh_format format = chosen_format(call, path);
-    if (format == PEL_FORMAT_AUTO)
-        return cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl or .off",
-                            path);
     pel_error error;
     if (pel_mesh_write(path, format, mesh, log, &error) != PEL_OK)
         return cli_report(&error);

@@ -21,8 +21,10 @@ extern const pel_log cli_notes;
 /* any mesh file; reports the error (json is nullable) and returns null on failure */
 pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, int *status);
 
-/* Writes the mesh in the format that --format names, else in the one of the path's ending; prints what was written on
-   stdout unless quiet, or the error. Returns the exit status. */
-int cli_write_mesh(const cli_call *call, const char *path, const pel_mesh *mesh, const pel_log *log, bool quiet);
+/* The format that --format names, else the one of the path's ending; complains and returns false when there is none. */
+bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *format);
+
+/* Writes the mesh; prints what was written on stdout unless quiet, or the error. Returns the exit status. */
+int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log, bool quiet);
 
 #endif
