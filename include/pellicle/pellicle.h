@@ -4,6 +4,8 @@
 #define PELLICLE_H
 
 #include "base.h"
+#include "bending.h"
+#include "element.h"
 #include "geometry.h"
 #include "material.h"
 #include "mesh.h"
