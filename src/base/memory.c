@@ -15,8 +15,8 @@ void *pel_allocate(size_t count, size_t size)
     return calloc(count > 0 ? count : 1, size);
 }
 
-/* asks for huge pages, where the system has them: gathers over large arrays miss the translation buffer without (measured:
-   a step of a million vertices takes 1.3 times as long) */
+/* asks for huge pages, where the system has them: gathers over large arrays miss the translation buffer without
+   (measured: a step of a million vertices takes 1.3 times as long) */
 static void advise_huge_pages(void *block, size_t bytes)
 {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
