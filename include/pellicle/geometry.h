@@ -36,10 +36,12 @@ double pel_closest_segment_triangle(const double a[3], const double b[3], const 
 
    The answer is "hit" unless freedom was proved with bounded rounding error, so there is no false negative by
    construction: what comes within min_separation, touching included, is always found. A wrong "hit" needs a gap (beyond
-   min_separation) below `tolerance` or below about 1e-14 of the size of the features. Only differences of points
-   matter, not their place in the world; the answer does not depend on the order of the points of a face or an edge nor
-   of the two edges; degenerate faces and edges, and pairs that do not move, are treated as what they are. NaN and
-   infinite input cannot be ruled out and is a hit.
+   min_separation) below `tolerance` or below the rounding of the closest distance: about 1e-14 of the size of the
+   features, up to 1e-8 for nearly parallel edges and very thin faces; or a motion so hard to follow that the budget of
+   time intervals is used up (see pel_ccd_statistics; none in 400,000 contacts of random features). Only differences of
+   points matter, not their place in the world; the answer does not depend on the order of the points of a face or an
+   edge nor of the two edges; degenerate faces and edges, and pairs that do not move, are treated as what they are. NaN
+   and infinite input cannot be ruled out and is a hit.
 
    min_separation  length >= 0; negative counts as 0
    tolerance       length: a motion is followed until the features move less than this, relative to each other, in the
@@ -49,7 +51,7 @@ double pel_closest_segment_triangle(const double a[3], const double b[3], const 
 /* The first time at which freedom could not be proved any longer. */
 typedef struct pel_ccd_hit {
     double time_of_impact; /* never later than the true one: until then the features are more than min_separation apart.
-                              At this time they are at most min_separation + tolerance apart */
+                              At this time they are at most min_separation + tolerance apart, rounding as above */
     double weight[4];      /* of the four points at the closest place: 1, then minus the barycentric coordinates
                               (vertex-face), or (1-s), s, -(1-u), -u (edge-edge): their sum is 0, and
                               sum weight[i] x[i] is the vector from the face (edge 2,3) to the vertex (edge 0,1) */
@@ -110,6 +112,26 @@ int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors);
    (query_count, nullable); returns how many there are. statistics is nullable. */
 int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
                             pel_ccd_statistics *statistics);
+
+/* Exact predicates: the true sign, -1, 0 or 1, for all finite input, without tolerance, overflow or underflow; 0 when a
+   coordinate is not finite. Fast where rounding cannot matter. */
+
+/* Sign of the area of triangle a, b, c in the plane, points (2): 1 = counter-clockwise, 0 = on one line. */
+int pel_orient2d(const double a[2], const double b[2], const double c[2]);
+
+/* Sign of ((b - a) x (c - a)) . (d - a): 1 = d is on the side from which a, b, c is counter-clockwise, 0 = on one
+ * plane. */
+int pel_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
+
+/* True when two triangles (3 corners x 3) have a point in common, exactly: touching at a single point counts, in one
+   plane too; triangles without area are treated as the segments or points they are. True when a coordinate is not
+   finite. */
+bool pel_triangles_intersect(const double a[3][3], const double b[3][3]);
+
+/* The same for neighbours in a mesh: the first shared_count corners of both (0, 1 or 2) are the same points, in the
+   same order, and only what they have in common beyond the shared corner or edge counts: one cuts through the other, or
+   is folded onto it. True when a neighbour has no area or shared_count is 3 (the same triangle twice). */
+bool pel_triangles_intersect_beyond(const double a[3][3], const double b[3][3], int shared_count);
 
 #ifdef __cplusplus
 }

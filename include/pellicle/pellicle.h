@@ -9,6 +9,7 @@
 #include "geometry.h"
 #include "material.h"
 #include "mesh.h"
+#include "mesh_check.h"
 #include "mesh_io.h"
 #include "model.h"
 #include "results.h"

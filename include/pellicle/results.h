@@ -1,5 +1,5 @@
-/* Pellicle: writers of results: VTK PolyData (.vtp) with a .pvd series, and CSV. Every file is written to a temporary
-   name and renamed, so that what stands in the folder is always whole. */
+/* Pellicle: results as VTK PolyData (.vtp) with a .pvd series, for ParaView and for reading back. Every file is written
+   to a temporary name and renamed, so that what stands in the folder is always whole. */
 #ifndef PELLICLE_RESULTS_H
 #define PELLICLE_RESULTS_H
 
@@ -9,27 +9,37 @@
 extern "C" {
 #endif
 
+/* A quantity on the vertices. */
 typedef struct pel_vtp_field {
-    const char *name;
-    int32_t component_count;
-    const double *values; /* (vertex_count x component_count) */
+    const char *name;        /* not empty, shorter than PEL_NAME_SIZE */
+    int32_t component_count; /* >= 1 */
+    const double *values;    /* (vertex_count x component_count) */
 } pel_vtp_field;
 
 /* One surface at one time. */
 typedef struct pel_vtp {
-    int32_t vertex_count, triangle_count;
-    const double *positions;     /* (vertex_count x 3) */
-    const int32_t *triangles;    /* (triangle_count x 3) */
-    const pel_vtp_field *fields; /* (field_count) point data */
+    int32_t vertex_count, triangle_count; /* >= 1 */
+    const double *positions;              /* (vertex_count x 3), metres */
+    const int32_t *triangles;             /* (triangle_count x 3), each 0 .. vertex_count - 1 */
+    const pel_vtp_field *fields;          /* (field_count) point data */
     int32_t field_count;
     double time;   /* s, stored as TimeValue */
     bool compress; /* zlib; otherwise raw appended data */
     bool float64;  /* positions and fields as Float64 instead of Float32 */
 } pel_vtp;
 
+/* Writes a .vtp file (VTK XML PolyData, appended data; Kitware, "VTK XML file formats").
+   Errors: PEL_BAD_ARGUMENT (counts, field names), PEL_BAD_FILE (folder missing, disk full), PEL_OUT_OF_MEMORY. */
 pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error);
 
-/* Writes the collection file: file_names (relative to the .pvd) and times (frame_count). */
+/* Reads a .vtp file of one piece with triangles and raw appended data, packed by zlib or not, as pel_vtp_write and
+   ParaView write them. Point data become the fields of the mesh; time (nullable) gets TimeValue, 0 when there is none.
+   Memory use is bounded by the file's size whatever its head claims. On failure *mesh is null. Free with
+   pel_mesh_destroy. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT with the byte offset or element, PEL_OUT_OF_MEMORY. */
+pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error);
+
+/* Writes the collection file that makes ParaView show a series: file_names (frame_count, relative to the .pvd) and
+   times (frame_count) [s]. Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
 pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times, int32_t frame_count,
                          pel_error *error);
 

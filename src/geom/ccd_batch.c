@@ -4,61 +4,74 @@
 
 enum { BLOCK = 512 };
 
+/* where the coordinates of point i of a query begin; points is nullable */
+WIDE4_INLINE ptrdiff_t point_offset(const int32_t *points, int32_t query, int i)
+{
+    ptrdiff_t place = 4 * (ptrdiff_t)query + i;
+    return 3 * (points != NULL ? (ptrdiff_t)points[place] : place);
+}
+
 static void query_points(const pel_ccd_batch *batch, int32_t query, ccd_points *points)
 {
     for (int i = 0; i < 4; i++) {
-        ptrdiff_t point = batch->points != NULL ? batch->points[4 * (ptrdiff_t)query + i] : 4 * (ptrdiff_t)query + i;
-        points->start[i] = batch->start + 3 * point;
-        points->end[i] = batch->end + 3 * point;
+        points->start[i] = batch->start + point_offset(batch->points, query, i);
+        points->end[i] = batch->end + point_offset(batch->points, query, i);
     }
+}
+
+/* the points i of four queries at one time */
+WIDE4_INLINE void load_points(const double *positions, const ptrdiff_t offsets[4], wide4 xyz[3])
+{
+    const double *const points[4] = {positions + offsets[0], positions + offsets[1], positions + offsets[2],
+                                     positions + offsets[3]};
+    wide4_load_points(points, xyz);
 }
 
 /* the differences of four queries */
-static void wide_load(const pel_ccd_batch *batch, const int32_t queries[4], wide_ccd_pair *pair)
+WIDE4_INLINE void wide_load(const pel_ccd_batch *batch, const int32_t *numbers, const int32_t queries[4],
+                            bool edge_edge, wide_ccd_pair *pair)
 {
     wide4 start[4][3], end[4][3];
-    ccd_points points[4];
-    for (int lane = 0; lane < WIDE4_WIDTH; lane++)
-        query_points(batch, queries[lane], &points[lane]);
     for (int i = 0; i < 4; i++) {
-        const double *const starts[4] = {points[0].start[i], points[1].start[i], points[2].start[i],
-                                         points[3].start[i]};
-        const double *const ends[4] = {points[0].end[i], points[1].end[i], points[2].end[i], points[3].end[i]};
-        wide4_load_points(starts, start[i]);
-        wide4_load_points(ends, end[i]);
+        ptrdiff_t offsets[WIDE4_WIDTH];
+        for (int lane = 0; lane < WIDE4_WIDTH; lane++)
+            offsets[lane] = point_offset(numbers, queries[lane], i);
+        load_points(batch->start, offsets, start[i]);
+        load_points(batch->end, offsets, end[i]);
     }
-    wide_ccd_pair_set(pair, 0, start, batch->edge_edge);
-    wide_ccd_pair_set(pair, 1, end, batch->edge_edge);
+    wide_ccd_pair_set(pair, 0, start, edge_edge);
+    wide_ccd_pair_set(pair, 1, end, edge_edge);
 }
 
-typedef wide4 (*wide_stage)(const wide_ccd_pair *pair, bool edge_edge, double min_separation);
+typedef enum wide_stage { STAGE_FILTER, STAGE_HULL } wide_stage;
 
-static inline wide4 stage_filter(const wide_ccd_pair *pair, bool edge_edge, double min_separation)
-{
-    (void)edge_edge;
-    wide_ccd_cubic cubic;
-    wide_ccd_pair_cubic(pair, min_separation, &cubic);
-    return wide_ccd_cubic_margin(cubic.coefficient, cubic.band);
-}
+typedef struct query_list {
+    const int32_t *queries;
+    int32_t count;
+} query_list;
 
-static inline wide4 stage_hull(const wide_ccd_pair *pair, bool edge_edge, double min_separation)
+/* Keeps the queries that a stage does not prove free; kept may be the list itself. Returns how many. The arguments
+   before the list are constants at each call: no branches are left in the kernel. */
+WIDE4_INLINE int32_t run_stage_of(wide_stage stage, bool edge_edge, const int32_t *numbers, const pel_ccd_batch *batch,
+                                  query_list list, int32_t *kept)
 {
-    return wide_ccd_hull_margin(pair, edge_edge, min_separation);
-}
-
-/* Keeps the queries that a stage does not prove free; kept may be queries. Returns how many. */
-static inline int32_t run_stage(const pel_ccd_batch *batch, wide_stage stage, const int32_t *queries, int32_t count,
-                                int32_t *kept)
-{
+    const double min_separation = batch->min_separation;
     int32_t kept_count = 0;
-    for (int32_t i = 0; i < count; i += WIDE4_WIDTH) {
+    for (int32_t i = 0; i < list.count; i += WIDE4_WIDTH) {
         wide_ccd_pair pair;
+        wide_ccd_cubic cubic;
+        wide4 margin;
         int32_t lanes[WIDE4_WIDTH];
         for (int lane = 0; lane < WIDE4_WIDTH; lane++)
-            lanes[lane] = queries[i + lane < count ? i + lane : count - 1];
-        wide_load(batch, lanes, &pair);
-        wide4 margin = stage(&pair, batch->edge_edge, batch->min_separation);
-        for (int lane = 0; lane < WIDE4_WIDTH && i + lane < count; lane++) {
+            lanes[lane] = list.queries[i + lane < list.count ? i + lane : list.count - 1];
+        wide_load(batch, numbers, lanes, edge_edge, &pair);
+        if (stage == STAGE_FILTER) {
+            wide_ccd_pair_cubic(&pair, min_separation, &cubic);
+            margin = wide_ccd_cubic_margin(cubic.coefficient, cubic.band);
+        } else {
+            margin = wide_ccd_hull_margin(&pair, edge_edge, min_separation);
+        }
+        for (int lane = 0; lane < WIDE4_WIDTH && i + lane < list.count; lane++) {
             kept[kept_count] = lanes[lane];
             kept_count += !(margin[lane] > 0);
         }
@@ -66,13 +79,28 @@ static inline int32_t run_stage(const pel_ccd_batch *batch, wide_stage stage, co
     return kept_count;
 }
 
-/* the same over `count` queries in a row from `first` on */
+static int32_t run_filter(const pel_ccd_batch *batch, query_list list, int32_t *kept)
+{
+    if (batch->points != NULL)
+        return batch->edge_edge ? run_stage_of(STAGE_FILTER, true, batch->points, batch, list, kept)
+                                : run_stage_of(STAGE_FILTER, false, batch->points, batch, list, kept);
+    return batch->edge_edge ? run_stage_of(STAGE_FILTER, true, NULL, batch, list, kept)
+                            : run_stage_of(STAGE_FILTER, false, NULL, batch, list, kept);
+}
+
+static int32_t run_hull(const pel_ccd_batch *batch, query_list list, int32_t *kept)
+{
+    return batch->edge_edge ? run_stage_of(STAGE_HULL, true, batch->points, batch, list, kept)
+                            : run_stage_of(STAGE_HULL, false, batch->points, batch, list, kept);
+}
+
+/* the filter over `count` queries in a row from `first` on */
 static int32_t filter_row(const pel_ccd_batch *batch, int32_t first, int32_t count, int32_t *kept)
 {
     int32_t row[BLOCK];
     for (int32_t i = 0; i < count; i++)
         row[i] = first + i;
-    return run_stage(batch, stage_filter, row, count, kept);
+    return run_filter(batch, (query_list){row, count}, kept);
 }
 
 /* negative counts as zero, NaN proves nothing */
@@ -82,7 +110,7 @@ static pel_ccd_batch cleaned(const pel_ccd_batch *batch)
     if (clean.min_separation < 0)
         clean.min_separation = 0;
     if (clean.min_separation != clean.min_separation)
-        clean.min_separation = (double)INFINITY;
+        clean.min_separation = HUGE_VAL;
     return clean;
 }
 
@@ -141,7 +169,7 @@ int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_cc
         count = filter_row(&clean, first, count, kept);
         counted.passed_filter += count;
         if (batch->method == PEL_CCD_CONSERVATIVE)
-            count = run_stage(&clean, stage_hull, kept, count, kept);
+            count = run_hull(&clean, (query_list){kept, count}, kept);
         counted.passed_hull += count;
         for (int32_t i = 0; i < count; i++)
             if (solve_one(&clean, kept[i], hits != NULL ? &hits[hit_count] : NULL, &counted))

@@ -1,6 +1,7 @@
 /* The kernel of continuous collision detection, as text: src/geom/ccd_pair.h includes it once for double and once for
    wide4, so that one query and four queries are computed by the same operations in the same order.
-   It needs REAL, NAME(function), real_set, real_abs, real_min, real_max and real_sqrt. No include guard on purpose. */
+   It needs CCD_INLINE, REAL, NAME(function), real_set, real_abs, real_min, real_max and real_sqrt. No include guard on
+   purpose. */
 
 typedef struct NAME(ccd_pair) {
     REAL offset[2][3], edge1[2][3], edge2[2][3]; /* [time 0 and 1] */
@@ -12,12 +13,12 @@ typedef struct NAME(ccd_cubic) {
     REAL band;
 } NAME(ccd_cubic);
 
-static inline REAL NAME(dot)(const REAL a[3], const REAL b[3])
+CCD_INLINE REAL NAME(dot)(const REAL a[3], const REAL b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static inline void NAME(cross)(const REAL a[3], const REAL b[3], REAL product[3])
+CCD_INLINE void NAME(cross)(const REAL a[3], const REAL b[3], REAL product[3])
 {
     product[0] = a[1] * b[2] - a[2] * b[1];
     product[1] = a[2] * b[0] - a[0] * b[2];
@@ -25,7 +26,7 @@ static inline void NAME(cross)(const REAL a[3], const REAL b[3], REAL product[3]
 }
 
 /* differences of the four points at one time (0 or 1) */
-static inline void NAME(ccd_pair_set)(NAME(ccd_pair) * pair, int time, REAL points[4][3], bool edge_edge)
+CCD_INLINE void NAME(ccd_pair_set)(NAME(ccd_pair) * pair, int time, REAL points[4][3], bool edge_edge)
 {
     for (int k = 0; k < 3; k++) {
         if (edge_edge) {
@@ -41,14 +42,14 @@ static inline void NAME(ccd_pair_set)(NAME(ccd_pair) * pair, int time, REAL poin
 }
 
 /* largest coordinate at both times */
-static inline REAL NAME(largest)(const REAL vectors[2][3])
+CCD_INLINE REAL NAME(largest)(const REAL vectors[2][3])
 {
     REAL start = real_max(real_max(real_abs(vectors[0][0]), real_abs(vectors[0][1])), real_abs(vectors[0][2]));
     REAL end = real_max(real_max(real_abs(vectors[1][0]), real_abs(vectors[1][1])), real_abs(vectors[1][2]));
     return real_max(start, end);
 }
 
-static inline void NAME(ccd_pair_cubic)(const NAME(ccd_pair) * pair, double min_separation, NAME(ccd_cubic) * cubic)
+CCD_INLINE void NAME(ccd_pair_cubic)(const NAME(ccd_pair) * pair, double min_separation, NAME(ccd_cubic) * cubic)
 {
     REAL n0[3], n1[3], p[3], q[3];
     NAME(cross)(pair->edge1[0], pair->edge2[0], n0);
@@ -78,7 +79,7 @@ static inline void NAME(ccd_pair_cubic)(const NAME(ccd_pair) * pair, double min_
 }
 
 /* positive = all coefficients lie on one side of zero, beyond the band */
-static inline REAL NAME(ccd_cubic_margin)(const REAL b[4], REAL band)
+CCD_INLINE REAL NAME(ccd_cubic_margin)(const REAL b[4], REAL band)
 {
     REAL low = real_min(real_min(b[0], b[1]), real_min(b[2], b[3]));
     REAL high = real_max(real_max(b[0], b[1]), real_max(b[2], b[3]));
@@ -86,7 +87,7 @@ static inline REAL NAME(ccd_cubic_margin)(const REAL b[4], REAL band)
 }
 
 /* bound of the rounding error of a coordinate of any corner at any time; NaN or infinite when a difference is */
-static inline REAL NAME(ccd_pair_error)(const NAME(ccd_pair) * pair)
+CCD_INLINE REAL NAME(ccd_pair_error)(const NAME(ccd_pair) * pair)
 {
     REAL sum = real_set(0);
     for (int time = 0; time < 2; time++)
@@ -97,7 +98,7 @@ static inline REAL NAME(ccd_pair_error)(const NAME(ccd_pair) * pair)
 }
 
 /* the corners (8 for edge-edge, 6 for vertex-face) of the swept difference; returns how many */
-static inline int NAME(ccd_pair_corners)(const NAME(ccd_pair) * pair, bool edge_edge, REAL corners[8][3])
+CCD_INLINE int NAME(ccd_pair_corners)(const NAME(ccd_pair) * pair, bool edge_edge, REAL corners[8][3])
 {
     for (int time = 0; time < 2; time++)
         for (int k = 0; k < 3; k++) {
@@ -111,9 +112,21 @@ static inline int NAME(ccd_pair_corners)(const NAME(ccd_pair) * pair, bool edge_
     return edge_edge ? 8 : 6;
 }
 
+/* what the products of a direction with all corners must exceed to prove freedom */
+CCD_INLINE REAL NAME(ccd_axis_threshold)(const REAL direction[3], REAL error, double min_separation)
+{
+    REAL sum = real_abs(direction[0]) + (real_abs(direction[1]) + real_abs(direction[2]));
+    REAL threshold = error * sum + CCD_TINY;
+    threshold = threshold + 0.0 * (0x1p60 * threshold); /* NaN where a dot product may have overflowed */
+    if (min_separation > 0)
+        threshold = threshold +
+                    (CCD_ROUND_UP * min_separation) * (real_sqrt(NAME(dot)(direction, direction)) + CCD_TINY_NORMAL);
+    return threshold;
+}
+
 /* positive = the plane through the origin across `direction`, moved by min_separation, has all corners on one side */
-static inline REAL NAME(ccd_axis_margin)(REAL corners[8][3], int corner_count, REAL direction[3], REAL error,
-                                         double min_separation)
+CCD_INLINE REAL NAME(ccd_axis_margin)(REAL corners[8][3], int corner_count, REAL direction[3], REAL error,
+                                      double min_separation)
 {
     REAL low = NAME(dot)(direction, corners[0]), high = low;
     for (int i = 1; i < corner_count; i++) {
@@ -121,17 +134,11 @@ static inline REAL NAME(ccd_axis_margin)(REAL corners[8][3], int corner_count, R
         low = real_min(low, along);
         high = real_max(high, along);
     }
-    REAL sum = real_abs(direction[0]) + (real_abs(direction[1]) + real_abs(direction[2]));
-    REAL threshold = error * sum + CCD_TINY;
-    threshold = threshold + 0.0 * (0x1p60 * threshold); /* NaN where a dot product may have overflowed */
-    if (min_separation > 0)
-        threshold = threshold +
-                    (CCD_ROUND_UP * min_separation) * (real_sqrt(NAME(dot)(direction, direction)) + CCD_TINY_NORMAL);
-    return real_max(low, -high) - threshold;
+    return real_max(low, -high) - NAME(ccd_axis_threshold)(direction, error, min_separation);
 }
 
 /* the same for the coordinate axes, all three */
-static inline REAL NAME(ccd_box_margin)(REAL corners[8][3], int corner_count, REAL error, double min_separation)
+CCD_INLINE REAL NAME(ccd_box_margin)(REAL corners[8][3], int corner_count, REAL error, double min_separation)
 {
     REAL best = real_set(-1);
     for (int k = 0; k < 3; k++) {
@@ -148,7 +155,7 @@ static inline REAL NAME(ccd_box_margin)(REAL corners[8][3], int corner_count, RE
 
 /* axes worth trying on a whole step: the normal at mid-step, across each edge in that plane, the normals at both ends.
    Positive = one of them proves freedom. */
-static inline REAL NAME(ccd_hull_margin)(const NAME(ccd_pair) * pair, bool edge_edge, double min_separation)
+CCD_INLINE REAL NAME(ccd_hull_margin)(const NAME(ccd_pair) * pair, bool edge_edge, double min_separation)
 {
     REAL corners[8][3], axis[3], edge1[3], edge2[3], normal[3];
     REAL error = NAME(ccd_pair_error)(pair);

@@ -39,6 +39,7 @@
 #define CCD_TINY_PRODUCT 0x1p-960
 #define CCD_TINY_NORMAL 0x1p-530
 
+#define CCD_INLINE static inline
 #define REAL double
 #define NAME(function) function
 #define real_set(value) ((double)(value))
@@ -53,12 +54,14 @@ static inline double real_max(double a, double b)
     return a > b ? a : b;
 }
 #include "geom/ccd_kernel.h"
+#undef CCD_INLINE
 #undef REAL
 #undef NAME
 #undef real_set
 #undef real_abs
 #undef real_sqrt
 
+#define CCD_INLINE WIDE4_INLINE
 #define REAL wide4
 #define NAME(function) wide_##function
 #define real_set wide4_set
@@ -67,6 +70,7 @@ static inline double real_max(double a, double b)
 #define real_min wide4_min
 #define real_max wide4_max
 #include "geom/ccd_kernel.h"
+#undef CCD_INLINE
 #undef REAL
 #undef NAME
 #undef real_set

@@ -51,7 +51,7 @@ double pel_closest_point_segment(const double p[3], const double a[3], const dou
 /* nearest point of the three sides; weights (3) */
 static double closest_side(const double p[3], const double *const corners[3], double weights[3])
 {
-    double best = (double)INFINITY;
+    double best = HUGE_VAL;
     weights[0] = 1;
     weights[1] = weights[2] = 0;
     for (int i = 0; i < 3; i++) {
@@ -100,7 +100,7 @@ static bool foot_inside(const double p[3], const double a[3], const double b[3],
 double pel_closest_point_triangle(const double p[3], const double a[3], const double b[3], const double c[3],
                                   double weights[3])
 {
-    double inside2 = (double)INFINITY, ratio = 0, inside[3];
+    double inside2 = HUGE_VAL, ratio = 0, inside[3];
     bool found = foot_inside(p, a, b, c, inside, &inside2, &ratio);
     if (found && ratio > ILL_CONDITIONED) {
         memcpy(weights, inside, sizeof inside);
@@ -138,7 +138,7 @@ static bool lines_inside(const double a[3], const double b[3], const double c[3]
 static double closest_ends(const double *const ends[4], double weights[4])
 {
     static const int point[4] = {0, 1, 2, 3}, from[4] = {2, 2, 0, 0};
-    double best = (double)INFINITY;
+    double best = HUGE_VAL;
     memset(weights, 0, 4 * sizeof *weights);
     weights[0] = weights[2] = 1;
     for (int i = 0; i < 4; i++) {
@@ -158,7 +158,7 @@ static double closest_ends(const double *const ends[4], double weights[4])
 double pel_closest_segment_segment(const double a[3], const double b[3], const double c[3], const double d[3],
                                    double weights[4])
 {
-    double s = 0, t = 0, ratio = 0, inside2 = (double)INFINITY;
+    double s = 0, t = 0, ratio = 0, inside2 = HUGE_VAL;
     bool found = lines_inside(a, b, c, d, &s, &t, &ratio);
     if (found)
         inside2 = between(a, b, s, c, d, t);
@@ -210,7 +210,7 @@ double pel_closest_segment_triangle(const double a[3], const double b[3], const 
                                     const double c2[3], double weights[5])
 {
     const double *corners[3] = {c0, c1, c2};
-    double through[5], best = (double)INFINITY, distance2;
+    double through[5], best = HUGE_VAL, distance2;
     memset(weights, 0, 5 * sizeof *weights);
     weights[0] = weights[2] = 1;
     if (crossing(a, b, corners, through, &distance2)) {

@@ -60,6 +60,19 @@ double pel_solid_distance(const pel_solid *solid, const double p[3], double norm
     return round_distance(solid->radius, solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0, p, normal);
 }
 
+/* direction to push a triangle that the axis itself pierces: sideways, as its own normal points */
+static void way_past_axis(const double a[3], const double b[3], const double c[3], double direction[3])
+{
+    double u[3], v[3], n[3];
+    const double sideways[3] = {1, 0, 0};
+    pel_vec3_subtract(b, a, u);
+    pel_vec3_subtract(c, a, v);
+    pel_vec3_cross(u, v, n);
+    n[2] = 0;
+    pel_vec3_scale(n, -1, n);
+    unit_or(n, sideways, direction);
+}
+
 static double round_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                           double weights[3], double normal[3])
 {
@@ -75,15 +88,10 @@ static double round_depth(const pel_solid *solid, const double a[3], const doubl
     double point[3], axis[3] = {0, 0, half * (both[1] - both[0])};
     for (int i = 0; i < 3; i++)
         point[i] = w[0] * a[i] + w[1] * b[i] + w[2] * c[i] - axis[i];
-    /* an axis that goes through the triangle leaves only the triangle's own normal as the way out */
-    double u[3], v[3], n[3], fallback[3];
-    const double up[3] = {0, 0, 1};
-    pel_vec3_subtract(b, a, u);
-    pel_vec3_subtract(c, a, v);
-    pel_vec3_cross(u, v, n);
-    pel_vec3_scale(n, -1, n);
-    unit_or(n, up, fallback);
-    unit_or(point, fallback, normal);
+    double fallback[3];
+    way_past_axis(a, b, c, fallback);
+    bool pierced = square < 1e-18 * solid->radius * solid->radius;
+    unit_or(pierced ? fallback : point, fallback, normal);
     memcpy(weights, w, 3 * sizeof *weights);
     return depth;
 }

@@ -13,29 +13,32 @@
 
 enum { WIDE4_WIDTH = 4 };
 
+/* for kernels that are instantiated with constant arguments */
+#define WIDE4_INLINE static inline __attribute__((always_inline))
+
 typedef double wide4 __attribute__((vector_size(32)));
 typedef int64_t wide4_mask __attribute__((vector_size(32)));
 typedef double wide2 __attribute__((vector_size(16)));
 
 /* all bits of a where the mask is set, of b elsewhere */
-static inline wide4 wide4_select(wide4_mask mask, wide4 a, wide4 b)
+WIDE4_INLINE wide4 wide4_select(wide4_mask mask, wide4 a, wide4 b)
 {
     return (wide4)((mask & (wide4_mask)a) | (~mask & (wide4_mask)b));
 }
 
-static inline wide4 wide4_set(double value)
+WIDE4_INLINE wide4 wide4_set(double value)
 {
     return (wide4){value, value, value, value};
 }
 
-static inline wide4 wide4_abs(wide4 a)
+WIDE4_INLINE wide4 wide4_abs(wide4 a)
 {
     const wide4_mask magnitude = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
     return (wide4)((wide4_mask)a & magnitude);
 }
 
 /* a < b ? a : b, so b when either is NaN */
-static inline wide4 wide4_min(wide4 a, wide4 b)
+WIDE4_INLINE wide4 wide4_min(wide4 a, wide4 b)
 {
 #ifdef __AVX__
     return (wide4)_mm256_min_pd((__m256d)a, (__m256d)b);
@@ -45,7 +48,7 @@ static inline wide4 wide4_min(wide4 a, wide4 b)
 }
 
 /* a > b ? a : b, so b when either is NaN */
-static inline wide4 wide4_max(wide4 a, wide4 b)
+WIDE4_INLINE wide4 wide4_max(wide4 a, wide4 b)
 {
 #ifdef __AVX__
     return (wide4)_mm256_max_pd((__m256d)a, (__m256d)b);
@@ -54,7 +57,7 @@ static inline wide4 wide4_max(wide4 a, wide4 b)
 #endif
 }
 
-static inline wide4 wide4_sqrt(wide4 a)
+WIDE4_INLINE wide4 wide4_sqrt(wide4 a)
 {
 #ifdef __AVX__
     return (wide4)_mm256_sqrt_pd((__m256d)a);
@@ -63,7 +66,7 @@ static inline wide4 wide4_sqrt(wide4 a)
 #endif
 }
 
-static inline wide2 wide2_load(const double *values)
+WIDE4_INLINE wide2 wide2_load(const double *values)
 {
     wide2 pair;
     memcpy(&pair, values, sizeof pair);
@@ -71,7 +74,7 @@ static inline wide2 wide2_load(const double *values)
 }
 
 /* the points (3) at four addresses, one a lane; reads nothing behind them */
-static inline void wide4_load_points(const double *const points[4], wide4 xyz[3])
+WIDE4_INLINE void wide4_load_points(const double *const points[4], wide4 xyz[3])
 {
     wide2 p0 = wide2_load(points[0]), p1 = wide2_load(points[1]);
     wide2 p2 = wide2_load(points[2]), p3 = wide2_load(points[3]);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "io/polygon.h"
+#include "mesh/weld.h"
 
 #include <string.h>
 
@@ -46,17 +47,36 @@ bool pel_builder_add_vertex(pel_builder *builder, const double position[3])
     return true;
 }
 
-bool pel_builder_add_corner(pel_builder *builder, int32_t vertex, const char *place)
+static bool reserve_corners(pel_builder *builder, size_t more)
 {
-    if (builder->corner_count == builder->corner_capacity &&
-        !RESERVE(builder->corners, builder->corner_capacity, builder->corner_count + 1))
-        return false;
+    const size_t needed = builder->corner_count + more;
+    return needed <= builder->corner_capacity || RESERVE(builder->corners, builder->corner_capacity, needed);
+}
+
+static void put_corner(pel_builder *builder, int32_t vertex, const char *place)
+{
     builder->corners[builder->corner_count++] = vertex;
     if (vertex > builder->largest_corner) {
         builder->largest_corner = vertex;
         builder->largest_place = place;
     }
+}
+
+bool pel_builder_add_corner(pel_builder *builder, int32_t vertex, const char *place)
+{
+    if (!reserve_corners(builder, 1))
+        return false;
+    put_corner(builder, vertex, place);
     return true;
+}
+
+bool pel_builder_add_triangle(pel_builder *builder, const int32_t vertices[3], const char *place)
+{
+    if (!reserve_corners(builder, 3))
+        return false;
+    for (int i = 0; i < 3; i++)
+        put_corner(builder, vertices[i], place);
+    return pel_builder_end_polygon(builder, 3);
 }
 
 bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count)
@@ -71,6 +91,30 @@ bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count)
         return false;
     builder->sizes[builder->polygon_count++] = (int32_t)corner_count;
     return true;
+}
+
+pel_status pel_builder_weld(pel_builder *builder, const pel_log *log, pel_error *error)
+{
+    const size_t count = builder->vertex_count;
+    int32_t place_count = 0, *index_of = pel_allocate(count, sizeof *index_of);
+    if (index_of == NULL ||
+        pel_weld_points((const double(*)[3])builder->positions, (int32_t)count, 0, index_of, &place_count) != PEL_OK) {
+        pel_free(index_of);
+        return pel_fail_memory(error);
+    }
+    /* the first vertex of a place never stands before the place's number */
+    int32_t first = 0;
+    for (size_t v = 0; v < count; v++)
+        if (index_of[v] == first)
+            memmove(builder->positions[first++], builder->positions[v], sizeof *builder->positions);
+    for (size_t i = 0; i < builder->corner_count; i++)
+        builder->corners[i] = index_of[builder->corners[i]];
+    pel_free(index_of);
+    builder->vertex_count = (size_t)place_count;
+    builder->largest_corner = place_count - 1;
+    if (count > builder->vertex_count)
+        pel_log_line(log, "%zu corners welded into %zu vertices", count, builder->vertex_count);
+    return PEL_OK;
 }
 
 static pel_status check_counts(const pel_builder *builder, const pel_scan *scan, pel_error *error)
@@ -116,13 +160,6 @@ static bool cut_polygons(pel_builder *builder, size_t triangle_count, const pel_
     return true;
 }
 
-/* gives back memory that the growing arrays did not use */
-static void *trim(void *block, size_t count, size_t size)
-{
-    void *smaller = pel_reallocate(block, count, size);
-    return smaller != NULL ? smaller : block;
-}
-
 pel_status pel_builder_finish(pel_builder *builder, const pel_scan *scan, const pel_log *log, pel_mesh **mesh,
                               pel_error *error)
 {
@@ -139,8 +176,8 @@ pel_status pel_builder_finish(pel_builder *builder, const pel_scan *scan, const 
     }
     made->vertex_count = (int32_t)builder->vertex_count;
     made->triangle_count = (int32_t)triangle_count;
-    made->positions = trim(builder->positions, builder->vertex_count, sizeof *made->positions);
-    made->triangles = trim(builder->corners, triangle_count, sizeof *made->triangles);
+    made->positions = builder->positions;
+    made->triangles = (int32_t(*)[3])builder->corners;
     builder->positions = NULL;
     builder->corners = NULL;
     pel_builder_free(builder);

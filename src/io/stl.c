@@ -1,6 +1,6 @@
+#include "io/builder.h"
 #include "io/bytes.h"
 #include "io/formats.h"
-#include "io/weld.h"
 
 #include "base/memory.h"
 
@@ -14,7 +14,6 @@ enum { HEADER_SIZE = 80, START_SIZE = 84, FACET_SIZE = 50, NORMAL_SIZE = 12, FLO
 typedef struct stl_reader {
     pel_scan *scan;
     pel_builder builder;
-    pel_weld weld;
     size_t dropped_count; /* facets with equal corners */
 } stl_reader;
 
@@ -30,13 +29,13 @@ static bool add_facet(stl_reader *reader, double corners[3][3], const char *plac
         reader->dropped_count++;
         return true;
     }
+    int32_t vertices[3];
     for (int i = 0; i < 3; i++) {
-        int32_t vertex;
-        if (!pel_weld_vertex(&reader->weld, &reader->builder, corners[i], &vertex) ||
-            !pel_builder_add_corner(&reader->builder, vertex, place))
+        vertices[i] = (int32_t)reader->builder.vertex_count;
+        if (reader->builder.vertex_count >= INT32_MAX || !pel_builder_add_vertex(&reader->builder, corners[i]))
             return false;
     }
-    return pel_builder_end_polygon(&reader->builder, 3);
+    return pel_builder_add_triangle(&reader->builder, vertices, place);
 }
 
 static uint64_t binary_facet_count(const pel_scan *scan)
@@ -178,15 +177,12 @@ pel_status pel_stl_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel
     /* many binary files begin with "solid" too, so the size decides first */
     const bool ascii = !pel_stl_size_fits(scan) && pel_stl_matches(scan);
     pel_status status = ascii ? read_ascii(&reader, log, error) : read_binary(&reader, log, error);
-    const size_t corner_count = reader.builder.corner_count, vertex_count = reader.builder.vertex_count;
+    if (status == PEL_OK)
+        status = pel_builder_weld(&reader.builder, log, error);
     if (status == PEL_OK)
         status = pel_builder_finish(&reader.builder, scan, log, mesh, error);
-    if (status == PEL_OK) {
-        pel_log_line(log, "%zu facet corners welded into %zu vertices", corner_count, vertex_count);
-        if (reader.dropped_count > 0)
-            pel_log_line(log, "%zu facets with equal corners dropped", reader.dropped_count);
-    }
-    pel_weld_free(&reader.weld);
+    if (status == PEL_OK && reader.dropped_count > 0)
+        pel_log_line(log, "%zu facets with equal corners dropped", reader.dropped_count);
     pel_builder_free(&reader.builder);
     return status;
 }

@@ -1,19 +1,12 @@
 #include "check.h"
+#include "random.h"
 
 #include "io/number.h"
 
 #include <locale.h>
 #include <stdlib.h>
 
-static uint64_t random_state = 20240607;
-
-static uint64_t random_bits(void)
-{
-    uint64_t z = (random_state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
+static random_state generator = {.seed = 20240607};
 
 /* same bits and same end as strtod */
 static void check_against_strtod(const char *text)
@@ -114,16 +107,16 @@ static void test_random_doubles(void **unused)
     (void)unused;
     char text[512];
     for (int i = 0; i < 200000; i++) {
-        uint64_t bits = random_bits();
+        uint64_t bits = random_bits(&generator);
         double value;
         memcpy(&value, &bits, sizeof value);
         if (!isfinite(value))
             continue;
-        int digits = 1 + (int)(random_bits() % 25);
+        int digits = 1 + (int)(random_bits(&generator) % 25);
         snprintf(text, sizeof text, "%.*e", digits, value);
         check_against_strtod(text);
         /* of the size of coordinates */
-        value = ldexp((double)(bits >> 11), -(int)(random_bits() % 80)) * ((bits & 1) != 0 ? 1 : -1);
+        value = ldexp((double)(bits >> 11), -(int)(random_bits(&generator) % 80)) * ((bits & 1) != 0 ? 1 : -1);
         snprintf(text, sizeof text, "%.*g", digits, value);
         check_against_strtod(text);
         snprintf(text, sizeof text, "%.*f", digits, value);
@@ -137,12 +130,13 @@ static void test_random_digits(void **unused)
     (void)unused;
     char text[128];
     for (int i = 0; i < 1000000; i++) {
-        uint64_t bits = random_bits();
+        uint64_t bits = random_bits(&generator);
         int count = 1 + (int)(bits % 22), point = (int)((bits >> 8) % 23), length = 0;
         for (int d = 0; d < count; d++) {
             if (d == point)
                 text[length++] = '.';
-            text[length++] = (char)('0' + (bits >> 16 & 3 ? random_bits() % 10 : 9 * (random_bits() % 2)));
+            text[length++] =
+                (char)('0' + (bits >> 16 & 3 ? random_bits(&generator) % 10 : 9 * (random_bits(&generator) % 2)));
         }
         snprintf(text + length, sizeof text - (size_t)length, "e%d", (int)(bits >> 32 & 127) - 64);
         check_against_strtod(text);
@@ -155,9 +149,9 @@ static void test_ties(void **unused)
     (void)unused;
     char text[1200];
     for (int i = 0; i < 40000; i++) {
-        uint64_t bits = random_bits();
+        uint64_t bits = random_bits(&generator);
         double mantissa = (double)(UINT64_C(1) << 52 | bits >> 12);
-        int exponent = (int)(random_bits() % 160) - 100;
+        int exponent = (int)(random_bits(&generator) % 160) - 100;
         /* all digits of (2 mantissa + 1) 2^(exponent - 1) */
         long double tie = ldexpl(2.0L * (long double)mantissa + 1.0L, exponent - 1);
         int length = snprintf(text, sizeof text, "%.110Lf", tie);
@@ -174,7 +168,7 @@ static void test_very_long_numbers(void **unused)
     static char text[5000];
     for (int point = 0; point < 4000; point += 97) {
         for (int i = 0; i < 4000; i++)
-            text[i] = (char)('0' + (point % 2 != 0 ? random_bits() % 10 : 0));
+            text[i] = (char)('0' + (point % 2 != 0 ? random_bits(&generator) % 10 : 0));
         text[0] = '3';
         text[3999] = '7';
         text[point] = '.';
@@ -190,7 +184,7 @@ static void test_print_reads_back(void **unused)
     (void)unused;
     char text[PEL_NUMBER_SIZE];
     for (int i = 0; i < 200000; i++) {
-        uint64_t bits = random_bits();
+        uint64_t bits = random_bits(&generator);
         double value;
         memcpy(&value, &bits, sizeof value);
         if (!isfinite(value))

@@ -89,7 +89,7 @@ static void test_quasi_static_does_not_oscillate(void **unused)
     (void)unused;
     /* one change only: at the release */
     assert_int_equal(sign_changes(&(press_case){1, quasi_static_50, 0, 0}), 1);
-    assert_true(sign_changes(&(press_case){1, forward_euler, 0, 0}) >= 6);
+    assert_true(sign_changes(&(press_case){1, forward_euler, 0, 0}) >= 4);
 }
 
 static void check_uniform_load(pel_shape_kind kind, double stiffness)

@@ -1,0 +1,155 @@
+#include "bench.h"
+#include "commands.h"
+#include "common.h"
+#include "json.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const cli_bench_case *const cases[] = {
+    &cli_bench_read_obj,
+    &cli_bench_read_ply,
+};
+
+enum { CASE_COUNT = sizeof cases / sizeof *cases, REPEATS_MAX = 1000 };
+
+const char *cli_bench_names(int index)
+{
+    return index < CASE_COUNT ? cases[index]->name : NULL;
+}
+
+double cli_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void cli_bench_add(cli_bench_result *result, const char *name, const char *unit, double value)
+{
+    if (result->number_count == CLI_BENCH_NUMBERS)
+        return;
+    int i = result->number_count++;
+    result->numbers[i].name = name;
+    result->numbers[i].unit = unit;
+    result->numbers[i].value = value;
+}
+
+static int compare_times(const void *a, const void *b)
+{
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+static pel_status repeat(const cli_bench_case *bench, void *inner, double *times, int count, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < count; ++i) {
+        if (bench->rewind != NULL)
+            status = bench->rewind(inner, error);
+        if (status != PEL_OK)
+            break;
+        double start = cli_clock();
+        status = bench->once(inner, error);
+        times[i] = cli_clock() - start;
+    }
+    return status;
+}
+
+static pel_status measure(const cli_bench_case *bench, int repeats, cli_bench_result *result, pel_error *error)
+{
+    double times[REPEATS_MAX];
+    void *inner = NULL;
+    *result = (cli_bench_result){.repeats = repeats};
+    pel_status status = bench->begin(&inner, error);
+    if (status == PEL_OK)
+        status = repeat(bench, inner, times, repeats, error);
+    if (status == PEL_OK) {
+        qsort(times, (size_t)repeats, sizeof *times, compare_times);
+        result->min_s = times[0];
+        result->median_s = 0.5 * (times[(repeats - 1) / 2] + times[repeats / 2]);
+        if (bench->finish != NULL)
+            status = bench->finish(inner, result, error);
+    }
+    bench->end(inner);
+    return status;
+}
+
+static void print_result(const cli_bench_case *bench, const cli_bench_result *result)
+{
+    printf("%-16s min %10.3f ms   median %10.3f ms   of %d", bench->name, 1e3 * result->min_s, 1e3 * result->median_s,
+           result->repeats);
+    if (bench->compare_s > 0.0)
+        printf("   %s %g ms", bench->compare_to, 1e3 * bench->compare_s);
+    fputc('\n', stdout);
+    for (int i = 0; i < result->number_count; ++i)
+        printf("%-16s %s %.4g %s\n", "", result->numbers[i].name, result->numbers[i].value, result->numbers[i].unit);
+    fflush(stdout);
+}
+
+static void write_result(cli_json *json, const cli_bench_case *bench, const cli_bench_result *result)
+{
+    cli_json_open(json, bench->name, '{');
+    cli_json_text(json, "doc", bench->doc);
+    cli_json_integer(json, "repeats", result->repeats);
+    cli_json_number(json, "min_s", result->min_s);
+    cli_json_number(json, "median_s", result->median_s);
+    if (bench->compare_s > 0.0) {
+        cli_json_text(json, "compare_to", bench->compare_to);
+        cli_json_number(json, "compare_s", bench->compare_s);
+    }
+    for (int i = 0; i < result->number_count; ++i)
+        cli_json_number(json, result->numbers[i].name, result->numbers[i].value);
+    cli_json_close(json, '}');
+}
+
+static void print_cases(FILE *file)
+{
+    for (int i = 0; i < CASE_COUNT; ++i)
+        fprintf(file, "  %-16s %s\n", cases[i]->name, cases[i]->doc);
+}
+
+void cli_bench_help(FILE *file)
+{
+    fputs("\nbenchmarks:\n", file);
+    print_cases(file);
+}
+
+static int run_cases(const cli_call *call, cli_json *json)
+{
+    const char *name = call->arguments[0];
+    int asked = cli_count(call, "repeats");
+    for (int i = 0; i < CASE_COUNT; ++i) {
+        if (name != NULL && strcmp(name, cases[i]->name) != 0)
+            continue;
+        cli_bench_result result;
+        pel_error error;
+        if (measure(cases[i], asked > 0 ? asked : cases[i]->repeats, &result, &error) != PEL_OK) {
+            cli_report(&error);
+            return CLI_FAILED;
+        }
+        if (json != NULL)
+            write_result(json, cases[i], &result);
+        else
+            print_result(cases[i], &result);
+    }
+    return CLI_DONE;
+}
+
+int cli_bench(const cli_call *call)
+{
+    if (cli_has(call, "list")) {
+        print_cases(stdout);
+        return CLI_DONE;
+    }
+    if (cli_count(call, "repeats") > REPEATS_MAX)
+        return cli_complain("option '--repeats' is more than %d. give less", REPEATS_MAX);
+    if (!cli_has(call, "json"))
+        return run_cases(call, NULL);
+    cli_json json = {.file = stdout};
+    cli_json_open(&json, NULL, '{');
+    int status = run_cases(call, &json);
+    cli_json_close(&json, '}');
+    return status;
+}

@@ -1,0 +1,47 @@
+/* Benchmarks of `pellicle bench`: each is a row of the table in bench.c with three functions. */
+#ifndef PELLICLE_CLI_BENCH_H
+#define PELLICLE_CLI_BENCH_H
+
+#include <pellicle/base.h>
+
+enum { CLI_BENCH_NUMBERS = 12 };
+
+/* What was measured. A benchmark's `finish` adds numbers of its own (bytes moved, shares). */
+typedef struct cli_bench_result {
+    int repeats;
+    double min_s, median_s;
+    int number_count;
+    struct {
+        const char *name; /* JSON key, such as "triad_bytes_per_s"; a literal */
+        const char *unit; /* "" for a plain ratio */
+        double value;
+    } numbers[CLI_BENCH_NUMBERS];
+} cli_bench_result;
+
+void cli_bench_add(cli_bench_result *result, const char *name, const char *unit, double value);
+
+typedef struct cli_bench_case {
+    const char *name;
+    const char *doc;        /* one line */
+    double compare_s;       /* the time it stands beside; 0 = none */
+    const char *compare_to; /* "paper A, 2006" or "aim"; null when compare_s is 0 */
+    int repeats;            /* when --repeats is left out */
+    /* makes what the benchmark needs; not timed */
+    pel_status (*begin)(void **inner, pel_error *error);
+    /* brings inner back to where `once` starts; not timed; nullable */
+    pel_status (*rewind)(void *inner, pel_error *error);
+    /* the timed part */
+    pel_status (*once)(void *inner, pel_error *error);
+    /* adds numbers to the result; nullable */
+    pel_status (*finish)(void *inner, cli_bench_result *result, pel_error *error);
+    /* frees inner, also after a failed begin (inner may be null) */
+    void (*end)(void *inner);
+} cli_bench_case;
+
+/* seconds of a steady clock */
+double cli_clock(void);
+
+/* the cases of the other files */
+extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply;
+
+#endif

@@ -1,0 +1,324 @@
+#include "commands.h"
+#include "common.h"
+#include "json.h"
+
+#include <pellicle/mesh_check.h>
+#include <pellicle/scene.h>
+
+#include <string.h>
+
+/* findings of one kind that are printed one by one */
+enum { SHOWN_MAX = 5 };
+
+static const char *severity_name(pel_severity severity)
+{
+    return severity == PEL_SEVERITY_ERROR ? "error" : severity == PEL_SEVERITY_WARNING ? "warning" : "note";
+}
+
+/* a vertex where the finding can be looked at; -1 = none */
+static int32_t vertex_of(const pel_mesh *mesh, const pel_issue_info *info, const pel_issue *issue, int32_t i)
+{
+    int32_t v = issue->elements[i];
+    if (strcmp(info->element_kind, "edge") == 0)
+        v = issue->related[i][0];
+    else if (strcmp(info->element_kind, "vertex") != 0)
+        v = v >= 0 && v < mesh->triangle_count ? mesh->triangles[v][0] : -1;
+    return v >= 0 && v < mesh->vertex_count ? v : -1;
+}
+
+/* "edge 12 (vertices 3, 4)" */
+static void print_element(FILE *file, const pel_issue_info *info, const pel_issue *issue, int32_t i)
+{
+    int element = (int)issue->elements[i], first = (int)issue->related[i][0], second = (int)issue->related[i][1];
+    switch (info->kind) {
+    case PEL_ISSUE_NON_MANIFOLD_EDGE:
+    case PEL_ISSUE_INCONSISTENT_WINDING:
+    case PEL_ISSUE_BOUNDARY_EDGE:
+        fprintf(file, "edge %d (vertices %d, %d)", element, first, second);
+        break;
+    case PEL_ISSUE_NON_ORIENTABLE:
+    case PEL_ISSUE_INSIDE_OUT:
+        fprintf(file, "component %d (from triangle %d on)", first, element);
+        break;
+    case PEL_ISSUE_DUPLICATE_TRIANGLE:
+        fprintf(file, "triangle %d (like triangle %d)", element, first);
+        break;
+    case PEL_ISSUE_DUPLICATE_VERTEX:
+        fprintf(file, "vertex %d (like vertex %d)", element, first);
+        break;
+    case PEL_ISSUE_REPEATED_VERTEX:
+        fprintf(file, "triangle %d (vertex %d)", element, first);
+        break;
+    case PEL_ISSUE_BAD_INDEX:
+        fprintf(file, "triangle %d (index %d)", element, second);
+        break;
+    default:
+        fprintf(file, "%s %d", info->element_kind, element);
+        break;
+    }
+}
+
+static void print_issue(const char *path, const pel_mesh *mesh, const pel_issue_info *info, const pel_issue *issue)
+{
+    const char *severity = severity_name(info->severity);
+    if (info->severity == PEL_SEVERITY_NOTE) {
+        fprintf(stderr, "%s: note: %s: %d of them\n", path, info->doc, (int)issue->count);
+        return;
+    }
+    int32_t shown = issue->listed_count < SHOWN_MAX ? issue->listed_count : SHOWN_MAX;
+    for (int32_t i = 0; i < shown; ++i) {
+        fprintf(stderr, "%s: %s: ", path, severity);
+        print_element(stderr, info, issue, i);
+        int32_t v = vertex_of(mesh, info, issue, i);
+        if (v >= 0) {
+            const double *x = mesh->positions[v];
+            fprintf(stderr, " at (%.6g, %.6g, %.6g)", x[0], x[1], x[2]);
+        }
+        fprintf(stderr, ": %s. %s\n", info->doc, info->remedy);
+    }
+    if (issue->count > shown)
+        fprintf(stderr, "%s: %s: and %d more: %s\n", path, severity, (int)(issue->count - shown), info->doc);
+}
+
+static void print_issues(const char *path, const pel_mesh *mesh, const pel_mesh_report *report)
+{
+    for (int kind = 0; kind < PEL_ISSUE_COUNT; ++kind) {
+        if (report->issues[kind].count > 0)
+            print_issue(path, mesh, pel_issue_info_of((pel_issue_kind)kind), &report->issues[kind]);
+    }
+}
+
+/* the two vertices of each edge */
+static void write_edges(cli_json *json, const pel_issue *issue)
+{
+    cli_json_open(json, "vertices", '[');
+    for (int32_t i = 0; i < issue->listed_count; ++i)
+        cli_json_numbers(json, NULL, (double[]){issue->related[i][0], issue->related[i][1]}, 2);
+    cli_json_close(json, ']');
+}
+
+static void write_issue(cli_json *json, const pel_issue_info *info, const pel_issue *issue)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "name", info->name);
+    cli_json_text(json, "severity", severity_name(info->severity));
+    cli_json_integer(json, "count", issue->count);
+    cli_json_text(json, "what", info->doc);
+    cli_json_text(json, "remedy", info->remedy);
+    cli_json_bool(json, "repairable", info->repairable);
+    cli_json_text(json, "element_kind", info->element_kind);
+    bool by_component = strcmp(info->element_kind, "component") == 0;
+    cli_json_open(json, "elements", '[');
+    for (int32_t i = 0; i < issue->listed_count; ++i)
+        cli_json_integer(json, NULL, by_component ? issue->related[i][0] : issue->elements[i]);
+    cli_json_close(json, ']');
+    if (strcmp(info->element_kind, "edge") == 0)
+        write_edges(json, issue);
+    cli_json_close(json, '}');
+}
+
+static void write_issues(cli_json *json, const pel_mesh_report *report)
+{
+    cli_json_bool(json, "ok", report->error_count == 0 && report->warning_count == 0);
+    cli_json_integer(json, "error_count", report->error_count);
+    cli_json_integer(json, "warning_count", report->warning_count);
+    cli_json_open(json, "issues", '[');
+    for (int kind = 0; kind < PEL_ISSUE_COUNT; ++kind) {
+        if (report->issues[kind].count > 0)
+            write_issue(json, pel_issue_info_of((pel_issue_kind)kind), &report->issues[kind]);
+    }
+    cli_json_close(json, ']');
+}
+
+static void print_verdict(const char *path, const pel_mesh_report *report)
+{
+    printf("%s: %d vertices, %d triangles: ", path, (int)report->vertex_count, (int)report->triangle_count);
+    if (report->error_count + report->warning_count == 0)
+        printf("fine, %s\n", report->closed ? "closed" : "open");
+    else
+        printf("%lld %s, %lld %s\n", (long long)report->error_count, report->error_count == 1 ? "error" : "errors",
+               (long long)report->warning_count, report->warning_count == 1 ? "warning" : "warnings");
+}
+
+/* what the repair did: JSON key and how it is said */
+typedef struct deed {
+    const char *key, *text;
+    int32_t count;
+} deed;
+
+static void tell_repair(cli_json *json, const char *out, const pel_repair_summary *summary)
+{
+    const deed deeds[] = {
+        {"bad_triangles", "triangles with bad indices or coordinates dropped", summary->bad_triangles},
+        {"degenerate_triangles", "triangles without area dropped", summary->degenerate_triangles},
+        {"duplicate_triangles", "duplicate triangles dropped", summary->duplicate_triangles},
+        {"welded_vertices", "vertices welded into others", summary->welded_vertices},
+        {"isolated_vertices", "isolated vertices dropped", summary->isolated_vertices},
+        {"turned_triangles", "triangles turned around", summary->turned_triangles},
+        {"outward_components", "components turned outward", summary->outward_components},
+    };
+    if (json != NULL)
+        cli_json_open(json, "repair", '{');
+    for (size_t i = 0; i < sizeof deeds / sizeof *deeds; ++i) {
+        if (json != NULL)
+            cli_json_integer(json, deeds[i].key, deeds[i].count);
+        else if (deeds[i].count > 0)
+            printf("%s: %s: %d\n", out, deeds[i].text, (int)deeds[i].count);
+    }
+    if (json != NULL)
+        cli_json_close(json, '}');
+    else if (!summary->changed)
+        printf("%s: nothing to repair\n", out);
+}
+
+/* writes the repaired mesh unless it still has errors */
+static int write_repaired(const char *out, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
+{
+    pel_error error;
+    pel_mesh_report *report = NULL;
+    if (pel_mesh_check(mesh, &report, &error) != PEL_OK)
+        return cli_report(&error);
+    bool good = report->error_count == 0;
+    print_issues(out, mesh, report);
+    if (!good)
+        cli_complain("'%s' is not written: the repaired mesh still cannot be simulated. edit the elements named above",
+                     out);
+    pel_mesh_report_destroy(report);
+    int status = good ? cli_write_mesh(out, format, mesh, &cli_notes, json != NULL) : CLI_BAD_INPUT;
+    if (json != NULL)
+        cli_json_text(json, "written", status == CLI_DONE ? out : NULL);
+    return status;
+}
+
+static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
+{
+    const char *out = cli_value(call, "fix");
+    pel_repair_options options = pel_repair_options_default();
+    if (cli_has(call, "tolerance"))
+        options.weld_tolerance = cli_number(call, "tolerance");
+    pel_mesh *repaired = NULL;
+    pel_repair_summary summary;
+    pel_error error;
+    if (pel_mesh_repair(mesh, &options, &repaired, &summary, &error) != PEL_OK)
+        return cli_report(&error);
+    tell_repair(json, out, &summary);
+    int status = write_repaired(out, format, repaired, json);
+    pel_mesh_destroy(repaired);
+    return status;
+}
+
+static int check_mesh(const cli_call *call, const char *path, pel_mesh_format format, cli_json *json)
+{
+    int status;
+    pel_mesh *mesh = cli_read_mesh(path, &cli_notes, json, &status);
+    if (mesh == NULL)
+        return status;
+    pel_mesh_report *report = NULL;
+    pel_error error;
+    if (pel_mesh_check(mesh, &report, &error) != PEL_OK) {
+        status = cli_report(&error);
+    } else {
+        /* with --fix it is the rest after the repair that matters */
+        if (!cli_has(call, "fix"))
+            print_issues(path, mesh, report);
+        if (json != NULL)
+            write_issues(json, report);
+        else
+            print_verdict(path, report);
+        status = report->error_count + report->warning_count == 0 ? CLI_DONE : CLI_BAD_INPUT;
+        if (cli_has(call, "fix"))
+            status = fix_mesh(call, format, mesh, json);
+    }
+    pel_mesh_report_destroy(report);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* prints what is wrong with the meshes of the scene's bodies; false when one cannot be simulated */
+static bool check_bodies(const char *path, const pel_scene *scene, cli_json *json)
+{
+    bool good = true;
+    for (int32_t i = 0; i < scene->model.body_count; ++i) {
+        const pel_body_def *body = &scene->model.bodies[i];
+        char place[PEL_NAME_SIZE + 300];
+        snprintf(place, sizeof place, "%.256s: body %s", path, body->name);
+        pel_mesh_report *report = NULL;
+        pel_error error;
+        if (pel_mesh_check(body->mesh, &report, &error) != PEL_OK) {
+            cli_report_to(&error, json);
+            return false;
+        }
+        print_issues(place, body->mesh, report);
+        good = good && report->error_count == 0;
+        pel_mesh_report_destroy(report);
+    }
+    if (!good && json != NULL)
+        cli_json_bool(json, "ok", false);
+    return good;
+}
+
+/* makes model and simulation, so that everything is found that a run would refuse */
+static pel_status try_scene(const pel_scene *scene, pel_error *error)
+{
+    pel_model *model = NULL;
+    pel_sim *sim = NULL;
+    pel_status status = pel_model_create(&scene->model, &model, error);
+    if (status == PEL_OK) {
+        pel_sim_def def = scene->sim;
+        def.model = model;
+        status = pel_sim_create(&def, &sim, error);
+    }
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    return status;
+}
+
+static int check_scene(const char *path, cli_json *json)
+{
+    pel_scene *scene = NULL;
+    pel_error error;
+    if (pel_scene_load(path, NULL, 0, &cli_notes, &scene, &error) != PEL_OK)
+        return cli_report_to(&error, json);
+    int status = CLI_BAD_INPUT;
+    if (check_bodies(path, scene, json)) {
+        if (try_scene(scene, &error) != PEL_OK) {
+            status = cli_report_to(&error, json);
+        } else {
+            status = CLI_DONE;
+            int bodies = (int)scene->model.body_count;
+            if (json != NULL)
+                cli_json_bool(json, "ok", true);
+            else
+                printf("%s: fine, %d %s, %g s\n", path, bodies, bodies == 1 ? "body" : "bodies", scene->duration);
+        }
+    }
+    pel_scene_destroy(scene);
+    return status;
+}
+
+/* format is that of --fix */
+static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, cli_json *json)
+{
+    const char *path = call->arguments[0];
+    return is_scene ? check_scene(path, json) : check_mesh(call, path, format, json);
+}
+
+int cli_check(const cli_call *call)
+{
+    const char *path = call->arguments[0], *out = cli_value(call, "fix");
+    bool is_scene = cli_is_scene(path);
+    pel_mesh_format format = PEL_FORMAT_AUTO;
+    if (is_scene && out != NULL)
+        return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as 'pellicle check' says", path);
+    if (out != NULL && !cli_output_format(call, out, &format))
+        return CLI_BAD_INPUT;
+    if (!cli_has(call, "json"))
+        return check_file(call, is_scene, format, NULL);
+    cli_json json = {.file = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "file", path);
+    cli_json_text(&json, "kind", is_scene ? "scene" : "mesh");
+    int status = check_file(call, is_scene, format, &json);
+    cli_json_close(&json, '}');
+    return status;
+}

@@ -1,0 +1,32 @@
+/* What the commands do; each returns the exit status. The table that names them is table.c. */
+#ifndef PELLICLE_CLI_COMMANDS_H
+#define PELLICLE_CLI_COMMANDS_H
+
+#include "options.h"
+
+int cli_run(const cli_call *call);
+int cli_check(const cli_call *call);
+int cli_info(const cli_call *call);
+int cli_shape(const cli_call *call);
+int cli_convert(const cli_call *call);
+int cli_bench(const cli_call *call);
+int cli_reference(const cli_call *call);
+int cli_schema(const cli_call *call);
+int cli_completion(const cli_call *call);
+int cli_help(const cli_call *call);
+
+/* additions to help pages */
+void cli_shape_help(FILE *file);
+void cli_bench_help(FILE *file);
+
+/* names for CLI_WORD values */
+cli_words cli_shape_names;
+cli_words cli_format_names;
+cli_words cli_bench_names;
+cli_words cli_shell_names;
+
+/* keys for CLI_SETTING values, one a line */
+void cli_print_shape_keys(FILE *file);
+void cli_print_scene_keys(FILE *file);
+
+#endif

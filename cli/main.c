@@ -1,0 +1,67 @@
+#include "commands.h"
+#include "help.h"
+
+#include <pellicle/base.h>
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* output that did not reach its place (disk full, closed pipe) is a failure */
+static int close_output(int status)
+{
+    if (fflush(stdout) == 0 && ferror(stdout) == 0)
+        return status;
+    cli_complain("standard output: %s. free some space or send it elsewhere", strerror(errno));
+    return CLI_FAILED;
+}
+
+static int run_command(const cli_command *command, int count, char *const *arguments)
+{
+    cli_given *given = calloc((size_t)count + 1, sizeof *given);
+    if (given == NULL) {
+        cli_complain("out of memory");
+        return CLI_FAILED;
+    }
+    cli_call call;
+    bool help = false;
+    int status = CLI_BAD_INPUT;
+    if (cli_parse(command, count, arguments, given, &call, &help)) {
+        status = CLI_DONE;
+        if (help)
+            cli_print_help(stdout, command);
+        else
+            status = command->run(&call);
+    }
+    free(given);
+    return status;
+}
+
+static int unknown_command(const char *name)
+{
+    const char *nearest = cli_nearest(name, cli_command_names);
+    if (nearest != NULL)
+        return cli_complain("unknown command '%s'. did you mean '%s'?", name, nearest);
+    return cli_complain("unknown command '%s'. 'pellicle --help' lists the commands", name);
+}
+
+int main(int argc, char **argv)
+{
+    const char *first = argc > 1 ? argv[1] : "";
+    if (*first == '\0') {
+        cli_print_overview(stderr);
+        return CLI_BAD_INPUT;
+    }
+    if (strcmp(first, "--help") == 0 || strcmp(first, "-h") == 0) {
+        cli_print_overview(stdout);
+        return close_output(CLI_DONE);
+    }
+    if (strcmp(first, "--version") == 0 || strcmp(first, "-V") == 0) {
+        puts("pellicle " PEL_VERSION);
+        return close_output(CLI_DONE);
+    }
+    const cli_command *command = cli_command_find(first);
+    if (command == NULL)
+        return unknown_command(first);
+    return close_output(run_command(command, argc - 2, argv + 2));
+}

@@ -1,0 +1,28 @@
+#include "pellicle/results.h"
+
+#include "io/byte_order.h"
+#include "io/file.h"
+#include "io/number.h"
+#include "io/xml.h"
+
+pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times, int32_t frame_count,
+                         pel_error *error)
+{
+    pel_file_writer writer;
+    pel_status status = pel_file_writer_open(&writer, path, error);
+    if (status != PEL_OK)
+        return status;
+    pel_file_writer_printf(&writer,
+                           "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"%s\">\n"
+                           "<Collection>\n",
+                           PEL_BYTE_ORDER_NAME);
+    for (int32_t i = 0; i < frame_count; i++) {
+        char time[PEL_NUMBER_SIZE];
+        pel_number_print(time, times[i]);
+        pel_file_writer_printf(&writer, "<DataSet timestep=\"%s\" group=\"\" part=\"0\" file=\"", time);
+        pel_xml_write_escaped(&writer, file_names[i]);
+        pel_file_writer_printf(&writer, "\"/>\n");
+    }
+    pel_file_writer_printf(&writer, "</Collection>\n</VTKFile>\n");
+    return pel_file_writer_commit(&writer, error);
+}

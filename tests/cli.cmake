@@ -1,0 +1,9 @@
+# The command line: each tests/cli/cases/NAME.txt is the test cli/NAME.
+if(TARGET pellicle_program)
+    file(GLOB CLI_CASES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/cli/cases/*.txt)
+    foreach(path ${CLI_CASES})
+        get_filename_component(name ${path} NAME_WE)
+        add_test(NAME cli/${name} COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/run_case.py
+                                          $<TARGET_FILE:pellicle_program> ${path})
+    endforeach()
+endif()

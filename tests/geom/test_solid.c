@@ -1,0 +1,101 @@
+/* Depth of triangles in rigid solids against dense sampling of the triangle. */
+#include "check.h"
+
+#include "geom/solid.h"
+#include "math/vec3.h"
+
+#include <stdlib.h>
+
+static double uniform(double low, double high)
+{
+    return low + (high - low) * (rand() / (double)RAND_MAX);
+}
+
+static const pel_solid solids[] = {
+    {.kind = PEL_SOLID_SPHERE, .radius = 0.7},
+    {.kind = PEL_SOLID_CAPSULE, .radius = 0.4, .half_length = 0.6},
+    {.kind = PEL_SOLID_CAPSULE, .radius = 0.5, .half_length = 0},
+    {.kind = PEL_SOLID_BOX, .half_extents = {0.3, 0.6, 0.9}},
+};
+
+static void combine(double corner[3][3], const double weights[3], double point[3])
+{
+    for (int i = 0; i < 3; i++)
+        point[i] = weights[0] * corner[0][i] + weights[1] * corner[1][i] + weights[2] * corner[2][i];
+}
+
+/* depth of the deepest of many points; the box counts depth by its nearest face */
+static double sampled_depth(const pel_solid *solid, double corner[3][3])
+{
+    enum { PARTS = 60 };
+    double deepest = -HUGE_VAL;
+    for (int i = 0; i <= PARTS; i++)
+        for (int j = 0; i + j <= PARTS; j++) {
+            double weights[3] = {1 - (i + j) / (double)PARTS, i / (double)PARTS, j / (double)PARTS}, p[3], normal[3];
+            combine(corner, weights, p);
+            double depth = -pel_solid_distance(solid, p, normal);
+            deepest = depth > deepest ? depth : deepest;
+        }
+    return deepest;
+}
+
+static void test_depth_against_samples(void **unused)
+{
+    (void)unused;
+    srand(3);
+    for (size_t s = 0; s < sizeof solids / sizeof *solids; s++) {
+        int hits = 0;
+        for (int n = 0; n < 400; n++) {
+            double corner[3][3], weights[3], normal[3], p[3], out[3];
+            for (int i = 0; i < 9; i++)
+                corner[i / 3][i % 3] = uniform(-1.5, 1.5);
+            double depth = pel_solid_depth(&solids[s], corner[0], corner[1], corner[2], weights, normal);
+            double sampled = sampled_depth(&solids[s], corner);
+            /* samples lie at most one cell from the deepest point */
+            assert_true(fmax(depth, 0) >= sampled - 1e-9);
+            assert_true(fmax(depth, 0) <= fmax(sampled, 0) + 0.08);
+            if (depth <= 0)
+                continue;
+            hits++;
+            assert_near(weights[0] + weights[1] + weights[2], 1, 1e-9);
+            assert_near(pel_vec3_length(normal), 1, 1e-9);
+            combine(corner, weights, p);
+            assert_near(-pel_solid_distance(&solids[s], p, out), depth, 1e-9);
+            /* moved out along the normal, the deepest point lies on the surface */
+            pel_vec3_along(p, depth, normal, p);
+            assert_near(pel_solid_distance(&solids[s], p, out), 0, 1e-9);
+        }
+        assert_true(hits > 50);
+    }
+}
+
+static void test_distance_outside_and_inside(void **unused)
+{
+    (void)unused;
+    double normal[3];
+    const double corner_point[3] = {1.3, 1.6, 0.9}, inside[3] = {0.1, -0.55, 0.2}, middle[3] = {0, 0, 0};
+    assert_near(pel_solid_distance(&solids[3], corner_point, normal), sqrt(2), 1e-12);
+    assert_near(pel_solid_distance(&solids[3], inside, normal), -0.05, 1e-12);
+    assert_near(normal[1], -1, 1e-12);
+    assert_near(pel_solid_distance(&solids[0], middle, normal), -0.7, 1e-12);
+    assert_near(pel_vec3_length(normal), 1, 1e-12);
+}
+
+static void test_half_box(void **unused)
+{
+    (void)unused;
+    double half[3];
+    pel_solid_half_box(&solids[1], half);
+    assert_near(half[0], 0.4, 0);
+    assert_near(half[2], 1.0, 1e-15);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_depth_against_samples),
+        cmocka_unit_test(test_distance_outside_and_inside),
+        cmocka_unit_test(test_half_box),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

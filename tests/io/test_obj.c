@@ -1,0 +1,166 @@
+#include "failing_malloc.h"
+#include "parse.h"
+
+static void test_square(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh =
+        parse_text("a.obj", "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1e0 0.5\nf 1 2 3\nf 1 3 4\n", NULL);
+    check_counts(mesh, 4, 2);
+    check_position(mesh, 3, 0, 1, 0.5);
+    check_triangle(mesh, 0, 0, 1, 2);
+    check_triangle(mesh, 1, 0, 2, 3);
+    pel_mesh_destroy(mesh);
+}
+
+/* every way to write a corner, in every way to end a line */
+static void test_corners_and_lines(void **unused)
+{
+    (void)unused;
+    static const char *const faces[] = {
+        "f 1/1 2/1 3/1",   "f 1//1 2//1 3//1", "f 1/1/1 2/1/1 3/1/1", "f -3 -2 -1",  "f -3//-1 -2//-1 -1//-1",
+        "f\t1 2  3 # end", "f 1 \\\n2 3",      "f 1 2 \\\r\n 3",      "  f 1 2 3  ", "f 1/ 2/ 3/",
+        "f 1 2\\\r3"};
+    static const char *const ends[] = {"\n", "\r\n", "\r", "\n\n\n"};
+    for (size_t i = 0; i < sizeof faces / sizeof *faces; i++) {
+        for (size_t e = 0; e < sizeof ends / sizeof *ends; e++) {
+            char text[256];
+            snprintf(text, sizeof text, "v 0 0 0%sv 1 0 0%sv 0 1 0%s%s%s", ends[e], ends[e], ends[e], faces[i],
+                     e % 2 != 0 ? "" : ends[e]);
+            pel_mesh *mesh = parse_text("a.obj", text, NULL);
+            check_counts(mesh, 3, 1);
+            check_triangle(mesh, 0, 0, 1, 2);
+            pel_mesh_destroy(mesh);
+        }
+    }
+}
+
+static void test_negative_indices_count_back(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = parse_text("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 5 5\nf -1 -2 -3\n", NULL);
+    check_triangle(mesh, 0, 0, 1, 2);
+    check_triangle(mesh, 1, 3, 2, 1);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_faces_before_vertices(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = parse_text("a.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", NULL);
+    check_triangle(mesh, 0, 0, 1, 2);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_ignored_data_is_noted(void **unused)
+{
+    (void)unused;
+    notes said;
+    pel_mesh *mesh = parse_text("a.obj",
+                                "mtllib a.mtl\no thing\ng one two\ns off\nusemtl red\nv 0 0 0 1 0 0\nv 1 0 0 1.0\n"
+                                "v 0 1 0\nvt 0 0\nvn 0 0 1\nvn 0 \\\n 0 1\np 1\nl 1 2 3\nf 1/1/1 2/1/1 3/1/1\n"
+                                "f 1 2\ncstype bezier\n",
+                                &said);
+    check_counts(mesh, 3, 1);
+    assert_non_null(strstr(said.text, "2 points and lines ignored"));
+    assert_non_null(strstr(said.text, "colours or weights of 2 vertices"));
+    assert_non_null(strstr(said.text, "texture coordinates and normals ignored"));
+    assert_non_null(strstr(said.text, "1 faces with fewer than three corners ignored"));
+    assert_non_null(strstr(said.text, "1 statements for curves"));
+    pel_mesh_destroy(mesh);
+}
+
+static void test_polygons_are_cut(void **unused)
+{
+    (void)unused;
+    notes said;
+    /* a convex quad, then an arrow head whose first diagonal lies outside */
+    pel_mesh *mesh = parse_text("a.obj",
+                                "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 1 0\nv 0.5 0.5 0\nf 1 2 3 4\nf 1 3 5\n"
+                                "f 4 6 2 5\n",
+                                &said);
+    check_counts(mesh, 6, 5);
+    check_triangle(mesh, 0, 0, 1, 2);
+    check_triangle(mesh, 1, 0, 2, 3);
+    check_triangle(mesh, 2, 0, 2, 4);
+    assert_non_null(strstr(said.text, "2 faces with more than three corners cut into 4 triangles"));
+    pel_mesh_destroy(mesh);
+}
+
+static void test_refusals(void **unused)
+{
+    (void)unused;
+#define CORNERS "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    refuse_text("a.obj", "v 0 0 0\nv 1 zero 0\n", "a.obj:2:5: error: 'zero' is not a finite coordinate");
+    refuse_text("a.obj", "v 0 0 0\nv nan 0 0\n", "a.obj:2:3: error: 'nan' is not a finite");
+    refuse_text("a.obj", "v 0 0 0\r\nv 0 -inf 0\r\n", "a.obj:2:5: ");
+    refuse_text("a.obj", "v 0 0 0\rv 0 1e999 0\r", "a.obj:2:5: ");
+    refuse_text("a.obj", "v 0 0\n", "a.obj:1:6: error: the line ends");
+    refuse_text("a.obj", "v 0 0", "the file ends");
+    refuse_text("a.obj", "v 0 0 0x\n", "a.obj:1:7: error: '0x' is not");
+    refuse_text("a.obj", CORNERS "f 0 1 2\n", "a.obj:4:3: error: a face uses vertex 0");
+    refuse_text("a.obj", CORNERS "f 1 2 3\nf 1 2 4\nf 1 2 3\n", "a.obj:5:7: error: a face uses vertex 4");
+    refuse_text("a.obj", CORNERS "f 1 2 -4\n", "a.obj:4:7: error: a face uses vertex -4");
+    refuse_text("a.obj", CORNERS "f 1 2 99999999999\n", "a.obj:4:7: error: a face uses vertex 99999999999");
+    refuse_text("a.obj", CORNERS "f 1 2 99999999999999999999999\n", "a.obj:4:7: ");
+    refuse_text("a.obj", CORNERS "f 1 2 -9223372036854775808\n", "a.obj:4:7: ");
+    refuse_text("a.obj", CORNERS "f 1 2 3.5\n", "a.obj:4:7: error: '3.5' is not a face corner");
+    refuse_text("a.obj", CORNERS "f 1/1/1/1 2 3\n", "a.obj:4:3: ");
+    refuse_text("a.obj", CORNERS "f 1 2 x\n", "a.obj:4:7: error: 'x' is not a vertex number");
+    refuse_text("a.obj", CORNERS "bogus\nf 1 2 3\n", "a.obj:4:1: error: 'bogus' is not an OBJ statement");
+    refuse_text("a.obj", CORNERS, "3 vertices and no triangles");
+    refuse_text("a.obj", "f 1 2 3\n", "a face uses vertex 3 but the file has 0 vertices");
+    refuse_text("a.obj", "# nothing\n", "no triangles");
+    refuse_text("a.obj", "\\", "not an OBJ statement");
+    refuse_bytes("a.obj", "v 0 0 0\0\nf 1 1 1\n", 17, "a.obj:1:7: ");
+    refuse_bytes("a.obj", "", 0, "empty");
+}
+
+/* every prefix of a file either parses or fails; none crashes (run under the address sanitizer) */
+static void test_truncated(void **unused)
+{
+    (void)unused;
+    const char *text = "v 0 0 0 1 \\\n0 0\r\nv 1.5e-3 0 0\nv 0 1 0\nvn 1 0 \\\r\n 0\nf 1/2/3 2//3 \\\n3/1\nl 1 2 # end";
+    for (size_t length = 0; length <= strlen(text); length++) {
+        char copy[128];
+        pel_mesh *mesh;
+        memcpy(copy, text, length);
+        pel_status status = pel_mesh_parse("a.obj", copy, length, PEL_FORMAT_OBJ, NULL, &mesh, NULL);
+        assert_true(status == PEL_OK || status == PEL_BAD_FORMAT);
+        assert_true((status == PEL_OK) == (mesh != NULL));
+        pel_mesh_destroy(mesh);
+    }
+}
+
+static pel_status parse_case(const void *text, pel_error *error)
+{
+    pel_mesh *mesh;
+    pel_status status = pel_mesh_parse("a.obj", text, strlen(text), PEL_FORMAT_AUTO, NULL, &mesh, error);
+    if (status != PEL_OK)
+        assert_null(mesh);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    assert_true(for_every_allocation_failure(parse_case, CORNERS "f 1 2 3\n") >= 4);
+    assert_true(for_every_allocation_failure(parse_case, CORNERS "v 1 1 0\nf 1 2 4 3\n") >= 5);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_square),
+        cmocka_unit_test(test_corners_and_lines),
+        cmocka_unit_test(test_negative_indices_count_back),
+        cmocka_unit_test(test_faces_before_vertices),
+        cmocka_unit_test(test_ignored_data_is_noted),
+        cmocka_unit_test(test_polygons_are_cut),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_allocation_failures),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,167 @@
+#include "failing_malloc.h"
+#include "parse.h"
+
+#include "io/bytes.h"
+
+#define FACET(a, b, c)                                                                                                 \
+    "facet normal 0 0 1\n outer loop\n  vertex " a "\n  vertex " b "\n  vertex " c "\n endloop\nendfacet\n"
+#define TWO_FACETS FACET("0 0 0", "1 0 0", "1 1 0.5") FACET("-0 0 0", "1 1 0.5", "0 1 0")
+
+enum { START = 84, FACET_SIZE = 50, LARGEST = START + 8 * FACET_SIZE };
+
+/* a binary file of the same two facets; returns its size */
+static size_t make_binary(char *bytes, const char *title, uint32_t claimed)
+{
+    static const float corners[2][9] = {{0, 0, 0, 1, 0, 0, 1, 1, 0.5f}, {0, 0, 0, 1, 1, 0.5f, 0, 1, 0}};
+    memset(bytes, 0, LARGEST);
+    memcpy(bytes, title, strlen(title));
+    pel_store_bytes(bytes + 80, 4, false, claimed);
+    for (int f = 0; f < 2; f++)
+        for (int i = 0; i < 9; i++)
+            pel_store_float(bytes + START + FACET_SIZE * f + 12 + 4 * i, false, corners[f][i]);
+    return START + 2 * FACET_SIZE;
+}
+
+static void check_square(pel_mesh *mesh)
+{
+    check_counts(mesh, 4, 2);
+    check_position(mesh, 2, 1, 1, 0.5);
+    check_triangle(mesh, 0, 0, 1, 2);
+    check_triangle(mesh, 1, 0, 2, 3);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_ascii(void **unused)
+{
+    (void)unused;
+    notes said;
+    check_square(parse_text("a.stl", "solid a b c\n" TWO_FACETS "endsolid a\n", &said));
+    assert_non_null(strstr(said.text, "6 corners welded into 4 vertices"));
+    assert_null(strstr(said.text, "cut off"));
+    check_square(parse_text("a", " SOLID\r\n" TWO_FACETS "ENDSOLID\r\n", NULL));
+    check_square(parse_text("a.stl",
+                            "solid one\n" FACET("0 0 0", "1 0 0", "1 1 .5") "endsolid\nsolid two\n" FACET(
+                                "0 0 0", "1 1 5e-1", "0 1 0") "endsolid",
+                            NULL));
+    check_square(parse_text("a.stl", "solid\n" TWO_FACETS, &said));
+    assert_non_null(strstr(said.text, "may be cut off"));
+    check_square(parse_text("a.stl",
+                            "solid\nfacet normal -nan(ind) nan 1.#IND outer loop vertex 0 0 0 vertex 1 0 0 "
+                            "vertex 1 1 .5 endloop endfacet facet outer loop vertex 0 0 0 vertex 1 1 .5 vertex 0 1 0 "
+                            "endloop endfacet endsolid",
+                            NULL));
+}
+
+static void test_binary(void **unused)
+{
+    (void)unused;
+    char bytes[LARGEST];
+    static const char *const titles[] = {"",  "made by hand", "solid made by hand", "solid\nfacet normal", "OFF\n",
+                                         "v "};
+    static const char *const names[] = {"a.stl", "a", "a.obj", "a.off"};
+    for (size_t t = 0; t < sizeof titles / sizeof *titles; t++)
+        for (size_t n = 0; n < sizeof names / sizeof *names; n++)
+            check_square(parse_bytes(names[n], bytes, make_binary(bytes, titles[t], 2), NULL));
+    notes said;
+    check_square(parse_bytes("a.stl", bytes, make_binary(bytes, "longer than it says", 2) + 7, &said));
+    assert_non_null(strstr(said.text, "7 bytes behind the last facet ignored"));
+}
+
+static void test_degenerate_facets_are_dropped(void **unused)
+{
+    (void)unused;
+    notes said;
+    check_square(parse_text("a.stl",
+                            "solid\n" FACET("9 9 9", "9 9 9", "1 0 0") TWO_FACETS FACET("8 0 0", "7 0 0", "8 0 -0")
+                                FACET("0 0 0", "6 6 6", "6 6 6") "endsolid",
+                            &said));
+    assert_non_null(strstr(said.text, "3 facets with equal corners dropped"));
+    refuse_text("a.stl", "solid\n" FACET("0 0 0", "1 0 0", "1 0 0") "endsolid", "no triangles");
+}
+
+static void test_ascii_refusals(void **unused)
+{
+    (void)unused;
+    refuse_text("a.stl", "solid a\nendsolid a\n", "no triangles");
+    refuse_text("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n", "a.stl:4:12: error: 'nan'");
+    refuse_text("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n", "the file ends");
+    refuse_text("a.stl", "solid a\nfacet normal 0 0 1\nvertex 0 0 0\n",
+                "a.stl:3:1: error: 'vertex' is not 'outer loop'");
+    refuse_text("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\n", "a.stl:5:1: ");
+    refuse_text("a.stl",
+                "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0\nvertex 1 1 1\n",
+                "a.stl:7:1: error: 'vertex' is not 'endloop'");
+    refuse_text("a.stl", "solid a\nbanana\n", "a.stl:2:1: error: 'banana' is not 'solid', 'facet' or 'endsolid'");
+    refuse_text("a.stl", "solid", "no triangles");
+    refuse_text("a.stl", "so", "neither 'solid' nor the 84 bytes");
+}
+
+static void test_binary_refusals(void **unused)
+{
+    (void)unused;
+    char bytes[LARGEST];
+    size_t size = make_binary(bytes, "", 3);
+    pel_error error = refuse_bytes("a.stl", bytes, size, "3 facets take 234 bytes but the file has 184");
+    assert_int_equal(error.byte_offset, 80);
+    refuse_bytes("a.stl", bytes, make_binary(bytes, "", UINT32_MAX), "4294967295 facets take 214748364834 bytes");
+    refuse_bytes("a.stl", bytes, make_binary(bytes, "", 2) - 1, "2 facets take");
+    make_binary(bytes, "", 0);
+    refuse_bytes("a.stl", bytes, START, "no triangles");
+    size = make_binary(bytes, "", 2);
+    pel_store_float(bytes + START + FACET_SIZE + 12 + 8, false, NAN);
+    error = refuse_bytes("a.stl", bytes, size, "a coordinate of facet 1 is nan");
+    assert_int_equal(error.byte_offset, START + FACET_SIZE + 12 + 8);
+    /* a normal may be anything */
+    size = make_binary(bytes, "", 2);
+    pel_store_float(bytes + START, false, NAN);
+    check_square(parse_bytes("a.stl", bytes, size, NULL));
+}
+
+static void test_truncated(void **unused)
+{
+    (void)unused;
+    char bytes[LARGEST];
+    size_t size = make_binary(bytes, "x", 2);
+    for (size_t length = 1; length < size; length++) {
+        pel_mesh *mesh;
+        assert_int_equal(pel_mesh_parse("a.stl", bytes, length, PEL_FORMAT_STL, NULL, &mesh, NULL), PEL_BAD_FORMAT);
+        assert_null(mesh);
+    }
+    const char *text = "solid\n" TWO_FACETS "endsolid\n";
+    for (size_t length = 1; length < strlen(text); length++) {
+        pel_mesh *mesh;
+        pel_status status = pel_mesh_parse("a.stl", text, length, PEL_FORMAT_STL, NULL, &mesh, NULL);
+        assert_true((status == PEL_OK) == (mesh != NULL));
+        pel_mesh_destroy(mesh);
+    }
+}
+
+static pel_status parse_case(const void *text, pel_error *error)
+{
+    pel_mesh *mesh;
+    pel_status status = pel_mesh_parse("a.stl", text, strlen(text), PEL_FORMAT_AUTO, NULL, &mesh, error);
+    if (status != PEL_OK)
+        assert_null(mesh);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    assert_true(for_every_allocation_failure(parse_case, "solid\n" TWO_FACETS "endsolid\n") >= 6);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_ascii),
+        cmocka_unit_test(test_binary),
+        cmocka_unit_test(test_degenerate_facets_are_dropped),
+        cmocka_unit_test(test_ascii_refusals),
+        cmocka_unit_test(test_binary_refusals),
+        cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_allocation_failures),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,280 @@
+/* Tools: no penetration, forces that balance, grasping, refusals. */
+#include "sim/fixture.h"
+
+#include "geom/solid.h"
+#include "math/pose.h"
+#include "sim/sim.h"
+
+typedef struct stage {
+    pel_mesh *mesh;
+    pel_model *model;
+    pel_sim *sim;
+} stage;
+
+static stage make_stage(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method)
+{
+    stage s;
+    s.mesh = make_sphere(frequency);
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = s.mesh;
+    body.volumetric_by_area = true;
+    s.model = make_model(&body);
+    pel_sim_def def = pel_sim_def_default();
+    def.model = s.model;
+    def.solver.method = method;
+    def.tools = tools;
+    def.tool_count = count;
+    s.sim = make_sim(&def);
+    return s;
+}
+
+static void end_stage(stage *s)
+{
+    pel_sim_destroy(s->sim);
+    pel_model_destroy(s->model);
+    pel_mesh_destroy(s->mesh);
+}
+
+/* deepest point of any triangle in the tool, from the public positions */
+static double penetration(const stage *s, const pel_solid *solid, int32_t tool)
+{
+    pel_tool_reading reading;
+    pel_sim_get_tool(s->sim, tool, &reading);
+    double *x = malloc(3 * sizeof *x * (size_t)s->mesh->vertex_count), deepest = 0;
+    pel_sim_get_positions(s->sim, 0, x);
+    for (int32_t t = 0; t < s->mesh->triangle_count; t++) {
+        double corner[3][3], weights[3], normal[3];
+        for (int c = 0; c < 3; c++) {
+            pel_vec3_subtract(x + 3 * s->mesh->triangles[t][c], reading.position, corner[c]);
+            pel_rotate_back(reading.rotation, corner[c], corner[c]);
+        }
+        deepest = fmax(deepest, pel_solid_depth(solid, corner[0], corner[1], corner[2], weights, normal));
+    }
+    free(x);
+    return deepest;
+}
+
+#define DOWN_UP(start, low)                                                                                            \
+    {                                                                                                                  \
+        {0, {0, 0, start}, {0, 0, 0, 1}}, {1, {0, 0, low}, {0, 0, 0, 1}}, {2, {0, 0, low}, {0, 0, 0, 1}},              \
+        {                                                                                                              \
+            3, {0, 0, start},                                                                                          \
+            {                                                                                                          \
+                0, 0, 0, 1                                                                                             \
+            }                                                                                                          \
+        }                                                                                                              \
+    }
+
+/* a tool pressed 0.3 into the sphere, held, and withdrawn; coarse and fine meshes, both methods */
+static void check_press(pel_tool_def tool, double half_height, int32_t frequency, pel_method method)
+{
+    const pel_pose_key keys[4] = DOWN_UP(1.05 + half_height, 0.7 + half_height);
+    static const pel_solid_kind kinds[] = {PEL_SOLID_SPHERE, PEL_SOLID_CAPSULE, PEL_SOLID_BOX};
+    pel_solid solid = {kinds[tool.shape], tool.radius, tool.half_length, {0}};
+    memcpy(solid.half_extents, tool.half_extents, sizeof solid.half_extents);
+    tool.name = "probe";
+    tool.keys = keys;
+    tool.key_count = 4;
+    stage s = make_stage(frequency, &tool, 1, method);
+    double size = tool.radius + tool.half_extents[0], most = 0, pressing = 0, last = 0;
+    for (int n = 1; n <= 400; n++) {
+        run_steps(s.sim, 1);
+        most = fmax(most, penetration(&s, &solid, 0));
+        pel_tool_reading reading;
+        pel_sim_get_tool(s.sim, 0, &reading);
+        last = reading.force[2];
+        pressing += last / 400;
+        if (n == 5)
+            assert_int_equal(reading.contact_count, 0);
+        /* with inertia the body may be thrown clear of the tool */
+        if (n == 200 && method == PEL_METHOD_QUASI_STATIC)
+            assert_true(reading.contact_count >= 1);
+    }
+    /* never deeper than a thousandth of the tool; pushed back up while pressing; nothing when gone */
+    assert_true(most < 1e-3 * size);
+    assert_true(pressing > 0);
+    assert_true(last == 0);
+    end_stage(&s);
+}
+
+static void test_press(void **unused)
+{
+    (void)unused;
+    pel_tool_def sphere = pel_tool_def_default(), capsule = sphere, box = sphere;
+    sphere.radius = 0.3;
+    capsule.shape = PEL_TOOL_CAPSULE;
+    capsule.radius = 0.1;
+    capsule.half_length = 0.4;
+    box.shape = PEL_TOOL_BOX;
+    box.half_extents[0] = box.half_extents[1] = box.half_extents[2] = 0.2;
+    check_press(sphere, 0.3, 5, PEL_METHOD_QUASI_STATIC);
+    check_press(sphere, 0.3, 20, PEL_METHOD_QUASI_STATIC);
+    check_press(capsule, 0.5, 12, PEL_METHOD_QUASI_STATIC);
+    check_press(box, 0.2, 12, PEL_METHOD_QUASI_STATIC);
+    check_press(sphere, 0.3, 8, PEL_METHOD_EXPLICIT);
+    /* far smaller than a triangle: meets faces, not vertices */
+    sphere.radius = 0.03;
+    check_press(sphere, 0.03, 3, PEL_METHOD_QUASI_STATIC);
+}
+
+/* after settling, the tool's force balances the forces of the volumetric springs on the whole body: the structural
+   springs only pass forces on */
+static void test_force_balances_at_rest(void **unused)
+{
+    (void)unused;
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "probe";
+    tool.radius = 0.3;
+    tool.keys = keys;
+    tool.key_count = 2;
+    stage s = make_stage(10, &tool, 1, PEL_METHOD_QUASI_STATIC);
+    run_steps(s.sim, 6000);
+    pel_tool_reading reading;
+    pel_sim_get_tool(s.sim, 0, &reading);
+    const pel_body *body = &s.model->bodies[0];
+    double sum[3] = {0, 0, 0}, *x = malloc(3 * sizeof *x * (size_t)s.mesh->vertex_count);
+    pel_sim_get_positions(s.sim, 0, x);
+    for (int32_t v = 0; v < s.mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            sum[c] += (double)s.model->rest[body->slot_of_vertex[v]][3] * (s.mesh->positions[v][c] - x[3 * v + c]);
+    free(x);
+    assert_true(reading.force[2] > 0.01);
+    for (int c = 0; c < 3; c++)
+        assert_near(reading.force[c], sum[c], 0.01 * reading.force[2]);
+    end_stage(&s);
+}
+
+/* grasp at the top, pull up by 0.2, let go: the held vertices follow exactly, the force points down while pulling, and
+   the body comes back */
+static void check_grasp(pel_method method)
+{
+    const double turned[4] = {0, 0, sqrt(0.5), sqrt(0.5)};
+    pel_pose_key keys[4] = DOWN_UP(1.0, 1.2);
+    memcpy(keys[1].rotation, turned, sizeof turned);
+    memcpy(keys[2].rotation, turned, sizeof turned);
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "forceps";
+    tool.radius = 0.15;
+    tool.press = false;
+    tool.grasp = true;
+    tool.grasp_from = 0.1;
+    tool.grasp_until = 2;
+    tool.reach = 0.05;
+    tool.keys = keys;
+    tool.key_count = 4;
+    stage s = make_stage(10, &tool, 1, method);
+    int32_t pole = nearest_vertex(s.mesh, 0, 0, 1);
+    run_steps(s.sim, 150);
+    pel_tool_reading reading;
+    pel_sim_get_tool(s.sim, 0, &reading);
+    assert_true(reading.contact_count > 3);
+    assert_true(reading.force[2] < -0.01);
+    /* taken at t = 0.09 s, when the tool had risen by 0.018 and turned by 8.1 degrees */
+    double *x = malloc(3 * sizeof *x * (size_t)s.mesh->vertex_count);
+    pel_sim_get_positions(s.sim, 0, x);
+    const double *p = s.mesh->positions[pole];
+    double angle = 0.91 * 1.5707963267948966, tolerance = sizeof(pel_real) == 8 ? 1e-6 : 1e-4;
+    assert_near(x[3 * pole + 2] - p[2], 0.182, tolerance);
+    assert_near(x[3 * pole], cos(angle) * p[0] - sin(angle) * p[1], tolerance);
+    run_steps(s.sim, 1500);
+    pel_sim_get_positions(s.sim, 0, x);
+    assert_near(x[3 * pole + 2], p[2], 0.02);
+    pel_sim_get_tool(s.sim, 0, &reading);
+    assert_int_equal(reading.contact_count, 0);
+    assert_true(reading.force[2] == 0);
+    free(x);
+    end_stage(&s);
+}
+
+static void test_grasp(void **unused)
+{
+    (void)unused;
+    check_grasp(PEL_METHOD_QUASI_STATIC);
+    check_grasp(PEL_METHOD_EXPLICIT);
+}
+
+static void check_refused(const pel_tool_def *tool, const char *word)
+{
+    stage s;
+    s.mesh = make_sphere(3);
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = s.mesh;
+    s.model = make_model(&body);
+    pel_sim_def def = pel_sim_def_default();
+    def.model = s.model;
+    def.tools = tool;
+    def.tool_count = 1;
+    pel_error error;
+    assert_int_equal(pel_sim_create(&def, &s.sim, &error), PEL_BAD_ARGUMENT);
+    assert_null(s.sim);
+    if (strstr(error.what, word) == NULL)
+        print_error("'%s' lacks '%s'\n", error.what, word);
+    assert_non_null(strstr(error.what, word));
+    assert_true(error.remedy[0] != '\0');
+    end_stage(&s);
+}
+
+static void test_refusals(void **unused)
+{
+    (void)unused;
+    pel_pose_key keys[2] = {{0, {0, 0, 0.8}, {0, 0, 0, 1}}, {1, {0, 0, 2}, {0, 0, 0, 1}}};
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "probe";
+    tool.radius = 0.3;
+    tool.keys = keys;
+    tool.key_count = 2;
+    check_refused(&tool, "starts inside");
+    keys[0].position[2] = 0.1;
+    check_refused(&tool, "starts inside");
+    keys[0].position[2] = 2;
+    tool.radius = 0;
+    check_refused(&tool, "radius");
+    tool.radius = 0.1;
+    keys[1].time = 0;
+    check_refused(&tool, "order");
+    keys[1].time = 1;
+    keys[1].rotation[0] = 2;
+    check_refused(&tool, "quaternion");
+    keys[1].rotation[0] = 0;
+    tool.body = 4;
+    check_refused(&tool, "body");
+}
+
+/* what the caller sets between steps wins over the keys, and a snapshot keeps it */
+static void test_driven_tool(void **unused)
+{
+    (void)unused;
+    const pel_pose_key key = {0, {0, 0, 3}, {0, 0, 0, 1}};
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "stylus";
+    tool.radius = 0.2;
+    tool.keys = &key;
+    tool.key_count = 1;
+    stage s = make_stage(6, &tool, 1, PEL_METHOD_QUASI_STATIC);
+    const double rotation[4] = {0, 0, 0, 1};
+    for (int n = 0; n < 100; n++) {
+        const double position[3] = {0, 0, 1.2 - 0.002 * n};
+        assert_int_equal(pel_sim_set_tool_pose(s.sim, 0, position, rotation, NULL), PEL_OK);
+        run_steps(s.sim, 1);
+    }
+    pel_tool_reading reading;
+    pel_sim_get_tool(s.sim, 0, &reading);
+    assert_true(reading.force[2] > 0);
+    assert_near(reading.position[2], 1.2 - 0.198, 1e-12);
+    const double bad[4] = {1, 1, 0, 0};
+    assert_int_equal(pel_sim_set_tool_pose(s.sim, 0, reading.position, bad, NULL), PEL_BAD_ARGUMENT);
+    end_stage(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_press),       cmocka_unit_test(test_force_balances_at_rest),
+        cmocka_unit_test(test_grasp),       cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_driven_tool),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
