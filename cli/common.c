@@ -10,28 +10,39 @@ int cli_report(const pel_error *error)
     return error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
+void cli_write_error(cli_json *json, const pel_error *error)
+{
+    cli_json_open(json, "error", '{');
+    cli_json_text(json, "status", pel_status_text(error->status));
+    cli_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
+    if (error->line > 0)
+        cli_json_integer(json, "line", error->line);
+    if (error->column > 0)
+        cli_json_integer(json, "column", error->column);
+    if (error->byte_offset >= 0)
+        cli_json_integer(json, "byte_offset", error->byte_offset);
+    if (error->element >= 0) {
+        cli_json_text(json, "element_kind", error->element_kind);
+        cli_json_integer(json, "element", error->element);
+    }
+    cli_json_text(json, "what", error->what);
+    cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
+    cli_json_close(json, '}');
+}
+
 int cli_report_to(const pel_error *error, cli_json *json)
 {
     if (json != NULL) {
         cli_json_bool(json, "ok", false);
-        cli_json_open(json, "error", '{');
-        cli_json_text(json, "status", pel_status_text(error->status));
-        cli_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
-        if (error->line > 0)
-            cli_json_integer(json, "line", error->line);
-        if (error->column > 0)
-            cli_json_integer(json, "column", error->column);
-        if (error->byte_offset >= 0)
-            cli_json_integer(json, "byte_offset", error->byte_offset);
-        if (error->element >= 0) {
-            cli_json_text(json, "element_kind", error->element_kind);
-            cli_json_integer(json, "element", error->element);
-        }
-        cli_json_text(json, "what", error->what);
-        cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
-        cli_json_close(json, '}');
+        cli_write_error(json, error);
     }
     return cli_report(error);
+}
+
+void cli_name_file(pel_error *error, const char *path)
+{
+    if (error->file[0] == '\0')
+        snprintf(error->file, sizeof error->file, "%s", path);
 }
 
 bool cli_is_scene(const char *path)

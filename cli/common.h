@@ -9,8 +9,12 @@
 
 /* Prints the error as "file:line:column: error: what. remedy" on stderr. Returns the exit status that belongs to it. */
 int cli_report(const pel_error *error);
-/* the same, and as members "ok": false and "error" of the open JSON object; json is nullable */
+/* writes the error as the member "error" of the open JSON object */
+void cli_write_error(cli_json *json, const pel_error *error);
+/* cli_report, and as members "ok": false and "error" of the open JSON object; json is nullable */
 int cli_report_to(const pel_error *error, cli_json *json);
+/* names the file of an error that names none */
+void cli_name_file(pel_error *error, const char *path);
 
 /* whether the path ends like a scene file (.yaml, .yml, .json) */
 bool cli_is_scene(const char *path);

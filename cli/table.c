@@ -33,7 +33,8 @@ static const cli_command commands[] = {
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder of the results; left out: results/ and the scene's name"},
+                     .doc = "folder of the results; left out: results/ and the scene's name, or with --resume the "
+                            "folder of the checkpoint"},
                     {.name = "set",
                      .kind = CLI_SETTING,
                      .repeated = true,
@@ -42,7 +43,10 @@ static const cli_command commands[] = {
                      .doc =
                          "change one value of the scene, such as bodies.ball.springs.stiffness=5 or solver.dt=0.005; "
                          "'pellicle reference' lists the keys"},
-                    {.name = "frames", .kind = CLI_COUNT, .value = "N", .doc = "stop after N frames of results"},
+                    {.name = "frames",
+                     .kind = CLI_COUNT,
+                     .value = "N",
+                     .doc = "stop with frame N; frame 0 is the initial state"},
                     {.name = "threads",
                      .kind = CLI_COUNT,
                      .value = "N",
