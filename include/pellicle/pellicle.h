@@ -10,6 +10,7 @@
 #include "mesh_check.h"
 #include "mesh_io.h"
 #include "model.h"
+#include "region.h"
 #include "results.h"
 #include "shape.h"
 #include "sim.h"

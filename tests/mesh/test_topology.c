@@ -1,3 +1,4 @@
+#include "failing_malloc.h"
 #include "sample.h"
 
 #include "pellicle/topology.h"
@@ -235,6 +236,24 @@ static void test_sphere_and_isolated_vertex(void **unused)
     assert_int_equal(topology->corner_of_vertex[1], -1);
     assert_int_equal(topology->boundary_edge_count, 3);
     pel_topology_destroy(topology);
+}
+
+static pel_status create_case(const void *mesh, pel_error *error)
+{
+    pel_topology *topology;
+    pel_status status = pel_topology_create(mesh, &topology, error);
+    if (status != PEL_OK)
+        assert_null(topology);
+    pel_topology_destroy(topology);
+    return status;
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = sample_sphere(2);
+    assert_true(for_every_allocation_failure(create_case, mesh) > 8);
+    pel_mesh_destroy(mesh);
 }
 
 int main(void)
