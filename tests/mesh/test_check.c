@@ -406,7 +406,7 @@ static void test_random_against_oracle(void **unused)
     (void)unused;
     random_state random = {5};
     int32_t met[PEL_ISSUE_COUNT] = {0};
-    for (int round = 0; round < 1500; round++) {
+    for (int round = 0; round < 1000; round++) {
         double positions[MOST_VERTICES][3] = {{0}};
         int32_t triangles[MOST_TRIANGLES][3];
         pel_mesh mesh = {.vertex_count = 3 + random_below(&random, MOST_VERTICES - 2),
@@ -443,7 +443,7 @@ static void test_random_against_oracle(void **unused)
         pel_mesh_report_destroy(report);
     }
     for (int32_t kind = 0; kind < PEL_ISSUE_COUNT; kind++)
-        assert_true(kind == PEL_ISSUE_INSIDE_OUT || met[kind] > 10);
+        assert_true(kind == PEL_ISSUE_INSIDE_OUT || met[kind] > 5);
 }
 
 /* the topology takes exactly the meshes without errors of connection */
@@ -452,7 +452,7 @@ static void test_agrees_with_topology(void **unused)
     (void)unused;
     random_state random = {6};
     int accepted = 0;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 5000; round++) {
         int32_t triangles[18], vertex_count = 3 + random_below(&random, 5),
                                triangle_count = 1 + random_below(&random, 5);
         for (int32_t i = 0; i < 3 * triangle_count; i++)
@@ -471,7 +471,7 @@ static void test_agrees_with_topology(void **unused)
         pel_topology_destroy(topology);
         pel_mesh_destroy(mesh);
     }
-    assert_in_range(accepted, 1000, 19000);
+    assert_in_range(accepted, 200, 4800);
 }
 
 /* numbers of the table in ../shared/data/README.md */
