@@ -70,6 +70,22 @@ static void test_sphere_figures(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* two triangles apart with edges 3, 4, 5 and 6, 8, 10: an even number of edges has two in the middle */
+static void test_even_median(void **unused)
+{
+    (void)unused;
+    const double positions[18] = {0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 1, 6, 0, 1, 0, 8, 1};
+    const int32_t triangles[6] = {0, 1, 2, 3, 4, 5};
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_create(positions, 6, triangles, 2, &mesh, NULL), PEL_OK);
+    pel_mesh_report *report = check(mesh);
+    assert_near(report->edge_length_median, 5.5, 1e-15);
+    assert_near(report->edge_length_mean, 6, 1e-15);
+    assert_near(report->area, 6 + 24, 1e-14);
+    pel_mesh_report_destroy(report);
+    pel_mesh_destroy(mesh);
+}
+
 /* far from the origin the volume keeps its digits */
 static void test_volume_far_away(void **unused)
 {
@@ -542,6 +558,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_table),
         cmocka_unit_test(test_sphere_figures),
+        cmocka_unit_test(test_even_median),
         cmocka_unit_test(test_volume_far_away),
         cmocka_unit_test(test_single_issues),
         cmocka_unit_test(test_moebius_strip),
