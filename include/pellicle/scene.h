@@ -5,6 +5,8 @@
 
 #include "sim.h"
 
+#include <stdio.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -23,22 +25,44 @@ typedef struct pel_output_def {
 /* A scene that was read, checked and resolved: defs ready for the library, arrays and meshes owned by it. */
 typedef struct pel_scene {
     const char *path;
+    const char *title; /* empty when there is none */
     pel_model_def model;
     pel_sim_def sim; /* sim.model is null: create the model first */
     pel_output_def output;
-    double duration; /* s */
-    void *inner;     /* storage */
+    double duration;   /* s */
+    double rest_speed; /* m/s; a run ends once loads and tools are done and no vertex is faster; 0 = never */
+    void *inner;       /* storage */
 } pel_scene;
 
-/* Reads a scene file and its meshes (paths relative to the scene). overrides (override_count): "a.b=c" as after --set,
-   with list elements as bodies.0.springs.stiffness=5 or bodies.ball.springs.stiffness=5 (by name).
-   Errors: PEL_BAD_SCENE and PEL_BAD_FILE with file:line:column and remedy. Free with pel_scene_destroy. */
+/* Reads a scene file (YAML 1.2 or JSON) and its meshes; paths are relative to the scene. overrides (override_count,
+   nullable): "a.b=c" as after --set, done in order, with list elements as bodies.0.springs.stiffness=5 or
+   bodies.ball.springs.stiffness=5 (by name). The number after the last element adds one; an alternative takes the
+   place of the others (bodies.0.mesh.file=x.ply that of a shape); an empty value or null takes the key out.
+   log (nullable) receives the notes of the mesh reader.
+   Errors: PEL_BAD_SCENE with file:line:column (or the override as file) and remedy; PEL_BAD_FILE for the scene itself
+   and, at its place in the scene, for a mesh file; what the mesh reader says of the content of a mesh file;
+   PEL_OUT_OF_MEMORY. On failure *scene is null. Free with pel_scene_destroy; null is fine there. */
 pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count, const pel_log *log,
                           pel_scene **scene, pel_error *error);
 void pel_scene_destroy(pel_scene *scene);
 
-/* The resolved scene as YAML (all defaults filled in), zero-terminated; lives as long as the scene. */
+/* The same from text (size bytes); path stands for it in messages and gives the folder of the meshes. */
+pel_status pel_scene_parse(const char *path, const char *text, size_t size, const char *const *overrides,
+                           int32_t override_count, const pel_log *log, pel_scene **scene, pel_error *error);
+
+/* The resolved scene as YAML: all defaults filled in, mesh paths absolute, so that it gives the same scene again from
+   any folder, and the same text. Zero-terminated; lives as long as the scene. */
 const char *pel_scene_text(const pel_scene *scene);
+
+/* What the table of parameters knows, for people and editors. Each writes to an open file and flushes it.
+   Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+
+/* JSON Schema (draft 7) of scene files, for editors that check and complete while typing. */
+pel_status pel_scene_write_schema(FILE *file, pel_error *error);
+/* The reference page of all keys in Markdown. */
+pel_status pel_scene_write_reference(FILE *file, pel_error *error);
+/* All paths that --set takes, one a line, with 0 for list elements: for completion in a shell. */
+pel_status pel_scene_write_parameters(FILE *file, pel_error *error);
 
 #ifdef __cplusplus
 }

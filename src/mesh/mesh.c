@@ -134,7 +134,7 @@ static bool linear_part(const pel_transform *transform, double matrix[3][3])
 {
     const double *q = transform->rotation, *scale = transform->scale;
     double squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (!(isfinite(squared) && squared > 0))
+    if (!(isfinite(squared) && squared > 1e-200))
         return false;
     double s = 2 / squared;
     double x = q[0], y = q[1], z = q[2], w = q[3];
@@ -185,7 +185,8 @@ pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pe
         transform_point(matrix, transform->translation, mesh->positions[v], moved);
         pel_vec3_copy(moved, mesh->positions[v]);
     }
-    if (transform->scale[0] * transform->scale[1] * transform->scale[2] < 0)
+    const double *scale = transform->scale;
+    if (((scale[0] < 0) + (scale[1] < 0) + (scale[2] < 0)) % 2 == 1)
         turn_around(mesh);
     return PEL_OK;
 }

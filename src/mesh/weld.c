@@ -39,10 +39,12 @@ static size_t table_size(int32_t count)
 static void find_equal(const double (*points)[3], int32_t count, int32_t *table, size_t size, int32_t *first_of)
 {
     for (int32_t i = 0; i < count; i++) {
+        first_of[i] = i;
+        if (!equal_points(points[i], points[i]))
+            continue; /* NaN */
         size_t slot = hash_point(points[i]) & (size - 1);
         while (table[slot] != 0 && !equal_points(points[table[slot] - 1], points[i]))
             slot = (slot + 1) & (size - 1);
-        /* NaN equals nothing, itself included: a new slot each */
         if (table[slot] == 0)
             table[slot] = i + 1;
         first_of[i] = table[slot] - 1;
@@ -75,7 +77,7 @@ static void join_bucket(const grid *cells, size_t bucket, int32_t i, int32_t *fi
 static void join_near(const grid *cells, int32_t count, int32_t *first_of)
 {
     for (int32_t i = 0; i < count; i++) {
-        if (first_of[i] != i)
+        if (first_of[i] != i || !equal_points(cells->points[i], cells->points[i]))
             continue;
         for (int k = 0; k < 27; k++)
             join_bucket(cells, bucket_of(cells, cells->points[i], k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1), i, first_of);

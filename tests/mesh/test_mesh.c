@@ -49,12 +49,77 @@ static void test_fields(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+static void test_transform(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    pel_transform transform = pel_transform_default();
+    assert_int_equal(pel_mesh_create(square, 4, halves, 2, &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_transform(mesh, &transform, NULL), PEL_OK);
+    assert_memory_equal(mesh->positions, square, sizeof square);
+    /* twice along x, then a quarter turn about z (not normalized), then a shift: (1, 1, 0) goes to (-1, 2, 3) */
+    transform.scale[0] = 2;
+    transform.rotation[2] = transform.rotation[3] = 5;
+    transform.translation[2] = 3;
+    assert_int_equal(pel_mesh_transform(mesh, &transform, NULL), PEL_OK);
+    assert_near(mesh->positions[2][0], -1, 1e-15);
+    assert_near(mesh->positions[2][1], 2, 1e-15);
+    assert_near(mesh->positions[2][2], 3, 1e-15);
+    assert_memory_equal(mesh->triangles, halves, sizeof halves);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_mirror_turns_triangles(void **unused)
+{
+    (void)unused;
+    const int32_t turned[6] = {0, 2, 1, 0, 3, 2};
+    for (int mirrored = 0; mirrored < 8; mirrored++) {
+        pel_mesh *mesh;
+        pel_transform transform = pel_transform_default();
+        for (int i = 0; i < 3; i++)
+            if (mirrored >> i & 1)
+                transform.scale[i] = -1e-150;
+        bool odd = mirrored == 1 || mirrored == 2 || mirrored == 4 || mirrored == 7;
+        assert_int_equal(pel_mesh_create(square, 4, halves, 2, &mesh, NULL), PEL_OK);
+        assert_int_equal(pel_mesh_transform(mesh, &transform, NULL), PEL_OK);
+        assert_memory_equal(mesh->triangles, odd ? turned : halves, sizeof halves);
+        pel_mesh_destroy(mesh);
+    }
+}
+
+static void test_transform_refuses(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    pel_error error;
+    const pel_transform fine = pel_transform_default();
+    assert_int_equal(pel_mesh_create(square, 4, halves, 2, &mesh, NULL), PEL_OK);
+    pel_transform transform = fine;
+    transform.scale[1] = 0;
+    assert_int_equal(pel_mesh_transform(mesh, &transform, &error), PEL_BAD_ARGUMENT);
+    transform = fine;
+    transform.rotation[3] = 0;
+    assert_int_equal(pel_mesh_transform(mesh, &transform, &error), PEL_BAD_ARGUMENT);
+    transform = fine;
+    transform.translation[0] = (double)NAN;
+    assert_int_equal(pel_mesh_transform(mesh, &transform, &error), PEL_BAD_ARGUMENT);
+    transform = fine;
+    transform.scale[0] = transform.translation[0] = 1.5e308;
+    assert_int_equal(pel_mesh_transform(mesh, &transform, &error), PEL_BAD_ARGUMENT);
+    assert_int_equal(error.element, 1);
+    assert_memory_equal(mesh->positions, square, sizeof square);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_create_copies),
         cmocka_unit_test(test_create_refuses),
         cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_transform),
+        cmocka_unit_test(test_mirror_turns_triangles),
+        cmocka_unit_test(test_transform_refuses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,36 +1,11 @@
-#include "check.h"
+#include "sample.h"
 
-#include "pellicle/shape.h"
 #include "pellicle/topology.h"
-
-#include <stdlib.h>
-
-/* splitmix64: the same numbers on every machine */
-static uint64_t random_state;
-
-static uint32_t random_below(uint32_t bound)
-{
-    random_state += 0x9e3779b97f4a7c15u;
-    uint64_t z = random_state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (uint32_t)((z ^ (z >> 31)) % bound);
-}
-
-static pel_mesh *mesh_of(int32_t vertex_count, const int32_t *triangles, int32_t triangle_count)
-{
-    double *positions = calloc(3 * (size_t)vertex_count, sizeof *positions);
-    pel_mesh *mesh;
-    assert_non_null(positions);
-    assert_int_equal(pel_mesh_create(positions, vertex_count, triangles, triangle_count, &mesh, NULL), PEL_OK);
-    free(positions);
-    return mesh;
-}
 
 static pel_status topology_of(int32_t vertex_count, const int32_t *triangles, int32_t triangle_count,
                               pel_topology **topology, pel_error *error)
 {
-    pel_mesh *mesh = mesh_of(vertex_count, triangles, triangle_count);
+    pel_mesh *mesh = sample_mesh(vertex_count, triangles, triangle_count);
     pel_status status = pel_topology_create(mesh, topology, error);
     pel_mesh_destroy(mesh);
     return status;
@@ -192,12 +167,12 @@ static void test_random_triangles(void **unused)
 {
     (void)unused;
     int accepted = 0;
-    random_state = 1;
+    random_state random = {1};
     for (int round = 0; round < 20000; round++) {
         int32_t triangles[18];
-        int32_t vertex_count = 3 + (int32_t)random_below(6), triangle_count = 1 + (int32_t)random_below(6);
+        int32_t vertex_count = 3 + random_below(&random, 6), triangle_count = 1 + random_below(&random, 6);
         for (int32_t i = 0; i < 3 * triangle_count; i++)
-            triangles[i] = (int32_t)random_below((uint32_t)vertex_count);
+            triangles[i] = random_below(&random, vertex_count);
         pel_topology *topology;
         pel_status status = topology_of(vertex_count, triangles, triangle_count, &topology, NULL);
         assert_int_equal(status == PEL_OK, brute_force_manifold(triangles, vertex_count, triangle_count));
@@ -214,20 +189,17 @@ static void test_random_triangles(void **unused)
 static void test_random_patches(void **unused)
 {
     (void)unused;
-    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    def.frequency = 2;
-    pel_mesh *sphere;
+    pel_mesh *sphere = sample_sphere(2);
     int accepted = 0;
-    assert_int_equal(pel_shape_create(&def, &sphere, NULL), PEL_OK);
-    random_state = 2;
+    random_state random = {2};
     for (int round = 0; round < 2000; round++) {
-        int32_t triangles[240], triangle_count = 0, shift = (int32_t)random_below(42), dropped = round % 10;
+        int32_t triangles[240], triangle_count = 0, shift = random_below(&random, 42), dropped = round % 10;
         for (int32_t t = 0; t < sphere->triangle_count; t++)
             for (int i = 0; i < 3; i++)
                 triangles[3 * t + i] = (sphere->triangles[t][i] * 5 + shift) % 42;
         triangle_count = sphere->triangle_count;
         while (dropped-- > 0) {
-            int32_t t = (int32_t)random_below((uint32_t)triangle_count--);
+            int32_t t = random_below(&random, triangle_count--);
             memmove(triangles + 3 * t, triangles + 3 * triangle_count, 3 * sizeof *triangles);
         }
         if (round % 17 == 0) {
@@ -251,10 +223,8 @@ static void test_random_patches(void **unused)
 static void test_sphere_and_isolated_vertex(void **unused)
 {
     (void)unused;
-    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    pel_mesh *mesh;
+    pel_mesh *mesh = sample_sphere(5);
     pel_topology *topology;
-    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
     assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
     assert_int_equal(mesh->vertex_count - topology->edge_count + mesh->triangle_count, 2);
     check_against_brute_force(topology);

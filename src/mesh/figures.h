@@ -1,0 +1,13 @@
+/* Lengths, areas, volumes, qualities and valences for pel_mesh_check. */
+#ifndef PEL_MESH_FIGURES_H
+#define PEL_MESH_FIGURES_H
+
+#include "mesh/edge_table.h"
+#include "pellicle/mesh_check.h"
+
+/* not_finite (vertex_count), component_of_triangle (triangle_count, -1 = takes no part). Fills the geometric figures of
+   the report and of its components. PEL_OK or PEL_OUT_OF_MEMORY. */
+pel_status pel_figures_fill(const pel_mesh *mesh, const uint8_t *not_finite, const int32_t *component_of_triangle,
+                            const pel_edge_table *edges, pel_mesh_report *report);
+
+#endif

@@ -1,0 +1,72 @@
+#include "mesh/issue.h"
+
+#include "base/memory.h"
+
+#define EDITOR "delete or cut apart the surplus triangles in a mesh editor"
+#define FIX "run `pellicle check FILE --fix OUT`"
+
+static const pel_issue_info infos[PEL_ISSUE_COUNT] = {
+    {PEL_ISSUE_BAD_INDEX, "bad-index", "triangle", PEL_SEVERITY_ERROR, "triangle with a vertex that does not exist",
+     FIX " to drop it, or export the mesh again: the file is damaged", true},
+    {PEL_ISSUE_NOT_FINITE, "not-finite", "vertex", PEL_SEVERITY_ERROR,
+     "vertex with a coordinate that is NaN or infinite", FIX " to drop it and its triangles, or export the mesh again",
+     true},
+    {PEL_ISSUE_REPEATED_VERTEX, "repeated-vertex", "triangle", PEL_SEVERITY_ERROR,
+     "triangle with the same vertex twice", FIX " to drop it", true},
+    {PEL_ISSUE_ZERO_AREA, "zero-area", "triangle", PEL_SEVERITY_ERROR, "triangle without area",
+     FIX " to drop it, or remesh around it in a mesh editor when dropping leaves a hole", true},
+    {PEL_ISSUE_DUPLICATE_TRIANGLE, "duplicate-triangle", "triangle", PEL_SEVERITY_ERROR,
+     "triangle with the same vertices as an earlier one", FIX " to drop it", true},
+    {PEL_ISSUE_NON_MANIFOLD_EDGE, "non-manifold-edge", "edge", PEL_SEVERITY_ERROR, "edge in more than two triangles",
+     EDITOR, false},
+    {PEL_ISSUE_NON_MANIFOLD_VERTEX, "non-manifold-vertex", "vertex", PEL_SEVERITY_ERROR,
+     "vertex in which pieces of the surface touch without a common edge",
+     "give each piece a vertex of its own in a mesh editor", false},
+    {PEL_ISSUE_INCONSISTENT_WINDING, "inconsistent-winding", "edge", PEL_SEVERITY_ERROR,
+     "edge between triangles that face opposite sides", FIX " to turn triangles around", true},
+    {PEL_ISSUE_NON_ORIENTABLE, "non-orientable", "component", PEL_SEVERITY_ERROR,
+     "surface with one side only, like a Moebius strip", "cut it open along a row of edges in a mesh editor", false},
+    {PEL_ISSUE_INSIDE_OUT, "inside-out", "component", PEL_SEVERITY_WARNING,
+     "closed surface whose triangles face inward",
+     FIX " to turn it outward, unless it is the inner wall of a hollow body", true},
+    {PEL_ISSUE_DUPLICATE_VERTEX, "duplicate-vertex", "vertex", PEL_SEVERITY_WARNING,
+     "vertex exactly where an earlier one is: the surface may be open there", FIX " to weld them", true},
+    {PEL_ISSUE_ISOLATED_VERTEX, "isolated-vertex", "vertex", PEL_SEVERITY_WARNING, "vertex in no triangle",
+     FIX " to drop it", true},
+    {PEL_ISSUE_BOUNDARY_EDGE, "boundary-edge", "edge", PEL_SEVERITY_NOTE, "edge on the rim of an open surface",
+     "close the hole in a mesh editor if the surface is meant to be closed", false},
+};
+
+const pel_issue_info *pel_issue_info_of(pel_issue_kind kind)
+{
+    return (unsigned)kind < PEL_ISSUE_COUNT ? &infos[kind] : NULL;
+}
+
+pel_status pel_issue_add(pel_mesh_report *report, pel_issue_kind kind, int32_t element, int32_t a, int32_t b)
+{
+    pel_issue *issue = &report->issues[kind];
+    if (issue->elements == NULL) {
+        issue->elements = pel_allocate(PEL_ISSUE_LIST_LIMIT, sizeof *issue->elements);
+        issue->related = pel_allocate(PEL_ISSUE_LIST_LIMIT, sizeof *issue->related);
+        if (issue->elements == NULL || issue->related == NULL)
+            return PEL_OUT_OF_MEMORY;
+    }
+    issue->count++;
+    if (issue->listed_count < PEL_ISSUE_LIST_LIMIT) {
+        issue->elements[issue->listed_count] = element;
+        issue->related[issue->listed_count][0] = a;
+        issue->related[issue->listed_count][1] = b;
+        issue->listed_count++;
+    }
+    return PEL_OK;
+}
+
+void pel_issue_sum(pel_mesh_report *report)
+{
+    for (int32_t i = 0; i < PEL_ISSUE_COUNT; i++) {
+        if (infos[i].severity == PEL_SEVERITY_ERROR)
+            report->error_count += report->issues[i].count;
+        else if (infos[i].severity == PEL_SEVERITY_WARNING)
+            report->warning_count += report->issues[i].count;
+    }
+}

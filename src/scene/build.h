@@ -1,0 +1,22 @@
+/* Reads the defs of the library out of a checked tree of values. */
+#ifndef PEL_SCENE_BUILD_H
+#define PEL_SCENE_BUILD_H
+
+#include "scene/value.h"
+
+#include "pellicle/scene.h"
+
+/* Bodies (build_body.c): makes the meshes, resolves their paths in the tree. The meshes belong to the caller, who frees
+   mesh_count of them also when this fails. */
+pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
+                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count);
+/* Loads, tools, solver, output, duration, stop; names of bodies that were left out are put into the tree. */
+pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
+
+/* [[t, value], ...] with increasing times; a null list gives no keys */
+pel_status pel_scene_build_keys(pel_scene_reader *reader, const pel_scene_value *list, const pel_key **keys,
+                                int32_t *key_count);
+/* every `name` of a list of maps stands once */
+pel_status pel_scene_check_names(pel_scene_reader *reader, const pel_scene_value *list);
+
+#endif

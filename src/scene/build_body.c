@@ -1,0 +1,199 @@
+#include "scene/build.h"
+
+#include "scene/mesh.h"
+#include "scene/region.h"
+#include "scene/table.h"
+
+#include <string.h>
+
+/* what one body is built from */
+typedef struct body_source {
+    pel_scene_reader *reader;
+    const pel_scene_value *value;
+    const pel_mesh *mesh;
+} body_source;
+
+pel_status pel_scene_build_keys(pel_scene_reader *reader, const pel_scene_value *list, const pel_key **keys,
+                                int32_t *key_count)
+{
+    if (list == NULL)
+        return PEL_OK;
+    int32_t count = pel_scene_value_count(list), k = 0;
+    pel_key *taken = pel_arena_take(reader->arena, (size_t)count, sizeof *taken);
+    if (taken == NULL)
+        return pel_fail_memory(reader->error);
+    for (const pel_scene_value *pair = list->first; pair != NULL; pair = pair->next, k++) {
+        taken[k] = (pel_key){pair->first->number, pair->last->number};
+        if (k > 0 && !(taken[k].time > taken[k - 1].time)) {
+            pel_scene_fail(reader, &pair->place, "the times of the keys do not increase: %g after %g", taken[k].time,
+                           taken[k - 1].time);
+            pel_fail_remedy(reader->error, "put the keys in order of time; for a jump let two keys be a little apart");
+            return PEL_BAD_SCENE;
+        }
+    }
+    *keys = taken;
+    *key_count = count;
+    return PEL_OK;
+}
+
+pel_status pel_scene_check_names(pel_scene_reader *reader, const pel_scene_value *list)
+{
+    for (const pel_scene_value *element = list->first; element != NULL; element = element->next) {
+        const pel_scene_value *name = pel_scene_value_entry(element, "name");
+        for (const pel_scene_value *other = list->first; other != element; other = other->next) {
+            if (strcmp(pel_scene_value_entry(other, "name")->text, name->text) != 0)
+                continue;
+            pel_scene_fail(reader, &name->place, "the name '%s' is in use", name->text);
+            pel_fail_remedy(reader->error, "give each of the %s a name of its own", list->key);
+            return PEL_BAD_SCENE;
+        }
+    }
+    return PEL_OK;
+}
+
+/* the field's value, or what the line through map[0] at 0 and map[1] at 1 makes of it */
+static double mapped(const double map[2], double value)
+{
+    return map[0] + value * (map[1] - map[0]);
+}
+
+/* numbers on the vertices from a field and its map */
+static pel_status read_field(const body_source *source, const pel_scene_value *value, const pel_scene_row *row,
+                             pel_quantity *quantity)
+{
+    pel_scene_reader *reader = source->reader;
+    const pel_scene_value *name = pel_scene_value_entry(value, "field"), *map = pel_scene_value_entry(value, "map");
+    const double *values;
+    pel_status status = pel_scene_field(reader, name, source->mesh, &values);
+    if (status != PEL_OK)
+        return status;
+    double ends[2] = {0, 1};
+    if (map != NULL)
+        pel_scene_value_numbers(map, ends);
+    double *numbers = pel_arena_take(reader->arena, (size_t)source->mesh->vertex_count, sizeof *numbers);
+    if (numbers == NULL)
+        return pel_fail_memory(reader->error);
+    for (int32_t v = 0; v < source->mesh->vertex_count; v++) {
+        numbers[v] = map != NULL ? mapped(ends, values[v]) : values[v];
+        if (pel_scene_range_has(row->range, numbers[v]))
+            continue;
+        char path[160], range[80];
+        pel_scene_fail(reader, &name->place, "%s is %g at vertex %d, out of range",
+                       pel_scene_value_path(value, path, sizeof path), numbers[v], (int)v);
+        pel_fail_remedy(reader->error, "it must be %s %s; `map: [lo, hi]` turns field values 0 and 1 into others",
+                        pel_scene_range_text(row->range, range, sizeof range), row->unit);
+        return PEL_BAD_SCENE;
+    }
+    quantity->field = numbers;
+    return PEL_OK;
+}
+
+/* the quantity at a key of a map below the body; row_path is that of its row */
+static pel_status read_quantity(const body_source *source, const char *group, const char *key, const char *row_path,
+                                pel_quantity *quantity)
+{
+    const pel_scene_value *value = pel_scene_value_at(source->value, group);
+    value = value != NULL ? pel_scene_value_entry(value, key) : NULL;
+    *quantity = (pel_quantity){0};
+    if (value == NULL)
+        return PEL_OK;
+    if (value->kind != PEL_SCENE_MAP) {
+        quantity->value = value->number;
+        return PEL_OK;
+    }
+    if (pel_scene_value_entry(value, "field") != NULL)
+        return read_field(source, value, pel_scene_row_find(source->reader->table, row_path, key), quantity);
+    return pel_scene_build_keys(source->reader, pel_scene_value_entry(value, "keys"), &quantity->keys,
+                                &quantity->key_count);
+}
+
+static pel_status read_mass(const body_source *source, pel_body_def *body)
+{
+    static const struct {
+        const char *key;
+        pel_mass_kind kind;
+    } kinds[] = {{"per_vertex", PEL_MASS_PER_VERTEX}, {"total", PEL_MASS_TOTAL}, {"density", PEL_MASS_DENSITY}};
+    const pel_scene_value *mass = pel_scene_value_entry(source->value, "mass");
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        const pel_scene_value *value = pel_scene_value_entry(mass, kinds[i].key);
+        if (value == NULL)
+            continue;
+        body->mass_kind = kinds[i].kind;
+        body->mass = value->number;
+    }
+    return read_quantity(source, "mass", "thickness", "bodies[].mass", &body->thickness);
+}
+
+static pel_status read_materials(const body_source *source, pel_body_def *body)
+{
+    const struct {
+        const char *group, *key, *row_path;
+        pel_quantity *quantity;
+    } quantities[] = {
+        {"springs", "stiffness", "bodies[].springs", &body->spring_stiffness},
+        {"springs", "damping", "bodies[].springs", &body->spring_damping},
+        {"volumetric", "stiffness", "bodies[].volumetric", &body->volumetric_stiffness},
+        {"volumetric", "damping", "bodies[].volumetric", &body->volumetric_damping},
+    };
+    pel_status status = read_mass(source, body);
+    for (size_t i = 0; status == PEL_OK && i < sizeof quantities / sizeof quantities[0]; i++)
+        status = read_quantity(source, quantities[i].group, quantities[i].key, quantities[i].row_path,
+                               quantities[i].quantity);
+    return status;
+}
+
+static pel_status read_pinned(const body_source *source, pel_body_def *body)
+{
+    const pel_scene_value *value = pel_scene_value_entry(source->value, "pinned");
+    if (value == NULL)
+        return PEL_OK;
+    pel_scene_region region;
+    pel_status status = pel_scene_region_find(source->reader, value, source->mesh, &region);
+    if (status != PEL_OK)
+        return status;
+    if (region.vertices == NULL) {
+        region.vertices = pel_arena_take(source->reader->arena, (size_t)region.count, sizeof *region.vertices);
+        if (region.vertices == NULL)
+            return pel_fail_memory(source->reader->error);
+        for (int32_t v = 0; v < region.count; v++)
+            region.vertices[v] = v;
+    }
+    body->pinned = region.vertices;
+    body->pinned_count = region.count;
+    return PEL_OK;
+}
+
+static pel_status read_body(const body_source *source, pel_body_def *body)
+{
+    *body = pel_body_def_default();
+    body->name = pel_scene_value_entry(source->value, "name")->text;
+    body->mesh = source->mesh;
+    body->volumetric_by_area = pel_scene_value_boolean(source->value, "scale_with_area");
+    body->reference_count = pel_scene_value_integer(source->value, "reference_count");
+    pel_status status = read_materials(source, body);
+    return status == PEL_OK ? read_pinned(source, body) : status;
+}
+
+pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
+                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
+{
+    const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
+    pel_body_def *bodies = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *bodies);
+    if (bodies == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = pel_scene_check_names(reader, list);
+    int32_t count = 0;
+    for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next) {
+        status = pel_scene_mesh(reader, pel_scene_value_entry(value, "mesh"), folder, &meshes[count]);
+        if (status != PEL_OK)
+            break;
+        body_source source = {reader, value, meshes[count]};
+        *mesh_count = count + 1;
+        status = read_body(&source, &bodies[count++]);
+    }
+    scene->model = pel_model_def_default();
+    scene->model.bodies = bodies;
+    scene->model.body_count = count;
+    pel_scene_value_numbers(pel_scene_value_entry(root, "gravity"), scene->model.gravity);
+    return status;
+}

@@ -1,0 +1,237 @@
+#include "scene/build.h"
+
+#include "scene/check.h"
+#include "scene/mesh.h"
+#include "scene/region.h"
+#include "scene/table.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_NAMES = 64 };
+
+/* the index of the body that a value names */
+static pel_status find_body(pel_scene_reader *reader, const pel_scene_value *name, const pel_model_def *model,
+                            int32_t *body)
+{
+    const char *names[MOST_NAMES];
+    size_t count = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        if (strcmp(model->bodies[b].name, name->text) == 0) {
+            *body = b;
+            return PEL_OK;
+        }
+        if (count < MOST_NAMES)
+            names[count++] = model->bodies[b].name;
+    }
+    return pel_scene_fail_name(reader, &name->place, "body", name->text, names, count);
+}
+
+/* a load without body means the only one, whose name goes into the tree */
+static pel_status fill_body(pel_scene_reader *reader, pel_scene_value *load, const pel_model_def *model)
+{
+    if (pel_scene_value_entry(load, "body") != NULL)
+        return PEL_OK;
+    if (model->body_count > 1) {
+        pel_scene_fail(reader, &load->place, "the load does not say on which body it acts");
+        pel_fail_remedy(reader->error, "add `body: %s` or another name", model->bodies[0].name);
+        return PEL_BAD_SCENE;
+    }
+    pel_scene_value *body = pel_scene_value_text(reader, model->bodies[0].name, load->place);
+    if (body == NULL)
+        return PEL_OUT_OF_MEMORY;
+    body->form = PEL_FORM_TEXT;
+    pel_scene_value_append(load, "body", body);
+    return PEL_OK;
+}
+
+/* from and until of a load or a grasp; `end` is infinity */
+static pel_status read_times(pel_scene_reader *reader, const pel_scene_value *value, double *from, double *until)
+{
+    const pel_scene_value *until_value = pel_scene_value_entry(value, "until");
+    *from = pel_scene_value_number(value, "from");
+    *until = until_value->form == PEL_FORM_WORD ? (double)INFINITY : until_value->number;
+    if (*until > *from)
+        return PEL_OK;
+    pel_scene_fail(reader, &until_value->place, "`until` %g is not after `from` %g", *until, *from);
+    pel_fail_remedy(reader->error, "give a later time, or leave it out for the end of the run");
+    return PEL_BAD_SCENE;
+}
+
+static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, const pel_model_def *model,
+                            pel_load_def *load)
+{
+    *load = pel_load_def_default();
+    load->name = pel_scene_value_entry(value, "name")->text;
+    load->kind = pel_scene_value_integer(value, "per") == 0 ? PEL_LOAD_TOTAL : PEL_LOAD_PER_VERTEX;
+    pel_scene_value_numbers(pel_scene_value_entry(value, "force"), load->force);
+    pel_status status = fill_body(reader, value, model);
+    if (status == PEL_OK)
+        status = find_body(reader, pel_scene_value_entry(value, "body"), model, &load->body);
+    if (status == PEL_OK)
+        status = read_times(reader, value, &load->from, &load->until);
+    if (status == PEL_OK)
+        status = pel_scene_build_keys(reader, pel_scene_value_entry(value, "keys"), &load->keys, &load->key_count);
+    if (status != PEL_OK)
+        return status;
+    pel_scene_region region;
+    status = pel_scene_region_find(reader, pel_scene_value_entry(value, "at"), model->bodies[load->body].mesh, &region);
+    load->vertices = region.vertices;
+    load->vertex_count = region.vertices != NULL ? region.count : 0;
+    load->weights = region.weights;
+    return status;
+}
+
+static pel_status read_loads(pel_scene_reader *reader, const pel_scene_value *list, pel_scene *scene)
+{
+    pel_load_def *loads = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *loads);
+    if (loads == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = pel_scene_check_names(reader, list);
+    int32_t count = 0;
+    for (pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
+        status = read_load(reader, value, &scene->model, &loads[count++]);
+    scene->sim.loads = loads;
+    scene->sim.load_count = count;
+    return status;
+}
+
+static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *list, pel_tool_def *tool)
+{
+    int32_t count = 0;
+    pel_pose_key *keys = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *keys);
+    if (keys == NULL)
+        return pel_fail_memory(reader->error);
+    for (const pel_scene_value *value = list->first; value != NULL; value = value->next) {
+        pel_pose_key *key = &keys[count++];
+        key->time = pel_scene_value_number(value, "time");
+        pel_scene_value_numbers(pel_scene_value_entry(value, "position"), key->position);
+        pel_status status = pel_scene_rotation(reader, pel_scene_value_entry(value, "rotation"), key->rotation);
+        if (status != PEL_OK)
+            return status;
+        if (count > 1 && !(key->time > key[-1].time)) {
+            pel_scene_fail(reader, &value->place, "the times of the poses do not increase: %g after %g", key->time,
+                           key[-1].time);
+            pel_fail_remedy(reader->error, "give each pose a later time than the one before");
+            return PEL_BAD_SCENE;
+        }
+    }
+    tool->keys = keys;
+    tool->key_count = count;
+    return PEL_OK;
+}
+
+static void read_shape(const pel_scene_value *value, pel_tool_def *tool)
+{
+    /* in the order of the words in the table */
+    static const pel_tool_shape shapes[] = {PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_BOX};
+    tool->shape = shapes[pel_scene_value_integer(value, "shape")];
+    if (tool->shape == PEL_TOOL_BOX) {
+        pel_scene_value_numbers(pel_scene_value_entry(value, "size"), tool->half_extents);
+        for (int i = 0; i < 3; i++)
+            tool->half_extents[i] /= 2;
+        return;
+    }
+    tool->radius = pel_scene_value_number(value, "radius");
+    if (tool->shape == PEL_TOOL_CAPSULE)
+        tool->half_length = pel_scene_value_number(value, "length") / 2;
+}
+
+static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *value, const pel_model_def *model,
+                            pel_tool_def *tool)
+{
+    const pel_scene_value *body = pel_scene_value_entry(value, "body"), *grasp = pel_scene_value_entry(value, "grasp");
+    *tool = pel_tool_def_default();
+    tool->name = pel_scene_value_entry(value, "name")->text;
+    tool->press = pel_scene_value_boolean(value, "press");
+    tool->grasp = grasp != NULL;
+    read_shape(value, tool);
+    pel_status status = PEL_OK;
+    if (body != NULL)
+        status = find_body(reader, body, model, &tool->body);
+    if (status == PEL_OK && grasp != NULL) {
+        tool->reach = pel_scene_value_number(grasp, "reach");
+        status = read_times(reader, grasp, &tool->grasp_from, &tool->grasp_until);
+    }
+    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), tool) : status;
+}
+
+static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *list, pel_scene *scene)
+{
+    pel_tool_def *tools = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *tools);
+    if (tools == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = pel_scene_check_names(reader, list);
+    int32_t count = 0;
+    for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
+        status = read_tool(reader, value, &scene->model, &tools[count++]);
+    scene->sim.tools = tools;
+    scene->sim.tool_count = count;
+    return status;
+}
+
+static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
+{
+    /* in the order of the words in the table */
+    static const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT};
+    const pel_scene_value *alpha = pel_scene_value_entry(value, "alpha");
+    sim->solver.method = methods[pel_scene_value_integer(value, "method")];
+    sim->solver.dt = pel_scene_value_number(value, "dt");
+    sim->solver.alpha = alpha->form == PEL_FORM_NUMBER ? alpha->number : 0;
+    sim->solver.keep_velocity = pel_scene_value_integer(value, "velocity") == 1;
+    sim->solver.symplectic = pel_scene_value_integer(value, "integrator") == 0;
+    sim->thread_count = pel_scene_value_integer(value, "threads");
+}
+
+/* a field that every run has, or one of a mesh */
+static pel_status check_field(pel_scene_reader *reader, const pel_scene_value *field, const pel_model_def *model)
+{
+    const char *names[MOST_NAMES] = {"displacement", "velocity", "force", "energy", "contact"};
+    size_t count = 5;
+    for (int32_t b = 0; b < model->body_count; b++)
+        for (int32_t f = 0; f < model->bodies[b].mesh->field_count; f++)
+            if (count < MOST_NAMES)
+                names[count++] = model->bodies[b].mesh->fields[f].name;
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(names[i], field->text) == 0)
+            return PEL_OK;
+    return pel_scene_fail_name(reader, &field->place, "field", field->text, names, count);
+}
+
+static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *value, pel_scene *scene)
+{
+    pel_output_def *output = &scene->output;
+    const pel_scene_value *every = pel_scene_value_entry(value, "every");
+    const pel_scene_value *list = pel_scene_value_entry(value, "fields");
+    output->every = every != NULL ? every->number : 0;
+    output->every_frame = every != NULL ? 1 : pel_scene_value_integer(value, "every_frame");
+    output->checkpoint = pel_scene_value_number(value, "checkpoint");
+    output->compress = pel_scene_value_boolean(value, "compress");
+    output->float64 = pel_scene_value_integer(value, "precision") == 1;
+    const char **fields = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *fields);
+    if (fields == NULL)
+        return pel_fail_memory(reader->error);
+    output->fields = fields;
+    for (const pel_scene_value *field = list->first; field != NULL; field = field->next) {
+        pel_status status = check_field(reader, field, &scene->model);
+        if (status != PEL_OK)
+            return status;
+        fields[output->field_count++] = field->text;
+    }
+    return PEL_OK;
+}
+
+pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+{
+    const pel_scene_value *title = pel_scene_value_entry(root, "title");
+    scene->title = title != NULL ? title->text : "";
+    scene->duration = pel_scene_value_number(root, "duration");
+    const pel_scene_value *at_rest = pel_scene_value_at(root, "stop.at_rest");
+    scene->rest_speed = at_rest != NULL ? at_rest->number : 0;
+    scene->sim = pel_sim_def_default();
+    read_solver(pel_scene_value_entry(root, "solver"), &scene->sim);
+    pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
+    if (status == PEL_OK)
+        status = read_tools(reader, pel_scene_value_entry(root, "tools"), scene);
+    return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;
+}

@@ -1,0 +1,148 @@
+#define _XOPEN_SOURCE 700 /* realpath */
+#include "scene/mesh.h"
+
+#include "math/vec3.h"
+#include "pellicle/mesh_io.h"
+#include "pellicle/shape.h"
+#include "scene/check.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_NAMES = 64 };
+
+static const double pi = 3.14159265358979323846;
+
+/* puts a failure of the library at the place in the scene that led to it */
+static pel_status fail_at(pel_scene_reader *reader, const pel_scene_place *place)
+{
+    pel_fail_place(reader->error, place->source, place->line, place->column);
+    return reader->error->status;
+}
+
+static pel_status create_shape(pel_scene_reader *reader, const pel_scene_value *value, pel_mesh **mesh)
+{
+    const pel_scene_value *name = pel_scene_value_entry(value, "shape");
+    pel_shape_def def;
+    pel_status status = pel_shape_def_of_name(name->text, &def, reader->error);
+    const pel_shape_info *info = pel_shape_info_of(def.kind);
+    for (int32_t i = 0; status == PEL_OK && i < info->parameter_count; i++) {
+        const char *key = info->parameters[i].name;
+        status = pel_shape_set_number(&def, key, pel_scene_value_number(value, key), reader->error);
+    }
+    if (status == PEL_OK)
+        status = pel_shape_create(&def, mesh, reader->error);
+    return status == PEL_OK ? PEL_OK : fail_at(reader, &name->place);
+}
+
+/* makes the path in the tree absolute; the file must exist */
+static pel_status resolve_path(pel_scene_reader *reader, pel_scene_value *file, const char *folder)
+{
+    char joined[PATH_MAX], absolute[PATH_MAX];
+    int length = file->text[0] == '/' ? snprintf(joined, sizeof joined, "%s", file->text)
+                                      : snprintf(joined, sizeof joined, "%s/%s", folder, file->text);
+    errno = ENAMETOOLONG;
+    if (length >= (int)sizeof joined || realpath(joined, absolute) == NULL) {
+        const char *why = strerror(errno);
+        pel_fail(reader->error, PEL_BAD_FILE, "cannot open the mesh '%.150s': %s", file->text, why);
+        pel_fail_remedy(reader->error, "check the path; relative ones start at the folder of the scene, %.150s",
+                        folder);
+        return fail_at(reader, &file->place);
+    }
+    file->text = pel_arena_text(reader->arena, absolute, strlen(absolute));
+    return file->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
+}
+
+static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh)
+{
+    /* in the order of the words in the table */
+    static const pel_mesh_format formats[] = {PEL_FORMAT_AUTO, PEL_FORMAT_OBJ, PEL_FORMAT_PLY, PEL_FORMAT_STL,
+                                              PEL_FORMAT_OFF};
+    pel_scene_value *file = pel_scene_value_entry(value, "file");
+    pel_status status = resolve_path(reader, file, folder);
+    if (status != PEL_OK)
+        return status;
+    pel_mesh_format format = formats[pel_scene_value_integer(value, "format")];
+    status = pel_mesh_read(file->text, format, reader->log, mesh, reader->error);
+    /* what is wrong inside the file has its own place there */
+    return status == PEL_BAD_FILE ? fail_at(reader, &file->place) : status;
+}
+
+pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4])
+{
+    static const double none[4] = {0, 0, 0, 1};
+    memcpy(rotation, none, sizeof none);
+    if (value == NULL)
+        return PEL_OK;
+    const pel_scene_value *axis_value = pel_scene_value_entry(value, "axis");
+    double axis[3], largest = 0;
+    pel_scene_value_numbers(axis_value, axis);
+    for (int i = 0; i < 3; i++)
+        largest = fmax(largest, fabs(axis[i]));
+    if (!(largest > 0)) {
+        pel_scene_fail(reader, &axis_value->place, "the axis of rotation has no length");
+        pel_fail_remedy(reader->error, "give a direction such as [0, 0, 1]");
+        return PEL_BAD_SCENE;
+    }
+    for (int i = 0; i < 3; i++)
+        axis[i] /= largest;
+    pel_vec3_normalize(axis);
+    double half_angle = fmod(pel_scene_value_number(value, "angle"), 720) * pi / 360;
+    pel_vec3_scale(axis, sin(half_angle), rotation);
+    rotation[3] = cos(half_angle);
+    return PEL_OK;
+}
+
+static pel_status move_mesh(pel_scene_reader *reader, const pel_scene_value *value, pel_mesh *mesh)
+{
+    pel_transform transform = pel_transform_default();
+    const pel_scene_value *scale = pel_scene_value_entry(value, "scale");
+    pel_status status = pel_scene_rotation(reader, pel_scene_value_entry(value, "rotate"), transform.rotation);
+    if (status != PEL_OK)
+        return status;
+    pel_scene_value_numbers(pel_scene_value_entry(value, "translate"), transform.translation);
+    if (scale->form == PEL_FORM_VECTOR)
+        pel_scene_value_numbers(scale, transform.scale);
+    else
+        pel_vec3_set(transform.scale, scale->number, scale->number, scale->number);
+    status = pel_mesh_transform(mesh, &transform, reader->error);
+    return status == PEL_BAD_ARGUMENT ? fail_at(reader, &value->place) : status;
+}
+
+pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh)
+{
+    *mesh = NULL;
+    pel_status status = pel_scene_value_entry(value, "shape") != NULL ? create_shape(reader, value, mesh)
+                                                                      : read_file(reader, value, folder, mesh);
+    if (status == PEL_OK)
+        status = move_mesh(reader, value, *mesh);
+    if (status == PEL_OK)
+        return PEL_OK;
+    pel_mesh_destroy(*mesh);
+    *mesh = NULL;
+    return status;
+}
+
+static pel_status fail_field(pel_scene_reader *reader, const pel_scene_value *name, const pel_mesh *mesh)
+{
+    const char *names[MOST_NAMES];
+    size_t count = 0;
+    for (int32_t f = 0; f < mesh->field_count && count < MOST_NAMES; f++)
+        if (mesh->fields[f].component_count == 1)
+            names[count++] = mesh->fields[f].name;
+    return pel_scene_fail_name(reader, &name->place, "scalar field of the mesh", name->text, names, count);
+}
+
+pel_status pel_scene_field(pel_scene_reader *reader, const pel_scene_value *name, const pel_mesh *mesh,
+                           const double **values)
+{
+    const pel_field *field = pel_mesh_field(mesh, name->text);
+    if (field == NULL || field->component_count != 1)
+        return fail_field(reader, name, mesh);
+    *values = field->values;
+    return PEL_OK;
+}

@@ -1,0 +1,20 @@
+/* The meshes of a scene: shapes and files, moved into place. */
+#ifndef PEL_SCENE_MESH_H
+#define PEL_SCENE_MESH_H
+
+#include "scene/value.h"
+
+#include "pellicle/mesh.h"
+
+/* Makes the mesh that the map `value` describes; a relative path starts at folder and becomes an absolute one in the
+   tree. Free with pel_mesh_destroy; null on failure. */
+pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh);
+
+/* The scalar field of that name; PEL_BAD_SCENE at `name` with the nearest one when there is none. */
+pel_status pel_scene_field(pel_scene_reader *reader, const pel_scene_value *name, const pel_mesh *mesh,
+                           const double **values);
+
+/* The rotation { axis, angle } as a quaternion x, y, z, w; null is none. */
+pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4]);
+
+#endif

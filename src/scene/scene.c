@@ -1,0 +1,150 @@
+/* Reading a scene: YAML -> tree -> overrides -> checked against the table -> meshes and defs. */
+#include "pellicle/scene.h"
+
+#include "base/memory.h"
+#include "io/file.h"
+#include "scene/build.h"
+#include "scene/check.h"
+#include "scene/override.h"
+#include "scene/print.h"
+#include "scene/yaml.h"
+
+#include <string.h>
+
+/* everything that a scene owns */
+typedef struct scene_storage {
+    pel_arena arena;
+    pel_mesh **meshes; /* (mesh_count) */
+    int32_t mesh_count;
+    const char *text; /* resolved */
+} scene_storage;
+
+/* what a scene is read from */
+typedef struct scene_source {
+    const char *path, *text;
+    size_t size;
+    const char *const *overrides;
+    int32_t override_count;
+} scene_source;
+
+void pel_scene_destroy(pel_scene *scene)
+{
+    if (scene == NULL)
+        return;
+    scene_storage *storage = scene->inner;
+    for (int32_t b = 0; storage != NULL && b < storage->mesh_count; b++)
+        pel_mesh_destroy(storage->meshes[b]);
+    if (storage != NULL)
+        pel_arena_free(&storage->arena);
+    pel_free(storage);
+    pel_free(scene);
+}
+
+static pel_scene *create_scene(void)
+{
+    pel_scene *scene = pel_allocate(1, sizeof *scene);
+    if (scene == NULL)
+        return NULL;
+    scene->inner = pel_allocate(1, sizeof(scene_storage));
+    if (scene->inner != NULL)
+        return scene;
+    pel_free(scene);
+    return NULL;
+}
+
+/* the folder of a path, "." when it has none; null when out of memory */
+static const char *folder_of(pel_arena *arena, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    if (slash == NULL)
+        return ".";
+    return pel_arena_text(arena, path, slash == path ? 1 : (size_t)(slash - path));
+}
+
+/* YAML, overrides and check; null with the error filled on failure */
+static pel_scene_value *read_tree(pel_scene_reader *reader, const scene_source *source, const char *path)
+{
+    pel_scene_value *root = pel_scene_yaml_parse(reader, path, source->text, source->size, true);
+    if (root == NULL)
+        return NULL;
+    for (int32_t i = 0; root->kind == PEL_SCENE_MAP && i < source->override_count; i++)
+        if (pel_scene_override(reader, root, source->overrides[i]) != PEL_OK)
+            return NULL;
+    return pel_scene_check(reader, root) == PEL_OK ? root : NULL;
+}
+
+static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const char *folder, pel_scene *scene)
+{
+    scene_storage *storage = scene->inner;
+    int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
+    storage->meshes = pel_arena_take(reader->arena, (size_t)body_count, sizeof(pel_mesh *));
+    if (storage->meshes == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
+    if (status == PEL_OK)
+        status = pel_scene_build_sim(reader, root, scene);
+    if (status != PEL_OK)
+        return status;
+    /* names that were left out are in the tree now: put them into order */
+    status = pel_scene_check(reader, root);
+    if (status != PEL_OK)
+        return status;
+    storage->text = pel_scene_print(reader, root);
+    return storage->text != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+static pel_status fill_scene(pel_scene *scene, const scene_source *source, const pel_log *log, pel_error *error)
+{
+    pel_arena *arena = &((scene_storage *)scene->inner)->arena;
+    pel_scene_reader reader = {arena, pel_scene_table_create(arena), log, error};
+    const char *folder = folder_of(arena, source->path);
+    scene->path = pel_arena_text(arena, source->path, strlen(source->path));
+    if (reader.table == NULL || folder == NULL || scene->path == NULL)
+        return pel_fail_memory(error);
+    pel_scene_value *root = read_tree(&reader, source, scene->path);
+    return root != NULL ? build(&reader, root, folder, scene) : error->status;
+}
+
+static pel_status create(const scene_source *source, const pel_log *log, pel_scene **scene, pel_error *error)
+{
+    *scene = create_scene();
+    if (*scene == NULL)
+        return pel_fail_memory(error);
+    /* the parts below rely on an error being there */
+    pel_error inner_error = {0};
+    pel_status status = fill_scene(*scene, source, log, &inner_error);
+    if (status == PEL_OK)
+        return PEL_OK;
+    if (error != NULL)
+        *error = inner_error;
+    pel_scene_destroy(*scene);
+    *scene = NULL;
+    return status;
+}
+
+pel_status pel_scene_parse(const char *path, const char *text, size_t size, const char *const *overrides,
+                           int32_t override_count, const pel_log *log, pel_scene **scene, pel_error *error)
+{
+    scene_source source = {path, text, size, overrides, override_count};
+    return create(&source, log, scene, error);
+}
+
+pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count, const pel_log *log,
+                          pel_scene **scene, pel_error *error)
+{
+    char *text;
+    size_t size;
+    *scene = NULL;
+    pel_status status = pel_file_read(path, &text, &size, error);
+    if (status != PEL_OK)
+        return status;
+    scene_source source = {path, text, size, overrides, override_count};
+    status = create(&source, log, scene, error);
+    pel_free(text);
+    return status;
+}
+
+const char *pel_scene_text(const pel_scene *scene)
+{
+    return ((const scene_storage *)scene->inner)->text;
+}

@@ -1,0 +1,15 @@
+/* The parameters of the generated shapes (pellicle/shape.h) as rows of the scene table. */
+#ifndef PEL_SCENE_SHAPE_ROWS_H
+#define PEL_SCENE_SHAPE_ROWS_H
+
+#include "scene/table.h"
+
+/* names of all shapes, null-terminated; null when out of memory */
+const char *const *pel_scene_shape_words(pel_arena *arena);
+/* number of parameters of all shapes together */
+size_t pel_scene_shape_row_count(void);
+/* Writes pel_scene_shape_row_count() rows `prefix.parameter` that need `shape: NAME` beside them. False when out of
+   memory. */
+bool pel_scene_shape_rows(pel_arena *arena, const char *prefix, pel_scene_row *rows);
+
+#endif

@@ -1,0 +1,300 @@
+#include "scene/table.h"
+
+#include "scene/shape_rows.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define NUMBER .forms = PEL_FORM_NUMBER
+#define INTEGER .forms = PEL_FORM_INTEGER
+#define BOOLEAN .forms = PEL_FORM_BOOLEAN
+#define TEXT .forms = PEL_FORM_TEXT
+#define VECTOR .forms = PEL_FORM_VECTOR
+#define LIST .forms = PEL_FORM_LIST
+#define MAP .forms = PEL_FORM_MAP
+#define WORDS(...)                                                                                                     \
+    .words = (const char *const[])                                                                                     \
+    {                                                                                                                  \
+        __VA_ARGS__, NULL                                                                                              \
+    }
+#define LATER(...)                                                                                                     \
+    .later = (const char *const[])                                                                                     \
+    {                                                                                                                  \
+        __VA_ARGS__, NULL                                                                                              \
+    }
+#define WORD(...) .forms = PEL_FORM_WORD, WORDS(__VA_ARGS__)
+#define NUMBER_OR(...) .forms = PEL_FORM_NUMBER | PEL_FORM_WORD, WORDS(__VA_ARGS__)
+/* a number, over the body or over time */
+#define QUANTITY .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<quantity>"
+#define REGION .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS("all"), .like = "<region>"
+
+#define POSITIVE .range = {true, true, 0, INFINITY}
+#define AT_LEAST(least) .range = {true, false, least, INFINITY}
+#define BETWEEN(least, most) .range = {true, false, least, most}
+#define COUNT_FROM(least) BETWEEN(least, INT32_MAX)
+
+#define NAME TEXT, .unit = "letters", BETWEEN(1, PEL_NAME_SIZE - 1)
+
+#define REQUIRED .required = true
+#define ALTERNATIVE .alternative = true
+
+/* in the order of the reference page and of resolved scenes */
+static const pel_scene_row rows[] = {
+    {"version", INTEGER, BETWEEN(1, 1), REQUIRED, .doc = "version of the scene format"},
+    {"title", TEXT, .doc = "what the scene shows, for reports"},
+
+    {"bodies", LIST, COUNT_FROM(1), REQUIRED, .doc = "the surfaces that deform"},
+    {"bodies[]", MAP, .doc = "one body"},
+    {"bodies[].name", NAME, .preset = "body#", .doc = "name in outputs, loads and tools"},
+    {"bodies[].mesh", MAP, REQUIRED, .doc = "the surface at rest, in metres once scaled: a shape or a file"},
+    {"bodies[].mesh.shape", .forms = PEL_FORM_WORD, ALTERNATIVE,
+     .doc = "a generated surface; its parameters stand beside it"},
+    {"bodies[].mesh.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
+    {"bodies[].mesh.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
+     .doc = "format of the file; auto looks at content and extension"},
+    {"bodies[].mesh.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
+     .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); done first"},
+    {"bodies[].mesh.rotate", MAP, .doc = "turns the mesh about the origin; done second"},
+    {"bodies[].mesh.rotate.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
+    {"bodies[].mesh.rotate.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},
+    {"bodies[].mesh.translate", VECTOR, .unit = "m", .preset = "[0, 0, 0]", .doc = "shift; done last"},
+    {"bodies[].mass", MAP, .preset = "{}", .doc = "mass of the vertices, given in one of three ways"},
+    {"bodies[].mass.per_vertex", NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, .preset = "1",
+     .doc = "mass of each vertex (paper A: 1)"},
+    {"bodies[].mass.total", NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE,
+     .doc = "mass of the body, spread evenly over its vertices"},
+    {"bodies[].mass.density", NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE,
+     .doc = "density of the material; needs the thickness"},
+    {"bodies[].mass.thickness", .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<field>", .unit = "m", POSITIVE,
+     .needs = "density", REQUIRED, .doc = "thickness of the shell"},
+    {"bodies[].springs", MAP, .preset = "{}", .doc = "structural springs on the edges (paper A, eq. A-3)"},
+    {"bodies[].springs.stiffness", QUANTITY, .unit = "N/m", AT_LEAST(0), .preset = "3",
+     .doc = "stiffness k of each edge"},
+    {"bodies[].springs.damping", QUANTITY, .unit = "N s/m", AT_LEAST(0), .preset = "0.5",
+     .doc = "damping d of each vertex (eq. A-2)"},
+    {"bodies[].volumetric", MAP,
+     .doc = "virtual volumetric springs that draw each vertex home (paper A, eq. A-4); leave out for none"},
+    {"bodies[].volumetric.stiffness", QUANTITY, .unit = "N/m", AT_LEAST(0), .preset = "1.5",
+     .doc = "stiffness k' of each vertex"},
+    {"bodies[].volumetric.damping", QUANTITY, .unit = "N s/m", AT_LEAST(0), .preset = "0.5",
+     .doc = "damping d' of each vertex"},
+    {"bodies[].scale_with_area", BOOLEAN, .preset = "false",
+     .doc = "volumetric springs and damping grow with the area of a vertex, so that finer meshes behave alike"},
+    {"bodies[].reference_count", INTEGER, COUNT_FROM(1), .preset = "252",
+     .doc = "with scale_with_area: the numbers are those of a vertex with this fraction of the area (paper A: 252)"},
+    {"bodies[].pinned", REGION, .doc = "vertices that never move; leave out for none"},
+
+    {"gravity", VECTOR, .unit = "m/s2", .preset = "[0, 0, 0]", .doc = "acceleration of all bodies"},
+
+    {"loads", LIST, .preset = "[]", .doc = "forces on vertices during some time"},
+    {"loads[]", MAP, .doc = "one load"},
+    {"loads[].name", NAME, .preset = "load#", .doc = "name in messages and setters"},
+    {"loads[].body", TEXT, .doc = "name of the body; may be left out when there is one"},
+    {"loads[].force", VECTOR, .unit = "N", REQUIRED, .doc = "the force"},
+    {"loads[].at", REGION, .preset = "all", .doc = "the vertices that it acts on"},
+    {"loads[].per", WORD("total", "vertex"), .preset = "total",
+     .doc = "total: the force is shared out over the vertices; vertex: each of them feels it"},
+    {"loads[].from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "acts from this time on"},
+    {"loads[].until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "acts up to this time"},
+    {"loads[].keys", LIST, COUNT_FROM(1), .doc = "factor on the force over time, linear between the keys"},
+    {"loads[].keys[]", .forms = PEL_FORM_KEY, .doc = "time [s] and factor"},
+
+    {"tools", LIST, .preset = "[]", .doc = "rigid instruments that press and grasp; each reports the force it feels"},
+    {"tools[]", MAP, .doc = "one tool"},
+    {"tools[].name", NAME, .preset = "tool#", .doc = "name in outputs"},
+    {"tools[].shape", WORD("sphere", "capsule", "box"), ALTERNATIVE, .doc = "form of the tool; its sizes stand beside"},
+    {"tools[].radius", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "sphere", REQUIRED,
+     .doc = "radius of the sphere"},
+    {"tools[].radius", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "capsule", REQUIRED,
+     .doc = "radius of the capsule"},
+    {"tools[].length", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "capsule", REQUIRED,
+     .doc = "distance of the centres of the caps, along the tool's z axis"},
+    {"tools[].size", VECTOR, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "box", REQUIRED,
+     .doc = "full lengths of the box along the tool's axes"},
+    {"tools[].body", TEXT, .doc = "name of the only body that it acts on; leave out for all"},
+    {"tools[].press", BOOLEAN, .preset = "true", .doc = "keeps the body out of the tool"},
+    {"tools[].grasp", MAP, .doc = "holds the vertices near its surface for a while; leave out for never"},
+    {"tools[].grasp.from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "closes at this time"},
+    {"tools[].grasp.until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "opens at this time"},
+    {"tools[].grasp.reach", NUMBER, .unit = "m", POSITIVE, REQUIRED,
+     .doc = "holds the vertices that are this near to its surface when it closes"},
+    {"tools[].motion", LIST, COUNT_FROM(1), REQUIRED,
+     .doc = "poses over time, linear between the keys; one key for a tool that stands still"},
+    {"tools[].motion[]", MAP, .doc = "one pose"},
+    {"tools[].motion[].time", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "time of the pose"},
+    {"tools[].motion[].position", VECTOR, .unit = "m", REQUIRED, .doc = "centre of the tool"},
+    {"tools[].motion[].rotation", MAP, .doc = "turns the tool about its centre; leave out for none"},
+    {"tools[].motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
+    {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},
+
+    {"solver", MAP, .preset = "{}", .doc = "how the equations are stepped"},
+    {"solver.method", WORD("quasi-static", "explicit"), LATER("pbd", "xpbd", "descent"), .preset = "quasi-static",
+     .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F"},
+    {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
+    {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
+     .doc = "quasi-static: how far a step goes; auto takes a value that is safe for the mesh"},
+    {"solver.velocity", WORD("ignore", "keep"), .preset = "ignore",
+     .doc = "quasi-static: ignore takes F(x, 0), damping has no effect; keep takes F(x, v) with the last step's v"},
+    {"solver.integrator", WORD("symplectic", "forward"), .preset = "symplectic",
+     .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
+    {"solver.threads", INTEGER, COUNT_FROM(0), .preset = "0",
+     .doc = "threads of a step, 0 for as many as the machine has; the results do not depend on it"},
+
+    {"duration", NUMBER, .unit = "s", POSITIVE, REQUIRED, .doc = "simulated time"},
+    {"stop", MAP, .doc = "what ends a run before its duration; leave out for nothing"},
+    {"stop.at_rest", NUMBER, .unit = "m/s", POSITIVE,
+     .doc = "ends the run once loads and tools are done and no vertex is faster"},
+
+    {"output", MAP, .preset = "{}", .doc = "what the run leaves in its folder"},
+    {"output.every", NUMBER, .unit = "s", POSITIVE, ALTERNATIVE, .preset = "0.1",
+     .doc = "simulated time between frames"},
+    {"output.every_frame", INTEGER, COUNT_FROM(1), ALTERNATIVE, .doc = "steps between frames"},
+    {"output.fields", LIST, .preset = "[\"displacement\", \"force\"]",
+     .doc = "vertex fields of the frames: displacement, velocity, force, energy, contact or a field of a mesh"},
+    {"output.fields[]", NAME, .doc = "name of a field"},
+    {"output.compress", BOOLEAN, .preset = "true", .doc = "compresses the .vtp files"},
+    {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},
+    {"output.checkpoint", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
+     .doc = "simulated time between checkpoints; 0 keeps only the last good one when a run fails or is stopped"},
+
+    {"<quantity>", MAP, .doc = "a number that varies over the body or over time"},
+    {"<quantity>.field", TEXT, ALTERNATIVE, .doc = "vertex field of the mesh that gives the number at each vertex"},
+    {"<quantity>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field",
+     .doc = "numbers at the field values 0 and 1, linear between and beyond; left out: the field's own values"},
+    {"<quantity>.keys", LIST, COUNT_FROM(1), ALTERNATIVE, .scoped = true,
+     .doc = "numbers over time, linear between the keys"},
+    {"<quantity>.keys[]", .forms = PEL_FORM_KEY, .scoped = true, .doc = "time [s] and number"},
+
+    {"<field>", MAP, .doc = "a number that varies over the body"},
+    {"<field>.field", TEXT, ALTERNATIVE, .doc = "vertex field of the mesh that gives the number at each vertex"},
+    {"<field>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field",
+     .doc = "numbers at the field values 0 and 1, linear between and beyond; left out: the field's own values"},
+
+    {"<region>", MAP, .doc = "some vertices of a body at rest; `all` is all of them"},
+    {"<region>.sphere", MAP, ALTERNATIVE, .doc = "the vertices inside a sphere"},
+    {"<region>.sphere.center", VECTOR, .unit = "m", REQUIRED, .doc = "centre of the sphere"},
+    {"<region>.sphere.radius", NUMBER, .unit = "m", POSITIVE, REQUIRED, .doc = "radius of the sphere"},
+    {"<region>.falloff", NUMBER, .unit = "m", AT_LEAST(0), .needs = "sphere", .preset = "0",
+     .doc = "width beyond the radius over which the weight falls smoothly from 1 to 0 (loads)"},
+    {"<region>.box", MAP, ALTERNATIVE, .doc = "the vertices inside a box along the axes"},
+    {"<region>.box.min", VECTOR, .unit = "m", REQUIRED, .doc = "lowest corner"},
+    {"<region>.box.max", VECTOR, .unit = "m", REQUIRED, .doc = "highest corner"},
+    {"<region>.vertices", LIST, COUNT_FROM(1), ALTERNATIVE, .doc = "the vertices of these numbers"},
+    {"<region>.vertices[]", INTEGER, COUNT_FROM(0), .doc = "number of a vertex, from 0"},
+    {"<region>.field", TEXT, ALTERNATIVE, .doc = "the vertices where this field of the mesh is above a number"},
+    {"<region>.above", NUMBER, .needs = "field", .preset = "0.5", .doc = "the number"},
+    {"<region>.nearest", VECTOR, .unit = "m", ALTERNATIVE, .doc = "the one vertex nearest to this point"},
+};
+
+enum { ROW_COUNT = sizeof rows / sizeof rows[0] };
+
+const pel_scene_table *pel_scene_table_create(pel_arena *arena)
+{
+    size_t shape_row_count = pel_scene_shape_row_count();
+    pel_scene_table *table = pel_arena_take(arena, 1, sizeof *table);
+    pel_scene_row *all = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *all);
+    if (table == NULL || all == NULL)
+        return NULL;
+    size_t count = 0;
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        all[count++] = rows[i];
+        if (strcmp(rows[i].path, "bodies[].mesh.shape") != 0)
+            continue;
+        all[count - 1].words = pel_scene_shape_words(arena);
+        if (all[count - 1].words == NULL || !pel_scene_shape_rows(arena, "bodies[].mesh", all + count))
+            return NULL;
+        count += shape_row_count;
+    }
+    *table = (pel_scene_table){all, count};
+    return table;
+}
+
+const char *pel_scene_row_prefix(const pel_scene_row *row)
+{
+    if (row == NULL)
+        return "";
+    return row->like != NULL ? row->like : row->path;
+}
+
+const char *pel_scene_row_name(const pel_scene_row *row, const char *prefix)
+{
+    size_t length = strlen(prefix);
+    if (strncmp(row->path, prefix, length) != 0)
+        return NULL;
+    const char *name = row->path + length;
+    if (strcmp(name, "[]") == 0 && length > 0)
+        return name;
+    if (length > 0 && *name++ != '.')
+        return NULL;
+    return *name != '<' && name[strcspn(name, ".[")] == '\0' ? name : NULL;
+}
+
+const pel_scene_row *pel_scene_row_next(const pel_scene_table *table, const char *prefix, const pel_scene_row *row)
+{
+    const pel_scene_row *end = table->rows + table->row_count;
+    for (row = row == NULL ? table->rows : row + 1; row < end; row++)
+        if (pel_scene_row_name(row, prefix) != NULL)
+            return row;
+    return NULL;
+}
+
+const pel_scene_row *pel_scene_row_find(const pel_scene_table *table, const char *prefix, const char *name)
+{
+    const pel_scene_row *row = pel_scene_row_next(table, prefix, NULL);
+    while (row != NULL && strcmp(pel_scene_row_name(row, prefix), name) != 0)
+        row = pel_scene_row_next(table, prefix, row);
+    return row;
+}
+
+/* appends to text with " or " before all but the first */
+static void add_form(char *text, size_t size, const char *form)
+{
+    size_t length = strlen(text);
+    snprintf(text + length, size - length, "%s%s", length > 0 ? " or " : "", form);
+}
+
+const char *pel_scene_form_text(const pel_scene_row *row, char *text, size_t size)
+{
+    static const struct {
+        unsigned form;
+        const char *text;
+    } forms[] = {
+        {PEL_FORM_NUMBER, "number"},
+        {PEL_FORM_INTEGER, "whole number"},
+        {PEL_FORM_BOOLEAN, "true or false"},
+        {PEL_FORM_TEXT, "text"},
+        {PEL_FORM_PAIR, "[number, number]"},
+        {PEL_FORM_KEY, "[time, value]"},
+        {PEL_FORM_VECTOR, "vector [x, y, z]"},
+        {PEL_FORM_LIST, "list"},
+        {PEL_FORM_MAP, "map"},
+    };
+    text[0] = '\0';
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++)
+        if ((row->forms & forms[i].form) != 0)
+            add_form(text, size, forms[i].text);
+    for (size_t i = 0; (row->forms & PEL_FORM_WORD) != 0 && row->words[i] != NULL; i++)
+        add_form(text, size, row->words[i]);
+    return text;
+}
+
+const char *pel_scene_range_text(pel_scene_range range, char *text, size_t size)
+{
+    if (!range.given)
+        text[0] = '\0';
+    else if (range.least == range.most)
+        snprintf(text, size, "%g", range.least);
+    else if (range.most < INT32_MAX)
+        snprintf(text, size, "%s%g to %g", range.open ? "above " : "", range.least, range.most);
+    else
+        snprintf(text, size, "%s %g", range.open ? ">" : ">=", range.least);
+    return text;
+}
+
+bool pel_scene_range_has(pel_scene_range range, double number)
+{
+    if (!range.given)
+        return true;
+    return (range.open ? number > range.least : number >= range.least) && number <= range.most;
+}

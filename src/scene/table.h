@@ -1,0 +1,69 @@
+/* The one table of everything that a scene may say. It yields the checker, the defaults, the JSON Schema, the reference
+   page, the parameter paths and what --set accepts. */
+#ifndef PEL_SCENE_TABLE_H
+#define PEL_SCENE_TABLE_H
+
+#include "base/status.h"
+#include "scene/arena.h"
+
+/* What a value may look like; a row allows one form or several. */
+typedef enum pel_scene_form {
+    PEL_FORM_NUMBER = 1,
+    PEL_FORM_INTEGER = 2,
+    PEL_FORM_BOOLEAN = 4,
+    PEL_FORM_WORD = 8,     /* one of the row's words */
+    PEL_FORM_TEXT = 16,    /* any other text that is not empty */
+    PEL_FORM_PAIR = 32,    /* [number, number] */
+    PEL_FORM_KEY = 64,     /* [time, value]; times are not below 0, the range is that of the value */
+    PEL_FORM_VECTOR = 128, /* [x, y, z] */
+    PEL_FORM_LIST = 256,   /* elements as the row `path[]` says; the range is that of their number */
+    PEL_FORM_MAP = 512     /* entries as the rows `path.name` say */
+} pel_scene_form;
+
+typedef struct pel_scene_range {
+    bool given;
+    bool open; /* `least` itself is not allowed */
+    double least, most;
+} pel_scene_range;
+
+typedef struct pel_scene_row {
+    const char *path; /* "bodies[].springs.stiffness"; [] is any element; <name> begins what several rows share */
+    unsigned forms;
+    const char *unit; /* null = none */
+    pel_scene_range range;
+    const char *preset;       /* value when left out, as YAML; # is the element's number from 1; null = nothing */
+    bool required;            /* an error when left out */
+    bool alternative;         /* exactly one of the alternatives of a map is given */
+    bool scoped;              /* unit and range are those of the row that is `like` this group */
+    const char *needs;        /* allowed (and required, filled in) only beside this key ... */
+    const char *needs_word;   /* ... with this value; null = any */
+    const char *like;         /* the entries are those of this group, "<region>" */
+    const char *const *words; /* null-terminated */
+    const char *const *later; /* words that will come in another version; nullable */
+    const char *doc;          /* one sentence without full stop */
+} pel_scene_row;
+
+typedef struct pel_scene_table {
+    const pel_scene_row *rows;
+    size_t row_count;
+} pel_scene_table;
+
+/* the rows of the program plus the parameters of every shape of pellicle/shape.h; null when out of memory */
+const pel_scene_table *pel_scene_table_create(pel_arena *arena);
+
+/* what the children's paths begin with: the group of a row that has one, its own path otherwise; "" for the root */
+const char *pel_scene_row_prefix(const pel_scene_row *row);
+/* the key of a row below a prefix ("[]" for the element of a list), null when it does not stand directly below */
+const char *pel_scene_row_name(const pel_scene_row *row, const char *prefix);
+/* the row after `row` (null: the first) directly below a prefix, null after the last */
+const pel_scene_row *pel_scene_row_next(const pel_scene_table *table, const char *prefix, const pel_scene_row *row);
+/* the row of that name below a prefix, the first of several; null when there is none */
+const pel_scene_row *pel_scene_row_find(const pel_scene_table *table, const char *prefix, const char *name);
+
+/* "number or `auto`" */
+const char *pel_scene_form_text(const pel_scene_row *row, char *text, size_t size);
+/* "> 0", "1 to 20"; empty when there is no range */
+const char *pel_scene_range_text(pel_scene_range range, char *text, size_t size);
+bool pel_scene_range_has(pel_scene_range range, double number);
+
+#endif

@@ -1,0 +1,281 @@
+#include "check.h"
+
+#include "base/memory.h"
+#include "failing_malloc.h"
+#include "io/blocks.h"
+#include "io/file.h"
+#include "pellicle/results.h"
+#include "pellicle/shape.h"
+#include "random.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#define PATH "vtp-test.vtp"
+
+/* a sphere with a scalar and a vector field; large enough for several packed blocks when fine */
+typedef struct sample_data {
+    pel_mesh *mesh;
+    double *scalar, *vector;
+    pel_vtp_field fields[2];
+    pel_vtp vtp;
+} sample_data;
+
+static void make_sample(sample_data *made, int32_t frequency)
+{
+    *made = (sample_data){0};
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    def.frequency = frequency;
+    assert_int_equal(pel_shape_create(&def, &made->mesh, NULL), PEL_OK);
+    size_t count = (size_t)made->mesh->vertex_count;
+    made->scalar = pel_allocate(count, sizeof(double));
+    made->vector = pel_allocate(3 * count, sizeof(double));
+    random_state random = {7};
+    for (size_t i = 0; i < count; i++)
+        made->scalar[i] = random_between(&random, -1, 1);
+    for (size_t i = 0; i < 3 * count; i++)
+        made->vector[i] = (double)i / 3;
+    made->fields[0] = (pel_vtp_field){"energy", 1, made->scalar};
+    made->fields[1] = (pel_vtp_field){"a < \"b\" & c", 3, made->vector};
+    made->vtp = (pel_vtp){
+        .vertex_count = made->mesh->vertex_count,
+        .triangle_count = made->mesh->triangle_count,
+        .positions = made->mesh->positions[0],
+        .triangles = made->mesh->triangles[0],
+        .fields = made->fields,
+        .field_count = 2,
+        .time = 0.1,
+    };
+}
+
+static void free_sample(sample_data *sample)
+{
+    pel_mesh_destroy(sample->mesh);
+    pel_free(sample->scalar);
+    pel_free(sample->vector);
+}
+
+static void check_values(const double *read, const double *written, size_t count, bool float64)
+{
+    for (size_t i = 0; i < count; i++)
+        assert_true(read[i] == (float64 ? written[i] : (double)(float)written[i]));
+}
+
+static void test_round_trip(void **unused)
+{
+    (void)unused;
+    const int32_t frequencies[2] = {2, 40};
+    for (int kind = 0; kind < 8; kind++) {
+        sample_data sample;
+        make_sample(&sample, frequencies[kind >> 2]);
+        pel_mesh *mesh;
+        double time;
+        sample.vtp.compress = (kind & 1) != 0;
+        sample.vtp.float64 = (kind & 2) != 0;
+        assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+        assert_int_equal(pel_vtp_read(PATH, &mesh, &time, NULL), PEL_OK);
+        size_t count = (size_t)sample.vtp.vertex_count;
+        assert_true(time == 0.1);
+        assert_int_equal(mesh->vertex_count, sample.vtp.vertex_count);
+        assert_int_equal(mesh->triangle_count, sample.vtp.triangle_count);
+        assert_memory_equal(mesh->triangles, sample.vtp.triangles, 12 * (size_t)mesh->triangle_count);
+        check_values(mesh->positions[0], sample.vtp.positions, 3 * count, sample.vtp.float64);
+        assert_int_equal(mesh->field_count, 2);
+        check_values(pel_mesh_field(mesh, "energy")->values, sample.scalar, count, sample.vtp.float64);
+        check_values(pel_mesh_field(mesh, "a < \"b\" & c")->values, sample.vector, 3 * count, sample.vtp.float64);
+        pel_mesh_destroy(mesh);
+        free_sample(&sample);
+    }
+    unlink(PATH);
+}
+
+static void write_bytes(const char *bytes, size_t size)
+{
+    FILE *stream = fopen(PATH, "wb");
+    assert_non_null(stream);
+    assert_int_equal(fwrite(bytes, 1, size, stream), size);
+    fclose(stream);
+}
+
+/* a file cut off anywhere is refused with its name and place */
+static void test_cut_off(void **unused)
+{
+    (void)unused;
+    for (int compress = 0; compress < 2; compress++) {
+        sample_data sample;
+        make_sample(&sample, 1);
+        char *bytes;
+        size_t size;
+        sample.vtp.compress = compress != 0;
+        assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+        assert_int_equal(pel_file_read(PATH, &bytes, &size, NULL), PEL_OK);
+        for (size_t length = 0; length + 1 < size; length++) {
+            pel_mesh *mesh;
+            pel_error error;
+            write_bytes(bytes, length);
+            assert_int_equal(pel_vtp_read(PATH, &mesh, NULL, &error), PEL_BAD_FORMAT);
+            assert_null(mesh);
+            assert_string_equal(error.file, PATH);
+            assert_true(error.remedy[0] != '\0');
+        }
+        pel_free(bytes);
+        free_sample(&sample);
+    }
+    unlink(PATH);
+}
+
+/* changed bytes give an error or a mesh, never a crash */
+static void test_damaged(void **unused)
+{
+    (void)unused;
+    random_state random = {11};
+    for (int kind = 0; kind < 400; kind++) {
+        sample_data sample;
+        make_sample(&sample, 1);
+        char *bytes;
+        size_t size;
+        pel_mesh *mesh;
+        sample.vtp.compress = kind % 2 != 0;
+        assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+        assert_int_equal(pel_file_read(PATH, &bytes, &size, NULL), PEL_OK);
+        for (int i = 0; i < 3; i++)
+            bytes[random_integer(&random, 0, (int64_t)size - 1)] = (char)random_bits(&random);
+        write_bytes(bytes, size);
+        pel_status status = pel_vtp_read(PATH, &mesh, NULL, NULL);
+        assert_true(status == PEL_OK || status == PEL_BAD_FORMAT);
+        assert_true((status == PEL_OK) == (mesh != NULL));
+        pel_mesh_destroy(mesh);
+        pel_free(bytes);
+        free_sample(&sample);
+    }
+    unlink(PATH);
+}
+
+/* counts that a small file cannot hold are refused before memory is asked for */
+static void test_lying_head(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "<VTKFile type=\"PolyData\" header_type=\"UInt64\"%s><Piece NumberOfPoints=\"2000000000\" NumberOfPolys=\"1\">"
+        "<Points><DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" "
+        "offset=\"0\"/>"
+        "</Points></Piece><AppendedData encoding=\"raw\">_xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx</AppendedData></VTKFile>";
+    const char *const compressors[2] = {"", " compressor=\"vtkZLibDataCompressor\""};
+    for (int i = 0; i < 2; i++) {
+        char bytes[1000];
+        pel_mesh *mesh;
+        pel_error error;
+        snprintf(bytes, sizeof bytes, text, compressors[i]);
+        write_bytes(bytes, strlen(bytes));
+        assert_int_equal(pel_vtp_read(PATH, &mesh, NULL, &error), PEL_BAD_FORMAT);
+        assert_true(error.byte_offset > 0);
+    }
+    unlink(PATH);
+}
+
+static void test_refuses(void **unused)
+{
+    (void)unused;
+    sample_data sample;
+    make_sample(&sample, 1);
+    pel_error error;
+    pel_mesh *mesh;
+    sample.fields[0].name = "";
+    assert_int_equal(pel_vtp_write(PATH, &sample.vtp, &error), PEL_BAD_ARGUMENT);
+    sample.fields[0].name = "energy";
+    assert_int_equal(pel_vtp_write("no-such-folder/a.vtp", &sample.vtp, &error), PEL_BAD_FILE);
+    assert_string_equal(error.file, "no-such-folder/a.vtp");
+    assert_int_equal(pel_vtp_read("no-such-folder/a.vtp", &mesh, NULL, &error), PEL_BAD_FILE);
+    assert_int_equal(access(PATH, F_OK), -1);
+    free_sample(&sample);
+}
+
+static pel_status write_and_read(const void *data, pel_error *error)
+{
+    pel_mesh *mesh;
+    pel_status status = pel_vtp_write(PATH, data, error);
+    if (status == PEL_OK)
+        status = pel_vtp_read(PATH, &mesh, NULL, error);
+    if (status == PEL_OK)
+        pel_mesh_destroy(mesh);
+    return status;
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    for (int compress = 0; compress < 2; compress++) {
+        sample_data sample;
+        make_sample(&sample, 1);
+        sample.vtp.compress = compress != 0;
+        assert_true(for_every_allocation_failure(write_and_read, &sample.vtp) > 10);
+        free_sample(&sample);
+    }
+    unlink(PATH);
+}
+
+/* a reader that knows only the description of the format sees the same numbers */
+static void test_other_reader(void **unused)
+{
+    (void)unused;
+    if (system("python3 -c pass") != 0)
+        skip();
+    for (int kind = 0; kind < 4; kind++) {
+        sample_data sample;
+        make_sample(&sample, 20);
+        double sum = 0;
+        char line[200], expected[200];
+        sample.vtp.compress = (kind & 1) != 0;
+        sample.vtp.float64 = (kind & 2) != 0;
+        assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+        for (int32_t i = 0; i < sample.vtp.vertex_count; i++)
+            sum += sample.vtp.float64 ? sample.scalar[i] : (double)(float)sample.scalar[i];
+        FILE *stream = popen("python3 " PEL_SOURCE_DIR "/tests/io/check_vtp.py " PATH, "r");
+        assert_non_null(fgets(line, sizeof line, stream));
+        assert_string_equal(line, "TimeValue 1 1 0.100000\n");
+        assert_non_null(fgets(line, sizeof line, stream));
+        snprintf(expected, sizeof expected, "energy 1 %d %.6f\n", (int)sample.vtp.vertex_count, sum);
+        assert_string_equal(line, expected);
+        while (fgets(line, sizeof line, stream) != NULL) {
+        }
+        snprintf(expected, sizeof expected, "offsets 1 %d ", (int)sample.vtp.triangle_count);
+        assert_memory_equal(line, expected, strlen(expected));
+        assert_int_equal(pclose(stream), 0);
+        free_sample(&sample);
+    }
+    unlink(PATH);
+}
+
+static void test_blocks(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    const size_t sizes[] = {0, 1, 65535, 65536, 65537, 200000};
+    for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++) {
+        unsigned char *bytes = pel_allocate(sizes[s], 1), *back = pel_allocate(sizes[s], 1);
+        unsigned char *packed = pel_allocate(pel_blocks_bound(sizes[s]), 1);
+        size_t packed_size;
+        for (size_t i = 0; i < sizes[s]; i++)
+            bytes[i] = (unsigned char)random_bits(&random);
+        assert_int_equal(pel_blocks_pack(bytes, sizes[s], packed, &packed_size, NULL), PEL_OK);
+        assert_true(packed_size <= pel_blocks_bound(sizes[s]));
+        assert_int_equal(pel_blocks_check(packed, packed_size, 8, sizes[s]), packed_size);
+        assert_int_equal(pel_blocks_check(packed, packed_size, 8, sizes[s] + 1), 0);
+        assert_int_equal(pel_blocks_check(packed, packed_size - 1, 8, sizes[s]), 0);
+        assert_int_equal(pel_blocks_unpack(packed, 8, back, sizes[s], NULL), PEL_OK);
+        assert_memory_equal(bytes, back, sizes[s] > 0 ? sizes[s] : 1);
+        pel_free(packed);
+        pel_free(back);
+        pel_free(bytes);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_cut_off), cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_refuses), cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
