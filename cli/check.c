@@ -5,7 +5,6 @@
 #include <pellicle/mesh_check.h>
 #include <pellicle/scene.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 /* findings of one kind that are printed one by one */
@@ -63,7 +62,7 @@ static void print_issue(const char *path, const pel_mesh *mesh, const pel_issue_
 {
     const char *severity = severity_name(info->severity);
     if (info->severity == PEL_SEVERITY_NOTE) {
-        fprintf(stderr, "%s: note: %d x %s: %s\n", path, (int)issue->count, info->name, info->doc);
+        fprintf(stderr, "%s: note: %s: %d of them\n", path, info->doc, (int)issue->count);
         return;
     }
     int32_t shown = issue->listed_count < SHOWN_MAX ? issue->listed_count : SHOWN_MAX;
@@ -89,6 +88,15 @@ static void print_issues(const char *path, const pel_mesh *mesh, const pel_mesh_
     }
 }
 
+/* the two vertices of each edge */
+static void write_edges(cli_json *json, const pel_issue *issue)
+{
+    cli_json_open(json, "vertices", '[');
+    for (int32_t i = 0; i < issue->listed_count; ++i)
+        cli_json_numbers(json, NULL, (double[]){issue->related[i][0], issue->related[i][1]}, 2);
+    cli_json_close(json, ']');
+}
+
 static void write_issue(cli_json *json, const pel_issue_info *info, const pel_issue *issue)
 {
     cli_json_open(json, NULL, '{');
@@ -104,6 +112,8 @@ static void write_issue(cli_json *json, const pel_issue_info *info, const pel_is
     for (int32_t i = 0; i < issue->listed_count; ++i)
         cli_json_integer(json, NULL, by_component ? issue->related[i][0] : issue->elements[i]);
     cli_json_close(json, ']');
+    if (strcmp(info->element_kind, "edge") == 0)
+        write_edges(json, issue);
     cli_json_close(json, '}');
 }
 
@@ -153,7 +163,7 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
         if (json != NULL)
             cli_json_integer(json, deeds[i].key, deeds[i].count);
         else if (deeds[i].count > 0)
-            printf("%s: %d %s\n", out, (int)deeds[i].count, deeds[i].text);
+            printf("%s: %s: %d\n", out, deeds[i].text, (int)deeds[i].count);
     }
     if (json != NULL)
         cli_json_close(json, '}');
@@ -162,26 +172,25 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
 }
 
 /* writes the repaired mesh unless it still has errors */
-static int write_repaired(const cli_call *call, const char *out, const pel_mesh *mesh, cli_json *json)
+static int write_repaired(const char *out, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
 {
     pel_error error;
     pel_mesh_report *report = NULL;
     if (pel_mesh_check(mesh, &report, &error) != PEL_OK)
         return cli_report(&error);
     bool good = report->error_count == 0;
-    if (!good) {
-        print_issues(out, mesh, report);
+    print_issues(out, mesh, report);
+    if (!good)
         cli_complain("'%s' is not written: the repaired mesh still cannot be simulated. edit the elements named above",
                      out);
-    }
     pel_mesh_report_destroy(report);
-    int status = good ? cli_write_mesh(call, out, mesh, &cli_notes, json != NULL) : CLI_BAD_INPUT;
+    int status = good ? cli_write_mesh(out, format, mesh, &cli_notes, json != NULL) : CLI_BAD_INPUT;
     if (json != NULL)
         cli_json_text(json, "written", status == CLI_DONE ? out : NULL);
     return status;
 }
 
-static int fix_mesh(const cli_call *call, const pel_mesh *mesh, cli_json *json)
+static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
 {
     const char *out = cli_value(call, "fix");
     pel_repair_options options = pel_repair_options_default();
@@ -193,12 +202,12 @@ static int fix_mesh(const cli_call *call, const pel_mesh *mesh, cli_json *json)
     if (pel_mesh_repair(mesh, &options, &repaired, &summary, &error) != PEL_OK)
         return cli_report(&error);
     tell_repair(json, out, &summary);
-    int status = write_repaired(call, out, repaired, json);
+    int status = write_repaired(out, format, repaired, json);
     pel_mesh_destroy(repaired);
     return status;
 }
 
-static int check_mesh(const cli_call *call, const char *path, cli_json *json)
+static int check_mesh(const cli_call *call, const char *path, pel_mesh_format format, cli_json *json)
 {
     int status;
     pel_mesh *mesh = cli_read_mesh(path, &cli_notes, json, &status);
@@ -209,64 +218,108 @@ static int check_mesh(const cli_call *call, const char *path, cli_json *json)
     if (pel_mesh_check(mesh, &report, &error) != PEL_OK) {
         status = cli_report(&error);
     } else {
-        print_issues(path, mesh, report);
+        /* with --fix it is the rest after the repair that matters */
+        if (!cli_has(call, "fix"))
+            print_issues(path, mesh, report);
         if (json != NULL)
             write_issues(json, report);
         else
             print_verdict(path, report);
         status = report->error_count + report->warning_count == 0 ? CLI_DONE : CLI_BAD_INPUT;
         if (cli_has(call, "fix"))
-            status = fix_mesh(call, mesh, json);
+            status = fix_mesh(call, format, mesh, json);
     }
     pel_mesh_report_destroy(report);
     pel_mesh_destroy(mesh);
     return status;
 }
 
-/* loads the scene and makes its simulation, so that everything a run would refuse is found */
-static int check_scene(const char *path, cli_json *json)
+/* prints what is wrong with the meshes of the scene's bodies; false when one cannot be simulated */
+static bool check_bodies(const char *path, const pel_scene *scene, cli_json *json)
 {
-    pel_scene *scene = NULL;
+    bool good = true;
+    for (int32_t i = 0; i < scene->model.body_count; ++i) {
+        const pel_body_def *body = &scene->model.bodies[i];
+        char place[PEL_NAME_SIZE + 300];
+        snprintf(place, sizeof place, "%.256s: body %s", path, body->name);
+        pel_mesh_report *report = NULL;
+        pel_error error;
+        if (pel_mesh_check(body->mesh, &report, &error) != PEL_OK) {
+            cli_report_to(&error, json);
+            return false;
+        }
+        print_issues(place, body->mesh, report);
+        good = good && report->error_count == 0;
+        pel_mesh_report_destroy(report);
+    }
+    if (!good && json != NULL)
+        cli_json_bool(json, "ok", false);
+    return good;
+}
+
+/* makes model and simulation, so that everything is found that a run would refuse */
+static pel_status try_scene(const pel_scene *scene, pel_error *error)
+{
     pel_model *model = NULL;
     pel_sim *sim = NULL;
-    pel_error error;
-    pel_status status = pel_scene_load(path, NULL, 0, &cli_notes, &scene, &error);
-    if (status == PEL_OK)
-        status = pel_model_create(&scene->model, &model, &error);
+    pel_status status = pel_model_create(&scene->model, &model, error);
     if (status == PEL_OK) {
         pel_sim_def def = scene->sim;
         def.model = model;
-        status = pel_sim_create(&def, &sim, &error);
+        status = pel_sim_create(&def, &sim, error);
     }
-    if (status != PEL_OK)
-        cli_report_to(&error, json);
-    else if (json != NULL)
-        cli_json_bool(json, "ok", true);
-    else
-        printf("%s: fine, %d %s, %g s\n", path, (int)scene->model.body_count,
-               scene->model.body_count == 1 ? "body" : "bodies", scene->duration);
     pel_sim_destroy(sim);
     pel_model_destroy(model);
+    return status;
+}
+
+static int check_scene(const char *path, cli_json *json)
+{
+    pel_scene *scene = NULL;
+    pel_error error;
+    if (pel_scene_load(path, NULL, 0, &cli_notes, &scene, &error) != PEL_OK)
+        return cli_report_to(&error, json);
+    int status = CLI_BAD_INPUT;
+    if (check_bodies(path, scene, json)) {
+        if (try_scene(scene, &error) != PEL_OK) {
+            cli_name_file(&error, path);
+            status = cli_report_to(&error, json);
+        } else {
+            status = CLI_DONE;
+            int bodies = (int)scene->model.body_count;
+            if (json != NULL)
+                cli_json_bool(json, "ok", true);
+            else
+                printf("%s: fine, %d %s, %g s\n", path, bodies, bodies == 1 ? "body" : "bodies", scene->duration);
+        }
+    }
     pel_scene_destroy(scene);
-    return status == PEL_OK ? CLI_DONE : CLI_BAD_INPUT;
+    return status;
+}
+
+/* format is that of --fix */
+static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, cli_json *json)
+{
+    const char *path = call->arguments[0];
+    return is_scene ? check_scene(path, json) : check_mesh(call, path, format, json);
 }
 
 int cli_check(const cli_call *call)
 {
-    const char *path = call->arguments[0];
+    const char *path = call->arguments[0], *out = cli_value(call, "fix");
     bool is_scene = cli_is_scene(path);
-    if (is_scene && cli_has(call, "fix"))
-        return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as the messages of 'pellicle check' say",
-                            path);
+    pel_mesh_format format = PEL_FORMAT_AUTO;
+    if (is_scene && out != NULL)
+        return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as 'pellicle check' says", path);
+    if (out != NULL && !cli_output_format(call, out, &format))
+        return CLI_BAD_INPUT;
+    if (!cli_has(call, "json"))
+        return check_file(call, is_scene, format, NULL);
     cli_json json = {.file = stdout};
-    bool as_json = cli_has(call, "json");
-    if (as_json) {
-        cli_json_open(&json, NULL, '{');
-        cli_json_text(&json, "file", path);
-        cli_json_text(&json, "kind", is_scene ? "scene" : "mesh");
-    }
-    int status = is_scene ? check_scene(path, as_json ? &json : NULL) : check_mesh(call, path, as_json ? &json : NULL);
-    if (as_json)
-        cli_json_close(&json, '}');
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "file", path);
+    cli_json_text(&json, "kind", is_scene ? "scene" : "mesh");
+    int status = check_file(call, is_scene, format, &json);
+    cli_json_close(&json, '}');
     return status;
 }

@@ -19,12 +19,14 @@ int cli_help(const cli_call *call);
 void cli_shape_help(FILE *file);
 void cli_bench_help(FILE *file);
 
-/* names for CLI_WORD and CLI_SETTING values */
+/* names for CLI_WORD values */
 cli_words cli_shape_names;
-cli_words cli_shape_keys;
 cli_words cli_format_names;
 cli_words cli_bench_names;
-cli_words cli_scene_keys;
 cli_words cli_shell_names;
+
+/* keys for CLI_SETTING values, one a line */
+void cli_print_shape_keys(FILE *file);
+void cli_print_scene_keys(FILE *file);
 
 #endif

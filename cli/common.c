@@ -1,8 +1,6 @@
 #include "common.h"
 #include "commands.h"
 
-#include <pellicle/import.h>
-
 #include <string.h>
 
 int cli_report(const pel_error *error)
@@ -12,28 +10,39 @@ int cli_report(const pel_error *error)
     return error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
+void cli_write_error(cli_json *json, const pel_error *error)
+{
+    cli_json_open(json, "error", '{');
+    cli_json_text(json, "status", pel_status_text(error->status));
+    cli_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
+    if (error->line > 0)
+        cli_json_integer(json, "line", error->line);
+    if (error->column > 0)
+        cli_json_integer(json, "column", error->column);
+    if (error->byte_offset >= 0)
+        cli_json_integer(json, "byte_offset", error->byte_offset);
+    if (error->element >= 0) {
+        cli_json_text(json, "element_kind", error->element_kind);
+        cli_json_integer(json, "element", error->element);
+    }
+    cli_json_text(json, "what", error->what);
+    cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
+    cli_json_close(json, '}');
+}
+
 int cli_report_to(const pel_error *error, cli_json *json)
 {
     if (json != NULL) {
         cli_json_bool(json, "ok", false);
-        cli_json_open(json, "error", '{');
-        cli_json_text(json, "status", pel_status_text(error->status));
-        cli_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
-        if (error->line > 0)
-            cli_json_integer(json, "line", error->line);
-        if (error->column > 0)
-            cli_json_integer(json, "column", error->column);
-        if (error->byte_offset >= 0)
-            cli_json_integer(json, "byte_offset", error->byte_offset);
-        if (error->element >= 0) {
-            cli_json_text(json, "element_kind", error->element_kind);
-            cli_json_integer(json, "element", error->element);
-        }
-        cli_json_text(json, "what", error->what);
-        cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
-        cli_json_close(json, '}');
+        cli_write_error(json, error);
     }
     return cli_report(error);
+}
+
+void cli_name_file(pel_error *error, const char *path)
+{
+    if (error->file[0] == '\0')
+        snprintf(error->file, sizeof error->file, "%s", path);
 }
 
 bool cli_is_scene(const char *path)
@@ -61,7 +70,7 @@ pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, in
     pel_mesh *mesh = NULL;
     pel_error error;
     *status = CLI_DONE;
-    if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK)
+    if (pel_mesh_read(path, PEL_FORMAT_AUTO, log, &mesh, &error) != PEL_OK)
         *status = cli_report_to(&error, json);
     return mesh;
 }
@@ -82,22 +91,22 @@ const char *cli_format_names(int index)
     return index < FORMAT_COUNT ? formats[index].name : NULL;
 }
 
-static pel_mesh_format chosen_format(const cli_call *call, const char *path)
+bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *format)
 {
     const char *name = cli_value(call, "format");
+    *format = pel_mesh_format_of_path(path);
     for (int i = 0; name != NULL && i < FORMAT_COUNT; ++i) {
         if (strcmp(formats[i].name, name) == 0)
-            return formats[i].format;
+            *format = formats[i].format;
     }
-    return pel_mesh_format_of_path(path);
+    if (*format != PEL_FORMAT_AUTO)
+        return true;
+    cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl or .off", path);
+    return false;
 }
 
-int cli_write_mesh(const cli_call *call, const char *path, const pel_mesh *mesh, const pel_log *log, bool quiet)
+int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log, bool quiet)
 {
-    pel_mesh_format format = chosen_format(call, path);
-    if (format == PEL_FORMAT_AUTO)
-        return cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl or .off",
-                            path);
     pel_error error;
     if (pel_mesh_write(path, format, mesh, log, &error) != PEL_OK)
         return cli_report(&error);

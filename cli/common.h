@@ -9,8 +9,12 @@
 
 /* Prints the error as "file:line:column: error: what. remedy" on stderr. Returns the exit status that belongs to it. */
 int cli_report(const pel_error *error);
-/* the same, and as members "ok": false and "error" of the open JSON object; json is nullable */
+/* writes the error as the member "error" of the open JSON object */
+void cli_write_error(cli_json *json, const pel_error *error);
+/* cli_report, and as members "ok": false and "error" of the open JSON object; json is nullable */
 int cli_report_to(const pel_error *error, cli_json *json);
+/* names the file of an error that names none */
+void cli_name_file(pel_error *error, const char *path);
 
 /* whether the path ends like a scene file (.yaml, .yml, .json) */
 bool cli_is_scene(const char *path);
@@ -21,8 +25,10 @@ extern const pel_log cli_notes;
 /* any mesh file; reports the error (json is nullable) and returns null on failure */
 pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, int *status);
 
-/* Writes the mesh in the format that --format names, else in the one of the path's ending; prints what was written on
-   stdout unless quiet, or the error. Returns the exit status. */
-int cli_write_mesh(const cli_call *call, const char *path, const pel_mesh *mesh, const pel_log *log, bool quiet);
+/* The format that --format names, else the one of the path's ending; complains and returns false when there is none. */
+bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *format);
+
+/* Writes the mesh; prints what was written on stdout unless quiet, or the error. Returns the exit status. */
+int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log, bool quiet);
 
 #endif

@@ -8,7 +8,7 @@ static void print_words(FILE *file, cli_words *words)
 }
 
 /* the statement that fills COMPREPLY for one kind of value */
-static void print_reply(FILE *file, cli_kind kind, cli_words *words)
+static void print_reply(FILE *file, cli_kind kind, cli_words *words, void (*print_keys)(FILE *file))
 {
     switch (kind) {
     case CLI_FILE:
@@ -18,16 +18,14 @@ static void print_reply(FILE *file, cli_kind kind, cli_words *words)
         fputs("COMPREPLY=($(compgen -d -- \"$word\"))", file);
         break;
     case CLI_SCENE:
-        fputs("COMPREPLY=($(compgen -f -X '!*.@(yaml|yml|json)' -- \"$word\") $(compgen -d -- \"$word\"))", file);
+        fputs("COMPREPLY=($(for end in yaml yml json; do compgen -f -X \"!*.$end\" -- \"$word\"; done; "
+              "compgen -d -- \"$word\"))",
+              file);
         break;
     case CLI_SETTING:
-        if (words != NULL) {
-            fputs("compopt -o nospace; COMPREPLY=($(compgen -S = -W '", file);
-            print_words(file, words);
-            fputs("' -- \"$word\"))", file);
-            break;
-        }
-        fputs("COMPREPLY=()", file);
+        fputs("compopt -o nospace; COMPREPLY=($(compgen -S = -W '", file);
+        print_keys(file);
+        fputs("' -- \"$word\"))", file);
         break;
     case CLI_WORD:
         fputs("COMPREPLY=($(compgen -W '", file);
@@ -35,8 +33,8 @@ static void print_reply(FILE *file, cli_kind kind, cli_words *words)
         fputs("' -- \"$word\"))", file);
         break;
     case CLI_FLAG:
-    case CLI_COUNT:
     case CLI_LENGTH:
+    case CLI_COUNT:
         fputs("COMPREPLY=()", file);
         break;
     }
@@ -55,7 +53,7 @@ static void print_option_values(FILE *file, const cli_command *command)
         else
             fputs("        ", file);
         fprintf(file, "--%s) ", option->name);
-        print_reply(file, option->kind, option->words);
+        print_reply(file, option->kind, option->words, option->print_keys);
         fputs("; return ;;\n", file);
     }
     fputs("        esac\n", file);
@@ -71,7 +69,7 @@ static void print_command(FILE *file, const cli_command *command)
     fprintf(file, "--%s' -- \"$word\"))\n", cli_help_option.name);
     if (command->slots[0].name != NULL) {
         fputs("        else\n            ", file);
-        print_reply(file, command->slots[0].kind, command->slots[0].words);
+        print_reply(file, command->slots[0].kind, command->slots[0].words, NULL);
         fputc('\n', file);
     }
     fputs("        fi ;;\n", file);

@@ -35,8 +35,8 @@ static void print_info(const char *path, const pel_mesh *mesh, const pel_mesh_re
     printf("  components        %d\n", (int)r->component_count);
     printf("  closed            %s", yes_or_no(r->closed));
     if (!r->closed)
-        printf(", %d boundary edges in %d loops", (int)r->issues[PEL_ISSUE_BOUNDARY_EDGE].count,
-               (int)r->boundary_loop_count);
+        printf(", %d boundary edges in %d %s", (int)r->issues[PEL_ISSUE_BOUNDARY_EDGE].count,
+               (int)r->boundary_loop_count, r->boundary_loop_count == 1 ? "loop" : "loops");
     printf("\n  manifold          %s\n", yes_or_no(r->manifold));
     printf("  oriented          %s%s\n", yes_or_no(r->oriented),
            !r->oriented || !r->closed ? ""

@@ -29,8 +29,9 @@ typedef struct cli_option {
     cli_kind kind;
     bool repeated;     /* may be given more than once */
     const char *value; /* what stands for the value in the help, null for a flag */
-    cli_words *words;  /* the choices of a CLI_WORD, or what completes a CLI_SETTING; nullable */
     const char *doc;
+    cli_words *words;               /* the choices of a CLI_WORD */
+    void (*print_keys)(FILE *file); /* writes the keys of a CLI_SETTING, one a line, for completion */
 } cli_option;
 
 /* an argument without dashes */

@@ -25,17 +25,15 @@ static bool is_known_earlier(int kind, const char *name)
     return false;
 }
 
-/* the parameters of all shapes, each once */
-const char *cli_shape_keys(int index)
+void cli_print_shape_keys(FILE *file)
 {
     for (int kind = 0; kind < PEL_SHAPE_COUNT; ++kind) {
         const pel_shape_info *info = pel_shape_info_of((pel_shape_kind)kind);
         for (int p = 0; p < info->parameter_count; ++p) {
-            if (!is_known_earlier(kind, info->parameters[p].name) && index-- == 0)
-                return info->parameters[p].name;
+            if (!is_known_earlier(kind, info->parameters[p].name))
+                fprintf(file, "%s\n", info->parameters[p].name);
         }
     }
-    return NULL;
 }
 
 /* "1 to 400", "more than 0", or the choices */
@@ -47,9 +45,14 @@ static void print_range(FILE *file, const pel_shape_parameter *parameter)
     } else if (parameter->type == PEL_SHAPE_BOOLEAN) {
         fputs("true | false", file);
     } else {
-        fprintf(file, parameter->exclusive_minimum ? "more than %g" : "%g or more", parameter->minimum);
-        if (parameter->maximum < 1e9)
-            fprintf(file, ", at most %g", parameter->maximum);
+        bool bounded = parameter->maximum < 1e9;
+        fprintf(file,
+                parameter->exclusive_minimum ? "more than %g"
+                : bounded                    ? "%g"
+                                             : "%g or more",
+                parameter->minimum);
+        if (bounded)
+            fprintf(file, parameter->exclusive_minimum ? ", at most %.0f" : " to %.0f", parameter->maximum);
     }
 }
 
@@ -118,11 +121,14 @@ int cli_shape(const cli_call *call)
         return cli_complain("'pellicle shape' needs the name of a shape. 'pellicle shape --list' prints them");
     if (path == NULL)
         return cli_complain("'pellicle shape' needs a file to write. add '-o %s.ply'", call->arguments[0]);
+    pel_mesh_format format;
+    if (!cli_output_format(call, path, &format))
+        return CLI_BAD_INPUT;
     pel_mesh *mesh = NULL;
     pel_error error;
     if (make_shape(call, &mesh, &error) != PEL_OK)
         return cli_report(&error);
-    int status = cli_write_mesh(call, path, mesh, &cli_notes, false);
+    int status = cli_write_mesh(path, format, mesh, &cli_notes, false);
     pel_mesh_destroy(mesh);
     return status;
 }

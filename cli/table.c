@@ -4,14 +4,14 @@
 
 #include <string.h>
 
-/* options that mean the same in several commands */
+/* options that mean the same in several commands; short names are for the commonest only */
 #define JSON_OPTION                                                                                                    \
     {                                                                                                                  \
-        .name = "json", .letter = 'j', .kind = CLI_FLAG, .doc = "print one JSON object on standard output"             \
+        .name = "json", .kind = CLI_FLAG, .doc = "print one JSON object on standard output"                            \
     }
 #define FORMAT_OPTION                                                                                                  \
     {                                                                                                                  \
-        .name = "format", .letter = 'f', .kind = CLI_WORD, .value = "FORMAT", .words = cli_format_names,               \
+        .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_format_names,                              \
         .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii or "    \
                "off; left out, the file's ending decides"                                                              \
     }
@@ -33,28 +33,25 @@ static const cli_command commands[] = {
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder of the results; left out: results/ and the scene's name"},
+                     .doc = "folder of the results; left out: results/ and the scene's name, or with --resume the "
+                            "folder of the checkpoint"},
                     {.name = "set",
-                     .letter = 's',
                      .kind = CLI_SETTING,
                      .repeated = true,
                      .value = "KEY=VALUE",
-                     .words = cli_scene_keys,
+                     .print_keys = cli_print_scene_keys,
                      .doc =
                          "change one value of the scene, such as bodies.ball.springs.stiffness=5 or solver.dt=0.005; "
                          "'pellicle reference' lists the keys"},
                     {.name = "frames",
-                     .letter = 'n',
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "stop after N frames of results"},
+                     .doc = "stop with frame N; frame 0 is the initial state"},
                     {.name = "threads",
-                     .letter = 't',
                      .kind = CLI_COUNT,
                      .value = "N",
                      .doc = "use N threads; left out: all of the machine. The results do not depend on it"},
                     {.name = "resume",
-                     .letter = 'r',
                      .kind = CLI_FILE,
                      .value = "FILE",
                      .doc = "continue from this checkpoint of an earlier run of the same scene"},
@@ -68,20 +65,19 @@ static const cli_command commands[] = {
     {
         .name = "check",
         .summary = "find what is wrong with a mesh or a scene; repair a mesh",
-        .text = "Says every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
-                "checked as a scene, with the meshes it names; anything else as a mesh.\n\n"
-                "Exit status 0: fine (notes may be printed), or repaired and written; 2: there are errors (cannot be "
-                "simulated) or warnings (can be, but is probably not what was meant).",
+        .text =
+            "Says every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
+            "checked as a scene, with the meshes it names; anything else as a mesh. Elements are numbered from 0.\n\n"
+            "Exit status 0: fine (notes may be printed), or repaired and written; 2: there are errors (cannot be "
+            "simulated) or warnings (can be, but is probably not what was meant).",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
-                     .letter = 'x',
                      .kind = CLI_FILE,
                      .value = "OUT",
                      .doc = "write the repaired mesh: vertices welded, degenerate, duplicate and isolated elements "
                             "dropped, triangles turned the same way and outward. Nothing is written when the result "
                             "still could not be simulated"},
                     {.name = "tolerance",
-                     .letter = 't',
                      .kind = CLI_LENGTH,
                      .value = "LENGTH",
                      .doc = "with --fix: weld vertices up to this far apart [units of the file]; left out: 0, only "
@@ -114,14 +110,13 @@ static const cli_command commands[] = {
                      .value = "OUT",
                      .doc = "the file to write: .obj, .ply, .stl or .off"},
                     {.name = "set",
-                     .letter = 's',
                      .kind = CLI_SETTING,
                      .repeated = true,
                      .value = "KEY=VALUE",
-                     .words = cli_shape_keys,
+                     .print_keys = cli_print_shape_keys,
                      .doc = "set one parameter of the shape"},
                     FORMAT_OPTION,
-                    {.name = "list", .letter = 'l', .kind = CLI_FLAG, .doc = "print the shapes and their parameters"}},
+                    {.name = "list", .kind = CLI_FLAG, .doc = "print the shapes and their parameters"}},
         .more_help = cli_shape_help,
         .examples = "pellicle shape geodesic-sphere --set frequency=5 -o ball.ply\n"
                     "pellicle shape lens-capsule --set age=29 -o lens.ply\n"
@@ -145,9 +140,8 @@ static const cli_command commands[] = {
         .text = "Runs one benchmark, or all of them, and prints the least and the median time of its repeats beside "
                 "the time it is compared with.",
         .slots = {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "benchmark", .words = cli_bench_names}},
-        .options = {{.name = "list", .letter = 'l', .kind = CLI_FLAG, .doc = "print the benchmarks"},
+        .options = {{.name = "list", .kind = CLI_FLAG, .doc = "print the benchmarks"},
                     {.name = "repeats",
-                     .letter = 'n',
                      .kind = CLI_COUNT,
                      .value = "N",
                      .doc = "time each N times; left out: what suits the benchmark"},

@@ -61,8 +61,8 @@ typedef struct pel_error {
    Returns text. */
 const char *pel_error_text(const pel_error *error, char *text, size_t size);
 
-/* The name (of count) with the smallest edit distance to `name`, the first of several; upper and lower case, '-' and '_'
-   count as equal. Null when none is near: when more than a third of the letters, and more than two, would have to
+/* The name (of count) with the smallest edit distance to `name`, the first of several; upper and lower case, '-' and
+   '_' count as equal. Null when none is near: when more than a third of the letters, and more than two, would have to
    change. For remedies: "did you mean ...?". */
 const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
 

@@ -36,10 +36,12 @@ double pel_closest_segment_triangle(const double a[3], const double b[3], const 
 
    The answer is "hit" unless freedom was proved with bounded rounding error, so there is no false negative by
    construction: what comes within min_separation, touching included, is always found. A wrong "hit" needs a gap (beyond
-   min_separation) below `tolerance` or below about 1e-14 of the size of the features. Only differences of points
-   matter, not their place in the world; the answer does not depend on the order of the points of a face or an edge nor
-   of the two edges; degenerate faces and edges, and pairs that do not move, are treated as what they are. NaN and
-   infinite input cannot be ruled out and is a hit.
+   min_separation) below `tolerance` or below the rounding of the closest distance: about 1e-14 of the size of the
+   features, up to 1e-8 for nearly parallel edges and very thin faces; or a motion so hard to follow that the budget of
+   time intervals is used up (see pel_ccd_statistics; none in 400,000 contacts of random features). Only differences of
+   points matter, not their place in the world; the answer does not depend on the order of the points of a face or an
+   edge nor of the two edges; degenerate faces and edges, and pairs that do not move, are treated as what they are. NaN
+   and infinite input cannot be ruled out and is a hit.
 
    min_separation  length >= 0; negative counts as 0
    tolerance       length: a motion is followed until the features move less than this, relative to each other, in the
@@ -49,7 +51,7 @@ double pel_closest_segment_triangle(const double a[3], const double b[3], const 
 /* The first time at which freedom could not be proved any longer. */
 typedef struct pel_ccd_hit {
     double time_of_impact; /* never later than the true one: until then the features are more than min_separation apart.
-                              At this time they are at most min_separation + tolerance apart */
+                              At this time they are at most min_separation + tolerance apart, rounding as above */
     double weight[4];      /* of the four points at the closest place: 1, then minus the barycentric coordinates
                               (vertex-face), or (1-s), s, -(1-u), -u (edge-edge): their sum is 0, and
                               sum weight[i] x[i] is the vector from the face (edge 2,3) to the vertex (edge 0,1) */

@@ -4,12 +4,15 @@
 #define PELLICLE_H
 
 #include "base.h"
+#include "bending.h"
+#include "element.h"
 #include "geometry.h"
 #include "material.h"
 #include "mesh.h"
 #include "mesh_check.h"
 #include "mesh_io.h"
 #include "model.h"
+#include "parallel.h"
 #include "results.h"
 #include "shape.h"
 #include "sim.h"

@@ -7,14 +7,17 @@
    earlier half first. The lower end of the first interval that could not be proved free is the time of impact.
 
    The axis tried is the vector between the closest points at mid-time, which is the best axis for pairs that do not
-   turn, whatever feature is closest. The direction carries no obligation: the proof bounds its own error. */
+   turn, whatever feature is closest. Pairs that slide and turn close to each other would need as many intervals as
+   their gap is small; after a few intervals an axis that turns with them is tried as well, from the vector between the
+   closest points at the begin to that at the end, which leaves an error of second order in the interval. The directions
+   carry no obligation: the proofs bound their own errors. */
 #include "geom/ccd.h"
 
 #include <string.h>
 
 #include "geom/vector3.h"
 
-enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64 };
+enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64, EASY_INTERVALS = 8 };
 
 /* no interval of time is split below this; also the outward rounding of a clip */
 #define TIME_RESOLUTION (64 * DBL_EPSILON)
@@ -111,6 +114,17 @@ bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separati
 
 /* ---- closest place at one time ---- */
 
+/* false when the vector is not longer than `least` */
+static bool normalize(double vector[3], double least)
+{
+    double length = sqrt(vector3_dot(vector, vector));
+    if (!(length > least))
+        return false;
+    for (int k = 0; k < 3; k++)
+        vector[k] /= length;
+    return true;
+}
+
 static double mix(double a, double b, double t)
 {
     return (1 - t) * a + t * b;
@@ -136,6 +150,41 @@ static void closest_place(const double offset[3], const double edge1[3], const d
     double along1[3];
     vector3_along(offset, *s, edge1, along1);
     vector3_along(along1, *u, edge2, vector);
+}
+
+/* Takes out of a vector what is along an edge. */
+static void straighten(const double edge[3], double vector[3])
+{
+    double length2 = vector3_dot(edge, edge);
+    if (length2 > 0)
+        vector3_along(vector, -vector3_dot(vector, edge) / length2, edge, vector);
+}
+
+/* The direction of the vector between the closest points, from the features they lie on: the vector itself turns with
+   its rounding errors when it is short, and an edge is long. */
+static void closest_axis(const double offset[3], const double edge1[3], const double edge2[3], bool edge_edge,
+                         double vector[3], double axis[3])
+{
+    double s, u, normal[3], edge3[3];
+    closest_place(offset, edge1, edge2, edge_edge, &s, &u, vector);
+    memcpy(axis, vector, 3 * sizeof *axis);
+    bool along1 = edge_edge ? s > 0 && s < 1 : s > 0 && s + u < 1;
+    bool along2 = edge_edge ? u > 0 && u < 1 : u > 0 && s + u < 1;
+    bool along3 = !edge_edge && s > 0 && u > 0;
+    if (along1 + along2 + along3 > 1) {
+        vector3_cross(edge1, edge2, normal);
+        double along = vector3_dot(normal, axis), length2 = vector3_dot(normal, normal);
+        if (length2 > 0)
+            for (int k = 0; k < 3; k++)
+                axis[k] = along < 0 ? -normal[k] : normal[k];
+    } else if (along1) {
+        straighten(edge1, axis);
+    } else if (along2) {
+        straighten(edge2, axis);
+    } else if (along3) {
+        vector3_subtract(edge1, edge2, edge3);
+        straighten(edge3, axis);
+    }
 }
 
 void ccd_closest(const ccd_query *query, double time, double *s, double *u, double vector[3])
@@ -164,10 +213,30 @@ static void cut_pair(const ccd_pair *pair, double begin, double end, ccd_pair *p
     }
 }
 
-static bool is_separated(const ccd_query *query, const interval *now)
+/* corners at both ends of the interval against the unit vectors between the closest points at these ends, which turn
+   into each other: the products are quadratic in time, with these Bernstein coefficients */
+static bool is_separated_turning(const ccd_query *query, const ccd_pair *part, double corners[8][3], int count)
+{
+    double axes[2][3], vector[3], threshold = 0;
+    for (int time = 0; time < 2; time++) {
+        closest_axis(part->offset[time], part->edge1[time], part->edge2[time], query->edge_edge, vector, axes[time]);
+        if (!normalize(axes[time], CCD_TINY_NORMAL))
+            return false;
+        threshold = real_max(ccd_axis_threshold(axes[time], query->error, query->min_separation), threshold);
+    }
+    for (int i = 0; i < count; i += 2) {
+        double begin = dot(axes[0], corners[i]), end = dot(axes[1], corners[i + 1]);
+        double middle = 0.5 * (dot(axes[0], corners[i + 1]) + dot(axes[1], corners[i]));
+        if (!(begin > threshold && middle > threshold && end > threshold))
+            return false;
+    }
+    return true;
+}
+
+static bool is_separated(const ccd_query *query, const interval *now, int tried)
 {
     ccd_pair part;
-    double corners[8][3], offset[3], edge1[3], edge2[3], axis[3], s, u;
+    double corners[8][3], offset[3], edge1[3], edge2[3], vector[3], axis[3];
     cut_pair(&query->pair, now->begin, now->end, &part);
     int count = ccd_pair_corners(&part, query->edge_edge, corners);
     if (ccd_box_margin(corners, count, query->error, query->min_separation) > 0)
@@ -177,8 +246,13 @@ static bool is_separated(const ccd_query *query, const interval *now)
         edge1[k] = 0.5 * (part.edge1[0][k] + part.edge1[1][k]);
         edge2[k] = 0.5 * (part.edge2[0][k] + part.edge2[1][k]);
     }
-    closest_place(offset, edge1, edge2, query->edge_edge, &s, &u, axis);
-    return ccd_axis_margin(corners, count, axis, query->error, query->min_separation) > 0;
+    closest_axis(offset, edge1, edge2, query->edge_edge, vector, axis);
+    if (ccd_axis_margin(corners, count, axis, query->error, query->min_separation) > 0)
+        return true;
+    if (tried <= EASY_INTERVALS)
+        return false;
+    return ccd_axis_margin(corners, count, vector, query->error, query->min_separation) > 0 ||
+           is_separated_turning(query, &part, corners, count);
 }
 
 /* ---- clipping ---- */
@@ -263,7 +337,7 @@ static bool search(const ccd_query *query, const ccd_cubic *cubic, double *time,
     double speed = relative_speed(query);
     for (counts->intervals = 1;; counts->intervals++) {
         double width = now.end - now.begin;
-        if (!clip(cubic, &now) || is_separated(query, &now)) {
+        if (!clip(cubic, &now) || is_separated(query, &now, counts->intervals)) {
             if (depth == 0)
                 return false;
             now = later[--depth];
@@ -315,16 +389,6 @@ static void hit_weights(const ccd_query *query, double s, double u, double weigh
     if (query->edge_edge && query->order[0] >= 2)
         for (int i = 0; i < 4; i++)
             weight[i] = -weight[i];
-}
-
-static bool normalize(double vector[3], double least)
-{
-    double length = sqrt(vector3_dot(vector, vector));
-    if (!(length > least))
-        return false;
-    for (int k = 0; k < 3; k++)
-        vector[k] /= length;
-    return true;
 }
 
 /* where the features touch from the start: the plane's normal against the relative motion at the place */

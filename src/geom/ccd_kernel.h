@@ -112,6 +112,18 @@ CCD_INLINE int NAME(ccd_pair_corners)(const NAME(ccd_pair) * pair, bool edge_edg
     return edge_edge ? 8 : 6;
 }
 
+/* what the products of a direction with all corners must exceed to prove freedom */
+CCD_INLINE REAL NAME(ccd_axis_threshold)(const REAL direction[3], REAL error, double min_separation)
+{
+    REAL sum = real_abs(direction[0]) + (real_abs(direction[1]) + real_abs(direction[2]));
+    REAL threshold = error * sum + CCD_TINY;
+    threshold = threshold + 0.0 * (0x1p60 * threshold); /* NaN where a dot product may have overflowed */
+    if (min_separation > 0)
+        threshold = threshold +
+                    (CCD_ROUND_UP * min_separation) * (real_sqrt(NAME(dot)(direction, direction)) + CCD_TINY_NORMAL);
+    return threshold;
+}
+
 /* positive = the plane through the origin across `direction`, moved by min_separation, has all corners on one side */
 CCD_INLINE REAL NAME(ccd_axis_margin)(REAL corners[8][3], int corner_count, REAL direction[3], REAL error,
                                       double min_separation)
@@ -122,13 +134,7 @@ CCD_INLINE REAL NAME(ccd_axis_margin)(REAL corners[8][3], int corner_count, REAL
         low = real_min(low, along);
         high = real_max(high, along);
     }
-    REAL sum = real_abs(direction[0]) + (real_abs(direction[1]) + real_abs(direction[2]));
-    REAL threshold = error * sum + CCD_TINY;
-    threshold = threshold + 0.0 * (0x1p60 * threshold); /* NaN where a dot product may have overflowed */
-    if (min_separation > 0)
-        threshold = threshold +
-                    (CCD_ROUND_UP * min_separation) * (real_sqrt(NAME(dot)(direction, direction)) + CCD_TINY_NORMAL);
-    return real_max(low, -high) - threshold;
+    return real_max(low, -high) - NAME(ccd_axis_threshold)(direction, error, min_separation);
 }
 
 /* the same for the coordinate axes, all three */

@@ -47,17 +47,36 @@ bool pel_builder_add_vertex(pel_builder *builder, const double position[3])
     return true;
 }
 
-bool pel_builder_add_corner(pel_builder *builder, int32_t vertex, const char *place)
+static bool reserve_corners(pel_builder *builder, size_t more)
 {
-    if (builder->corner_count == builder->corner_capacity &&
-        !RESERVE(builder->corners, builder->corner_capacity, builder->corner_count + 1))
-        return false;
+    const size_t needed = builder->corner_count + more;
+    return needed <= builder->corner_capacity || RESERVE(builder->corners, builder->corner_capacity, needed);
+}
+
+static void put_corner(pel_builder *builder, int32_t vertex, const char *place)
+{
     builder->corners[builder->corner_count++] = vertex;
     if (vertex > builder->largest_corner) {
         builder->largest_corner = vertex;
         builder->largest_place = place;
     }
+}
+
+bool pel_builder_add_corner(pel_builder *builder, int32_t vertex, const char *place)
+{
+    if (!reserve_corners(builder, 1))
+        return false;
+    put_corner(builder, vertex, place);
     return true;
+}
+
+bool pel_builder_add_triangle(pel_builder *builder, const int32_t vertices[3], const char *place)
+{
+    if (!reserve_corners(builder, 3))
+        return false;
+    for (int i = 0; i < 3; i++)
+        put_corner(builder, vertices[i], place);
+    return pel_builder_end_polygon(builder, 3);
 }
 
 bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count)

@@ -30,6 +30,8 @@ bool pel_builder_add_vertex(pel_builder *builder, const double position[3]);
    found at the end, because a file may hold faces before vertices. */
 bool pel_builder_add_corner(pel_builder *builder, int32_t vertex, const char *place);
 bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count);
+/* a whole polygon of three corners */
+bool pel_builder_add_triangle(pel_builder *builder, const int32_t vertices[3], const char *place);
 
 /* Joins vertices at exactly equal positions in the order of their first appearance, with a note. All corners must be in
    range. PEL_OUT_OF_MEMORY. */

@@ -7,13 +7,32 @@
 #include <stdint.h>
 #include <string.h>
 
+/* value, with its bytes turned around when they stand in the other order than this machine's */
+static inline uint64_t pel_order_bytes(uint64_t value, size_t size, bool big_endian)
+{
+    const bool same = big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+    return same ? value : __builtin_bswap64(value) >> (64 - 8 * size);
+}
+
 /* `size` (1, 2, 4 or 8) bytes as an unsigned integer */
 static inline uint64_t pel_load_bytes(const char *bytes, size_t size, bool big_endian)
 {
-    uint64_t value = 0;
-    for (size_t i = 0; i < size; i++)
-        value |= (uint64_t)(unsigned char)bytes[i] << (8 * (big_endian ? size - 1 - i : i));
-    return value;
+    uint64_t value;
+    uint32_t value_4;
+    uint16_t value_2;
+    switch (size) {
+    case 1:
+        return (unsigned char)*bytes;
+    case 2:
+        memcpy(&value_2, bytes, sizeof value_2);
+        return pel_order_bytes(value_2, size, big_endian);
+    case 4:
+        memcpy(&value_4, bytes, sizeof value_4);
+        return pel_order_bytes(value_4, size, big_endian);
+    default:
+        memcpy(&value, bytes, sizeof value);
+        return pel_order_bytes(value, size, big_endian);
+    }
 }
 
 static inline void pel_store_bytes(char *bytes, size_t size, bool big_endian, uint64_t value)

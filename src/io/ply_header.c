@@ -3,18 +3,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct {
-    const char *name, *other_name;
-    size_t size;
-} types[PEL_PLY_TYPE_COUNT] = {
-    {"char", "int8", 1}, {"uchar", "uint8", 1}, {"short", "int16", 2},   {"ushort", "uint16", 2},
-    {"int", "int32", 4}, {"uint", "uint32", 4}, {"float", "float32", 4}, {"double", "float64", 8},
+/* the two names of each type */
+static const char *const type_names[PEL_PLY_TYPE_COUNT][3] = {
+    {"char", "int8", NULL}, {"uchar", "uint8", NULL}, {"short", "int16", NULL},   {"ushort", "uint16", NULL},
+    {"int", "int32", NULL}, {"uint", "uint32", NULL}, {"float", "float32", NULL}, {"double", "float64", NULL},
 };
-
-size_t pel_ply_type_size(pel_ply_type type)
-{
-    return types[type].size;
-}
 
 const pel_ply_element *pel_ply_find_element(const pel_ply_header *header, const char *name)
 {
@@ -48,7 +41,7 @@ static pel_status read_name(pel_scan *scan, char name[PEL_NAME_SIZE], pel_error 
         return pel_scan_fail_number(scan, error, "a name");
     if (length >= PEL_NAME_SIZE || memchr(word, '\0', length) != NULL)
         return pel_scan_fail(scan, word, error, "shorten the name",
-                             "a name has %zu characters, more than %d, or a zero byte", length, PEL_NAME_SIZE - 1);
+                             "a name is longer than %d characters or holds a zero byte", PEL_NAME_SIZE - 1);
     memcpy(name, word, length);
     name[length] = '\0';
     return PEL_OK;
@@ -59,8 +52,7 @@ static pel_status read_type(pel_scan *scan, pel_ply_type *type, pel_error *error
     size_t length;
     const char *word = pel_scan_word(scan, &length);
     for (int i = 0; i < PEL_PLY_TYPE_COUNT; i++) {
-        const char *const names[] = {types[i].name, types[i].other_name, NULL};
-        if (pel_word_is_one_of(word, length, names)) {
+        if (pel_word_is_one_of(word, length, type_names[i])) {
             *type = (pel_ply_type)i;
             return PEL_OK;
         }
@@ -89,6 +81,7 @@ static pel_status read_format(pel_scan *scan, pel_ply_header *header, pel_error 
 
 static pel_status read_element(pel_scan *scan, pel_ply_header *header, pel_error *error)
 {
+    pel_scan_skip_blanks(scan);
     pel_ply_element element = {.place = scan->at, .first_property = header->property_count};
     if (header->element_count == PEL_PLY_ELEMENT_LIMIT)
         return pel_scan_fail(scan, scan->at, error, "remove elements", "more than %d elements",
@@ -111,6 +104,7 @@ static pel_status read_element(pel_scan *scan, pel_ply_header *header, pel_error
 
 static pel_status read_property(pel_scan *scan, pel_ply_header *header, pel_error *error)
 {
+    pel_scan_skip_blanks(scan);
     const char *place = scan->at;
     if (header->element_count == 0)
         return pel_scan_fail(scan, place, error, "move it behind the line of its element",
@@ -121,7 +115,6 @@ static pel_status read_property(pel_scan *scan, pel_ply_header *header, pel_erro
     pel_ply_element *element = &header->elements[header->element_count - 1];
     pel_ply_property property = {.is_list = false};
     pel_status status = PEL_OK;
-    pel_scan_skip_blanks(scan);
     if (pel_scan_accept(scan, "list")) {
         property.is_list = true;
         status = read_type(scan, &property.count_type, error);

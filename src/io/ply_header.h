@@ -47,6 +47,10 @@ const pel_ply_element *pel_ply_find_element(const pel_ply_header *header, const 
 const pel_ply_property *pel_ply_find_property(const pel_ply_header *header, const pel_ply_element *element,
                                               const char *name);
 /* bytes of a binary scalar */
-size_t pel_ply_type_size(pel_ply_type type);
+static inline size_t pel_ply_type_size(pel_ply_type type)
+{
+    static const unsigned char sizes[PEL_PLY_TYPE_COUNT] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return sizes[type];
+}
 
 #endif

@@ -29,13 +29,13 @@ static bool add_facet(stl_reader *reader, double corners[3][3], const char *plac
         reader->dropped_count++;
         return true;
     }
+    int32_t vertices[3];
     for (int i = 0; i < 3; i++) {
-        const size_t vertex = reader->builder.vertex_count;
-        if (vertex >= INT32_MAX || !pel_builder_add_vertex(&reader->builder, corners[i]) ||
-            !pel_builder_add_corner(&reader->builder, (int32_t)vertex, place))
+        vertices[i] = (int32_t)reader->builder.vertex_count;
+        if (reader->builder.vertex_count >= INT32_MAX || !pel_builder_add_vertex(&reader->builder, corners[i]))
             return false;
     }
-    return pel_builder_end_polygon(&reader->builder, 3);
+    return pel_builder_add_triangle(&reader->builder, vertices, place);
 }
 
 static uint64_t binary_facet_count(const pel_scan *scan)

@@ -63,20 +63,18 @@ static pel_status fail_range(pel_scene_reader *reader, const pel_scene_row *limi
     const char *space = limits->unit != NULL ? " " : "";
     pel_scene_fail(reader, &value->place, "%s is out of range: %.80s%s%s",
                    pel_scene_value_path(value, path, sizeof path), value->text, space, unit);
-    if (limits->range.given)
-        pel_fail_remedy(reader->error, "it must be %s%s%s", pel_scene_range_text(limits->range, range, sizeof range),
-                        space, unit);
-    else
-        pel_fail_remedy(reader->error, "it must be a finite number");
+    pel_fail_remedy(reader->error, "it must be %s%s%s",
+                    limits->range.given ? pel_scene_range_text(limits->range, range, sizeof range) : "finite", space,
+                    unit);
     return PEL_BAD_SCENE;
 }
 
-static pel_status fail_count(pel_scene_reader *reader, const pel_scene_value *value, int32_t count, const char *needed)
+static pel_status fail_count(pel_scene_reader *reader, const pel_scene_value *value, int32_t count, const char *remedy)
 {
     char path[PATH_SIZE];
     pel_scene_fail(reader, &value->place, "%s has %d element%s", pel_scene_value_path(value, path, sizeof path),
                    (int)count, count == 1 ? "" : "s");
-    pel_fail_remedy(reader->error, "it must have %s", needed);
+    pel_fail_remedy(reader->error, "%s", remedy);
     return PEL_BAD_SCENE;
 }
 
@@ -220,10 +218,11 @@ static pel_status check_tuple(pel_scene_reader *reader, const pel_scene_row *row
     static const pel_scene_row time = {
         .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, INFINITY}, .doc = "a time"};
     pel_scene_row part = {.forms = PEL_FORM_NUMBER, .unit = limits->unit, .range = limits->range, .doc = row->doc};
-    char form_text[100];
     if (pel_scene_value_count(value) != needed)
         return fail_count(reader, value, pel_scene_value_count(value),
-                          pel_scene_form_text(row, form_text, sizeof form_text));
+                          form == PEL_FORM_VECTOR ? "give three numbers [x, y, z]"
+                          : form == PEL_FORM_KEY  ? "give a time and a value [t, value]"
+                                                  : "give two numbers [a, b]");
     for (pel_scene_value *child = value->first; child != NULL; child = child->next) {
         bool is_time = form == PEL_FORM_KEY && child == value->first;
         const pel_scene_row *child_row = is_time ? &time : &part;
@@ -239,10 +238,11 @@ static pel_status check_elements(pel_scene_reader *reader, const pel_scene_row *
 {
     const pel_scene_row *element = pel_scene_row_find(reader->table, row->path, "[]");
     int32_t count = pel_scene_value_count(value);
-    char range[80], needed[100];
+    char range[80], remedy[100];
     if (!pel_scene_range_has(row->range, count)) {
-        snprintf(needed, sizeof needed, "%s elements", pel_scene_range_text(row->range, range, sizeof range));
-        return fail_count(reader, value, count, needed);
+        snprintf(remedy, sizeof remedy, "it must have %s elements",
+                 pel_scene_range_text(row->range, range, sizeof range));
+        return fail_count(reader, value, count, remedy);
     }
     for (pel_scene_value *child = value->first; child != NULL; child = child->next) {
         pel_status status = check_value(reader, element, element->scoped ? limits : element, child);
@@ -461,5 +461,10 @@ pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root)
     static const pel_scene_row scene = {.path = "", .forms = PEL_FORM_MAP, .doc = "the scene"};
     if (root->kind != PEL_SCENE_MAP)
         return fail_form(reader, &scene, root);
+    /* what is wrong with a scene of another version is the version */
+    pel_scene_value *version = pel_scene_value_entry(root, "version");
+    const pel_scene_row *row = pel_scene_row_find(reader->table, "", "version");
+    if (version != NULL && check_value(reader, row, row, version) != PEL_OK)
+        return PEL_BAD_SCENE;
     return check_map(reader, NULL, NULL, root);
 }

@@ -3,42 +3,74 @@
 
 #include <string.h>
 
-/* group of a path in < > as a word for readers */
-static void write_group(FILE *file, const char *group)
+/* a path without the < > of groups */
+static void write_path(FILE *file, const char *path)
 {
-    fprintf(file, "[%.*s](#%.*s)", (int)strlen(group) - 2, group + 1, (int)strlen(group) - 2, group + 1);
+    for (; *path != '\0'; path++)
+        if (*path != '<' && *path != '>')
+            fputc(*path, file);
 }
 
-/* "number or `auto`, [region](#region)" */
-static void write_type(FILE *file, const pel_scene_row *row)
+/* "`a`, `b`" */
+static void write_words(FILE *file, const char *const *words)
+{
+    for (size_t i = 0; words[i] != NULL; i++)
+        fprintf(file, "%s`%s`", i > 0 ? ", " : "", words[i]);
+}
+
+/* "number or `auto`", "list of text", "number or [quantity](#quantity)" */
+static void write_type(FILE *file, const pel_scene_table *table, const pel_scene_row *row)
 {
     char text[200];
-    pel_scene_row named = *row;
+    pel_scene_row plain = *row;
+    plain.forms &= ~(unsigned)PEL_FORM_WORD;
     if (row->like != NULL)
-        named.forms &= ~(unsigned)PEL_FORM_MAP;
-    pel_scene_form_text(&named, text, sizeof text);
-    fputs(text, file);
-    if (row->like == NULL)
-        return;
-    fputs(text[0] != '\0' ? " or " : "", file);
-    write_group(file, row->like);
+        plain.forms &= ~(unsigned)PEL_FORM_MAP;
+    fputs(pel_scene_form_text(&plain, text, sizeof text), file);
+    if (plain.forms != row->forms && text[0] != '\0')
+        fputs(" or ", file);
+    if ((row->forms & PEL_FORM_WORD) != 0)
+        write_words(file, row->words);
+    if (row->like != NULL) {
+        int length = (int)strlen(row->like) - 2;
+        fprintf(file, "%s[%.*s](#%.*s)", (row->forms & PEL_FORM_WORD) != 0 ? " or " : "", length, row->like + 1, length,
+                row->like + 1);
+    }
+    if ((row->forms & PEL_FORM_LIST) != 0)
+        fprintf(file, " of %s", pel_scene_form_text(pel_scene_row_find(table, row->path, "[]"), text, sizeof text));
 }
 
-static void write_row(FILE *file, const pel_scene_row *row, const char *prefix)
+/* whether a map has another alternative than this one */
+static bool has_other_alternative(const pel_scene_table *table, const char *prefix, const pel_scene_row *row)
+{
+    const pel_scene_row *other = NULL;
+    while ((other = pel_scene_row_next(table, prefix, other)) != NULL)
+        if (other->alternative && other != row)
+            return true;
+    return false;
+}
+
+static void write_default(FILE *file, const pel_scene_table *table, const pel_scene_row *row, const char *prefix)
+{
+    if (row->preset != NULL)
+        fprintf(file, "`%s`", row->preset);
+    else if (row->alternative && has_other_alternative(table, prefix, row))
+        fputs("one of these", file);
+    else if (row->alternative || row->required)
+        fputs("required", file);
+    if (row->needs != NULL && row->needs_word == NULL)
+        fprintf(file, "%swith `%s`", row->preset != NULL || row->required ? ", " : "", row->needs);
+}
+
+static void write_row(FILE *file, const pel_scene_table *table, const pel_scene_row *row, const char *prefix)
 {
     char range[80];
     fprintf(file, "| `%s` | ", pel_scene_row_name(row, prefix));
-    write_type(file, row);
+    write_type(file, table, row);
     fprintf(file, " | %s | %s | ", row->unit != NULL ? row->unit : "",
             pel_scene_range_text(row->range, range, sizeof range));
-    if (row->preset != NULL)
-        fprintf(file, "`%s`", row->preset);
-    else
-        fputs(row->required ? "required" : row->alternative ? "one of these" : "", file);
-    fprintf(file, " | %s", row->doc);
-    if (row->needs != NULL && row->needs_word == NULL)
-        fprintf(file, " (with `%s`)", row->needs);
-    fputs(" |\n", file);
+    write_default(file, table, row, prefix);
+    fprintf(file, " | %s |\n", row->doc);
 }
 
 /* the table of the rows below a prefix that stand beside a word (null: beside any) */
@@ -55,19 +87,18 @@ static void write_rows(FILE *file, const pel_scene_table *table, const char *pre
         if (!started)
             fputs("\n| key | value | unit | range | default | meaning |\n|---|---|---|---|---|---|\n", file);
         started = true;
-        write_row(file, row, prefix);
+        write_row(file, table, row, prefix);
     }
 }
 
 static void write_section(FILE *file, const pel_scene_table *table, const pel_scene_row *row)
 {
     const char *prefix = pel_scene_row_prefix(row);
-    if (row != NULL && row->path[0] == '<')
-        fprintf(file, "\n## %.*s\n", (int)strlen(row->path) - 2, row->path + 1);
-    else if (row != NULL)
-        fprintf(file, "\n## `%s`\n", row->path);
-    if (row != NULL)
-        fprintf(file, "\n%s.\n", row->doc);
+    if (row != NULL) {
+        fputs(row->path[0] == '<' ? "\n## " : "\n## `", file);
+        write_path(file, row->path);
+        fprintf(file, "%s\n\n%s.\n", row->path[0] == '<' ? "" : "`", row->doc);
+    }
     write_rows(file, table, prefix, NULL);
     /* then the keys that go with one word of an alternative */
     const char *word = NULL;

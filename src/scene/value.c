@@ -1,6 +1,7 @@
 #include "scene/value.h"
 
-#include <locale.h>
+#include "io/number.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -202,27 +203,13 @@ static bool parse_prefixed(const char *text, double *number)
     return true;
 }
 
-/* strtod with a point whatever the locale of the program is */
-static double parse_decimal(const char *text)
-{
-    locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    locale_t before = plain != (locale_t)0 ? uselocale(plain) : (locale_t)0;
-    double number = strtod(text, NULL);
-    if (plain != (locale_t)0) {
-        uselocale(before);
-        freelocale(plain);
-    }
-    return number;
-}
-
 bool pel_scene_parse_number(const char *text, double *number)
 {
     if (parse_prefixed(text, number))
         return true;
     if (!is_float(text))
         return false;
-    *number = parse_decimal(text);
-    return true;
+    return pel_number_parse(text, text + strlen(text), number) != NULL;
 }
 
 bool pel_scene_parse_integer(const char *text, double *number)

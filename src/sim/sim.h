@@ -33,6 +33,18 @@ typedef struct pel_touch {
     double push[3]; /* sum of the displacements, for the direction of the contact */
 } pel_touch;
 
+/* Where a triangle touched a tool: the point of the triangle, and the half space of the tool's frame,
+   normal . x >= offset, in which it has to stay during the next step. */
+typedef struct pel_plane {
+    double weights[3];
+    double normal[3];
+    double offset;
+    int64_t triangle;
+} pel_plane;
+
+/* planes a tool remembers at most; they matter where it touches few, large triangles */
+enum { PEL_PLANE_LIMIT = 1024 };
+
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;
@@ -52,6 +64,8 @@ typedef struct pel_tool {
     double force[3], torque[3];
     int32_t contact_count;
 
+    pel_plane *planes; /* (plane_count) of the last step; up to PEL_PLANE_LIMIT */
+    int32_t plane_count;
     pel_touch *touches; /* (touch_count) of this step */
     int32_t touch_count;
     int32_t *touch_of_vertex; /* (vertex_count) its touch plus 1, 0 = none */
@@ -67,10 +81,11 @@ struct pel_sim {
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_record *force;       /* (vertex_count) scratch: forces, and loads on touched vertices */
-    int32_t *near_triangles; /* (triangle_count) scratch of the tools; null without tools */
-    uint8_t *triangle_marks; /* (triangle_count) */
-    uint8_t *held;           /* (vertex_count) 1 = a tool holds it */
+    pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
+    int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
+    int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
+    uint8_t *triangle_marks;    /* (triangle_count) */
+    uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)

@@ -79,6 +79,8 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
     transfer(at, &tool->phase, sizeof tool->phase);
     transfer(at, &tool->held_count, sizeof tool->held_count);
     transfer(at, &tool->contact_count, sizeof tool->contact_count);
+    transfer(at, &tool->plane_count, sizeof tool->plane_count);
+    transfer(at, tool->planes, PEL_PLANE_LIMIT * sizeof *tool->planes);
     transfer(at, tool->force, sizeof tool->force);
     transfer(at, tool->torque, sizeof tool->torque);
     if (tool->grasp) {

@@ -1,24 +1,17 @@
 /* Rigid tools: they move on their keys, hold what they grasped, and push the surface out of the way.
 
-   Pressing keeps whole triangles out of the tool, not only vertices: each triangle near the tool is pushed out at its
-   deepest point p = sum b_i x_i by x_i += w_i b_i / (sum w b^2) depth n, triangle after triangle until none is deeper
-   than the tolerance. Vertices come first, which settles most of it.
-
    The force on the tool is what the surface does to it without friction. Quasi-static method: the force F_i of eq. A-2
    on each touched vertex, as far as it presses against the tool (held vertices: all of it); at rest this balances the
    push exactly. Explicit method: the momentum taken from the vertices over dt. */
 #include "base/memory.h"
 #include "base/status.h"
-#include "math/pose.h"
-#include "sim/sim.h"
+#include "sim/tool.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* sweeps over the near triangles at most, rounds over the tools at most */
-enum { SWEEP_LIMIT = 40, ROUND_LIMIT = 4 };
-/* depth that counts as touching, relative to the tool's size */
-#define DEPTH_TOLERANCE 1e-6
+/* rounds over the tools at most */
+enum { ROUND_LIMIT = 4 };
 
 pel_tool_def pel_tool_def_default(void)
 {
@@ -103,13 +96,14 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
+    tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
     tool->touches = pel_allocate(vertex_count, sizeof *tool->touches);
     tool->touch_of_vertex = pel_allocate(vertex_count, sizeof *tool->touch_of_vertex);
     if (def->grasp) {
         tool->held = pel_allocate(vertex_count, sizeof *tool->held);
         tool->anchors = pel_allocate(vertex_count, sizeof *tool->anchors);
     }
-    if (tool->keys == NULL || tool->touches == NULL || tool->touch_of_vertex == NULL ||
+    if (tool->keys == NULL || tool->planes == NULL || tool->touches == NULL || tool->touch_of_vertex == NULL ||
         (def->grasp && (tool->held == NULL || tool->anchors == NULL)))
         return pel_fail_memory(error);
     memcpy(tool->keys, def->keys, (size_t)def->key_count * sizeof *tool->keys);
@@ -129,9 +123,11 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     if (count == 0)
         return PEL_OK;
     sim->near_triangles = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->near_triangles);
+    sim->plane_of_triangle = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->plane_of_triangle);
     sim->triangle_marks = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->triangle_marks);
     sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
-    if (sim->near_triangles == NULL || sim->triangle_marks == NULL || sim->held == NULL)
+    if (sim->near_triangles == NULL || sim->plane_of_triangle == NULL || sim->triangle_marks == NULL ||
+        sim->held == NULL)
         return pel_fail_memory(error);
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
@@ -148,12 +144,13 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys, tool->touches, tool->touch_of_vertex, tool->held, tool->anchors};
+        void *arrays[] = {tool->keys, tool->planes, tool->touches, tool->touch_of_vertex, tool->held, tool->anchors};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
     }
     pel_free(sim->tools);
     pel_free(sim->near_triangles);
+    pel_free(sim->plane_of_triangle);
     pel_free(sim->triangle_marks);
     pel_free(sim->held);
 }
@@ -177,243 +174,17 @@ pel_pose pel_tool_pose_at(const pel_tool *tool, double time)
     return pose;
 }
 
-static void to_local(const pel_pose *pose, const double world[3], double local[3])
-{
-    pel_vec3_subtract(world, pose->position, local);
-    pel_rotate_back(pose->rotation, local, local);
-}
-
-static void to_world(const pel_pose *pose, const double local[3], double world[3])
-{
-    pel_rotate(pose->rotation, local, world);
-    pel_vec3_add(world, pose->position, world);
-}
-
-static void vertex_position(const pel_record *positions, int32_t v, double x[3])
-{
-    pel_vec3_set(x, (double)positions[v][0], (double)positions[v][1], (double)positions[v][2]);
-}
-
-/* velocity of the point of the tool that is now at `point`, over the last step */
-static void tool_velocity(const pel_tool *tool, const double point[3], double dt, double velocity[3])
-{
-    double local[3], before[3];
-    to_local(&tool->pose, point, local);
-    to_world(&tool->pose_before, local, before);
-    for (int i = 0; i < 3; i++)
-        velocity[i] = (point[i] - before[i]) / dt;
-}
-
-static double tool_size(const pel_tool *tool)
-{
-    double half[3];
-    pel_solid_half_box(&tool->solid, half);
-    return half[0] + half[1] + half[2];
-}
-
-static int32_t first_vertex(const pel_sim *sim, int32_t body)
-{
-    return body < 0 ? 0 : sim->model->bodies[body].slice_begin * PEL_WIDTH;
-}
-
-static int32_t end_vertex(const pel_sim *sim, int32_t body)
-{
-    return body < 0 ? sim->model->vertex_count : sim->model->bodies[body].slice_end * PEL_WIDTH;
-}
-
-/* ---- pressing ---- */
-
-/* half sizes of the world-aligned box about the tool */
-static void world_half_box(const pel_tool *tool, double half[3])
-{
-    double local[3], axis[3];
-    pel_solid_half_box(&tool->solid, local);
-    pel_vec3_set(half, 0, 0, 0);
-    for (int i = 0; i < 3; i++) {
-        pel_vec3_set(axis, i == 0 ? local[0] : 0, i == 1 ? local[1] : 0, i == 2 ? local[2] : 0);
-        pel_rotate(tool->pose.rotation, axis, axis);
-        for (int j = 0; j < 3; j++)
-            half[j] += fabs(axis[j]);
-    }
-}
-
-/* lists the triangles with a vertex within `reach` of the tool's box; a triangle that overlaps the tool has all its
-   vertices within its longest edge of it */
-static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double reach)
-{
-    const pel_model *model = sim->model;
-    double half[3];
-    world_half_box(tool, half);
-    pel_record low, high;
-    for (int i = 0; i < 3; i++) {
-        low[i] = (pel_real)(tool->pose.position[i] - half[i] - reach);
-        high[i] = (pel_real)(tool->pose.position[i] + half[i] + reach);
-    }
-    int32_t count = 0, end = end_vertex(sim, tool->body);
-    for (int32_t v = first_vertex(sim, tool->body); v < end; v++) {
-        const pel_record x = positions[v];
-        if (x[0] < low[0] || x[0] > high[0] || x[1] < low[1] || x[1] > high[1] || x[2] < low[2] || x[2] > high[2])
-            continue;
-        for (int32_t f = model->fan_begin[v]; f < model->fan_begin[v + 1]; f++) {
-            int32_t t = model->fans[f];
-            if (!sim->triangle_marks[t]) {
-                sim->triangle_marks[t] = 1;
-                sim->near_triangles[count++] = t;
-            }
-        }
-    }
-    for (int32_t i = 0; i < count; i++)
-        sim->triangle_marks[sim->near_triangles[i]] = 0;
-    return count;
-}
-
-static double mobility(const pel_sim *sim, int32_t v)
-{
-    return sim->held[v] ? 0 : (double)sim->model->inverse_mass[v];
-}
-
-static pel_touch *touch_of(pel_tool *tool, int32_t v)
-{
-    if (tool->touch_of_vertex[v] == 0) {
-        tool->touches[tool->touch_count] = (pel_touch){.vertex = v};
-        tool->touch_of_vertex[v] = ++tool->touch_count;
-    }
-    return &tool->touches[tool->touch_of_vertex[v] - 1];
-}
-
-static void add_reaction(pel_tool *tool, const double point[3], const double force[3])
-{
-    double arm[3], torque[3];
-    pel_vec3_subtract(point, tool->pose.position, arm);
-    pel_vec3_cross(arm, force, torque);
-    pel_vec3_add(tool->force, force, tool->force);
-    pel_vec3_add(tool->torque, torque, tool->torque);
-}
-
-static void record_add(pel_record *record, double scale, const double a[3])
-{
-    for (int i = 0; i < 3; i++)
-        (*record)[i] += (pel_real)(scale * a[i]);
-}
-
-/* a point of the surface: up to three vertices with weights */
-typedef struct surface_point {
-    const int32_t *vertices;
-    const double *weights;
-    int count;
-} surface_point;
-
-/* explicit method: takes away the velocity with which the point runs into the tool, and counts the impulse */
-static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
-{
-    double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
-    for (int c = 0; c < at->count; c++) {
-        vertex_position(sim->state->position_next, at->vertices[c], x);
-        pel_vec3_along(point, at->weights[c], x, point);
-        vertex_position(sim->state->velocity_next, at->vertices[c], x);
-        pel_vec3_along(relative, at->weights[c], x, relative);
-    }
-    tool_velocity(tool, point, sim->step.dt, moving);
-    pel_vec3_subtract(relative, moving, relative);
-    double approach = -pel_vec3_dot(relative, normal);
-    if (approach <= 0)
-        return;
-    double impulse = approach / inertia, force[3];
-    for (int c = 0; c < at->count; c++) {
-        int32_t v = at->vertices[c];
-        record_add(&sim->state->velocity_next[v], impulse * at->weights[c] * mobility(sim, v), normal);
-    }
-    pel_vec3_scale(normal, -impulse / sim->step.dt, force);
-    add_reaction(tool, point, force);
-}
-
-/* moves the vertices so that the point goes `depth` along the normal; false when none of them can move */
-static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
-{
-    double inertia = 0;
-    for (int c = 0; c < at->count; c++)
-        inertia += mobility(sim, at->vertices[c]) * at->weights[c] * at->weights[c];
-    if (inertia <= 0)
-        return false;
-    for (int c = 0; c < at->count; c++) {
-        int32_t v = at->vertices[c];
-        double share = mobility(sim, v) * at->weights[c] / inertia * depth;
-        if (share <= 0)
-            continue;
-        record_add(&sim->state->position_next[v], share, normal);
-        pel_touch *touch = touch_of(tool, v);
-        pel_vec3_along(touch->push, share, normal, touch->push);
-    }
-    if (sim->state->velocity_next != NULL)
-        stop_point(sim, tool, at, normal, inertia);
-    return true;
-}
-
-static bool press_vertex(pel_sim *sim, pel_tool *tool, int32_t v, double tolerance)
-{
-    double x[3], local[3], normal[3];
-    vertex_position(sim->state->position_next, v, x);
-    to_local(&tool->pose, x, local);
-    double depth = -pel_solid_distance(&tool->solid, local, normal);
-    if (depth <= tolerance)
-        return false;
-    pel_rotate(tool->pose.rotation, normal, normal);
-    const double whole = 1;
-    return push_point(sim, tool, &(surface_point){&v, &whole, 1}, depth, normal);
-}
-
-/* depth of one triangle in the tool, with the deepest point and the way out in the tool's frame */
-static double triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_record *positions, int32_t t,
-                             double weights[3], double normal[3])
-{
-    double world[3], corner[3][3];
-    for (int c = 0; c < 3; c++) {
-        vertex_position(positions, sim->model->triangles[t][c], world);
-        to_local(&tool->pose, world, corner[c]);
-    }
-    return pel_solid_depth(&tool->solid, corner[0], corner[1], corner[2], weights, normal);
-}
-
-static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
-{
-    double weights[3], normal[3];
-    double depth = triangle_depth(sim, tool, sim->state->position_next, t, weights, normal);
-    if (depth <= tolerance)
-        return false;
-    pel_rotate(tool->pose.rotation, normal, normal);
-    return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights, 3}, depth, normal);
-}
-
-/* pushes the surface out of one tool; true when anything moved */
-static bool press(pel_sim *sim, pel_tool *tool, double longest)
-{
-    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, 1.25 * longest);
-    double tolerance = DEPTH_TOLERANCE * tool_size(tool);
-    bool moved = false;
-    for (int32_t i = 0; i < near_count; i++)
-        for (int c = 0; c < 3; c++)
-            moved |= press_vertex(sim, tool, sim->model->triangles[sim->near_triangles[i]][c], tolerance);
-    bool again = true;
-    for (int sweep = 0; again && sweep < SWEEP_LIMIT; sweep++) {
-        again = false;
-        for (int32_t i = 0; i < near_count; i++)
-            again |= press_triangle(sim, tool, sim->near_triangles[i], tolerance);
-        moved |= again;
-    }
-    return moved;
-}
-
 /* ---- grasping ---- */
 
 static void grasp(pel_sim *sim, pel_tool *tool)
 {
-    int32_t end = end_vertex(sim, tool->body);
-    for (int32_t v = first_vertex(sim, tool->body); v < end; v++) {
+    int32_t end = pel_tool_end_vertex(sim, tool->body);
+    for (int32_t v = pel_tool_first_vertex(sim, tool->body); v < end; v++) {
         double x[3], local[3], normal[3];
-        if (mobility(sim, v) <= 0)
+        if (pel_tool_mobility(sim, v) <= 0)
             continue;
-        vertex_position(sim->state->position, v, x);
-        to_local(&tool->pose_before, x, local);
+        pel_vertex_position(sim->state->position, v, x);
+        pel_pose_to_local(&tool->pose_before, x, local);
         if (pel_solid_distance(&tool->solid, local, normal) > tool->reach)
             continue;
         sim->held[v] = 1;
@@ -450,19 +221,19 @@ static void carry(pel_sim *sim, pel_tool *tool)
     for (int32_t i = 0; i < tool->held_count; i++) {
         int32_t v = tool->held[i];
         double target[3], velocity[3], change[3];
-        to_world(&tool->pose, tool->anchors[i], target);
+        pel_pose_to_world(&tool->pose, tool->anchors[i], target);
         for (int c = 0; c < 3; c++)
             state->position_next[v][c] = (pel_real)target[c];
-        touch_of(tool, v);
+        pel_tool_touch(tool, v);
         if (state->velocity_next == NULL)
             continue;
-        tool_velocity(tool, target, sim->step.dt, velocity);
+        pel_tool_velocity(tool, target, sim->step.dt, velocity);
         for (int c = 0; c < 3; c++) {
             change[c] = velocity[c] - (double)state->velocity_next[v][c];
             state->velocity_next[v][c] = (pel_real)velocity[c];
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
-        add_reaction(tool, target, change);
+        pel_tool_add_reaction(tool, target, change);
     }
 }
 
@@ -489,8 +260,8 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
             double along = push > 0 ? fmin(pel_vec3_dot(force, touch->push) / push, 0) : 0;
             pel_vec3_scale(touch->push, along, force);
         }
-        vertex_position(sim->state->position_next, touch->vertex, x);
-        add_reaction(tool, x, force);
+        pel_vertex_position(sim->state->position_next, touch->vertex, x);
+        pel_tool_add_reaction(tool, x, force);
     }
 }
 
@@ -519,7 +290,7 @@ void pel_tools_apply(pel_sim *sim, double time, double longest)
         moved = false;
         for (int32_t i = 0; i < sim->tool_count; i++)
             if (sim->tools[i].press)
-                moved |= press(sim, &sim->tools[i], longest);
+                moved |= pel_tool_press(sim, &sim->tools[i], longest);
     }
     if (sim->state->velocity_next == NULL) {
         for (int32_t i = 0; i < sim->tool_count; i++)
@@ -551,7 +322,7 @@ static bool is_enclosed(const pel_sim *sim, const pel_tool *tool, int32_t body)
     for (int32_t t = sim->model->triangle_begin[body]; t < sim->model->triangle_begin[body + 1]; t++) {
         double corner[3][3];
         for (int c = 0; c < 3; c++) {
-            vertex_position(sim->state->position, sim->model->triangles[t][c], corner[c]);
+            pel_vertex_position(sim->state->position, sim->model->triangles[t][c], corner[c]);
             pel_vec3_subtract(corner[c], tool->pose.position, corner[c]);
         }
         sum += winding(corner[0], corner[1], corner[2]);
@@ -576,8 +347,8 @@ static pel_status check_outside(const pel_sim *sim, int32_t index, pel_error *er
             continue;
         double deepest = 0, weights[3], normal[3];
         for (int32_t t = sim->model->triangle_begin[b]; t < sim->model->triangle_begin[b + 1]; t++)
-            deepest = fmax(deepest, triangle_depth(sim, tool, sim->state->position, t, weights, normal));
-        if (deepest > 1e-3 * tool_size(tool))
+            deepest = fmax(deepest, pel_tool_triangle_depth(sim, tool, sim->state->position, t, weights, normal));
+        if (deepest > 1e-3 * pel_tool_size(tool))
             return refuse_inside(tool, index, body->name, deepest, error);
         if (body->closed && is_enclosed(sim, tool, b))
             return refuse_inside(tool, index, body->name, body->diameter, error);

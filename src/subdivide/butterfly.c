@@ -179,6 +179,12 @@ typedef struct across {
     const double *p, *q, *r;
 } across;
 
+static inline int32_t tip_of(const pel_topology *level, int32_t h)
+{
+    const int32_t *origin = level->triangles[0];
+    return origin[pel_half_edge_previous(h)];
+}
+
 static inline const double *row_of(const double *values, int32_t v, int32_t n)
 {
     return values + (size_t)v * (size_t)n;
@@ -190,7 +196,7 @@ static inline across look_across(const pel_topology *level, int32_t h, const dou
     int32_t g = level->twin[h];
     if (g < 0)
         return (across){NULL, p, q, r};
-    return (across){row_of(values, level->triangles[0][pel_half_edge_previous(g)], n), p, q, r};
+    return (across){row_of(values, tip_of(level, g), n), p, q, r};
 }
 
 static inline double across_value(const across *point, int32_t c)
@@ -222,7 +228,7 @@ static inline void boundary_value(const pel_topology *level, int32_t h, int32_t 
     int32_t last = h, turned;
     while ((turned = pel_half_edge_turn(level, last)) >= 0)
         last = turned;
-    int32_t before = level->triangles[0][pel_half_edge_previous(last)], end = pel_half_edge_target(level, h);
+    int32_t before = tip_of(level, last), end = pel_half_edge_target(level, h);
     int32_t after = pel_half_edge_target(level, level->corner_of_vertex[end]);
     const double *a = row_of(values, pel_half_edge_origin(level, h), n), *b = row_of(values, end, n);
     const double *outer_a = row_of(values, before, n), *outer_b = row_of(values, after, n);

@@ -1,38 +1,30 @@
-/* Meshes for the tests of src/mesh: random numbers, small meshes from literal arrays, the shared real meshes. */
+/* Meshes for the tests of src/mesh: small meshes from literal arrays, the shared real meshes. */
 #ifndef PEL_TESTS_SAMPLE_H
 #define PEL_TESTS_SAMPLE_H
 
 #include "check.h"
+#include "random.h"
 
 #include "pellicle/mesh.h"
 #include "pellicle/shape.h"
 
 #include <stdlib.h>
 
-/* splitmix64: the same numbers on every machine */
-static inline uint32_t random_below(uint64_t *state, uint32_t bound)
+/* 0 .. bound - 1 */
+static inline int32_t random_below(random_state *random, int32_t bound)
 {
-    *state += 0x9e3779b97f4a7c15u;
-    uint64_t z = *state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (uint32_t)((z ^ (z >> 31)) % bound);
-}
-
-static inline double random_unit(uint64_t *state)
-{
-    return random_below(state, 1u << 30) / (double)(1u << 30);
+    return (int32_t)random_integer(random, 0, bound - 1);
 }
 
 /* random positions in the unit cube */
 static inline pel_mesh *sample_mesh(int32_t vertex_count, const int32_t *triangles, int32_t triangle_count)
 {
-    uint64_t state = 77;
+    random_state random = {77};
     double *positions = malloc(3 * sizeof *positions * (size_t)vertex_count);
     pel_mesh *mesh;
     assert_non_null(positions);
     for (int32_t i = 0; i < 3 * vertex_count; i++)
-        positions[i] = random_unit(&state);
+        positions[i] = random_between(&random, 0, 1);
     assert_int_equal(pel_mesh_create(positions, vertex_count, triangles, triangle_count, &mesh, NULL), PEL_OK);
     free(positions);
     return mesh;

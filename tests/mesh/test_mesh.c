@@ -101,7 +101,7 @@ static void test_transform_refuses(void **unused)
     transform.rotation[3] = 0;
     assert_int_equal(pel_mesh_transform(mesh, &transform, &error), PEL_BAD_ARGUMENT);
     transform = fine;
-    transform.translation[0] = NAN;
+    transform.translation[0] = (double)NAN;
     assert_int_equal(pel_mesh_transform(mesh, &transform, &error), PEL_BAD_ARGUMENT);
     transform = fine;
     transform.scale[0] = transform.translation[0] = 1.5e308;

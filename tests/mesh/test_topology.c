@@ -167,13 +167,12 @@ static void test_random_triangles(void **unused)
 {
     (void)unused;
     int accepted = 0;
-    uint64_t state = 1;
+    random_state random = {1};
     for (int round = 0; round < 20000; round++) {
         int32_t triangles[18];
-        int32_t vertex_count = 3 + (int32_t)random_below(&state, 6),
-                triangle_count = 1 + (int32_t)random_below(&state, 6);
+        int32_t vertex_count = 3 + random_below(&random, 6), triangle_count = 1 + random_below(&random, 6);
         for (int32_t i = 0; i < 3 * triangle_count; i++)
-            triangles[i] = (int32_t)random_below(&state, (uint32_t)vertex_count);
+            triangles[i] = random_below(&random, vertex_count);
         pel_topology *topology;
         pel_status status = topology_of(vertex_count, triangles, triangle_count, &topology, NULL);
         assert_int_equal(status == PEL_OK, brute_force_manifold(triangles, vertex_count, triangle_count));
@@ -192,15 +191,15 @@ static void test_random_patches(void **unused)
     (void)unused;
     pel_mesh *sphere = sample_sphere(2);
     int accepted = 0;
-    uint64_t state = 2;
+    random_state random = {2};
     for (int round = 0; round < 2000; round++) {
-        int32_t triangles[240], triangle_count = 0, shift = (int32_t)random_below(&state, 42), dropped = round % 10;
+        int32_t triangles[240], triangle_count = 0, shift = random_below(&random, 42), dropped = round % 10;
         for (int32_t t = 0; t < sphere->triangle_count; t++)
             for (int i = 0; i < 3; i++)
                 triangles[3 * t + i] = (sphere->triangles[t][i] * 5 + shift) % 42;
         triangle_count = sphere->triangle_count;
         while (dropped-- > 0) {
-            int32_t t = (int32_t)random_below(&state, (uint32_t)triangle_count--);
+            int32_t t = random_below(&random, triangle_count--);
             memmove(triangles + 3 * t, triangles + 3 * triangle_count, 3 * sizeof *triangles);
         }
         if (round % 17 == 0) {

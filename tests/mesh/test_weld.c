@@ -29,15 +29,15 @@ static void brute_force(double (*points)[3], int32_t count, double tolerance, in
 static void test_against_brute_force(void **unused)
 {
     (void)unused;
-    uint64_t state = 3;
+    random_state random = {3};
     for (int round = 0; round < 60; round++) {
         double points[MOST][3];
-        int32_t index_of[MOST], expected[MOST], places, count = 1 + (int32_t)random_below(&state, MOST - 1);
-        uint32_t steps = 2 + random_below(&state, 12);
+        int32_t index_of[MOST], expected[MOST], places, count = 1 + random_below(&random, MOST - 1);
+        int32_t steps = 2 + random_below(&random, 12);
         for (int32_t i = 0; i < 3 * count; i++)
             points[i / 3][i % 3] =
-                random_below(&state, steps) / (double)steps - 0.5 + 1e-3 * random_unit(&state) * (round % 2);
-        double tolerance = round % 3 == 0 ? 0 : 0.02 * random_unit(&state);
+                random_below(&random, steps) / (double)steps - 0.5 + 1e-3 * random_between(&random, 0, 1) * (round % 2);
+        double tolerance = round % 3 == 0 ? 0 : 0.02 * random_between(&random, 0, 1);
         assert_int_equal(pel_weld_points((const double(*)[3])points, count, tolerance, index_of, &places), PEL_OK);
         brute_force(points, count, tolerance, expected);
         int32_t most = 0;
@@ -52,8 +52,13 @@ static void test_against_brute_force(void **unused)
 static void test_special_numbers(void **unused)
 {
     (void)unused;
-    const double points[7][3] = {{0, 1, 2},        {-0.0, 1, 2},     {NAN, 0, 0}, {NAN, 0, 0},
-                                 {INFINITY, 0, 0}, {INFINITY, 0, 0}, {0, 1, 2.5}};
+    const double points[7][3] = {{0, 1, 2},
+                                 {-0.0, 1, 2},
+                                 {(double)NAN, 0, 0},
+                                 {(double)NAN, 0, 0},
+                                 {(double)INFINITY, 0, 0},
+                                 {(double)INFINITY, 0, 0},
+                                 {0, 1, 2.5}};
     const int32_t expected[7] = {0, 0, 1, 2, 3, 3, 4};
     int32_t index_of[7], places;
     for (int with_tolerance = 0; with_tolerance < 2; with_tolerance++) {
@@ -72,7 +77,7 @@ static void test_many_nan(void **unused)
     int32_t *index_of = malloc(COUNT * sizeof *index_of), places;
     assert_true(points != NULL && index_of != NULL);
     for (int32_t i = 0; i < COUNT; i++)
-        points[i][0] = points[i][1] = points[i][2] = i % 2 == 0 ? NAN : 1;
+        points[i][0] = points[i][1] = points[i][2] = i % 2 == 0 ? (double)NAN : 1;
     assert_int_equal(pel_weld_points((const double(*)[3])points, COUNT, 0.1, index_of, &places), PEL_OK);
     assert_int_equal(places, COUNT / 2 + 1);
     free(points);
@@ -82,13 +87,13 @@ static void test_many_nan(void **unused)
 static void test_tolerance_allowed(void **unused)
 {
     (void)unused;
-    const double points[3][3] = {{0, 0, 0}, {3, 4, 0}, {NAN, 0, 1}};
+    const double points[3][3] = {{0, 0, 0}, {3, 4, 0}, {(double)NAN, 0, 1}};
     assert_true(pel_weld_tolerance_allowed(points, 3, 0));
     assert_true(pel_weld_tolerance_allowed(points, 3, 0.2));
     assert_false(pel_weld_tolerance_allowed(points, 3, 0.3));
     assert_false(pel_weld_tolerance_allowed(points, 3, -1e-3));
     assert_false(pel_weld_tolerance_allowed(points, 3, 1e-20));
-    assert_false(pel_weld_tolerance_allowed(points, 3, NAN));
+    assert_false(pel_weld_tolerance_allowed(points, 3, (double)NAN));
 }
 
 int main(void)

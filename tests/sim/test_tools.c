@@ -59,7 +59,10 @@ static double penetration(const stage *s, const pel_solid *solid, int32_t tool)
     {                                                                                                                  \
         {0, {0, 0, start}, {0, 0, 0, 1}}, {1, {0, 0, low}, {0, 0, 0, 1}}, {2, {0, 0, low}, {0, 0, 0, 1}},              \
         {                                                                                                              \
-            3, {0, 0, start}, { 0, 0, 0, 1 }                                                                           \
+            3, {0, 0, start},                                                                                          \
+            {                                                                                                          \
+                0, 0, 0, 1                                                                                             \
+            }                                                                                                          \
         }                                                                                                              \
     }
 

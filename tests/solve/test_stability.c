@@ -122,7 +122,8 @@ static void test_kept_velocity_limit_is_real(void **unused)
     pel_model *model = paper_sphere(0, 0.5, 1.5, 0.5);
     pel_stability s = refined(model);
     double limit = pel_stability_alpha(&s, s.stiffness, 0.01, true);
-    pel_solver_def solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 0.99 * limit, .keep_velocity = true};
+    pel_solver_def solver = {
+        .method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 0.99 * limit, .keep_velocity = true};
     assert_true(growth(model, &solver, 5000) < 1e-8);
     solver.alpha = 1.01 * limit;
     check_refused(model, &solver, "alpha");

@@ -207,7 +207,7 @@ static void test_hand_anchors(void **unused)
 
 static void radius_range(const pel_mesh *mesh, double *least, double *greatest)
 {
-    *least = INFINITY;
+    *least = HUGE_VAL;
     *greatest = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         const double *p = mesh->positions[v];

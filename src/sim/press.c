@@ -1,0 +1,227 @@
+/* Pressing keeps whole triangles out of a tool, not only vertices: each triangle near the tool is pushed out at its
+   deepest point p = sum b_i x_i by x_i += w_i b_i / (sum w b^2) depth n, triangle after triangle until none is deeper
+   than the tolerance. Vertices come first, which settles most of it.
+
+   A quasi-static step may spring back farther than a small tool is thick; so each triangle that touched the tool stays,
+   for one step, on the side of the plane where it touched. */
+#include "sim/tool.h"
+
+/* sweeps over the near triangles at most */
+enum { SWEEP_LIMIT = 100 };
+/* depth that counts as touching, relative to the tool's size */
+#define DEPTH_TOLERANCE 1e-5
+
+/* half sizes of the world-aligned box about the tool */
+static void world_half_box(const pel_tool *tool, double half[3])
+{
+    double local[3], axis[3];
+    pel_solid_half_box(&tool->solid, local);
+    pel_vec3_set(half, 0, 0, 0);
+    for (int i = 0; i < 3; i++) {
+        pel_vec3_set(axis, i == 0 ? local[0] : 0, i == 1 ? local[1] : 0, i == 2 ? local[2] : 0);
+        pel_rotate(tool->pose.rotation, axis, axis);
+        for (int j = 0; j < 3; j++)
+            half[j] += fabs(axis[j]);
+    }
+}
+
+/* lists the triangles with a vertex within `reach` of the tool's box; a triangle that overlaps the tool has all its
+   vertices within its longest edge of it */
+static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double reach)
+{
+    const pel_model *model = sim->model;
+    double half[3];
+    world_half_box(tool, half);
+    pel_record low, high;
+    for (int i = 0; i < 3; i++) {
+        low[i] = (pel_real)(tool->pose.position[i] - half[i] - reach);
+        high[i] = (pel_real)(tool->pose.position[i] + half[i] + reach);
+    }
+    int32_t count = 0, end = pel_tool_end_vertex(sim, tool->body);
+    for (int32_t v = pel_tool_first_vertex(sim, tool->body); v < end; v++) {
+        const pel_record x = positions[v];
+        if (x[0] < low[0] || x[0] > high[0] || x[1] < low[1] || x[1] > high[1] || x[2] < low[2] || x[2] > high[2])
+            continue;
+        for (int32_t f = model->fan_begin[v]; f < model->fan_begin[v + 1]; f++) {
+            int32_t t = model->fans[f];
+            if (!sim->triangle_marks[t]) {
+                sim->triangle_marks[t] = 1;
+                sim->near_triangles[count++] = t;
+            }
+        }
+    }
+    for (int32_t i = 0; i < count; i++)
+        sim->triangle_marks[sim->near_triangles[i]] = 0;
+    return count;
+}
+
+static void record_add(pel_record *record, double scale, const double a[3])
+{
+    for (int i = 0; i < 3; i++)
+        (*record)[i] += (pel_real)(scale * a[i]);
+}
+
+/* a point of the surface: up to three vertices with weights */
+typedef struct surface_point {
+    const int32_t *vertices;
+    const double *weights;
+    int count;
+} surface_point;
+
+/* explicit method: takes away the velocity with which the point runs into the tool, and counts the impulse */
+static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
+{
+    double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
+    for (int c = 0; c < at->count; c++) {
+        pel_vertex_position(sim->state->position_next, at->vertices[c], x);
+        pel_vec3_along(point, at->weights[c], x, point);
+        pel_vertex_position(sim->state->velocity_next, at->vertices[c], x);
+        pel_vec3_along(relative, at->weights[c], x, relative);
+    }
+    pel_tool_velocity(tool, point, sim->step.dt, moving);
+    pel_vec3_subtract(relative, moving, relative);
+    double approach = -pel_vec3_dot(relative, normal);
+    if (approach <= 0)
+        return;
+    double impulse = approach / inertia, force[3];
+    for (int c = 0; c < at->count; c++) {
+        int32_t v = at->vertices[c];
+        record_add(&sim->state->velocity_next[v], impulse * at->weights[c] * pel_tool_mobility(sim, v), normal);
+    }
+    pel_vec3_scale(normal, -impulse / sim->step.dt, force);
+    pel_tool_add_reaction(tool, point, force);
+}
+
+/* moves the vertices so that the point goes `depth` along the normal; false when none of them can move */
+static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
+{
+    double inertia = 0;
+    for (int c = 0; c < at->count; c++)
+        inertia += pel_tool_mobility(sim, at->vertices[c]) * at->weights[c] * at->weights[c];
+    if (inertia <= 0)
+        return false;
+    for (int c = 0; c < at->count; c++) {
+        int32_t v = at->vertices[c];
+        double share = pel_tool_mobility(sim, v) * at->weights[c] / inertia * depth;
+        if (share <= 0)
+            continue;
+        record_add(&sim->state->position_next[v], share, normal);
+        pel_touch *touch = pel_tool_touch(tool, v);
+        pel_vec3_along(touch->push, share, normal, touch->push);
+    }
+    if (sim->state->velocity_next != NULL)
+        stop_point(sim, tool, at, normal, inertia);
+    return true;
+}
+
+static bool press_vertex(pel_sim *sim, pel_tool *tool, int32_t v, double tolerance)
+{
+    double x[3], local[3], normal[3];
+    pel_vertex_position(sim->state->position_next, v, x);
+    pel_pose_to_local(&tool->pose, x, local);
+    double depth = -pel_solid_distance(&tool->solid, local, normal);
+    if (depth <= tolerance)
+        return false;
+    pel_rotate(tool->pose.rotation, normal, normal);
+    const double whole = 1;
+    return push_point(sim, tool, &(surface_point){&v, &whole, 1}, depth, normal);
+}
+
+double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_record *positions, int32_t t,
+                               double weights[3], double normal[3])
+{
+    double world[3], corner[3][3];
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(positions, sim->model->triangles[t][c], world);
+        pel_pose_to_local(&tool->pose, world, corner[c]);
+    }
+    return pel_solid_depth(&tool->solid, corner[0], corner[1], corner[2], weights, normal);
+}
+
+/* point of a triangle in the tool's frame */
+static void local_point(const pel_sim *sim, const pel_tool *tool, int32_t t, const double weights[3], double point[3])
+{
+    double x[3];
+    pel_vec3_set(point, 0, 0, 0);
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], x);
+        pel_vec3_along(point, weights[c], x, point);
+    }
+    pel_pose_to_local(&tool->pose, point, point);
+}
+
+/* the plane through the tool's surface where the triangle will touch it; the latest one of a triangle counts */
+static void remember_plane(const pel_sim *sim, pel_tool *tool, int32_t t, const double weights[3],
+                           const double normal[3], double depth)
+{
+    int32_t place = sim->plane_of_triangle[t] - 1;
+    if (place < 0) {
+        if (tool->plane_count == PEL_PLANE_LIMIT)
+            return;
+        place = tool->plane_count++;
+        sim->plane_of_triangle[t] = place + 1;
+    }
+    pel_plane *plane = &tool->planes[place];
+    double point[3];
+    local_point(sim, tool, t, weights, point);
+    plane->triangle = t;
+    plane->offset = pel_vec3_dot(normal, point) + depth;
+    pel_vec3_copy(weights, plane->weights);
+    pel_vec3_copy(normal, plane->normal);
+}
+
+/* holds last step's touching triangles on their side; a plane that had to act is kept, turned to where the tool's
+   surface is nearest now */
+static bool press_planes(pel_sim *sim, pel_tool *tool)
+{
+    int32_t kept = 0;
+    for (int32_t p = 0; p < tool->plane_count; p++) {
+        pel_plane *plane = &tool->planes[p];
+        int32_t t = (int32_t)plane->triangle;
+        double point[3], normal[3];
+        local_point(sim, tool, t, plane->weights, point);
+        double depth = plane->offset - pel_vec3_dot(plane->normal, point);
+        if (depth <= 0)
+            continue;
+        pel_rotate(tool->pose.rotation, plane->normal, normal);
+        push_point(sim, tool, &(surface_point){sim->model->triangles[t], plane->weights, 3}, depth, normal);
+        local_point(sim, tool, t, plane->weights, point);
+        double distance = pel_solid_distance(&tool->solid, point, plane->normal);
+        plane->offset = pel_vec3_dot(plane->normal, point) - distance;
+        tool->planes[kept] = *plane;
+        sim->plane_of_triangle[t] = ++kept;
+    }
+    tool->plane_count = kept;
+    return kept > 0;
+}
+
+static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
+{
+    double weights[3], normal[3];
+    double depth = pel_tool_triangle_depth(sim, tool, sim->state->position_next, t, weights, normal);
+    if (depth <= tolerance)
+        return false;
+    remember_plane(sim, tool, t, weights, normal, depth);
+    pel_rotate(tool->pose.rotation, normal, normal);
+    return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights, 3}, depth, normal);
+}
+
+bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
+{
+    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, 1.25 * longest);
+    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
+    bool moved = press_planes(sim, tool);
+    for (int32_t i = 0; i < near_count; i++)
+        for (int c = 0; c < 3; c++)
+            moved |= press_vertex(sim, tool, sim->model->triangles[sim->near_triangles[i]][c], tolerance);
+    bool again = true;
+    for (int sweep = 0; again && sweep < SWEEP_LIMIT; sweep++) {
+        again = false;
+        for (int32_t i = 0; i < near_count; i++)
+            again |= press_triangle(sim, tool, sim->near_triangles[i], tolerance);
+        moved |= again;
+    }
+    for (int32_t p = 0; p < tool->plane_count; p++)
+        sim->plane_of_triangle[tool->planes[p].triangle] = 0;
+    return moved;
+}

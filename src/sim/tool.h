@@ -1,0 +1,85 @@
+/* Small helpers that the files of the tools share: frames, and the list of what a tool touched. */
+#ifndef PEL_SIM_TOOL_H
+#define PEL_SIM_TOOL_H
+
+#include "math/pose.h"
+#include "sim/sim.h"
+
+static inline void pel_pose_to_local(const pel_pose *pose, const double world[3], double local[3])
+{
+    pel_vec3_subtract(world, pose->position, local);
+    pel_rotate_back(pose->rotation, local, local);
+}
+
+static inline void pel_pose_to_world(const pel_pose *pose, const double local[3], double world[3])
+{
+    pel_rotate(pose->rotation, local, world);
+    pel_vec3_add(world, pose->position, world);
+}
+
+static inline void pel_vertex_position(const pel_record *positions, int32_t v, double x[3])
+{
+    pel_vec3_set(x, (double)positions[v][0], (double)positions[v][1], (double)positions[v][2]);
+}
+
+/* velocity of the point of the tool that is now at `point`, over the last step */
+static inline void pel_tool_velocity(const pel_tool *tool, const double point[3], double dt, double velocity[3])
+{
+    double local[3], before[3];
+    pel_pose_to_local(&tool->pose, point, local);
+    pel_pose_to_world(&tool->pose_before, local, before);
+    for (int i = 0; i < 3; i++)
+        velocity[i] = (point[i] - before[i]) / dt;
+}
+
+static inline double pel_tool_size(const pel_tool *tool)
+{
+    double half[3];
+    pel_solid_half_box(&tool->solid, half);
+    return half[0] + half[1] + half[2];
+}
+
+static inline int32_t pel_tool_first_vertex(const pel_sim *sim, int32_t body)
+{
+    return body < 0 ? 0 : sim->model->bodies[body].slice_begin * PEL_WIDTH;
+}
+
+static inline int32_t pel_tool_end_vertex(const pel_sim *sim, int32_t body)
+{
+    return body < 0 ? sim->model->vertex_count : sim->model->bodies[body].slice_end * PEL_WIDTH;
+}
+
+/* inverse mass, 0 for what a tool holds */
+static inline double pel_tool_mobility(const pel_sim *sim, int32_t v)
+{
+    return sim->held[v] ? 0 : (double)sim->model->inverse_mass[v];
+}
+
+/* the touch of a vertex in this step, new if need be */
+static inline pel_touch *pel_tool_touch(pel_tool *tool, int32_t v)
+{
+    if (tool->touch_of_vertex[v] == 0) {
+        tool->touches[tool->touch_count] = (pel_touch){.vertex = v};
+        tool->touch_of_vertex[v] = ++tool->touch_count;
+    }
+    return &tool->touches[tool->touch_of_vertex[v] - 1];
+}
+
+static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], const double force[3])
+{
+    double arm[3], torque[3];
+    pel_vec3_subtract(point, tool->pose.position, arm);
+    pel_vec3_cross(arm, force, torque);
+    pel_vec3_add(tool->force, force, tool->force);
+    pel_vec3_add(tool->torque, torque, tool->torque);
+}
+
+/* ---- press.c ---- */
+/* Depth of one triangle in the tool, with the deepest point and the way out in the tool's frame (see pel_solid_depth).
+ */
+double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_record *positions, int32_t t,
+                               double weights[3], double normal[3]);
+/* Pushes the new positions out of one tool; true when anything moved. longest: bound of the length of an edge. */
+bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest);
+
+#endif

@@ -1,0 +1,9 @@
+#include "fuzz_mesh.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    fuzz_parse("fuzz.off", data, size, PEL_FORMAT_OFF);
+    return 0;
+}

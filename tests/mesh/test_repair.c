@@ -1,0 +1,312 @@
+#include "failing_malloc.h"
+#include "sample.h"
+
+#include "pellicle/mesh_check.h"
+
+static pel_mesh *repair(const pel_mesh *mesh, const pel_repair_options *options, pel_repair_summary *summary)
+{
+    pel_mesh *repaired;
+    pel_error error;
+    pel_status status = pel_mesh_repair(mesh, options, &repaired, summary, &error);
+    if (status != PEL_OK)
+        print_error("%s\n", error.what);
+    assert_int_equal(status, PEL_OK);
+    return repaired;
+}
+
+static void assert_same_mesh(const pel_mesh *a, const pel_mesh *b)
+{
+    assert_int_equal(a->vertex_count, b->vertex_count);
+    assert_int_equal(a->triangle_count, b->triangle_count);
+    assert_memory_equal(a->positions, b->positions, (size_t)a->vertex_count * sizeof *a->positions);
+    assert_memory_equal(a->triangles, b->triangles, (size_t)a->triangle_count * sizeof *a->triangles);
+    assert_int_equal(a->field_count, b->field_count);
+    for (int32_t f = 0; f < a->field_count; f++)
+        assert_memory_equal(a->fields[f].values, b->fields[f].values,
+                            (size_t)(a->vertex_count * a->fields[f].component_count) * sizeof(double));
+}
+
+/* counts of the findings that no repair should leave */
+static void assert_repaired(const pel_mesh *mesh)
+{
+    pel_mesh_report *report;
+    assert_int_equal(pel_mesh_check(mesh, &report, NULL), PEL_OK);
+    for (int32_t kind = 0; kind < PEL_ISSUE_COUNT; kind++) {
+        bool one_sided = report->issues[PEL_ISSUE_NON_ORIENTABLE].count > 0 && kind == PEL_ISSUE_INCONSISTENT_WINDING;
+        if (pel_issue_info_of((pel_issue_kind)kind)->repairable && !one_sided)
+            assert_int_equal(report->issues[kind].count, 0);
+    }
+    pel_mesh_report_destroy(report);
+}
+
+static void test_sound_mesh_stays(void **unused)
+{
+    (void)unused;
+    pel_mesh *sphere = sample_sphere(3);
+    assert_int_equal(pel_mesh_add_field(sphere, "place", 3, sphere->positions[0], NULL), PEL_OK);
+    pel_repair_summary summary;
+    pel_mesh *repaired = repair(sphere, NULL, &summary);
+    assert_same_mesh(sphere, repaired);
+    assert_false(summary.changed);
+    pel_mesh_destroy(repaired);
+    pel_mesh_destroy(sphere);
+}
+
+/* three vertices of its own for each triangle, as an STL file has them */
+static pel_mesh *soup_of(const pel_mesh *mesh)
+{
+    int32_t count = 3 * mesh->triangle_count;
+    double(*positions)[3] = malloc((size_t)count * sizeof *positions);
+    int32_t *corners = malloc((size_t)count * sizeof *corners);
+    assert_true(positions != NULL && corners != NULL);
+    for (int32_t k = 0; k < count; k++) {
+        memcpy(positions[k], mesh->positions[mesh->triangles[k / 3][k % 3]], sizeof *positions);
+        corners[k] = k;
+    }
+    pel_mesh *soup;
+    assert_int_equal(pel_mesh_create(positions[0], count, corners, count / 3, &soup, NULL), PEL_OK);
+    free(positions);
+    free(corners);
+    return soup;
+}
+
+static void test_weld_soup(void **unused)
+{
+    (void)unused;
+    pel_mesh *sphere = sample_sphere(5), *soup = soup_of(sphere);
+    int32_t map[1500];
+    pel_repair_options options = pel_repair_options_default();
+    pel_repair_summary summary;
+    options.vertex_map = map;
+    assert_int_equal(pel_mesh_add_field(soup, "place", 3, soup->positions[0], NULL), PEL_OK);
+    pel_mesh *welded = repair(soup, &options, &summary);
+    assert_int_equal(welded->vertex_count, 252);
+    assert_int_equal(welded->triangle_count, 500);
+    assert_int_equal(summary.welded_vertices, 1500 - 252);
+    assert_true(summary.changed);
+    assert_memory_equal(welded->fields[0].values, welded->positions, 252 * sizeof *welded->positions);
+    /* the map leads to the same place, and new vertices come in order of first appearance */
+    int32_t seen = 0;
+    for (int32_t v = 0; v < 1500; v++) {
+        assert_memory_equal(welded->positions[map[v]], soup->positions[v], sizeof *soup->positions);
+        assert_true(map[v] <= seen);
+        seen += map[v] == seen;
+    }
+    pel_mesh_destroy(welded);
+    options.weld = false;
+    welded = repair(soup, &options, &summary);
+    assert_int_equal(welded->vertex_count, 1500);
+    pel_mesh_destroy(welded);
+    pel_mesh_destroy(soup);
+    pel_mesh_destroy(sphere);
+}
+
+static void test_weld_tolerance(void **unused)
+{
+    (void)unused;
+    pel_mesh *sphere = sample_sphere(4), *soup = soup_of(sphere);
+    random_state random = {8};
+    for (int32_t k = 0; k < soup->vertex_count; k++)
+        for (int i = 0; i < 3; i++)
+            soup->positions[k][i] += random_between(&random, -1e-6, 1e-6);
+    pel_repair_options options = pel_repair_options_default();
+    options.weld_tolerance = 4e-6;
+    pel_repair_summary summary;
+    pel_mesh *welded = repair(soup, &options, &summary);
+    assert_int_equal(welded->vertex_count, sphere->vertex_count);
+    assert_int_equal(welded->triangle_count, sphere->triangle_count);
+    assert_repaired(welded);
+    pel_mesh *again = repair(welded, &options, &summary);
+    assert_same_mesh(welded, again);
+    pel_error error;
+    pel_mesh *none;
+    const double refused[3] = {-1, 0.5, (double)NAN};
+    for (int i = 0; i < 3; i++) {
+        options.weld_tolerance = refused[i];
+        assert_int_equal(pel_mesh_repair(soup, &options, &none, NULL, &error), PEL_BAD_ARGUMENT);
+        assert_null(none);
+        assert_true(strlen(error.remedy) > 0);
+    }
+    pel_mesh_destroy(again);
+    pel_mesh_destroy(welded);
+    pel_mesh_destroy(soup);
+    pel_mesh_destroy(sphere);
+}
+
+static void test_winding(void **unused)
+{
+    (void)unused;
+    random_state random = {9};
+    pel_mesh *sphere = sample_sphere(4), *broken = sample_sphere(4);
+    for (int round = 0; round < 3; round++) {
+        /* some triangles turned, then most (the rest must follow), then all */
+        int32_t turned = 0;
+        memcpy(broken->triangles, sphere->triangles, (size_t)sphere->triangle_count * sizeof *sphere->triangles);
+        for (int32_t t = 0; t < broken->triangle_count; t++) {
+            if (random_below(&random, 4) > round && round < 2)
+                continue;
+            int32_t second = broken->triangles[t][1];
+            broken->triangles[t][1] = broken->triangles[t][2];
+            broken->triangles[t][2] = second;
+            turned++;
+        }
+        pel_repair_summary summary;
+        pel_mesh *repaired = repair(broken, NULL, &summary);
+        assert_memory_equal(repaired->triangles, sphere->triangles,
+                            (size_t)sphere->triangle_count * sizeof *sphere->triangles);
+        assert_int_equal(summary.turned_triangles, turned);
+        assert_int_equal(summary.outward_components, round == 2);
+        pel_mesh_destroy(repaired);
+    }
+    pel_repair_options options = pel_repair_options_default();
+    options.outward = false;
+    pel_repair_summary summary;
+    pel_mesh *kept = repair(broken, &options, &summary);
+    assert_false(summary.changed);
+    pel_mesh_destroy(kept);
+    /* outward alone turns what is consistent */
+    options.outward = true;
+    options.orient = false;
+    kept = repair(broken, &options, &summary);
+    assert_int_equal(summary.turned_triangles, broken->triangle_count);
+    pel_mesh_destroy(kept);
+    pel_mesh_destroy(broken);
+    pel_mesh_destroy(sphere);
+}
+
+static void test_moebius_strip_stays(void **unused)
+{
+    (void)unused;
+    static const int32_t strip[15] = {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 0, 4, 4, 0, 1};
+    pel_mesh *mesh = sample_mesh(5, strip, 5);
+    pel_repair_summary summary;
+    pel_mesh *repaired = repair(mesh, NULL, &summary);
+    assert_same_mesh(mesh, repaired);
+    assert_int_equal(summary.non_orientable, 1);
+    assert_false(summary.changed);
+    pel_mesh_destroy(repaired);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_drops(void **unused)
+{
+    (void)unused;
+    /* vertices: 0..3 a tetrahedron, 4 not finite, 5 alone, 6 between 0 and 1, 7 alone and not finite */
+    double positions[8][3] = {{0, 0, 0},           {1, 0, 0}, {0, 1, 0},   {0, 0, 1},
+                              {(double)NAN, 0, 0}, {5, 5, 5}, {0.5, 0, 0}, {0, 0, (double)INFINITY}};
+    int32_t triangles[9][3] = {{0, 2, 1}, {0, 1, 4}, {0, 1, 3}, {1, 2, 3}, {0, 1, 8},
+                               {2, 2, 3}, {2, 0, 3}, {0, 1, 6}, {3, 2, 1}};
+    pel_mesh mesh = {.vertex_count = 8, .triangle_count = 9, .positions = positions, .triangles = triangles};
+    int32_t map[8];
+    const int32_t expected_map[8] = {0, 1, 2, 3, -1, -1, -1, -1};
+    const int32_t expected[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    pel_repair_options options = pel_repair_options_default();
+    pel_repair_summary summary;
+    options.vertex_map = map;
+    pel_mesh *repaired = repair(&mesh, &options, &summary);
+    assert_int_equal(repaired->vertex_count, 4);
+    assert_int_equal(repaired->triangle_count, 4);
+    assert_memory_equal(repaired->triangles, expected, sizeof expected);
+    assert_memory_equal(map, expected_map, sizeof map);
+    assert_int_equal(summary.bad_triangles, 2);
+    assert_int_equal(summary.degenerate_triangles, 2);
+    assert_int_equal(summary.duplicate_triangles, 1);
+    assert_int_equal(summary.isolated_vertices, 4);
+    assert_int_equal(summary.turned_triangles, 0);
+    assert_repaired(repaired);
+    pel_mesh_destroy(repaired);
+    /* without the options only what is not a number goes */
+    options = (pel_repair_options){.vertex_map = map};
+    const int32_t kept_map[8] = {0, 1, 2, 3, -1, 4, 5, -1};
+    repaired = repair(&mesh, &options, &summary);
+    assert_int_equal(repaired->vertex_count, 6);
+    assert_int_equal(repaired->triangle_count, 7);
+    assert_memory_equal(map, kept_map, sizeof map);
+    pel_mesh_destroy(repaired);
+}
+
+static void test_nothing_left(void **unused)
+{
+    (void)unused;
+    double positions[3][3] = {{0}};
+    int32_t triangles[1][3] = {{0, 1, 2}};
+    pel_mesh mesh = {.vertex_count = 3, .triangle_count = 1, .positions = positions, .triangles = triangles};
+    pel_mesh *repaired;
+    pel_error error;
+    assert_int_equal(pel_mesh_repair(&mesh, NULL, &repaired, NULL, &error), PEL_BAD_MESH);
+    assert_null(repaired);
+    mesh.triangle_count = 0;
+    assert_int_equal(pel_mesh_repair(&mesh, NULL, &repaired, NULL, &error), PEL_BAD_ARGUMENT);
+}
+
+/* any mess: the result is sound but for what cannot be repaired, and a second repair changes nothing */
+static void test_random_messes(void **unused)
+{
+    (void)unused;
+    random_state random = {10};
+    int repaired_count = 0;
+    for (int round = 0; round < 5000; round++) {
+        double positions[12][3];
+        int32_t triangles[16][3];
+        pel_mesh mesh = {.vertex_count = 4 + random_below(&random, 9),
+                         .triangle_count = 1 + random_below(&random, 16),
+                         .positions = positions,
+                         .triangles = triangles};
+        for (int32_t v = 0; v < mesh.vertex_count; v++) {
+            for (int i = 0; i < 3; i++)
+                positions[v][i] = random_below(&random, 3) + 1e-4 * random_below(&random, 2);
+            if (random_below(&random, 40) == 0)
+                positions[v][0] = (double)NAN;
+        }
+        for (int32_t t = 0; t < mesh.triangle_count; t++)
+            for (int i = 0; i < 3; i++)
+                triangles[t][i] = random_below(&random, 200) == 0 ? 99 : random_below(&random, mesh.vertex_count);
+        pel_repair_options options = pel_repair_options_default();
+        options.weld_tolerance = round % 2 == 0 ? 0 : 1.5e-4;
+        pel_mesh *repaired, *again;
+        pel_repair_summary summary;
+        pel_status status = pel_mesh_repair(&mesh, &options, &repaired, &summary, NULL);
+        if (status != PEL_OK)
+            continue;
+        repaired_count++;
+        assert_repaired(repaired);
+        again = repair(repaired, &options, &summary);
+        assert_same_mesh(repaired, again);
+        assert_false(summary.changed);
+        pel_mesh_destroy(again);
+        pel_mesh_destroy(repaired);
+    }
+    assert_in_range(repaired_count, 3000, 5000);
+}
+
+static pel_status repair_case(const void *mesh, pel_error *error)
+{
+    pel_mesh *repaired;
+    pel_status status = pel_mesh_repair(mesh, NULL, &repaired, NULL, error);
+    if (status != PEL_OK)
+        assert_null(repaired);
+    pel_mesh_destroy(repaired);
+    return status;
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    pel_mesh *sphere = sample_sphere(2), *soup = soup_of(sphere);
+    assert_int_equal(pel_mesh_add_field(soup, "place", 3, soup->positions[0], NULL), PEL_OK);
+    assert_true(for_every_allocation_failure(repair_case, soup) > 15);
+    pel_mesh_destroy(soup);
+    pel_mesh_destroy(sphere);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sound_mesh_stays),    cmocka_unit_test(test_weld_soup),
+        cmocka_unit_test(test_weld_tolerance),      cmocka_unit_test(test_winding),
+        cmocka_unit_test(test_moebius_strip_stays), cmocka_unit_test(test_drops),
+        cmocka_unit_test(test_nothing_left),        cmocka_unit_test(test_random_messes),
+        cmocka_unit_test(test_allocation_failures),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
