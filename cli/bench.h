@@ -42,6 +42,7 @@ typedef struct cli_bench_case {
 double cli_clock(void);
 
 /* the cases of the other files */
-extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply;
+extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply, cli_bench_sphere_500, cli_bench_million,
+    cli_bench_million_threads;
 
 #endif

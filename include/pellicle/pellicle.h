@@ -12,6 +12,7 @@
 #include "mesh_check.h"
 #include "mesh_io.h"
 #include "model.h"
+#include "parallel.h"
 #include "results.h"
 #include "shape.h"
 #include "sim.h"

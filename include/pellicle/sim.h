@@ -108,6 +108,7 @@ void pel_sim_destroy(pel_sim *sim);
 pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 double pel_sim_time(const pel_sim *sim);        /* s, step count x dt */
+size_t pel_sim_step_bytes(const pel_sim *sim);  /* bytes that a step has to read and write, each array counted once */
 int64_t pel_sim_step_count(const pel_sim *sim); /* steps done */
 const pel_model *pel_sim_model(const pel_sim *sim);
 double pel_sim_alpha(const pel_sim *sim);       /* the alpha in use; 0 for the explicit method */

@@ -12,17 +12,9 @@
 /* the same with a reduction clause whose result does not depend on order: max, bitwise or */
 #define PEL_PARALLEL_FOR_REDUCE(threads, clause)                                                                       \
     PEL_PRAGMA(omp parallel for schedule(static) num_threads(threads) if ((threads) > 1) reduction(clause))
-static inline int pel_thread_limit(void)
-{
-    return omp_get_max_threads();
-}
 #else
 #define PEL_PARALLEL_FOR(threads) (void)(threads);
 #define PEL_PARALLEL_FOR_REDUCE(threads, clause) (void)(threads);
-static inline int pel_thread_limit(void)
-{
-    return 1;
-}
 #endif
 
 #endif

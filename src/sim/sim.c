@@ -1,8 +1,8 @@
 #include "sim/sim.h"
 
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "base/status.h"
+#include "pellicle/parallel.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -249,6 +249,23 @@ double pel_sim_time(const pel_sim *sim)
 int64_t pel_sim_step_count(const pel_sim *sim)
 {
     return sim->state->step;
+}
+
+size_t pel_sim_step_bytes(const pel_sim *sim)
+{
+    const pel_model *model = sim->model;
+    size_t slots = (size_t)model->slot_begin[model->slice_count], vertices = (size_t)model->vertex_count;
+    size_t per_slot = sizeof *model->neighbours + sizeof *model->rest_lengths;
+    if (model->stiffnesses != NULL)
+        per_slot += sizeof *model->stiffnesses;
+    /* position, rest and new position; with velocities the older or both velocity records, and the damping numbers */
+    size_t records = 3, numbers = 0;
+    if (pel_sim_is_explicit(sim) || sim->solver.keep_velocity) {
+        records += pel_sim_is_explicit(sim) ? 2 : 1;
+        numbers = 2;
+    }
+    return slots * per_slot + vertices * (records * sizeof(pel_record) + numbers * sizeof(pel_real)) +
+           (size_t)model->slice_count * sizeof *model->slot_begin;
 }
 
 const pel_model *pel_sim_model(const pel_sim *sim)

@@ -1,0 +1,168 @@
+/* The model: order and springs complete, masses, refusals. */
+#include "sim/fixture.h"
+
+#include "model/model.h"
+#include "model/order.h"
+#include "pellicle/topology.h"
+
+static void test_order_is_a_permutation(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(9);
+    pel_topology *topology;
+    assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
+    int32_t count = mesh->vertex_count, *order = calloc((size_t)count, 4), *valence = calloc((size_t)count, 4);
+    char *seen = calloc((size_t)count, 1);
+    assert_int_equal(pel_order_vertices(topology, order, valence, NULL), PEL_OK);
+    int64_t sum = 0;
+    for (int32_t i = 0; i < count; i++) {
+        assert_true(order[i] >= 0 && order[i] < count && !seen[order[i]]);
+        seen[order[i]] = 1;
+        sum += valence[i];
+    }
+    assert_int_equal(sum, 2 * (int64_t)topology->edge_count);
+    free(order);
+    free(valence);
+    free(seen);
+    pel_topology_destroy(topology);
+    pel_mesh_destroy(mesh);
+}
+
+/* each edge stands at both ends once, with its length and stiffness; all else is filler */
+static void test_springs_are_the_edges(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(4);
+    double *stiffness = calloc((size_t)mesh->vertex_count, sizeof *stiffness);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        stiffness[v] = 1 + v;
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    body.spring_stiffness.field = stiffness;
+    pel_model *model = make_model(&body);
+    int32_t springs = 0;
+    for (int32_t slice = 0; slice < model->slice_count; slice++)
+        for (int32_t slot = model->slot_begin[slice]; slot < model->slot_begin[slice + 1]; slot++)
+            for (int lane = 0; lane < PEL_WIDTH; lane++) {
+                int32_t i = slice * PEL_WIDTH + lane, j = model->neighbours[slot][lane];
+                if (i == j)
+                    continue;
+                springs++;
+                int32_t a = model->mesh_vertex[i], b = model->mesh_vertex[j];
+                const double *p = mesh->positions[a], *q = mesh->positions[b];
+                double length =
+                    sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+                assert_near((double)model->rest_lengths[slot][lane], length, 1e-6);
+                assert_true(length < 0.4);
+                assert_near((double)model->stiffnesses[slot][lane], 1 + 0.5 * (a + b), 1e-4);
+            }
+    assert_int_equal(springs, 3 * mesh->triangle_count);
+    free(stiffness);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+static double total_mass(const pel_body_def *body)
+{
+    pel_model *model = make_model(body);
+    double sum = 0;
+    for (int32_t i = 0; i < model->vertex_count; i++)
+        sum += (double)model->mass[i];
+    pel_model_destroy(model);
+    return sum;
+}
+
+static void test_masses(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(10);
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    body.mass = 2;
+    assert_near(total_mass(&body), 2 * 1002, 1e-3);
+    body.mass_kind = PEL_MASS_TOTAL;
+    assert_near(total_mass(&body), 2, 1e-5);
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.mass = 1000;
+    body.thickness.value = 0.01;
+    /* area of the polyhedron is a little below 4 pi */
+    assert_near(total_mass(&body), 1000 * 0.01 * 12.5663706, 0.5);
+    pel_mesh_destroy(mesh);
+}
+
+static void refuse(pel_body_def body, const char *word, pel_status expected)
+{
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    pel_model *model;
+    pel_error error;
+    assert_int_equal(pel_model_create(&def, &model, &error), expected);
+    assert_null(model);
+    if (strstr(error.what, word) == NULL)
+        print_error("'%s' lacks '%s'\n", error.what, word);
+    assert_non_null(strstr(error.what, word));
+}
+
+static void test_refusals(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(2);
+    pel_body_def good = pel_body_def_default(), body;
+    good.name = "ball";
+    good.mesh = mesh;
+    body = good;
+    body.name = "";
+    refuse(body, "no name", PEL_BAD_ARGUMENT);
+    body = good;
+    body.mass = 0;
+    refuse(body, "mass", PEL_BAD_ARGUMENT);
+    body = good;
+    body.cookie = 0;
+    refuse(body, "cookie", PEL_BAD_ARGUMENT);
+    body = good;
+    body.spring_stiffness.value = -1;
+    refuse(body, "spring stiffness", PEL_BAD_ARGUMENT);
+    body = good;
+    body.volumetric_damping.value = NAN;
+    refuse(body, "volumetric damping", PEL_BAD_ARGUMENT);
+    const int32_t pinned = 42;
+    body = good;
+    body.pinned = &pinned;
+    body.pinned_count = 1;
+    refuse(body, "pinned", PEL_BAD_ARGUMENT);
+    const pel_key keys[2] = {{1, 1}, {1, 2}};
+    body = good;
+    body.spring_damping = (pel_quantity){.keys = keys, .key_count = 2};
+    refuse(body, "spring damping", PEL_BAD_ARGUMENT);
+    for (int32_t v = 0; v < 42; v++)
+        memcpy(mesh->positions[v], mesh->positions[0], sizeof mesh->positions[0]);
+    refuse(good, "no area", PEL_BAD_MESH);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_curves(void **unused)
+{
+    (void)unused;
+    const pel_key keys[3] = {{1, 2}, {2, 4}, {4, 0}};
+    assert_near(pel_curve_value(keys, 3, 0), 2, 0);
+    assert_near(pel_curve_value(keys, 3, 1.5), 3, 1e-15);
+    assert_near(pel_curve_value(keys, 3, 2), 4, 0);
+    assert_near(pel_curve_value(keys, 3, 3), 2, 1e-15);
+    assert_near(pel_curve_value(keys, 3, 9), 0, 0);
+    assert_near(pel_curve_value(NULL, 0, 9), 1, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_order_is_a_permutation),
+        cmocka_unit_test(test_springs_are_the_edges),
+        cmocka_unit_test(test_masses),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_curves),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,77 @@
+/* One hash of the whole state for each method: the same bits for GCC and Clang, debug and release, with and without
+   AVX2, and any number of threads. A change of the arithmetic on purpose changes the constants below; say so in its
+   commit. Only sqrt and the four operations are on the way (no sin, no exp), so the C library does not matter. */
+#include "sim/fixture.h"
+
+typedef struct golden_case {
+    pel_solver_def solver;
+    uint64_t hash;
+} golden_case;
+
+static uint64_t run_case(const pel_solver_def *solver, int thread_count)
+{
+    pel_mesh *mesh = make_sphere(18);
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    body.volumetric_by_area = true;
+    pel_model *model = make_model(&body);
+    const int32_t pulled[3] = {7, 100, 911};
+    pel_load_def load = pel_load_def_default();
+    load.force[0] = 0.5;
+    load.force[1] = -0.25;
+    load.vertices = pulled;
+    load.vertex_count = 3;
+    load.until = 1;
+    const pel_pose_key keys[3] = {
+        {0, {0, 0, 1.5}, {0, 0, 0, 1}}, {1, {0, 0, 1.0}, {0, 0, 0, 1}}, {2, {0, 0, 1.5}, {0, 0, 0, 1}}};
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "probe";
+    tool.radius = 0.4;
+    tool.keys = keys;
+    tool.key_count = 3;
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    def.solver = *solver;
+    def.loads = &load;
+    def.load_count = 1;
+    def.tools = &tool;
+    def.tool_count = 1;
+    def.thread_count = thread_count;
+    pel_sim *sim = make_sim(&def);
+    run_steps(sim, (int)(1.5 / solver->dt + 0.5));
+    uint64_t hash = pel_sim_hash(sim);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+    return hash;
+}
+
+static const golden_case cases[] = {
+    {{.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 50}, UINT64_C(0xe6ff1e2193a2831f)},
+    {{.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 15, .keep_velocity = true}, UINT64_C(0x6935948326e0f395)},
+    {{.method = PEL_METHOD_EXPLICIT, .dt = 0.001}, UINT64_C(0x707702cdb982bfcd)},
+    {{.method = PEL_METHOD_EXPLICIT, .dt = 0.01, .symplectic = true}, UINT64_C(0x3597e95582e67a5d)},
+};
+
+static void test_hashes(void **unused)
+{
+    (void)unused;
+    if (sizeof(pel_real) != 8)
+        skip(); /* the constants are those of double */
+    int wrong = 0;
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
+        for (int threads = 1; threads <= 4; threads *= 2) {
+            uint64_t hash = run_case(&cases[c].solver, threads);
+            if (hash != cases[c].hash)
+                print_error("case %d, %d threads: hash 0x%016llx\n", (int)c, threads, (unsigned long long)hash);
+            wrong += hash != cases[c].hash;
+        }
+    assert_int_equal(wrong, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_hashes)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
