@@ -106,7 +106,7 @@ static void test_random_doubles(void **unused)
 {
     (void)unused;
     char text[512];
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < 400000; i++) {
         uint64_t bits = random_bits(&generator);
         double value;
         memcpy(&value, &bits, sizeof value);
@@ -148,7 +148,7 @@ static void test_ties(void **unused)
 {
     (void)unused;
     char text[1200];
-    for (int i = 0; i < 40000; i++) {
+    for (int i = 0; i < 20000; i++) {
         uint64_t bits = random_bits(&generator);
         double mantissa = (double)(UINT64_C(1) << 52 | bits >> 12);
         int exponent = (int)(random_bits(&generator) % 160) - 100;
@@ -183,7 +183,7 @@ static void test_print_reads_back(void **unused)
 {
     (void)unused;
     char text[PEL_NUMBER_SIZE];
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < 100000; i++) {
         uint64_t bits = random_bits(&generator);
         double value;
         memcpy(&value, &bits, sizeof value);
