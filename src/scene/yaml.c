@@ -49,7 +49,7 @@ static pel_scene_value *fail(yaml_parser *parser, const char *what, const char *
     return NULL;
 }
 
-/* keeps the place of an event; the mark of a quoted scalar points behind its quote */
+/* keeps the place of an event; the marks of quoted scalars and of aliases point behind the quote and the star */
 static void set_place(yaml_parser *parser, struct fy_event *event)
 {
     const struct fy_mark *mark = fy_event_start_mark(event);
@@ -57,10 +57,12 @@ static void set_place(yaml_parser *parser, struct fy_event *event)
         return;
     parser->place.line = mark->line + 1;
     parser->place.column = mark->column + 1;
-    if (event->type != FYET_SCALAR || event->scalar.value == NULL)
-        return;
-    enum fy_scalar_style style = fy_token_scalar_style(event->scalar.value);
-    if ((style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED) && mark->column > 0)
+    bool behind = event->type == FYET_ALIAS;
+    if (event->type == FYET_SCALAR && event->scalar.value != NULL) {
+        enum fy_scalar_style style = fy_token_scalar_style(event->scalar.value);
+        behind = style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED;
+    }
+    if (behind && mark->column > 0)
         parser->place.column--;
 }
 
