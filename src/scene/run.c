@@ -5,7 +5,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
-#include "base/parallel.h"
+#include "pellicle/parallel.h"
 #include "base/status.h"
 #include "io/file.h"
 #include "scene/run_state.h"
