@@ -109,7 +109,8 @@ typedef struct pel_ccd_statistics {
 int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors);
 
 /* All stages: writes the numbers of the queries that hit, rising, to queries (query_count) and the hits to hits
-   (query_count, nullable); returns how many there are. statistics is nullable. */
+   (query_count, nullable); returns how many there are. statistics is nullable. A batch tries a few more axes than a
+   single call: it may prove freedom where that cannot, never the other way round. */
 int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
                             pel_ccd_statistics *statistics);
 
