@@ -1,6 +1,8 @@
 #include "common.h"
 #include "commands.h"
 
+#include <pellicle/import.h>
+
 #include <string.h>
 
 int cli_report(const pel_error *error)
@@ -70,7 +72,7 @@ pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, in
     pel_mesh *mesh = NULL;
     pel_error error;
     *status = CLI_DONE;
-    if (pel_mesh_read(path, PEL_FORMAT_AUTO, log, &mesh, &error) != PEL_OK)
+    if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK)
         *status = cli_report_to(&error, json);
     return mesh;
 }
