@@ -77,7 +77,7 @@ static void test_signs_at_the_limits(void **unused)
     const double p[2] = {-huge, -huge}, q[2] = {huge, huge}, r[2] = {tiny, tiny}, s[2] = {tiny, 0};
     assert_int_equal(pel_orient2d(p, q, r), 0);
     assert_int_equal(pel_orient2d(p, q, s), -1);
-    const double bad[3] = {NAN, 0, 0};
+    const double bad[3] = {(double)NAN, 0, 0};
     assert_int_equal(pel_orient3d(a, b, c, bad), 0);
 }
 
@@ -207,7 +207,7 @@ static void test_neighbours(void **unused)
     assert_true(pel_triangles_intersect_beyond(a, line, 1));
     assert_true(pel_triangles_intersect_beyond(a, a, 3));
     assert_true(pel_triangles_intersect_beyond(a, corner_free, 0));
-    const double bad[3][3] = {{NAN, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const double bad[3][3] = {{(double)NAN, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     assert_true(pel_triangles_intersect(a, bad));
 }
 

@@ -22,8 +22,8 @@ static void encode_base64(const char *bytes, size_t size, char *text)
     *text = '\0';
 }
 
-/* A square of two triangles that share no vertex (6 corners at 4 places), used by two nodes: one moved by 10 in x, one
-   below it mirrored in x and moved by 1 in z. */
+/* A square of two triangles that share no vertex (6 corners at 4 places), used by two nodes: one moved by 10 in x and
+   doubled, one below it mirrored in x and moved by 1 in z. */
 static void write_gltf(void)
 {
     static const float corners[6][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -37,7 +37,7 @@ static void write_gltf(void)
     assert_non_null(stream);
     fprintf(stream,
             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-            "\"nodes\":[{\"mesh\":0,\"translation\":[10,0,0],\"children\":[1]},"
+            "\"nodes\":[{\"mesh\":0,\"translation\":[10,0,0],\"scale\":[2,2,2],\"children\":[1]},"
             "{\"mesh\":0,\"scale\":[-1,1,1],\"translation\":[0,0,1]}],"
             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
             "\"buffers\":[{\"byteLength\":84,\"uri\":\"data:application/octet-stream;base64,%s\"}],"
@@ -61,15 +61,15 @@ static void test_gltf(void **unused)
         fail_msg("%s", pel_error_text(&error, text, sizeof text));
     check_counts(mesh, 8, 4);
     check_position(mesh, 0, 10, 0, 0);
-    check_position(mesh, 2, 11, 1, 0);
+    check_position(mesh, 2, 12, 2, 0);
     check_triangle(mesh, 0, 0, 1, 2);
     check_triangle(mesh, 1, 0, 2, 3);
     /* the mirrored square turns its triangles, so that they face the same way */
     for (int32_t t = 0; t < 4; t++) {
         const double *p = mesh->positions[mesh->triangles[t][0]], *q = mesh->positions[mesh->triangles[t][1]],
                      *r = mesh->positions[mesh->triangles[t][2]];
-        assert_near(p[2], t < 2 ? 0 : 1, 0);
-        assert_near((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]), 1, 0);
+        assert_near(p[2], t < 2 ? 0 : 2, 0);
+        assert_near((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]), 4, 0);
     }
     assert_non_null(strstr(said.text, "2 meshes of the scene joined"));
     assert_non_null(strstr(said.text, "12 corners welded into 8 vertices"));
