@@ -639,12 +639,13 @@ static void test_full_disk(void **unused)
 static void test_at_rest(void **unused)
 {
     (void)unused;
-    const char *const overrides[] = {"duration=100", "stop.at_rest=1e-3"};
-    pel_scene *scene = load_scene(busy, overrides, 2);
+    const char *const overrides[] = {"duration=100", "stop.at_rest=1e-3", "loads.0.force=[0, 0, -1]",
+                                     "loads.0.until=0.5"};
+    pel_scene *scene = load_scene(small, overrides, 4);
     run_case test = {.run = "rest"};
     check_run(scene, &test, PEL_OK);
     assert_string_equal(test.summary.status, "done");
-    assert_true(test.summary.time_simulated > 0.6 && test.summary.time_simulated < 90);
+    assert_true(test.summary.time_simulated > 0.5 && test.summary.time_simulated < 90);
     check_whole("rest");
     pel_scene_destroy(scene);
 }
