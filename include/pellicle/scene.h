@@ -1,5 +1,5 @@
-/* Pellicle: scene files (YAML 1.2) and whole runs that leave a folder of results. In the library pellicle_scene
-   (CMake target pellicle::scene), because it needs libfyaml and assimp. */
+/* Pellicle: scene files (YAML 1.2 or JSON): reading them into defs, and what the table of their keys yields. In the
+   library pellicle_scene (CMake target pellicle::scene), because it needs libfyaml and assimp. Runs are in run.h. */
 #ifndef PELLICLE_SCENE_H
 #define PELLICLE_SCENE_H
 
