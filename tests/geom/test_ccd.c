@@ -294,7 +294,7 @@ static void test_against_sampling(void **unused)
         }
         hit_count += hits;
     }
-    assert_true(hit_count > count / 20);
+    assert_true(hit_count > count / 50);
 }
 
 /* motion along one line towards a known place: the time is known */
