@@ -1,0 +1,84 @@
+/* Pellicle: whole runs. A run steps a scene to its end and leaves a folder:
+
+       scene.yaml         the resolved scene; comment lines at its end name the program version and the state's hash
+       series.csv         one row per frame
+       summary.json       how it ended and the numbers of the end
+       frames/f00000.vtp  the surface of all bodies with the fields asked for, frame 0 is the initial state
+       frames.pvd         the frames with their times, for ParaView
+       final.ply          the surface at the end
+       checkpoint         the last good state, when the run was stopped, failed or reached max_frames, and each time
+   when the scene asks for checkpoints, then also as checkpoint-STEP.pel
+
+   Every file but series.csv is written whole or not at all; series.csv always ends with a whole row. At any moment,
+   also after a kill, everything in the folder is valid. A folder that holds an older run is taken over: the files above
+   are removed or replaced, all others are left alone. In the library pellicle_scene. */
+#ifndef PELLICLE_RUN_H
+#define PELLICLE_RUN_H
+
+#include "scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Longest path of an output folder, terminating zero included. */
+#define PEL_RUN_PATH_SIZE 3072
+
+/* Where a run stands. */
+typedef struct pel_run_progress {
+    int64_t step, step_total;   /* done, and at the end of the run unless it stops earlier */
+    int64_t frame, frame_total; /* the same of frames, frame 0 not counted */
+    double time;                /* s, simulated */
+    double steps_per_second;    /* of this call of pel_run, 0 at its begin */
+    double remaining;           /* s of wall time to the end at this speed; -1 = not known yet */
+    double max_force;           /* N, worst residual: largest vertex force at the last frame */
+} pel_run_progress;
+
+typedef struct pel_run_def {
+    const char *folder; /* made with its parents when missing */
+    int64_t max_frames; /* ends the run (status "done") with the frame of this number, frame 0 being the initial state;
+                           0 = goes to the scene's duration */
+    int32_t thread_count; /* 0 = what the scene says; the results do not depend on it */
+    const char *resume;   /* checkpoint file to go on from, in the folder of its run; null = from the beginning */
+    /* Called before the first step and after every step; returning false stops the run. Nullable. */
+    bool (*progress)(void *user, const pel_run_progress *progress);
+    void *user;
+    const pel_log *log; /* notes; nullable */
+    uint32_t cookie;    /* set by pel_run_def_default */
+} pel_run_def;
+
+/* No folder yet, everything else off. */
+pel_run_def pel_run_def_default(void);
+
+/* How a run ended; the same as in summary.json. */
+typedef struct pel_run_summary {
+    const char *status; /* "done", "stopped", "diverged", "failed"; lives forever; "" when nothing was written */
+    int64_t frames;     /* rows of the series, frame 0 included */
+    int64_t steps;
+    double time_simulated;   /* s */
+    double wall_s;           /* s, of all calls of pel_run that made this run */
+    double steps_per_second; /* steps over the wall time of stepping alone */
+    double volume_ratio_final, area_ratio_final;
+    double max_displacement;      /* m, largest over all frames */
+    double residual_displacement; /* m, largest at the end */
+    double max_tool_force;        /* N, largest over all tools and steps */
+    int64_t vertices_final, triangles_final;
+    uint64_t state_hash;
+    double alpha, alpha_limit;
+    int32_t threads;
+    char checkpoint[PEL_RUN_PATH_SIZE + 64]; /* path of the last good state, empty when none was written */
+} pel_run_summary;
+
+/* Runs a scene. With `resume` the series is cut back to the checkpoint and continued with the same bits: all files are
+   those of a run without interruption, wall times apart.
+   Returns PEL_OK; PEL_STOPPED (progress returned false); PEL_DIVERGED; PEL_BAD_FILE (folder cannot be made or written:
+   nothing is written then; disk full: the file is named); PEL_BAD_FORMAT (the checkpoint is damaged, or of another
+   scene or version); PEL_BAD_ARGUMENT; PEL_OUT_OF_MEMORY; and what pel_model_create and pel_sim_create return (nothing
+   is written then). After a failure on the way the remedy names the checkpoint to go on from.
+   summary is filled in any case. */
+pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,398 @@
+/* The run driver: prepare (nothing on disk) -> open the folder -> simulate -> finish. Whatever happens while
+   simulating, finish leaves the folder whole. */
+#define _XOPEN_SOURCE 700
+#include "pellicle/run.h"
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "io/file.h"
+#include "pellicle/parallel.h"
+#include "scene/run_state.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { RUN_COOKIE = 0x72756e21 };
+
+/* frames.pvd is written again when the frames have grown by this share, or after so many seconds: its cost stays a
+   small part of that of the frames */
+#define LIST_GROWTH 0.125
+#define LIST_SECONDS 2.0
+
+pel_run_def pel_run_def_default(void)
+{
+    return (pel_run_def){.cookie = RUN_COOKIE};
+}
+
+double pel_run_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- prepare: nothing is written ---- */
+
+static pel_status check_def(const pel_run_def *def, pel_error *error)
+{
+    if (def->cookie != RUN_COOKIE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "run def was not made by pel_run_def_default()");
+    if (def->folder == NULL || def->folder[0] == '\0' || strlen(def->folder) >= PEL_RUN_PATH_SIZE) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "the run has no output folder or one with a very long name");
+        pel_fail_remedy(error, "name a folder for the results");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (def->max_frames < 0 || def->thread_count < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the number of frames or threads is below 0");
+    return PEL_OK;
+}
+
+/* a run from the beginning must not overwrite the file it is described by */
+static pel_status check_scene_file(const pel_scene *scene, const pel_run_def *def, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    struct stat input, output;
+    if (def->resume != NULL || scene->path == NULL || stat(scene->path, &input) != 0 ||
+        stat(pel_run_path(path, def->folder, "scene.yaml"), &output) != 0 || input.st_dev != output.st_dev ||
+        input.st_ino != output.st_ino)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_FILE, "the run would overwrite its own scene");
+    pel_fail_remedy(error, "choose another output folder");
+    pel_fail_place(error, scene->path, 0, 0);
+    return PEL_BAD_FILE;
+}
+
+static uint64_t hash_mesh(uint64_t hash, const pel_mesh *mesh)
+{
+    size_t vertex_count = (size_t)mesh->vertex_count;
+    hash = pel_hash_bytes(hash, mesh->positions, vertex_count * sizeof *mesh->positions);
+    hash = pel_hash_bytes(hash, mesh->triangles, (size_t)mesh->triangle_count * sizeof *mesh->triangles);
+    for (int32_t f = 0; f < mesh->field_count; f++) {
+        const pel_field *field = &mesh->fields[f];
+        hash = pel_hash_bytes(hash, field->name, strlen(field->name));
+        hash = pel_hash_bytes(hash, field->values, vertex_count * (size_t)field->component_count * sizeof(double));
+    }
+    return hash;
+}
+
+static uint64_t hash_scene(const pel_scene *scene)
+{
+    const char *text = pel_scene_text(scene);
+    uint64_t hash = pel_hash_bytes(PEL_HASH_START, text, strlen(text));
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        hash = hash_mesh(hash, scene->model.bodies[b].mesh);
+    return hash;
+}
+
+static pel_status create_sim(pel_run_state *run, pel_error *error)
+{
+    pel_status status = pel_model_create(&run->scene->model, &run->model, error);
+    if (status != PEL_OK)
+        return status;
+    pel_sim_def def = run->scene->sim;
+    def.model = run->model;
+    if (run->def->thread_count > 0)
+        def.thread_count = run->def->thread_count;
+    run->thread_count = def.thread_count > 0 ? def.thread_count : (int32_t)pel_thread_limit();
+    return pel_sim_create(&def, &run->sim, error);
+}
+
+static pel_status prepare(pel_run_state *run, pel_error *error)
+{
+    pel_status status = create_sim(run, error);
+    if (status == PEL_OK)
+        status = pel_run_surface_create(run->model, &run->scene->output, &run->surface, error);
+    if (status != PEL_OK)
+        return status;
+    run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
+    if (run->tool_force == NULL)
+        return pel_fail_memory(error);
+    run->plan = pel_run_plan_make(run->scene, run->def->max_frames);
+    run->fingerprint = hash_scene(run->scene);
+    status = pel_run_checkpoint_prepare(run, error);
+    if (status == PEL_OK && run->def->resume != NULL)
+        status = pel_run_checkpoint_read(run, run->def->resume, error);
+    run->start_step = pel_sim_step_count(run->sim);
+    return status;
+}
+
+static void release(pel_run_state *run)
+{
+    pel_run_series_close(&run->series);
+    pel_run_surface_destroy(&run->surface);
+    pel_free(run->checkpoint);
+    pel_free(run->tool_force);
+    pel_sim_destroy(run->sim);
+    pel_model_destroy(run->model);
+}
+
+/* ---- files ---- */
+
+/* the resolved scene; at the end of the run with the state's hash */
+static pel_status write_scene(const pel_run_state *run, bool finished, pel_error *error)
+{
+    pel_file_writer writer;
+    char path[PEL_RUN_FILE_SIZE];
+    const char *text = pel_scene_text(run->scene);
+    pel_status status = pel_file_writer_open(&writer, pel_run_path(path, run->def->folder, "scene.yaml"), error);
+    if (status != PEL_OK)
+        return status;
+    pel_file_writer_write(&writer, text, strlen(text));
+    pel_file_writer_printf(&writer, "# program: pellicle %s\n", PEL_VERSION);
+    if (finished)
+        pel_file_writer_printf(&writer, "# state_hash: %016" PRIx64 " (step %" PRId64 ")\n", pel_sim_hash(run->sim),
+                               pel_sim_step_count(run->sim));
+    return pel_file_writer_commit(&writer, error);
+}
+
+static pel_status write_list(pel_run_state *run, pel_error *error)
+{
+    enum { NAME_ROOM = 40 };
+    size_t count = (size_t)run->totals.frame_count;
+    char *text = pel_allocate(count, NAME_ROOM), path[PEL_RUN_FILE_SIZE];
+    const char **names = pel_allocate(count, sizeof *names);
+    double *times = pel_allocate(count, sizeof *times);
+    pel_status status = PEL_OUT_OF_MEMORY;
+    if (text != NULL && names != NULL && times != NULL) {
+        for (size_t i = 0; i < count; i++) {
+            char *name = text + i * NAME_ROOM;
+            pel_run_frame_path(path, NULL, (int64_t)i);
+            memcpy(name, path, strlen(path) + 1);
+            names[i] = name;
+            times[i] = pel_run_plan_time(&run->plan, (int64_t)i);
+        }
+        pel_run_path(path, run->def->folder, "frames.pvd");
+        status = pel_pvd_write(path, names, times, (int32_t)count, error);
+        run->listed_count = run->totals.frame_count;
+        run->listed_at = pel_run_clock();
+    } else {
+        pel_fail_memory(error);
+    }
+    pel_free(times);
+    pel_free(names);
+    pel_free(text);
+    return status;
+}
+
+static bool list_is_due(const pel_run_state *run)
+{
+    double unlisted = (double)(run->totals.frame_count - run->listed_count);
+    return unlisted > LIST_GROWTH * (double)run->listed_count || pel_run_clock() - run->listed_at > LIST_SECONDS;
+}
+
+static pel_status open_folder(pel_run_state *run, pel_error *error)
+{
+    const char *folder = run->def->folder;
+    bool resume = run->def->resume != NULL, removed = false;
+    pel_run_path(run->series_path, folder, "series.csv");
+    pel_status status = pel_run_folder_open(folder, error);
+    if (status == PEL_OK && resume)
+        status = pel_run_series_resume(&run->series, run->series_path, run->sim, run->totals.frame_count, error);
+    /* the list first: it must not name frames that are gone */
+    if (status == PEL_OK && resume)
+        status = write_list(run, error);
+    if (status == PEL_OK)
+        status = pel_run_folder_clear(folder, run->totals.frame_count, resume, &removed, error);
+    if (status == PEL_OK && removed && !resume)
+        pel_log_line(run->def->log, "the folder %s held an older run, which was removed", folder);
+    if (status == PEL_OK)
+        status = write_scene(run, false, error);
+    if (status == PEL_OK && !resume)
+        status = pel_run_series_create(&run->series, run->series_path, run->sim, error);
+    return status;
+}
+
+static pel_status write_frame(pel_run_state *run, pel_error *error)
+{
+    pel_run_totals *totals = &run->totals;
+    char path[PEL_RUN_FILE_SIZE];
+    int64_t steps = pel_sim_step_count(run->sim) - totals->frame_step;
+    pel_sim_measure(run->sim, &run->measures);
+    const pel_run_row row = {
+        .frame = totals->frame_count,
+        .step_ms = steps > 0 ? 1e3 * totals->frame_seconds / (double)steps : 0,
+        .measures = run->measures,
+        .tool_force_max = run->tool_force,
+    };
+    pel_run_frame_path(path, run->def->folder, totals->frame_count);
+    pel_status status = pel_run_surface_write_frame(&run->surface, run->sim, &run->scene->output, path, error);
+    if (status != PEL_OK)
+        return status;
+    status = pel_run_series_add(&run->series, run->sim, &row, error);
+    if (status != PEL_OK) {
+        unlink(path);
+        return status;
+    }
+    totals->frame_count++;
+    totals->frame_step = pel_sim_step_count(run->sim);
+    totals->frame_seconds = 0;
+    totals->max_displacement = fmax(totals->max_displacement, run->measures.max_displacement);
+    memset(run->tool_force, 0, (size_t)pel_sim_tool_count(run->sim) * sizeof *run->tool_force);
+    return list_is_due(run) ? write_list(run, error) : PEL_OK;
+}
+
+/* ---- simulate ---- */
+
+static void note_tools(pel_run_state *run)
+{
+    int32_t count = pel_sim_tool_count(run->sim);
+    for (int32_t t = 0; t < count; t++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(run->sim, t, &reading);
+        const double *f = reading.force;
+        double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+        run->tool_force[t] = fmax(run->tool_force[t], force);
+        run->tool_force[count + t] = fmax(run->tool_force[count + t], force);
+    }
+}
+
+/* false when the caller wants to stop */
+static bool report(const pel_run_state *run)
+{
+    const pel_run_def *def = run->def;
+    if (def->progress == NULL)
+        return true;
+    int64_t step = pel_sim_step_count(run->sim), end = pel_run_plan_step(&run->plan, run->plan.frame_end);
+    double seconds = pel_run_clock() - run->start, done = (double)(step - run->start_step);
+    const pel_run_progress progress = {
+        .step = step,
+        .step_total = end,
+        .frame = run->totals.frame_count - 1,
+        .frame_total = run->plan.frame_end,
+        .time = pel_sim_time(run->sim),
+        .steps_per_second = seconds > 0 ? done / seconds : 0,
+        .remaining = done > 0 ? (double)(end - step) * seconds / done : -1,
+        .max_force = run->measures.max_force,
+    };
+    return def->progress(def->user, &progress);
+}
+
+static bool is_settled(pel_run_state *run)
+{
+    double speed = run->scene->rest_speed;
+    return speed > 0 && pel_sim_time(run->sim) >= run->plan.settled_time &&
+           pel_run_surface_speed(&run->surface, run->sim) <= speed;
+}
+
+/* one step and what belongs to it */
+static pel_status advance(pel_run_state *run, pel_error *error)
+{
+    double before = pel_run_clock();
+    pel_status status = pel_sim_step(run->sim, error);
+    if (status != PEL_OK)
+        return status;
+    double seconds = pel_run_clock() - before;
+    run->totals.frame_seconds += seconds;
+    run->totals.step_seconds += seconds;
+    note_tools(run);
+    int64_t step = pel_sim_step_count(run->sim);
+    if (step == pel_run_plan_step(&run->plan, run->totals.frame_count)) {
+        status = write_frame(run, error);
+        run->settled = status == PEL_OK && is_settled(run);
+    }
+    if (status == PEL_OK && !run->settled && run->plan.checkpoint_steps > 0 && step % run->plan.checkpoint_steps == 0)
+        status = pel_run_checkpoint_write(run, true, error);
+    return status;
+}
+
+static pel_status simulate(pel_run_state *run, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    int64_t end = pel_run_plan_step(&run->plan, run->plan.frame_end);
+    if (run->totals.frame_count == 0)
+        status = write_frame(run, error);
+    bool wanted = report(run);
+    while (status == PEL_OK && wanted && !run->settled && pel_sim_step_count(run->sim) < end) {
+        status = advance(run, error);
+        wanted = status != PEL_OK || report(run);
+    }
+    int64_t step = pel_sim_step_count(run->sim);
+    if (status != PEL_OK || wanted || run->settled || step >= end)
+        return status;
+    return pel_fail(error, PEL_STOPPED, "stopped at step %" PRId64 " of %" PRId64, step, end);
+}
+
+/* ---- finish ---- */
+
+/* adds where to go on from to the remedy of what ended the run */
+static void name_checkpoint(const pel_run_state *run, pel_error *error)
+{
+    char remedy[sizeof error->remedy];
+    if (run->checkpoint_path[0] == '\0')
+        return;
+    memcpy(remedy, error->remedy, sizeof remedy);
+    pel_fail_remedy(error, "%.150s%sthe last good state, of step %" PRId64 ", is in %.120s", remedy,
+                    remedy[0] != '\0' ? "; " : "", run->checkpoint_step, run->checkpoint_path);
+}
+
+static pel_status write_results(pel_run_state *run, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    pel_status status = PEL_OK;
+    if (run->listed_count != run->totals.frame_count)
+        status = write_list(run, error);
+    pel_run_path(path, run->def->folder, "final.ply");
+    if (status == PEL_OK)
+        status = pel_run_surface_write_final(&run->surface, run->sim, path, error);
+    if (status == PEL_OK)
+        status = write_scene(run, true, error);
+    return status;
+}
+
+/* keeps the last state of a run that can go on; one that is over needs none but those asked for */
+static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    if (!over && (run->checkpoint_path[0] == '\0' || run->checkpoint_step != pel_sim_step_count(run->sim)))
+        return pel_run_checkpoint_write(run, false, error);
+    if (over && run->plan.checkpoint_steps == 0) {
+        unlink(pel_run_path(path, run->def->folder, "checkpoint"));
+        run->checkpoint_path[0] = '\0';
+    }
+    return PEL_OK;
+}
+
+/* error holds what ended the run when status is a failure; a later failure does not replace an earlier one */
+static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary *summary, pel_error *error)
+{
+    pel_sim_measure(run->sim, &run->measures);
+    pel_status later = write_results(run, status == PEL_OK ? error : NULL);
+    status = status == PEL_OK ? later : status;
+    bool over = run->settled || pel_sim_step_count(run->sim) >= run->plan.step_total;
+    later = settle_checkpoint(run, status == PEL_OK && over, status == PEL_OK ? error : NULL);
+    status = status == PEL_OK ? later : status;
+    if (status != PEL_OK)
+        name_checkpoint(run, error);
+    pel_run_summary_fill(run, status, summary);
+    later = pel_run_summary_write(run, summary, status != PEL_OK ? error : NULL, status == PEL_OK ? error : NULL);
+    if (status == PEL_OK && later != PEL_OK)
+        summary->status = "failed";
+    return status == PEL_OK ? later : status;
+}
+
+pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error)
+{
+    pel_error own;
+    pel_error *cause = error != NULL ? error : &own;
+    *summary = (pel_run_summary){.status = ""};
+    pel_status status = check_def(def, cause);
+    if (status == PEL_OK)
+        status = check_scene_file(scene, def, cause);
+    if (status != PEL_OK)
+        return status;
+    pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock(), .series = {.descriptor = -1}};
+    status = prepare(&run, cause);
+    if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
+        pel_scene_locate(scene, cause);
+    if (status == PEL_OK)
+        status = open_folder(&run, cause);
+    if (status == PEL_OK)
+        status = finish(&run, simulate(&run, cause), summary, cause);
+    release(&run);
+    return status;
+}

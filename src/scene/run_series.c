@@ -1,0 +1,209 @@
+#include "scene/run_series.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "io/file.h"
+#include "io/number.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char first_columns[] = "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,"
+                                    "max_force,vertices,triangles,contacts,step_ms";
+enum { FIRST_COLUMN_COUNT = 12 };
+
+static const char *const tool_columns[] = {"force", "force_x", "force_y", "force_z",  "contacts",
+                                           "x",     "y",       "z",       "force_max"};
+enum { TOOL_COLUMN_COUNT = sizeof tool_columns / sizeof tool_columns[0], LONGEST_TOOL_COLUMN = 16 };
+
+static pel_status fail_series(const pel_run_series *series, int number, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FILE, "cannot write the file: %s", strerror(number));
+    pel_fail_remedy(error, "free some disk space or choose another folder");
+    pel_fail_place(error, series->path, 0, 0);
+    return PEL_BAD_FILE;
+}
+
+/* ---- the line ---- */
+
+static void put_text(pel_run_series *series, const char *text)
+{
+    size_t length = strlen(text);
+    memcpy(series->line + series->length, text, length);
+    series->length += length;
+}
+
+static void put_number(pel_run_series *series, double value)
+{
+    char text[PEL_NUMBER_SIZE];
+    pel_number_print(text, value);
+    put_text(series, ",");
+    put_text(series, text);
+}
+
+static void put_count(pel_run_series *series, const char *before, int64_t value)
+{
+    char text[PEL_NUMBER_SIZE];
+    snprintf(text, sizeof text, "%s%" PRId64, before, value);
+    put_text(series, text);
+}
+
+/* a column's name, in quotes when the tool's name has a character that separates columns */
+static void put_tool_column(pel_run_series *series, const char *tool, const char *column)
+{
+    bool quoted = strpbrk(tool, ",\"\r\n") != NULL;
+    put_text(series, quoted ? ",\"" : ",");
+    for (; *tool != '\0'; tool++) {
+        char letters[3] = {*tool, *tool == '"' ? '"' : '\0', '\0'};
+        put_text(series, letters);
+    }
+    put_text(series, "_");
+    put_text(series, column);
+    put_text(series, quoted ? "\"" : "");
+}
+
+static void put_header(pel_run_series *series, const pel_sim *sim)
+{
+    put_text(series, first_columns);
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+        for (int c = 0; c < TOOL_COLUMN_COUNT; c++)
+            put_tool_column(series, pel_sim_tool_name(sim, t), tool_columns[c]);
+    put_text(series, "\n");
+}
+
+static void put_tool(pel_run_series *series, const pel_sim *sim, int32_t tool, double force_max)
+{
+    pel_tool_reading reading;
+    pel_sim_get_tool(sim, tool, &reading);
+    const double *f = reading.force;
+    put_number(series, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+    for (int i = 0; i < 3; i++)
+        put_number(series, f[i]);
+    put_count(series, ",", reading.contact_count);
+    for (int i = 0; i < 3; i++)
+        put_number(series, reading.position[i]);
+    put_number(series, force_max);
+}
+
+/* ---- the file ---- */
+
+static pel_status prepare(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error)
+{
+    size_t tool_room = TOOL_COLUMN_COUNT * (2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE);
+    *series = (pel_run_series){.descriptor = -1, .path = path};
+    series->room =
+        sizeof first_columns + FIRST_COLUMN_COUNT * PEL_NUMBER_SIZE + (size_t)pel_sim_tool_count(sim) * tool_room;
+    series->line = pel_allocate(series->room, 1);
+    return series->line != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+static pel_status write_line(pel_run_series *series, pel_error *error)
+{
+    size_t written = 0;
+    while (written < series->length) {
+        ssize_t count = write(series->descriptor, series->line + written, series->length - written);
+        if (count < 0 && errno == EINTR)
+            continue;
+        if (count < 0) {
+            int number = errno;
+            /* shortening needs no space */
+            if (ftruncate(series->descriptor, series->size) != 0)
+                number = errno;
+            lseek(series->descriptor, series->size, SEEK_SET);
+            return fail_series(series, number, error);
+        }
+        written += (size_t)count;
+    }
+    series->size += (int64_t)series->length;
+    return PEL_OK;
+}
+
+pel_status pel_run_series_create(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error)
+{
+    pel_status status = prepare(series, path, sim, error);
+    if (status != PEL_OK)
+        return status;
+    series->descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (series->descriptor < 0)
+        return fail_series(series, errno, error);
+    put_header(series, sim);
+    return write_line(series, error);
+}
+
+/* bytes of the header and the first row_count rows; 0 when they are not all there */
+static size_t find_rows(const pel_run_series *series, const char *bytes, size_t size, int64_t row_count)
+{
+    if (size < series->length || memcmp(bytes, series->line, series->length) != 0)
+        return 0;
+    const char *at = bytes + series->length, *end = bytes + size;
+    for (int64_t row = 0; row < row_count; row++) {
+        char number[PEL_NUMBER_SIZE];
+        size_t digits = (size_t)snprintf(number, sizeof number, "%" PRId64 ",", row);
+        const char *line_end = memchr(at, '\n', (size_t)(end - at));
+        if (line_end == NULL || (size_t)(line_end - at) < digits || memcmp(at, number, digits) != 0)
+            return 0;
+        at = line_end + 1;
+    }
+    return (size_t)(at - bytes);
+}
+
+pel_status pel_run_series_resume(pel_run_series *series, const char *path, const pel_sim *sim, int64_t row_count,
+                                 pel_error *error)
+{
+    char *bytes;
+    size_t size;
+    pel_status status = prepare(series, path, sim, error);
+    if (status == PEL_OK)
+        status = pel_file_read(path, &bytes, &size, error);
+    if (status == PEL_BAD_FILE)
+        pel_fail_remedy(error, "resume in the folder of the run that wrote the checkpoint");
+    if (status != PEL_OK)
+        return status;
+    put_header(series, sim);
+    size_t kept = find_rows(series, bytes, size, row_count);
+    pel_free(bytes);
+    if (kept == 0) {
+        pel_fail(error, PEL_BAD_FORMAT, "the series does not have the %" PRId64 " rows before the checkpoint",
+                 row_count);
+        pel_fail_remedy(error, "resume in the folder of the run that wrote the checkpoint, or run from the beginning");
+        pel_fail_place(error, path, 0, 0);
+        return PEL_BAD_FORMAT;
+    }
+    series->descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    series->size = (int64_t)kept;
+    if (series->descriptor < 0 || ftruncate(series->descriptor, series->size) != 0 ||
+        lseek(series->descriptor, series->size, SEEK_SET) < 0)
+        return fail_series(series, errno, error);
+    return PEL_OK;
+}
+
+pel_status pel_run_series_add(pel_run_series *series, const pel_sim *sim, const pel_run_row *row, pel_error *error)
+{
+    const pel_sim_measures *m = &row->measures;
+    series->length = 0;
+    put_count(series, "", row->frame);
+    const double numbers[7] = {pel_sim_time(sim), m->volume_ratio,     m->area_ratio, m->kinetic_energy,
+                               m->elastic_energy, m->max_displacement, m->max_force};
+    for (int i = 0; i < 7; i++)
+        put_number(series, numbers[i]);
+    put_count(series, ",", m->vertex_count);
+    put_count(series, ",", m->triangle_count);
+    put_count(series, ",", m->contact_count);
+    put_number(series, round(row->step_ms * 1e5) / 1e5);
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+        put_tool(series, sim, t, row->tool_force_max[t]);
+    put_text(series, "\n");
+    return write_line(series, error);
+}
+
+void pel_run_series_close(pel_run_series *series)
+{
+    if (series->line != NULL && series->descriptor >= 0)
+        close(series->descriptor);
+    pel_free(series->line);
+    *series = (pel_run_series){.descriptor = -1};
+}

@@ -1,0 +1,65 @@
+/* Inside of a run: what its parts share. */
+#ifndef PEL_SCENE_RUN_STATE_H
+#define PEL_SCENE_RUN_STATE_H
+
+#include "pellicle/run.h"
+#include "scene/run_folder.h"
+#include "scene/run_plan.h"
+#include "scene/run_series.h"
+#include "scene/run_surface.h"
+
+/* What is summed up on the way; goes into checkpoints as it stands. */
+typedef struct pel_run_totals {
+    int64_t frame_count;     /* frames written */
+    int64_t frame_step;      /* step of the last one */
+    double frame_seconds;    /* wall time of the steps since then */
+    double step_seconds;     /* wall time of all steps */
+    double wall_seconds;     /* of the calls of pel_run before this one */
+    double max_displacement; /* m, over the frames */
+} pel_run_totals;
+
+typedef struct pel_run_state {
+    const pel_scene *scene;
+    const pel_run_def *def;
+    pel_model *model;
+    pel_sim *sim;
+    int32_t thread_count;
+    uint64_t fingerprint; /* of the scene with its meshes and of the program version */
+    pel_run_plan plan;
+    pel_run_surface surface;
+    pel_run_series series;
+    char series_path[PEL_RUN_FILE_SIZE];
+    pel_run_totals totals;
+    double *tool_force;        /* (2 x tool count) N, largest since the last frame, then largest over the run */
+    unsigned char *checkpoint; /* (checkpoint_size) a checkpoint as it is written */
+    size_t checkpoint_size;
+    char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
+    int64_t checkpoint_step;
+    double start;              /* wall clock at the beginning of this call */
+    int64_t start_step;        /* step at the beginning of this call */
+    int64_t listed_count;      /* frames in frames.pvd */
+    double listed_at;          /* wall clock when it was written */
+    bool settled;              /* everything came to rest */
+    pel_sim_measures measures; /* of the last frame, at last of the end */
+} pel_run_state;
+
+/* s, from some fixed moment */
+double pel_run_clock(void);
+
+/* ---- run_checkpoint.c ---- */
+
+/* Makes the buffer, so that a checkpoint can be written when memory is gone. */
+pel_status pel_run_checkpoint_prepare(pel_run_state *run, pel_error *error);
+/* Writes the present state to `checkpoint`, and to checkpoint-STEP.pel too when numbered. */
+pel_status pel_run_checkpoint_write(pel_run_state *run, bool numbered, pel_error *error);
+/* Goes back to the state in a file. PEL_BAD_FORMAT when it is damaged or does not belong to this scene. */
+pel_status pel_run_checkpoint_read(pel_run_state *run, const char *path, pel_error *error);
+
+/* ---- run_summary.c ---- */
+
+void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary);
+/* error is what ended the run, null when it is done */
+pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
+                                 pel_error *error);
+
+#endif

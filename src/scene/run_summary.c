@@ -1,0 +1,157 @@
+#include "base/status.h"
+#include "io/file.h"
+#include "io/number.h"
+#include "scene/run_state.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *status_word(pel_status status)
+{
+    switch (status) {
+    case PEL_OK:
+        return "done";
+    case PEL_STOPPED:
+        return "stopped";
+    case PEL_DIVERGED:
+        return "diverged";
+    default:
+        return "failed";
+    }
+}
+
+void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary)
+{
+    const pel_sim *sim = run->sim;
+    const pel_run_totals *totals = &run->totals;
+    int64_t steps = pel_sim_step_count(sim);
+    *summary = (pel_run_summary){
+        .status = status_word(status),
+        .frames = totals->frame_count,
+        .steps = steps,
+        .time_simulated = pel_sim_time(sim),
+        .wall_s = totals->wall_seconds + pel_run_clock() - run->start,
+        .steps_per_second = totals->step_seconds > 0 ? (double)steps / totals->step_seconds : 0,
+        .volume_ratio_final = run->measures.volume_ratio,
+        .area_ratio_final = run->measures.area_ratio,
+        .max_displacement = fmax(totals->max_displacement, run->measures.max_displacement),
+        .residual_displacement = run->measures.max_displacement,
+        .vertices_final = run->measures.vertex_count,
+        .triangles_final = run->measures.triangle_count,
+        .state_hash = pel_sim_hash(sim),
+        .alpha = pel_sim_alpha(sim),
+        .alpha_limit = pel_sim_alpha_limit(sim),
+        .threads = run->thread_count,
+    };
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+        summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
+    memcpy(summary->checkpoint, run->checkpoint_path, sizeof summary->checkpoint);
+}
+
+/* ---- JSON ---- */
+
+static void write_text(pel_file_writer *writer, const char *text)
+{
+    pel_file_writer_write(writer, "\"", 1);
+    for (; *text != '\0'; text++) {
+        if (*text == '"' || *text == '\\')
+            pel_file_writer_printf(writer, "\\%c", *text);
+        else if ((unsigned char)*text < ' ')
+            pel_file_writer_printf(writer, "\\u%04x", (unsigned)(unsigned char)*text);
+        else
+            pel_file_writer_write(writer, text, 1);
+    }
+    pel_file_writer_write(writer, "\"", 1);
+}
+
+static void begin(pel_file_writer *writer, const char *key)
+{
+    pel_file_writer_printf(writer, ",\n  \"%s\": ", key);
+}
+
+static void text_entry(pel_file_writer *writer, const char *key, const char *text)
+{
+    begin(writer, key);
+    if (text[0] != '\0')
+        write_text(writer, text);
+    else
+        pel_file_writer_printf(writer, "null");
+}
+
+static void write_number(pel_file_writer *writer, double value)
+{
+    char text[PEL_NUMBER_SIZE];
+    pel_number_print(text, value);
+    pel_file_writer_printf(writer, "%s", isfinite(value) ? text : "null");
+}
+
+static void number_entry(pel_file_writer *writer, const char *key, double value)
+{
+    begin(writer, key);
+    write_number(writer, value);
+}
+
+static void count_entry(pel_file_writer *writer, const char *key, int64_t value)
+{
+    begin(writer, key);
+    pel_file_writer_printf(writer, "%" PRId64, value);
+}
+
+static void write_tools(pel_file_writer *writer, const pel_run_state *run)
+{
+    int32_t count = pel_sim_tool_count(run->sim);
+    begin(writer, "tools");
+    pel_file_writer_printf(writer, "[");
+    for (int32_t t = 0; t < count; t++) {
+        pel_file_writer_printf(writer, "%s{\"name\": ", t > 0 ? ", " : "");
+        write_text(writer, pel_sim_tool_name(run->sim, t));
+        pel_file_writer_printf(writer, ", \"max_force\": ");
+        write_number(writer, run->tool_force[count + t]);
+        pel_file_writer_printf(writer, "}");
+    }
+    pel_file_writer_printf(writer, "]");
+}
+
+static void write_entries(pel_file_writer *writer, const pel_run_state *run, const pel_run_summary *s)
+{
+    count_entry(writer, "frames", s->frames);
+    count_entry(writer, "steps", s->steps);
+    number_entry(writer, "time_simulated", s->time_simulated);
+    number_entry(writer, "wall_s", s->wall_s);
+    number_entry(writer, "steps_per_second", s->steps_per_second);
+    number_entry(writer, "volume_ratio_final", s->volume_ratio_final);
+    number_entry(writer, "area_ratio_final", s->area_ratio_final);
+    number_entry(writer, "max_displacement", s->max_displacement);
+    number_entry(writer, "residual_displacement", s->residual_displacement);
+    count_entry(writer, "vertices_final", s->vertices_final);
+    count_entry(writer, "triangles_final", s->triangles_final);
+    begin(writer, "self_intersections_final");
+    pel_file_writer_printf(writer, "null");
+    begin(writer, "state_hash");
+    pel_file_writer_printf(writer, "\"%016" PRIx64 "\"", s->state_hash);
+    number_entry(writer, "alpha", s->alpha);
+    number_entry(writer, "alpha_limit", s->alpha_limit);
+    count_entry(writer, "threads", s->threads);
+    number_entry(writer, "max_tool_force", s->max_tool_force);
+    write_tools(writer, run);
+    text_entry(writer, "checkpoint", s->checkpoint);
+    text_entry(writer, "scene", run->scene->path);
+    text_entry(writer, "version", PEL_VERSION);
+}
+
+pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
+                                 pel_error *error)
+{
+    pel_file_writer writer;
+    char path[PEL_RUN_FILE_SIZE], text[1200];
+    pel_status status = pel_file_writer_open(&writer, pel_run_path(path, run->def->folder, "summary.json"), error);
+    if (status != PEL_OK)
+        return status;
+    pel_file_writer_printf(&writer, "{\n  \"status\": \"%s\"", summary->status);
+    write_entries(&writer, run, summary);
+    text_entry(&writer, "error", cause != NULL ? pel_error_text(cause, text, sizeof text) : "");
+    pel_file_writer_printf(&writer, "\n}\n");
+    return pel_file_writer_commit(&writer, error);
+}
