@@ -33,6 +33,31 @@ typedef enum pel_mass_kind {
     PEL_MASS_DENSITY     /* mass = density [kg/m3] x thickness [m] x a third of the area of the triangles around */
 } pel_mass_kind;
 
+/* Spring constants where the mesh is finer than the body's own. */
+typedef enum pel_refine_springs {
+    PEL_REFINE_VAN_GELDER, /* by the area of the triangles beside the edge over its squared length, scaled so that each
+                              edge of the body's mesh has the given stiffness (van Gelder 1998) */
+    PEL_REFINE_UNCHANGED   /* the given stiffness on all levels */
+} pel_refine_springs;
+
+/* Dynamic local refinement (paper A, section 3): levels of detail by modified butterfly are made once, and the surface
+   takes finer triangles from them where a criterion asks for them. Neighbours differ by one level at most; triangles
+   between two levels are bisected. Mass, damping and volumetric springs are shared out by area, so that mass and linear
+   momentum stay and the stiffness does not depend on the level. */
+typedef struct pel_refine_def {
+    int32_t levels;   /* finest level; each one halves the edges. 0 (default) = no refinement */
+    bool everywhere;  /* all of the body on the finest level from the start; the criterion is not used */
+    double above;     /* N/m2: a vertex whose elastic force over its share of the area is larger refines what is around
+                         it; 0 = only what pel_sim_refine asks for */
+    double below;     /* N/m2: one that stays below for `dwell` steps gives that up; less than above */
+    int32_t rings;    /* rings of triangles around the vertex, on each level: 1 to 3; 2 by default */
+    int32_t dwell;    /* steps; 50 by default */
+    int32_t interval; /* steps in which every vertex is looked at once; 10 by default */
+    int32_t budget;   /* the body never has more triangles than this; the strongest candidates win; 0 = no limit */
+    pel_refine_springs springs;
+    size_t memory_limit; /* bytes that the levels of detail may take; 2 GiB by default, 0 = no limit */
+} pel_refine_def;
+
 /* One body. Arrays are read during pel_model_create only; the mesh is copied. */
 typedef struct pel_body_def {
     const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
@@ -49,6 +74,7 @@ typedef struct pel_body_def {
     int32_t reference_count; /* 252 by default: the vertices of paper A's sphere */
     const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;
+    pel_refine_def refine;
     uint32_t cookie; /* set by pel_body_def_default */
 } pel_body_def;
 

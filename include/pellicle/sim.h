@@ -7,7 +7,9 @@
            if (pel_sim_step(sim, &error) != PEL_OK) ...
 
    A pel_sim is used by one thread at a time (it uses threads of its own inside a step); different sims are independent.
-   Vertex numbers and arrays are in the order of the body's mesh. */
+   Vertex numbers and arrays are in the order of the body's mesh. A body that refines has more vertices than its mesh at
+   times: rows of arrays are the vertices of the mesh first, then the finer ones that are active, coarser levels first.
+ */
 #ifndef PELLICLE_SIM_H
 #define PELLICLE_SIM_H
 
@@ -113,6 +115,27 @@ int64_t pel_sim_step_count(const pel_sim *sim); /* steps done */
 const pel_model *pel_sim_model(const pel_sim *sim);
 double pel_sim_alpha(const pel_sim *sim);       /* the alpha in use; 0 for the explicit method */
 double pel_sim_alpha_limit(const pel_sim *sim); /* the stability limit found for this mesh */
+
+/* The surface of a body at present. Without refinement these are the counts and triangles of its mesh. */
+int32_t pel_sim_vertex_count(const pel_sim *sim, int32_t body);
+int32_t pel_sim_triangle_count(const pel_sim *sim, int32_t body);
+/* (triangle_count x 3) rows of their corners; in the order of the mesh, refined triangles replaced by their children */
+void pel_sim_get_triangles(const pel_sim *sim, int32_t body, int32_t *triangles);
+/* (vertex_count x 3) rest position of each row */
+void pel_sim_get_rest_positions(const pel_sim *sim, int32_t body, double *positions);
+/* (vertex_count) level of detail on which the vertex appears, 0 = of the mesh */
+void pel_sim_get_levels(const pel_sim *sim, int32_t body, int32_t *levels);
+/* Where each row lies in the body's mesh: triangle (vertex_count) and the weights (vertex_count x 3) of its corners. */
+void pel_sim_get_mesh_places(const pel_sim *sim, int32_t body, int32_t *triangles, double *weights);
+/* (vertex_count) kg */
+void pel_sim_get_masses(const pel_sim *sim, int32_t body, double *masses);
+/* Number of events so far that changed a body's surface; while it stays, counts and triangles stay. */
+int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body);
+
+/* Asks that the `rings` (of the body's refine def) around a vertex of the mesh be on a level at least, whatever the
+   criterion says; level 0 takes that back. PEL_BAD_ARGUMENT for a body without refinement, a vertex or level that does
+   not exist, and when the budget would be exceeded (nothing changes then). Allocates nothing. */
+pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t level, pel_error *error);
 
 /* Copies out for one body: (vertex_count x 3). Velocity is that of the last step. Force is the sum of all forces of
    eq. A-2 and A-4 and the loads on each vertex at the present state, contact excluded [N]. */

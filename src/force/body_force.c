@@ -52,7 +52,7 @@ void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t sl
     pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
     pel_slice own = pel_slice_load(state->position, slice);
     pel_wide half = pel_wide_splat((pel_real)0.5), sum = pel_wide_splat(0);
-    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_begin[slice + 1]; slot++) {
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
         pel_wide3 d = pel_slot_offset(model, state->position, slot, &own.position);
         pel_wide stiffness = pel_wide_splat(body.stiffness);
         if (!body.uniform)

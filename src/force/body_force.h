@@ -56,7 +56,7 @@ static inline pel_wide3 pel_spring_force(const pel_model *model, const pel_recor
                                          const pel_wide3 *own, bool uniform, pel_real stiffness, pel_wide *longest)
 {
     pel_wide3 force = {pel_wide_splat(0), pel_wide_splat(0), pel_wide_splat(0)};
-    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_begin[slice + 1]; slot++) {
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
         pel_wide3 d = pel_slot_offset(model, position, slot, own);
         pel_wide length = pel_spring_length(d);
         pel_wide scale = pel_spring_strain(length, model->rest_lengths[slot]);

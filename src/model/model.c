@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "model/detail.h"
 #include "model/order.h"
 #include "pellicle/topology.h"
 
@@ -22,6 +23,7 @@ pel_body_def pel_body_def_default(void)
         .volumetric_stiffness = {.value = 1.5},
         .volumetric_damping = {.value = 0.5},
         .reference_count = 252,
+        .refine = {.rings = 2, .dwell = 50, .interval = 10, .memory_limit = (size_t)2 << 30},
         .cookie = BODY_COOKIE,
     };
 }
@@ -43,6 +45,14 @@ double pel_curve_value(const pel_key *keys, int32_t key_count, double time)
             return keys[k - 1].value + s * (keys[k].value - keys[k - 1].value);
         }
     return keys[key_count - 1].value;
+}
+
+double pel_curve_largest(const pel_curve *curve)
+{
+    double largest = curve->key_count > 0 ? 0 : 1;
+    for (int32_t k = 0; k < curve->key_count; k++)
+        largest = fmax(largest, curve->keys[k].value);
+    return largest;
 }
 
 /* ---- checks ---- */
@@ -125,6 +135,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
     for (int32_t p = 0; status == PEL_OK && p < b->pinned_count; p++)
         if (b->pinned[p] < 0 || b->pinned[p] >= b->mesh->vertex_count)
             status = refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
+    if (status == PEL_OK)
+        status = pel_refine_check(&b->refine, body, error);
     return status;
 }
 
@@ -481,7 +493,15 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
     for (int32_t b = 0; room && b < model->body_count; b++)
         fill_springs(model, &def->bodies[b], &model->bodies[b], builds[b].topology, filled);
     pel_free(filled);
-    return room ? PEL_OK : pel_fail_memory(error);
+    if (!room)
+        return pel_fail_memory(error);
+    model->slot_end = model->slot_begin + 1;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        pel_status status = pel_body_detail_create(&def->bodies[b], model, b, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    return PEL_OK;
 }
 
 /* volume enclosed by a body's mesh about its first vertex */
@@ -539,6 +559,7 @@ void pel_model_destroy(pel_model *model)
     for (int32_t b = 0; model->bodies != NULL && b < model->body_count; b++) {
         pel_mesh_destroy(model->bodies[b].mesh);
         pel_free(model->bodies[b].slot_of_vertex);
+        pel_body_detail_destroy(model->bodies[b].detail);
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)
             pel_free(model->bodies[b].curves[p].keys);
     }

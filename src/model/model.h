@@ -10,6 +10,7 @@
 
 #include "base/wide.h"
 #include "pellicle/model.h"
+#include "subdivide/front.h"
 
 /* parameters that may be keyed in time; the state holds the present factor of each */
 typedef enum pel_parameter {
@@ -25,6 +26,22 @@ typedef struct pel_curve {
     int32_t key_count;
 } pel_curve;
 
+/* numbers of a vertex that go with area */
+typedef struct pel_nodal {
+    double mass, damping, volumetric_stiffness, volumetric_damping;
+} pel_nodal;
+
+/* Levels of detail of a body (detail.h). */
+typedef struct pel_body_detail {
+    pel_refine_def def;
+    pel_lod_forest *forest;
+    double *areas;        /* (base triangles) rest area */
+    pel_nodal *densities; /* (vertices of the finest level) over the area of the triangles around */
+    double *stiffnesses;  /* (base edges) as given */
+    double *moduli;  /* (base edges) stiffness = sum of modulus x area / squared length over the triangles beside */
+    uint8_t *pinned; /* (vertices of the finest level) 1 = never moves */
+} pel_body_detail;
+
 typedef struct pel_body {
     char name[PEL_NAME_SIZE];
     pel_mesh *mesh;
@@ -36,6 +53,8 @@ typedef struct pel_body {
     double diameter;       /* diagonal of the rest bounding box */
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     pel_curve curves[PEL_PARAMETER_COUNT];
+    pel_body_detail *detail; /* null = no refinement */
+    const pel_front *front;  /* the surface, in an active model (active.h) of a body with detail; else null */
 } pel_body;
 
 struct pel_model {
@@ -58,6 +77,7 @@ struct pel_model {
 
     /* by slot */
     int32_t *slot_begin;              /* (slice_count + 1) */
+    int32_t *slot_end;                /* (slice_count) in an active model slices have room to grow */
     int32_t (*neighbours)[PEL_WIDTH]; /* (slot_count) */
     pel_wide *rest_lengths;           /* (slot_count) */
     pel_wide *stiffnesses;            /* (slot_count), null when every body has a uniform one */
@@ -70,6 +90,25 @@ struct pel_model {
     int32_t *fans;      /* (3 triangle_count) */
 };
 
+/* The triangles of a body's surface: their number, and which of model->triangles is the i-th. With refinement the
+   triangle of a node and half has the fixed number 2 node + half in its body, so that it can be named over events. */
+static inline int32_t pel_surface_count(const pel_model *model, int32_t body)
+{
+    const pel_front *front = model->bodies[body].front;
+    return front != NULL ? front->triangle_count : model->triangle_begin[body + 1] - model->triangle_begin[body];
+}
+static inline int32_t pel_surface_number(const pel_front_triangle *triangle)
+{
+    return 2 * triangle->node + triangle->half;
+}
+static inline int32_t pel_surface_triangle(const pel_model *model, int32_t body, int32_t i)
+{
+    const pel_front *front = model->bodies[body].front;
+    return model->triangle_begin[body] + (front != NULL ? pel_surface_number(&front->triangles[i]) : i);
+}
+
+/* largest factor that a keyed parameter takes */
+double pel_curve_largest(const pel_curve *curve);
 /* value of a curve at a time: linear between keys, constant outside; 1 without keys */
 double pel_curve_value(const pel_key *keys, int32_t key_count, double time);
 

@@ -15,23 +15,26 @@ static void vertex_velocity(const pel_sim *sim, int32_t i, double velocity[3])
                           : ((double)state->position[i][c] - (double)state->position_before[i][c]) / sim->step.dt;
 }
 
-static void copy_out(const pel_body *body, const pel_record *records, double *out)
+static void copy_out(const pel_sim *sim, int32_t body, const pel_record *records, double *out)
 {
-    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
+    int32_t count = pel_row_count(sim, body);
+    for (int32_t r = 0; r < count; r++) {
+        int32_t place = pel_row_place(sim, body, r);
         for (int c = 0; c < 3; c++)
-            out[3 * (size_t)v + (size_t)c] = (double)records[body->slot_of_vertex[v]][c];
+            out[3 * (size_t)r + (size_t)c] = (double)records[place][c];
+    }
 }
 
 void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions)
 {
-    copy_out(&sim->model->bodies[body], sim->state->position, positions);
+    copy_out(sim, body, sim->state->position, positions);
 }
 
 void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities)
 {
-    const pel_body *b = &sim->model->bodies[body];
-    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
-        vertex_velocity(sim, b->slot_of_vertex[v], velocities + 3 * (size_t)v);
+    int32_t count = pel_row_count(sim, body);
+    for (int32_t r = 0; r < count; r++)
+        vertex_velocity(sim, pel_row_place(sim, body, r), velocities + 3 * (size_t)r);
 }
 
 /* forces of eq. with the loads at the present time, into sim->force */
@@ -45,7 +48,7 @@ static void compute_forces(pel_sim *sim)
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
 {
     compute_forces(sim);
-    copy_out(&sim->model->bodies[body], sim->force, forces);
+    copy_out(sim, body, sim->force, forces);
 }
 
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric)
@@ -58,17 +61,18 @@ void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, doub
             int32_t v = sim->model->mesh_vertex[slice * PEL_WIDTH + lane];
             if (v < 0)
                 continue;
-            spring[v] = (double)s[lane];
-            volumetric[v] = (double)w[lane];
+            int32_t row = pel_row_of_vertex(sim, body, v);
+            spring[row] = (double)s[lane];
+            volumetric[row] = (double)w[lane];
         }
     }
 }
 
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact)
 {
-    const pel_body *b = &sim->model->bodies[body];
-    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
-        contact[v] = sim->state->contact[b->slot_of_vertex[v]];
+    int32_t count = pel_row_count(sim, body);
+    for (int32_t r = 0; r < count; r++)
+        contact[r] = sim->state->contact[pel_row_place(sim, body, r)];
 }
 
 /* ---- setters ---- */
@@ -96,13 +100,13 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
 {
     pel_status status = check_body(sim, body, error);
     if (status == PEL_OK)
-        status = check_values(positions, sim->model->bodies[body].mesh->vertex_count, "position", error);
+        status = check_values(positions, pel_row_count(sim, body), "position", error);
     if (status != PEL_OK)
         return status;
-    const pel_body *b = &sim->model->bodies[body];
-    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
+    int32_t count = pel_row_count(sim, body);
+    for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
-            int32_t i = b->slot_of_vertex[v];
+            int32_t i = pel_row_place(sim, body, v);
             sim->state->position[i][c] = (pel_real)positions[3 * (size_t)v + (size_t)c];
             /* a displaced body starts at rest */
             sim->state->position_before[i][c] = sim->state->position[i][c];
@@ -114,14 +118,14 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
 {
     pel_status status = check_body(sim, body, error);
     if (status == PEL_OK)
-        status = check_values(velocities, sim->model->bodies[body].mesh->vertex_count, "velocity", error);
+        status = check_values(velocities, pel_row_count(sim, body), "velocity", error);
     if (status != PEL_OK)
         return status;
-    const pel_body *b = &sim->model->bodies[body];
     pel_state *state = sim->state;
-    for (int32_t v = 0; v < b->mesh->vertex_count; v++)
+    int32_t count = pel_row_count(sim, body);
+    for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
-            int32_t i = b->slot_of_vertex[v];
+            int32_t i = pel_row_place(sim, body, v);
             double value = sim->model->inverse_mass[i] > 0 ? velocities[3 * (size_t)v + (size_t)c] : 0;
             if (state->velocity != NULL)
                 state->velocity[i][c] = (pel_real)value;
@@ -163,25 +167,27 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
 
 /* ---- measures ---- */
 
-static void corner_at(const pel_sim *sim, int32_t v, const double origin[3], double x[3])
+static void corner_at(const pel_record *records, int32_t v, const double origin[3], double x[3])
 {
     for (int c = 0; c < 3; c++)
-        x[c] = (double)sim->state->position[v][c] - origin[c];
+        x[c] = (double)records[v][c] - origin[c];
 }
 
-/* area and enclosed volume of a body, about its first vertex */
-static void measure_surface(const pel_sim *sim, int32_t body, double *area, double *volume)
+/* area and enclosed volume of a body, about its first vertex, at the given positions */
+static void measure_surface(const pel_model *model, const pel_record *records, int32_t body, double *area,
+                            double *volume)
 {
-    const pel_model *model = sim->model;
     const double zero[3] = {0, 0, 0};
     double origin[3];
-    corner_at(sim, model->bodies[body].slot_of_vertex[0], zero, origin);
+    corner_at(records, model->bodies[body].slot_of_vertex[0], zero, origin);
     *area = *volume = 0;
-    for (int32_t t = model->triangle_begin[body]; t < model->triangle_begin[body + 1]; t++) {
+    int32_t count = pel_surface_count(model, body);
+    for (int32_t i = 0; i < count; i++) {
+        int32_t t = pel_surface_triangle(model, body, i);
         double a[3], b[3], c[3], u[3], w[3], n[3];
-        corner_at(sim, model->triangles[t][0], origin, a);
-        corner_at(sim, model->triangles[t][1], origin, b);
-        corner_at(sim, model->triangles[t][2], origin, c);
+        corner_at(records, model->triangles[t][0], origin, a);
+        corner_at(records, model->triangles[t][1], origin, b);
+        corner_at(records, model->triangles[t][2], origin, c);
         pel_vec3_subtract(b, a, u);
         pel_vec3_subtract(c, a, w);
         pel_vec3_cross(u, w, n);
@@ -195,14 +201,16 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
     double area = 0, rest_area = 0, volume = 0, rest_volume = 0;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
-        double body_area, body_volume;
-        measure_surface(sim, b, &body_area, &body_volume);
+        double body_area, body_volume, body_rest_area = body->rest_area, body_rest_volume = body->rest_volume;
+        measure_surface(sim->model, sim->state->position, b, &body_area, &body_volume);
+        if (body->front != NULL && body->front->red_count > 0)
+            measure_surface(sim->model, sim->model->rest, b, &body_rest_area, &body_rest_volume);
         area += body_area;
-        rest_area += body->rest_area;
+        rest_area += body_rest_area;
         volume += body->closed ? body_volume : 0;
-        rest_volume += body->closed ? body->rest_volume : 0;
-        measures->vertex_count += body->mesh->vertex_count;
-        measures->triangle_count += body->mesh->triangle_count;
+        rest_volume += body->closed ? body_rest_volume : 0;
+        measures->vertex_count += pel_sim_vertex_count(sim, b);
+        measures->triangle_count += pel_sim_triangle_count(sim, b);
     }
     measures->area_ratio = area / rest_area;
     measures->volume_ratio = rest_volume != 0 ? volume / rest_volume : 1;

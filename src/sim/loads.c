@@ -48,6 +48,110 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
     return PEL_OK;
 }
 
+/* ---- loads on a body that refines ---- */
+
+static size_t place_count(const pel_sim *sim, int32_t body)
+{
+    return (size_t)(sim->active->bodies[body].fine_limit - sim->model->bodies[body].slice_begin * PEL_WIDTH);
+}
+
+static void remove_entry(pel_load *load, int32_t first, int32_t place)
+{
+    int32_t at = load->entry_of_place[place - first] - 1, last = load->vertex_count - 1;
+    if (at < 0)
+        return;
+    load->vertices[at] = load->vertices[last];
+    load->weights[at] = load->weights[last];
+    load->entry_of_place[load->vertices[at] - first] = at + 1;
+    load->entry_of_place[place - first] = 0;
+    load->vertex_count--;
+}
+
+static void set_entry(const pel_sim *sim, pel_load *load, int32_t v)
+{
+    const pel_active *active = sim->active;
+    int32_t first = sim->model->bodies[load->body].slice_begin * PEL_WIDTH;
+    int32_t place = active->bodies[load->body].place_of_vertex[v];
+    double weight = active->is_base[place] ? load->base_weights[v] : load->densities[v] * active->areas[place];
+    if (weight == 0) {
+        remove_entry(load, first, place);
+        return;
+    }
+    int32_t *entry = &load->entry_of_place[place - first];
+    if (*entry == 0) {
+        load->vertices[load->vertex_count++] = place;
+        *entry = load->vertex_count;
+    }
+    load->weights[*entry - 1] = weight;
+}
+
+void pel_loads_update(pel_sim *sim, int32_t body)
+{
+    const pel_active *active = sim->active;
+    int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
+    for (int32_t l = 0; l < sim->load_count; l++) {
+        pel_load *load = &sim->loads[l];
+        if (load->body != body || load->densities == NULL)
+            continue;
+        for (int32_t i = 0; i < active->released_count; i++)
+            remove_entry(load, first, active->released[i]);
+        for (int32_t d = 0; d < active->dirty_count; d++)
+            set_entry(sim, load, active->dirty[d]);
+    }
+}
+
+void pel_loads_rebuild(pel_sim *sim, int32_t body)
+{
+    const pel_front *front = sim->model->bodies[body].front;
+    for (int32_t l = 0; l < sim->load_count; l++) {
+        pel_load *load = &sim->loads[l];
+        if (load->body != body || load->densities == NULL)
+            continue;
+        load->vertex_count = 0;
+        memset(load->entry_of_place, 0, place_count(sim, body) * sizeof *load->entry_of_place);
+        for (int32_t i = 0; i < front->vertex_count; i++)
+            set_entry(sim, load, front->vertices[i]);
+    }
+}
+
+/* densities on all levels from the weights on the mesh */
+static void spread_weights(const pel_body_detail *detail, pel_load *load)
+{
+    const pel_lod_forest *forest = detail->forest;
+    const pel_topology *base = forest->levels[0];
+    for (int32_t t = 0; t < base->triangle_count; t++)
+        for (int c = 0; c < 3; c++)
+            load->densities[base->triangles[t][c]] += detail->areas[t];
+    for (int32_t v = 0; v < base->vertex_count; v++)
+        load->densities[v] = load->base_weights[v] / load->densities[v];
+    for (int32_t l = 0; l < forest->depth; l++)
+        for (int32_t e = 0; e < forest->levels[l]->edge_count; e++) {
+            const pel_topology *level = forest->levels[l];
+            int32_t h = level->half_edge_of_edge[e];
+            load->densities[level->vertex_count + e] =
+                (load->densities[pel_half_edge_origin(level, h)] + load->densities[pel_half_edge_target(level, h)]) / 2;
+        }
+}
+
+static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *def, double share, pel_error *error)
+{
+    const pel_body_detail *detail = sim->model->bodies[def->body].detail;
+    int32_t mesh_count = sim->model->bodies[def->body].mesh->vertex_count;
+    int32_t count = def->vertices != NULL ? def->vertex_count : mesh_count;
+    load->base_weights = pel_allocate((size_t)mesh_count, sizeof *load->base_weights);
+    load->densities =
+        pel_allocate((size_t)detail->forest->levels[detail->forest->depth]->vertex_count, sizeof *load->densities);
+    load->entry_of_place = pel_allocate(place_count(sim, def->body), sizeof *load->entry_of_place);
+    if (load->base_weights == NULL || load->densities == NULL || load->entry_of_place == NULL)
+        return pel_fail_memory(error);
+    for (int32_t i = 0; i < count; i++)
+        load->base_weights[def->vertices != NULL ? def->vertices[i] : i] +=
+            share * (def->weights != NULL ? def->weights[i] : 1);
+    spread_weights(detail, load);
+    pel_loads_rebuild(sim, def->body);
+    return PEL_OK;
+}
+
 static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t index, pel_error *error)
 {
     pel_status status = check_load(sim, def, index, error);
@@ -62,20 +166,23 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     load->kind = def->kind;
     load->from = def->from;
     load->until = def->until;
-    load->vertices = pel_allocate((size_t)count, sizeof *load->vertices);
-    load->weights = pel_allocate((size_t)count, sizeof *load->weights);
+    size_t room = body->detail != NULL ? place_count(sim, def->body) : (size_t)count;
+    load->vertices = pel_allocate(room, sizeof *load->vertices);
+    load->weights = pel_allocate(room, sizeof *load->weights);
     load->keys = pel_allocate((size_t)def->key_count, sizeof *load->keys);
     if (load->vertices == NULL || load->weights == NULL || load->keys == NULL)
         return pel_fail_memory(error);
-    load->vertex_count = count;
     double share = def->kind == PEL_LOAD_TOTAL ? 1.0 / count : 1.0;
+    if (def->key_count > 0)
+        memcpy(load->keys, def->keys, (size_t)def->key_count * sizeof *load->keys);
+    load->key_count = def->key_count;
+    if (body->detail != NULL)
+        return spread_load(sim, load, def, share, error);
+    load->vertex_count = count;
     for (int32_t i = 0; i < count; i++) {
         load->vertices[i] = body->slot_of_vertex[def->vertices != NULL ? def->vertices[i] : i];
         load->weights[i] = share * (def->weights != NULL ? def->weights[i] : 1);
     }
-    if (def->key_count > 0)
-        memcpy(load->keys, def->keys, (size_t)def->key_count * sizeof *load->keys);
-    load->key_count = def->key_count;
     return PEL_OK;
 }
 
@@ -97,6 +204,9 @@ void pel_loads_destroy(pel_sim *sim)
         pel_free(sim->loads[i].vertices);
         pel_free(sim->loads[i].weights);
         pel_free(sim->loads[i].keys);
+        pel_free(sim->loads[i].base_weights);
+        pel_free(sim->loads[i].densities);
+        pel_free(sim->loads[i].entry_of_place);
     }
     pel_free(sim->loads);
 }
@@ -145,6 +255,21 @@ static gains gains_of(const pel_sim *sim)
     return (gains){(pel_real)(sim->step.symplectic ? dt * dt : 0), (pel_real)dt};
 }
 
+static bool apply_gravity(pel_sim *sim, const pel_body *body, gains gain)
+{
+    const pel_model *model = sim->model;
+    pel_record gravity = record_of(model->gravity);
+    bool inside = true;
+    for (int32_t v = body->slice_begin * PEL_WIDTH; v < body->slice_end * PEL_WIDTH; v++) {
+        if (model->inverse_mass[v] <= 0)
+            continue;
+        /* the inverse mass of a refined vertex may be limited */
+        bool plain = body->detail == NULL || sim->active->is_base[v];
+        inside &= push(sim, v, gain, plain ? gravity : model->mass[v] * model->inverse_mass[v] * gravity);
+    }
+    return inside;
+}
+
 bool pel_loads_apply(pel_sim *sim)
 {
     gains gain = gains_of(sim);
@@ -161,12 +286,8 @@ bool pel_loads_apply(pel_sim *sim)
             inside &= push(sim, v, gain, scale * full);
         }
     }
-    if (has_gravity(sim->model)) {
-        pel_record gravity = record_of(sim->model->gravity);
-        for (int32_t v = 0; v < sim->model->vertex_count; v++)
-            if (sim->model->inverse_mass[v] > 0)
-                inside &= push(sim, v, gain, gravity);
-    }
+    for (int32_t b = 0; has_gravity(sim->model) && b < sim->model->body_count; b++)
+        inside &= apply_gravity(sim, &sim->model->bodies[b], gain);
     return inside;
 }
 

@@ -25,6 +25,29 @@ static void world_half_box(const pel_tool *tool, double half[3])
     }
 }
 
+static int32_t add_near_triangle(pel_sim *sim, int32_t t, int32_t count)
+{
+    if (sim->triangle_marks[t])
+        return count;
+    sim->triangle_marks[t] = 1;
+    sim->near_triangles[count] = t;
+    return count + 1;
+}
+
+/* the triangles at a vertex of a body that refines; none where the place is not in use */
+static int32_t add_front_fan(pel_sim *sim, int32_t place, int32_t count)
+{
+    pel_active *active = sim->active;
+    int32_t body = sim->model->body_of_slice[place / PEL_WIDTH], v = sim->model->mesh_vertex[place];
+    if (v < 0)
+        return count;
+    int32_t corner_count = pel_front_fan(active->bodies[body].front, v, active->fan);
+    for (int32_t i = 0; i < corner_count; i++)
+        count = add_near_triangle(sim, sim->model->triangle_begin[body] + 2 * active->fan[i].node + active->fan[i].half,
+                                  count);
+    return count;
+}
+
 /* lists the triangles with a vertex within `reach` of the tool's box; a triangle that overlaps the tool has all its
    vertices within its longest edge of it */
 static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double reach)
@@ -42,13 +65,12 @@ static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel
         const pel_record x = positions[v];
         if (x[0] < low[0] || x[0] > high[0] || x[1] < low[1] || x[1] > high[1] || x[2] < low[2] || x[2] > high[2])
             continue;
-        for (int32_t f = model->fan_begin[v]; f < model->fan_begin[v + 1]; f++) {
-            int32_t t = model->fans[f];
-            if (!sim->triangle_marks[t]) {
-                sim->triangle_marks[t] = 1;
-                sim->near_triangles[count++] = t;
-            }
+        if (sim->active != NULL && model->bodies[model->body_of_slice[v / PEL_WIDTH]].front != NULL) {
+            count = add_front_fan(sim, v, count);
+            continue;
         }
+        for (int32_t f = model->fan_begin[v]; f < model->fan_begin[v + 1]; f++)
+            count = add_near_triangle(sim, model->fans[f], count);
     }
     for (int32_t i = 0; i < count; i++)
         sim->triangle_marks[sim->near_triangles[i]] = 0;

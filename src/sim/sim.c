@@ -78,7 +78,7 @@ static pel_status choose_alpha(pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-static pel_status check_dt(pel_sim *sim, pel_error *error)
+static pel_status check_dt_here(pel_sim *sim, pel_error *error)
 {
     pel_stability stability;
     pel_stability_bound(sim->model, &stability);
@@ -98,6 +98,27 @@ static pel_status check_dt(pel_sim *sim, pel_error *error)
     return PEL_UNSTABLE;
 }
 
+/* on the base and, where a body refines, on its finest level too */
+static pel_status check_dt(pel_sim *sim, pel_error *error)
+{
+    pel_status status = check_dt_here(sim, error);
+    if (status != PEL_OK || sim->active == NULL)
+        return status;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        pel_refine_everywhere(sim, b, true);
+    status = check_dt_here(sim, error);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        pel_refine_everywhere(sim, b, false);
+    if (status == PEL_UNSTABLE && error != NULL) {
+        double limit = sim->step.dt;
+        pel_fail_remedy(error,
+                        "the finest level of detail needs a smaller dt than %g: make it smaller, or use fewer "
+                        "levels, or the quasi-static method",
+                        limit);
+    }
+    return status;
+}
+
 static double position_bound(const pel_model *model)
 {
     double size = 0, far = 0;
@@ -115,7 +136,8 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     int32_t most = 0;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
-        int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
+        int32_t end = sim->active != NULL ? sim->active->bodies[b].fine_limit / PEL_WIDTH : body->slice_end;
+        int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, end);
         most = chunk_count > most ? chunk_count : most;
     }
     sim->chunk_longest = pel_allocate((size_t)most, sizeof *sim->chunk_longest);
@@ -130,24 +152,46 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     return status;
 }
 
+/* bodies that are refined everywhere start so */
+static void start_refinement(pel_sim *sim)
+{
+    double dt = sim->step.dt, factor = pel_sim_is_explicit(sim) ? 0 : sim->step.alpha * dt * dt;
+    sim->active->relaxation = (pel_relaxation){factor, dt, sim->solver.keep_velocity};
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body_detail *detail = sim->model->bodies[b].detail;
+        if (detail != NULL && detail->def.everywhere)
+            pel_refine_everywhere(sim, b, true);
+    }
+}
+
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
-    sim->model = def->model;
+    sim->model = sim->given = def->model;
     sim->solver = def->solver;
+    if (pel_model_refines(def->model)) {
+        pel_status refines = pel_active_create(def->model, &sim->active, error);
+        if (refines != PEL_OK)
+            return refines;
+        sim->model = &sim->active->model;
+    }
     sim->step = (pel_step){
         .dt = def->solver.dt,
         .keep_velocity = def->solver.keep_velocity,
         .symplectic = def->solver.symplectic,
         .bound = position_bound(def->model),
     };
-    sim->force = pel_allocate_aligned((size_t)def->model->vertex_count, sizeof *sim->force);
+    sim->force = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *sim->force);
     if (sim->force == NULL)
         return pel_fail_memory(error);
     pel_status status = start_threads(sim, def->thread_count, error);
     if (status == PEL_OK)
-        status = pel_state_create(def->model, pel_sim_is_explicit(sim), &sim->state, error);
+        status = pel_state_create(sim->model, pel_sim_is_explicit(sim), &sim->state, error);
+    if (status == PEL_OK)
+        status = pel_refine_create(sim, error);
     if (status == PEL_OK)
         status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
+    if (status == PEL_OK && sim->active != NULL)
+        start_refinement(sim);
     if (status == PEL_OK)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
@@ -178,6 +222,8 @@ void pel_sim_destroy(pel_sim *sim)
         return;
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
+    pel_refine_destroy(sim);
+    pel_active_destroy(sim->active);
     pel_state_destroy(sim->state);
     pel_free(sim->force);
     pel_free(sim->chunk_longest);
@@ -239,7 +285,11 @@ static void mark_contacts(pel_sim *sim)
 {
     if (sim->tool_count == 0)
         return;
-    memset(sim->state->contact, 0, (size_t)sim->model->vertex_count);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        int32_t first = body->slice_begin * PEL_WIDTH, count = body->slice_end * PEL_WIDTH - first;
+        memset(sim->state->contact + first, 0, (size_t)count);
+    }
     for (int32_t i = 0; i < sim->tool_count; i++)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
@@ -262,6 +312,8 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_tools_apply(sim, next, result.longest);
     mark_contacts(sim);
     accept(state);
+    if (sim->active != NULL)
+        pel_refine_step(sim);
     return PEL_OK;
 }
 
@@ -280,23 +332,31 @@ int64_t pel_sim_step_count(const pel_sim *sim)
 size_t pel_sim_step_bytes(const pel_sim *sim)
 {
     const pel_model *model = sim->model;
-    size_t slots = (size_t)model->slot_begin[model->slice_count], vertices = (size_t)model->vertex_count;
-    size_t per_slot = sizeof *model->neighbours + sizeof *model->rest_lengths;
-    if (model->stiffnesses != NULL)
-        per_slot += sizeof *model->stiffnesses;
+    size_t slots = 0, slices = 0, with_stiffness = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b];
+        slices += (size_t)(body->slice_end - body->slice_begin);
+        for (int32_t s = body->slice_begin; s < body->slice_end; s++) {
+            size_t own = (size_t)(model->slot_end[s] - model->slot_begin[s]);
+            slots += own;
+            with_stiffness += body->uniform_spring < 0 ? own : 0;
+        }
+    }
     /* position, rest and new position; with velocities the older or both velocity records, and the damping numbers */
     size_t records = 3, numbers = 0;
     if (pel_sim_is_explicit(sim) || sim->solver.keep_velocity) {
         records += pel_sim_is_explicit(sim) ? 2 : 1;
         numbers = 2;
     }
-    return slots * per_slot + vertices * (records * sizeof(pel_record) + numbers * sizeof(pel_real)) +
-           (size_t)model->slice_count * sizeof *model->slot_begin;
+    return slots * (sizeof *model->neighbours + sizeof *model->rest_lengths) +
+           with_stiffness * sizeof *model->stiffnesses +
+           slices * PEL_WIDTH * (records * sizeof(pel_record) + numbers * sizeof(pel_real)) +
+           slices * sizeof *model->slot_begin;
 }
 
 const pel_model *pel_sim_model(const pel_sim *sim)
 {
-    return sim->model;
+    return sim->given;
 }
 
 double pel_sim_alpha(const pel_sim *sim)

@@ -4,6 +4,7 @@
 
 #include "force/body_force.h"
 #include "geom/solid.h"
+#include "model/active.h"
 #include "pellicle/sim.h"
 #include "solve/stability.h"
 
@@ -13,6 +14,10 @@ typedef struct pel_load {
     int32_t *vertices; /* (vertex_count) in model order */
     double *weights;   /* (vertex_count) */
     int32_t vertex_count;
+    /* on a body that refines: a load goes with area, like mass (detail.h) */
+    double *base_weights;    /* (mesh vertices) */
+    double *densities;       /* (vertices of the finest level) */
+    int32_t *entry_of_place; /* (places of the body) its number in the list above plus 1, 0 = none */
     double from, until;
     pel_key *keys;
     int32_t key_count;
@@ -71,8 +76,32 @@ typedef struct pel_tool {
     int32_t *touch_of_vertex; /* (vertex_count) its touch plus 1, 0 = none */
 } pel_tool;
 
+/* What the criterion knows of one body (refine.c). */
+typedef struct pel_refine_body {
+    int32_t *mark_counts; /* (nodes that can be red) how many vertices ask for it */
+    uint8_t *is_hot;      /* (vertices of the finest level) 1 = the criterion asks for what is around it */
+    int64_t *warm_step;   /* (same) last step in which a hot vertex was not below */
+    uint8_t *asked_level; /* (mesh vertices) by pel_sim_refine */
+    int32_t *visited;     /* (vertices of the finest level) scratch of a walk over rings: number of the walk */
+    int32_t *queue;       /* (same) scratch */
+    int32_t *candidates;  /* (same) vertices that became hot in this round */
+    double *strengths;    /* (same) by vertex, of candidates */
+    int32_t *cooled;      /* (same) vertices that became cold */
+    int32_t walk, candidate_count, cooled_count;
+    int32_t next_slice; /* of the round */
+    int64_t revision;
+    /* rows of the getters, made when asked for after an event */
+    int32_t *row_vertices; /* (vertices of the finest level) */
+    int32_t *row_of_vertex;
+    pel_front_triangle *surface; /* (triangles of the finest level) */
+    int64_t row_revision;
+} pel_refine_body;
+
 struct pel_sim {
-    const pel_model *model;
+    const pel_model *model; /* the given one, or the active one when any body refines */
+    const pel_model *given;
+    pel_active *active;      /* null = no body refines */
+    pel_refine_body *refine; /* (body_count) null as well */
     pel_state *state;
     pel_solver_def solver;
     pel_step step;
@@ -103,7 +132,28 @@ bool pel_loads_apply(pel_sim *sim);
 /* Adds the loads at a time, gravity included, to force (vertex_count). */
 void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 
+/* Brings the loads on a body after the last event. */
+void pel_loads_update(pel_sim *sim, int32_t body);
+/* The same for all places, after a snapshot was loaded. */
+void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- refine.c ---- */
+pel_status pel_refine_create(pel_sim *sim, pel_error *error);
+void pel_refine_destroy(pel_sim *sim);
+/* looks at a part of the vertices and, at the end of a round, refines and coarsens */
+void pel_refine_step(pel_sim *sim);
+/* all of a body on its finest level, or only what else is asked for; for stability checks */
+void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
+
+/* ---- rows.c ---- */
+/* The rows of a body's arrays: vertex i of the mesh is row i, finer ones follow in the order of the forest. */
+int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v);
+int32_t pel_row_count(const pel_sim *sim, int32_t body);
+int32_t pel_row_place(const pel_sim *sim, int32_t body, int32_t row);
+
 /* ---- tools.c ---- */
+/* Forgets what tools knew of triangles and places that the last event took away. */
+void pel_tools_update(pel_sim *sim, int32_t body);
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error);
 void pel_tools_destroy(pel_sim *sim);
 /* Moves the tools to `time` and the new positions out of them, and reads the forces. longest: spring length bound. */

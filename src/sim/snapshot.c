@@ -22,11 +22,14 @@ static uint64_t hash_double(uint64_t hash, double value)
     return pel_hash_word(hash, bits);
 }
 
-static uint64_t hash_records(uint64_t hash, const pel_body *body, const pel_record *records)
+static uint64_t hash_records(uint64_t hash, const pel_sim *sim, int32_t body, const pel_record *records)
 {
-    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
+    int32_t count = pel_row_count(sim, body);
+    for (int32_t r = 0; r < count; r++) {
+        int32_t place = pel_row_place(sim, body, r);
         for (int c = 0; c < 3; c++)
-            hash = hash_double(hash, (double)records[body->slot_of_vertex[v]][c]);
+            hash = hash_double(hash, (double)records[place][c]);
+    }
     return hash;
 }
 
@@ -34,17 +37,16 @@ uint64_t pel_sim_hash(const pel_sim *sim)
 {
     uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)sim->state->step);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body *body = &sim->model->bodies[b];
-        hash = hash_records(hash, body, sim->state->position);
-        hash =
-            hash_records(hash, body, sim->state->velocity != NULL ? sim->state->velocity : sim->state->position_before);
+        const pel_state *state = sim->state;
+        hash = hash_records(hash, sim, b, state->position);
+        hash = hash_records(hash, sim, b, state->velocity != NULL ? state->velocity : state->position_before);
     }
     return hash;
 }
 
 static uint64_t fingerprint(const pel_sim *sim)
 {
-    const pel_model *model = sim->model;
+    const pel_model *model = sim->given;
     uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)model->vertex_count);
     hash = pel_hash_bytes(hash, model->mesh_vertex, (size_t)model->vertex_count * sizeof *model->mesh_vertex);
     hash = pel_hash_bytes(hash, model->rest, (size_t)model->vertex_count * sizeof *model->rest);
@@ -52,6 +54,15 @@ static uint64_t fingerprint(const pel_sim *sim)
     hash = hash_double(hash_double(hash, sim->step.dt), sim->step.alpha);
     hash = pel_hash_word(hash, (uint64_t)sim->solver.method * 4 + (uint64_t)sim->solver.keep_velocity * 2 +
                                    (uint64_t)sim->solver.symplectic);
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body_detail *detail = model->bodies[b].detail;
+        if (detail == NULL)
+            continue;
+        hash = hash_double(hash_double(hash, detail->def.above), detail->def.below);
+        const int32_t numbers[] = {detail->def.levels,   detail->def.rings,  detail->def.dwell,
+                                   detail->def.interval, detail->def.budget, (int32_t)detail->def.springs};
+        hash = pel_hash_bytes(hash, numbers, sizeof numbers);
+    }
     return pel_hash_word(pel_hash_word(hash, (uint64_t)sim->tool_count), (uint64_t)sim->load_count);
 }
 
@@ -89,6 +100,48 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
     }
 }
 
+/* the criterion's memory, and which vertex has which place; the front follows from the marks */
+static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
+{
+    const pel_active_body *own = &sim->active->bodies[body];
+    pel_refine_body *refine = &sim->refine[body];
+    const pel_front *front = own->front;
+    size_t fine = (size_t)front->forest->levels[front->forest->depth]->vertex_count;
+    size_t coarse = (size_t)front->forest->levels[0]->vertex_count;
+    transfer(at, refine->mark_counts, (size_t)front->red_limit * sizeof *refine->mark_counts);
+    transfer(at, refine->is_hot, fine * sizeof *refine->is_hot);
+    transfer(at, refine->warm_step, fine * sizeof *refine->warm_step);
+    transfer(at, refine->asked_level, coarse * sizeof *refine->asked_level);
+    transfer(at, refine->strengths, fine * sizeof *refine->strengths);
+    transfer(at, refine->candidates, fine * sizeof *refine->candidates);
+    transfer(at, refine->cooled, fine * sizeof *refine->cooled);
+    transfer(at, &refine->candidate_count, sizeof refine->candidate_count);
+    transfer(at, &refine->cooled_count, sizeof refine->cooled_count);
+    transfer(at, &refine->next_slice, sizeof refine->next_slice);
+    transfer(at, &refine->revision, sizeof refine->revision);
+    /* loading, the places wait in the scratch of the walks until the front is there */
+    size_t places = (size_t)(own->fine_limit - own->fine_begin);
+    transfer(at, at->load ? refine->queue : sim->model->mesh_vertex + own->fine_begin, places * sizeof(int32_t));
+}
+
+/* the front, places and loads of what transfer_refinement read */
+static bool restore_refinement(pel_sim *sim, int32_t body)
+{
+    pel_active_body *own = &sim->active->bodies[body];
+    pel_refine_body *refine = &sim->refine[body];
+    for (int32_t node = 0; node < own->front->red_limit; node++)
+        pel_front_mark(own->front, node, refine->mark_counts[node] > 0);
+    if (pel_front_close(own->front) > own->triangle_limit)
+        return false;
+    pel_active_commit(sim->active, body, sim->state);
+    refine->row_revision = -1;
+    if (!pel_active_set_places(sim->active, body, refine->queue))
+        return false;
+    pel_active_rebuild(sim->active, body, sim->state);
+    pel_loads_rebuild(sim, body);
+    return true;
+}
+
 static void transfer_sim(cursor *at, const pel_sim *sim)
 {
     pel_state *state = sim->state;
@@ -107,9 +160,17 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, sim->held, count * sizeof *sim->held);
 }
 
+static void transfer_fronts(cursor *at, const pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->model->bodies[b].front != NULL)
+            transfer_refinement(at, sim, b);
+}
+
 size_t pel_sim_save_size(const pel_sim *sim)
 {
     cursor place = {.at = sizeof(header)};
+    transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
     return place.at;
 }
@@ -125,6 +186,7 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
     };
     memcpy(bytes, &head, sizeof head);
     cursor place = {.bytes = bytes, .at = sizeof head};
+    transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
 }
 
@@ -142,6 +204,10 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another model, solver or set of tools");
     /* the bytes are only read: the cursor copies out of them */
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
+    transfer_fronts(&place, sim);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
+            return pel_fail(error, PEL_BAD_FORMAT, "snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->state->step = head.step;
     return PEL_OK;

@@ -304,6 +304,74 @@ void pel_tools_apply(pel_sim *sim, double time, double longest)
         sim->tools[i].contact_count = sim->tools[i].touch_count;
 }
 
+/* ---- refinement ---- */
+
+/* a plane stays with its triangle where that is still as it was; where it was refined, with the child at the point */
+static bool follow_plane(const pel_sim *sim, int32_t body, pel_plane *plane)
+{
+    const pel_front *front = sim->model->bodies[body].front;
+    int32_t begin = sim->model->triangle_begin[body], number = (int32_t)plane->triangle - begin, node = number / 2;
+    if (front->old_shapes[node] == front->shapes[node])
+        return true;
+    if (front->old_shapes[node] != PEL_FRONT_WHOLE)
+        return false;
+    double *w = plane->weights;
+    int32_t level = pel_front_level(front, node);
+    while (front->shapes[node] == PEL_FRONT_RED) {
+        int32_t i = w[0] >= 0.5 ? 0 : w[1] >= 0.5 ? 1 : w[2] >= 0.5 ? 2 : 3;
+        node = front->node_begin[level + 1] + pel_lod_child(node - front->node_begin[level], i);
+        double a = w[0], b = w[1], c = w[2];
+        /* corner child (v_i m_i m_(i-1)), middle child (m_0 m_1 m_2) */
+        if (i == 3)
+            pel_vec3_set(w, 1 - 2 * c, 1 - 2 * a, 1 - 2 * b);
+        else if (i == 0)
+            pel_vec3_set(w, 2 * a - 1, 2 * b, 2 * c);
+        else if (i == 1)
+            pel_vec3_set(w, 2 * b - 1, 2 * c, 2 * a);
+        else
+            pel_vec3_set(w, 2 * c - 1, 2 * a, 2 * b);
+        level++;
+    }
+    plane->triangle = begin + 2 * node;
+    return front->shapes[node] == PEL_FRONT_WHOLE;
+}
+
+static void follow_planes(const pel_sim *sim, int32_t body, pel_tool *tool)
+{
+    int32_t kept = 0, begin = sim->model->triangle_begin[body], end = sim->model->triangle_begin[body + 1];
+    for (int32_t p = 0; p < tool->plane_count; p++) {
+        pel_plane plane = tool->planes[p];
+        bool own = plane.triangle >= begin && plane.triangle < end;
+        if (!own || follow_plane(sim, body, &plane))
+            tool->planes[kept++] = plane;
+    }
+    tool->plane_count = kept;
+}
+
+static void release_places(pel_sim *sim, pel_tool *tool)
+{
+    const pel_active *active = sim->active;
+    for (int32_t r = 0; r < active->released_count; r++) {
+        if (!sim->held[active->released[r]])
+            continue;
+        for (int32_t i = 0; i < tool->held_count; i++)
+            if (tool->held[i] == active->released[r]) {
+                tool->held[i] = tool->held[--tool->held_count];
+                pel_vec3_copy(tool->anchors[tool->held_count], tool->anchors[i]);
+                sim->held[active->released[r]] = 0;
+                break;
+            }
+    }
+}
+
+void pel_tools_update(pel_sim *sim, int32_t body)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        follow_planes(sim, body, &sim->tools[i]);
+        release_places(sim, &sim->tools[i]);
+    }
+}
+
 /* ---- start ---- */
 
 /* solid angle of a triangle seen from the origin over 4 pi */
@@ -319,7 +387,8 @@ static double winding(const double a[3], const double b[3], const double c[3])
 static bool is_enclosed(const pel_sim *sim, const pel_tool *tool, int32_t body)
 {
     double sum = 0;
-    for (int32_t t = sim->model->triangle_begin[body]; t < sim->model->triangle_begin[body + 1]; t++) {
+    for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
+        int32_t t = pel_surface_triangle(sim->model, body, i);
         double corner[3][3];
         for (int c = 0; c < 3; c++) {
             pel_vertex_position(sim->state->position, sim->model->triangles[t][c], corner[c]);
@@ -346,8 +415,10 @@ static pel_status check_outside(const pel_sim *sim, int32_t index, pel_error *er
         if (tool->body >= 0 && tool->body != b)
             continue;
         double deepest = 0, weights[3], normal[3];
-        for (int32_t t = sim->model->triangle_begin[b]; t < sim->model->triangle_begin[b + 1]; t++)
+        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
+            int32_t t = pel_surface_triangle(sim->model, b, i);
             deepest = fmax(deepest, pel_tool_triangle_depth(sim, tool, sim->state->position, t, weights, normal));
+        }
         if (deepest > 1e-3 * pel_tool_size(tool))
             return refuse_inside(tool, index, body->name, deepest, error);
         if (body->closed && is_enclosed(sim, tool, b))

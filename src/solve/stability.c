@@ -8,15 +8,6 @@
 
 enum { ITERATION_LIMIT = 2000 };
 
-/* largest factor that a keyed parameter takes */
-static double largest_factor(const pel_curve *curve)
-{
-    double largest = curve->key_count > 0 ? 0 : 1;
-    for (int32_t k = 0; k < curve->key_count; k++)
-        largest = fmax(largest, curve->keys[k].value);
-    return largest;
-}
-
 typedef struct body_factors {
     double spring, damping, volumetric, volumetric_damping;
 } body_factors;
@@ -24,12 +15,12 @@ typedef struct body_factors {
 static body_factors factors_of(const pel_model *model, int32_t slice)
 {
     const pel_body *body = &model->bodies[model->body_of_slice[slice]];
-    double spring = largest_factor(&body->curves[PEL_SPRING_STIFFNESS]);
+    double spring = pel_curve_largest(&body->curves[PEL_SPRING_STIFFNESS]);
     return (body_factors){
         .spring = body->uniform_spring >= 0 ? spring * body->uniform_spring : spring,
-        .damping = largest_factor(&body->curves[PEL_SPRING_DAMPING]),
-        .volumetric = largest_factor(&body->curves[PEL_VOLUMETRIC_STIFFNESS]),
-        .volumetric_damping = largest_factor(&body->curves[PEL_VOLUMETRIC_DAMPING]),
+        .damping = pel_curve_largest(&body->curves[PEL_SPRING_DAMPING]),
+        .volumetric = pel_curve_largest(&body->curves[PEL_VOLUMETRIC_STIFFNESS]),
+        .volumetric_damping = pel_curve_largest(&body->curves[PEL_VOLUMETRIC_DAMPING]),
     };
 }
 
@@ -56,7 +47,7 @@ void pel_stability_bound(const pel_model *model, pel_stability *stability)
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
             int32_t v = slice * PEL_WIDTH + lane;
             double sum = 0, inverse_mass = (double)model->inverse_mass[v];
-            for (int32_t slot = model->slot_begin[slice]; slot < model->slot_begin[slice + 1]; slot++)
+            for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
                 sum += spring_stiffness(model, slot, lane, v, &factors, uniform);
             sum = 2 * sum + factors.volumetric * (double)model->rest[v][3];
             double drag = factors.damping * (double)model->damping[v];
@@ -77,7 +68,7 @@ static void stiffness_product(const pel_model *model, int32_t v, const double (*
     double volumetric = factors->volumetric * (double)model->rest[v][3];
     for (int i = 0; i < 3; i++)
         product[i] = volumetric * u[v][i];
-    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_begin[slice + 1]; slot++) {
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
         int32_t j = model->neighbours[slot][lane];
         double k = spring_stiffness(model, slot, lane, v, factors, uniform), along = 0, n[3];
         for (int i = 0; i < 3; i++) {

@@ -46,13 +46,14 @@ typedef struct array_entry {
     size_t size;
 } array_entry;
 
-enum { ARRAY_COUNT = 18 };
+enum { ARRAY_COUNT = 19 };
 
 static void list_arrays(pel_front *front, const front_size *size, array_entry entries[ARRAY_COUNT])
 {
     const array_entry all[ARRAY_COUNT] = {
         {(void **)&front->flags, size->node_count, sizeof *front->flags},
         {(void **)&front->shapes, size->node_count, sizeof *front->shapes},
+        {(void **)&front->old_shapes, size->node_count, sizeof *front->old_shapes},
         {(void **)&front->red_counts, size->red_edge_count, sizeof *front->red_counts},
         {(void **)&front->triangles, size->fine_triangle_count, sizeof *front->triangles},
         {(void **)&front->place_of_node, size->node_count, sizeof *front->place_of_node},
@@ -103,6 +104,7 @@ static void start_base(pel_front *front, const front_size *size)
         update_edge(front, e, true);
     for (int32_t t = 0; t < base->triangle_count; t++)
         set_shape(front, t, PEL_FRONT_WHOLE);
+    memcpy(front->old_shapes, front->shapes, (size_t)size->node_count);
     front->next_triangle_count = front->triangle_count;
 }
 
@@ -529,6 +531,8 @@ static void update_vertices(pel_front *front, int32_t node)
 
 void pel_front_commit(pel_front *front)
 {
+    for (int32_t c = 0; c < front->change_count; c++)
+        front->old_shapes[front->changes[c].node] = front->changes[c].after;
     front->change_count = front->added_count = front->removed_count = 0;
     for (int32_t i = 0; i < front->touched_count; i++) {
         uint8_t *flags = &front->flags[front->touched[i]];

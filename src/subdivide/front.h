@@ -67,6 +67,7 @@ typedef struct pel_front {
 
     uint8_t *flags;      /* (node_count) front.c */
     uint8_t *shapes;     /* (node_count) pel_front_shape as of the last commit */
+    uint8_t *old_shapes; /* (node_count) the same as of the commit before */
     uint8_t *red_counts; /* (edges of all levels but the finest) red triangles next to the edge: 0 to 2 */
     int32_t marked_count, red_count;
 

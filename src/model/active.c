@@ -1,0 +1,701 @@
+#include "model/active.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "math/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+/* springs that a vertex in the middle of an edge has at most: six neighbours and a bisector between any two */
+enum { FINE_VALENCE = 12 };
+
+typedef struct pel_row_spring {
+    int32_t edge, vertex;
+    double stiffness;
+} row_spring;
+
+bool pel_model_refines(const pel_model *model)
+{
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (model->bodies[b].detail != NULL)
+            return true;
+    return false;
+}
+
+/* ---- room ---- */
+
+static int32_t fine_vertex_count(const pel_body_detail *detail)
+{
+    return detail->forest->levels[detail->forest->depth]->vertex_count;
+}
+
+/* places that the finer vertices of a body need at most: each splits an edge and makes at least one more triangle */
+static int32_t fine_capacity(const pel_body_detail *detail)
+{
+    const pel_topology *base = detail->forest->levels[0];
+    int32_t all = fine_vertex_count(detail) - base->vertex_count;
+    int32_t budget = detail->def.budget, extra = budget - base->triangle_count;
+    /* twice: in an event new ones come before old ones go */
+    int32_t asked = budget > 0 && extra < all / 2 ? 2 * extra : all;
+    return (asked + PEL_WIDTH - 1) / PEL_WIDTH * PEL_WIDTH;
+}
+
+static pel_status check_budget(const pel_body *body, pel_error *error)
+{
+    const pel_body_detail *detail = body->detail;
+    int32_t least = detail->forest->levels[detail->def.everywhere ? detail->forest->depth : 0]->triangle_count;
+    if (detail->def.budget == 0 || detail->def.budget >= least)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "refine: budget of body '%s' is %d triangles, %d are needed", body->name,
+             (int)detail->def.budget, (int)least);
+    pel_fail_remedy(error, "give at least %d, or leave the budget out", (int)least);
+    return PEL_BAD_ARGUMENT;
+}
+
+/* where the bodies stand in the active model, and its counts */
+static pel_status lay_out(pel_active *active, pel_error *error)
+{
+    pel_model *model = &active->model;
+    model->slice_count = model->triangle_count = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        pel_body *body = &model->bodies[b];
+        pel_active_body *own = &active->bodies[b];
+        int32_t base_slices = body->slice_end - body->slice_begin;
+        body->slice_begin = model->slice_count;
+        body->slice_end = model->slice_count + base_slices;
+        own->fine_begin = own->fine_end = own->fine_limit = body->slice_end * PEL_WIDTH;
+        model->slice_count = body->slice_end;
+        if (body->detail == NULL) {
+            model->triangle_count += body->mesh->triangle_count;
+            continue;
+        }
+        pel_status status = check_budget(body, error);
+        if (status == PEL_OK)
+            status = pel_front_create(body->detail->forest, &own->front, error);
+        if (status != PEL_OK)
+            return status;
+        body->front = own->front;
+        int32_t fine = fine_capacity(body->detail);
+        own->fine_limit += fine;
+        own->triangle_limit = body->detail->def.budget > 0 ? body->detail->def.budget : INT32_MAX;
+        model->slice_count += fine / PEL_WIDTH;
+        model->triangle_count += 2 * own->front->node_count;
+    }
+    model->vertex_count = model->slice_count * PEL_WIDTH;
+    return PEL_OK;
+}
+
+static bool allocate_arrays(pel_active *active)
+{
+    pel_model *model = &active->model;
+    size_t count = (size_t)model->vertex_count, slices = (size_t)model->slice_count;
+    model->rest = pel_allocate_aligned(count, sizeof *model->rest);
+    model->inverse_mass = pel_allocate_aligned(count, sizeof *model->inverse_mass);
+    model->mass = pel_allocate_aligned(count, sizeof *model->mass);
+    model->damping = pel_allocate_aligned(count, sizeof *model->damping);
+    model->volumetric_damping = pel_allocate_aligned(count, sizeof *model->volumetric_damping);
+    model->body_of_slice = pel_allocate(slices, sizeof *model->body_of_slice);
+    model->mesh_vertex = pel_allocate(count, sizeof *model->mesh_vertex);
+    model->slot_begin = pel_allocate(slices + 1, sizeof *model->slot_begin);
+    model->slot_end = pel_allocate(slices, sizeof *model->slot_end);
+    model->triangles = pel_allocate((size_t)model->triangle_count, sizeof *model->triangles);
+    model->triangle_begin = pel_allocate((size_t)model->body_count + 1, sizeof *model->triangle_begin);
+    model->fan_begin = pel_allocate(count + 2, sizeof *model->fan_begin);
+    active->valence = pel_allocate(count, sizeof *active->valence);
+    active->change = pel_allocate(count, sizeof *active->change);
+    active->areas = pel_allocate(count, sizeof *active->areas);
+    active->is_base = pel_allocate(count, sizeof *active->is_base);
+    active->is_dirty = pel_allocate(count, sizeof *active->is_dirty);
+    active->dirty = pel_allocate(count, sizeof *active->dirty);
+    active->released = pel_allocate(count, sizeof *active->released);
+    return model->rest != NULL && model->inverse_mass != NULL && model->mass != NULL && model->damping != NULL &&
+           model->volumetric_damping != NULL && model->body_of_slice != NULL && model->mesh_vertex != NULL &&
+           model->slot_begin != NULL && model->slot_end != NULL && model->triangles != NULL &&
+           model->triangle_begin != NULL && model->fan_begin != NULL && active->valence != NULL &&
+           active->areas != NULL && active->is_base != NULL && active->change != NULL && active->is_dirty != NULL &&
+           active->dirty != NULL && active->released != NULL;
+}
+
+static bool allocate_body(pel_active *active, int32_t b)
+{
+    pel_body *body = &active->model.bodies[b];
+    pel_active_body *own = &active->bodies[b];
+    body->slot_of_vertex = pel_allocate((size_t)body->mesh->vertex_count, sizeof *body->slot_of_vertex);
+    if (body->slot_of_vertex == NULL)
+        return false;
+    if (body->detail == NULL)
+        return true;
+    size_t words = (size_t)(own->fine_limit - own->fine_begin) / 64 + 1;
+    own->used = pel_allocate(words, sizeof *own->used);
+    own->place_of_vertex = pel_allocate((size_t)fine_vertex_count(body->detail), sizeof *own->place_of_vertex);
+    return own->used != NULL && own->place_of_vertex != NULL;
+}
+
+/* slots of each slice; returns the longest row of a body that refines */
+static int32_t lay_out_slots(pel_active *active)
+{
+    pel_model *model = &active->model;
+    int32_t longest = FINE_VALENCE;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b], *given = &active->given->bodies[b];
+        int32_t limit = active->bodies[b].fine_limit / PEL_WIDTH;
+        for (int32_t s = body->slice_begin; s < limit; s++) {
+            int32_t from = given->slice_begin + s - body->slice_begin, room = FINE_VALENCE;
+            if (s < body->slice_end)
+                room = active->given->slot_begin[from + 1] - active->given->slot_begin[from];
+            if (s < body->slice_end && body->detail != NULL)
+                room *= 2;
+            longest = room > longest ? room : longest;
+            model->slot_begin[s + 1] = model->slot_end[s] = model->slot_begin[s] + room;
+            model->body_of_slice[s] = b;
+        }
+    }
+    return longest;
+}
+
+static bool allocate_slots(pel_active *active, int32_t longest)
+{
+    pel_model *model = &active->model;
+    size_t count = (size_t)model->slot_begin[model->slice_count];
+    model->neighbours = pel_allocate_aligned(count, sizeof *model->neighbours);
+    model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
+    model->stiffnesses = pel_allocate_aligned(count, sizeof *model->stiffnesses);
+    model->fans = pel_allocate(3 * (size_t)active->given->triangle_count, sizeof *model->fans);
+    active->fan_limit = longest + 1;
+    active->fan = pel_allocate((size_t)active->fan_limit, sizeof *active->fan);
+    active->row = pel_allocate((size_t)active->fan_limit, sizeof *active->row);
+    return model->neighbours != NULL && model->rest_lengths != NULL && model->stiffnesses != NULL &&
+           model->fans != NULL && active->fan != NULL && active->row != NULL;
+}
+
+/* ---- the plain part ---- */
+
+/* vertices of a body's mesh, and its springs with the places shifted */
+static void copy_vertices(pel_active *active, int32_t b)
+{
+    pel_model *model = &active->model;
+    const pel_model *given = active->given;
+    const pel_body *body = &model->bodies[b];
+    int32_t shift = (body->slice_begin - given->bodies[b].slice_begin) * PEL_WIDTH;
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
+        body->slot_of_vertex[v] = given->bodies[b].slot_of_vertex[v] + shift;
+    int32_t limit = active->bodies[b].fine_limit;
+    for (int32_t i = body->slice_begin * PEL_WIDTH; i < limit; i++) {
+        bool base = i < body->slice_end * PEL_WIDTH;
+        int32_t from = base ? i - shift : given->bodies[b].slice_begin * PEL_WIDTH;
+        model->rest[i] = given->rest[from];
+        model->mesh_vertex[i] = base ? given->mesh_vertex[from] : -1;
+        if (!base) {
+            model->rest[i][3] = 0;
+            continue;
+        }
+        model->mass[i] = given->mass[from];
+        model->inverse_mass[i] = given->inverse_mass[from];
+        model->damping[i] = given->damping[from];
+        model->volumetric_damping[i] = given->volumetric_damping[from];
+    }
+}
+
+static void copy_springs(pel_active *active, int32_t b)
+{
+    pel_model *model = &active->model;
+    const pel_model *given = active->given;
+    const pel_body *body = &model->bodies[b];
+    int32_t shift = (body->slice_begin - given->bodies[b].slice_begin) * PEL_WIDTH;
+    for (int32_t s = body->slice_begin; s < body->slice_end; s++) {
+        int32_t from = given->slot_begin[s - shift / PEL_WIDTH], to = model->slot_begin[s];
+        for (int32_t i = 0; i < model->slot_end[s] - to; i++) {
+            model->rest_lengths[to + i] = given->rest_lengths[from + i];
+            if (given->stiffnesses != NULL)
+                model->stiffnesses[to + i] = given->stiffnesses[from + i];
+            for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
+                model->neighbours[to + i][lane] = given->neighbours[from + i][lane] + shift;
+        }
+    }
+}
+
+/* triangles and fans of a body that does not refine */
+static void copy_triangles(pel_active *active, int32_t b)
+{
+    pel_model *model = &active->model;
+    const pel_model *given = active->given;
+    const pel_body *body = &model->bodies[b], *from = &given->bodies[b];
+    int32_t shift = (body->slice_begin - from->slice_begin) * PEL_WIDTH;
+    int32_t turn = model->triangle_begin[b] - given->triangle_begin[b];
+    for (int32_t t = given->triangle_begin[b]; t < given->triangle_begin[b + 1]; t++)
+        for (int c = 0; c < 3; c++)
+            model->triangles[t + turn][c] = given->triangles[t][c] + shift;
+    for (int32_t i = from->slice_begin * PEL_WIDTH; i < from->slice_end * PEL_WIDTH; i++) {
+        model->fan_begin[i + shift] = given->fan_begin[i];
+        model->fan_begin[i + shift + 1] = given->fan_begin[i + 1];
+        for (int32_t f = given->fan_begin[i]; f < given->fan_begin[i + 1]; f++)
+            model->fans[f] = given->fans[f] + turn;
+    }
+}
+
+/* ---- rows ---- */
+
+static double node_area(const pel_body_detail *detail, const pel_front *front, int32_t node)
+{
+    int32_t level = pel_front_level(front, node), t = node - front->node_begin[level];
+    double area = detail->areas[t >> (2 * level)] / (double)(INT64_C(1) << (2 * level));
+    return pel_front_is_green(front->shapes[node]) ? area / 2 : area;
+}
+
+static double rest_area(const pel_front *front, const pel_front_triangle *triangle)
+{
+    const double(*x)[3] = (const double(*)[3])front->forest->rest_positions;
+    const int32_t *v = triangle->vertices;
+    double normal[3];
+    pel_vec3_triangle_normal(x[v[0]], x[v[1]], x[v[2]], normal);
+    return pel_vec3_length(normal) / 2;
+}
+
+/* number of edge k of a triangle over all levels */
+static int32_t edge_number(const pel_front *front, int32_t level, int32_t t, int k)
+{
+    return pel_lod_midpoint(front->forest->levels[level], 3 * t + k) - front->forest->levels[0]->vertex_count;
+}
+
+/* a number given on the edges of the base, for an edge of a triangle of the surface; bisectors take the mean */
+static double edge_value(const pel_body_detail *detail, const pel_front *front, int32_t node, int32_t edge,
+                         const double *values)
+{
+    int32_t level = pel_front_level(front, node), t = node - front->node_begin[level];
+    int split = front->shapes[node] - PEL_FRONT_BISECTED;
+    if (edge == front->bisector_begin + node) {
+        double sum = 0;
+        for (int k = 0; k < 3; k++)
+            sum += values[pel_detail_base_edge(detail, level, t, k)];
+        return sum / 3;
+    }
+    for (int k = 0; k < 3; k++)
+        if (k != split && edge_number(front, level, t, k) == edge)
+            return values[pel_detail_base_edge(detail, level, t, k)];
+    return values[pel_detail_base_edge(detail, level, t, split)];
+}
+
+static bool is_base_triangle(const pel_front *front, const pel_front_corner *corner)
+{
+    return corner->node < front->node_begin[1] && front->shapes[corner->node] == PEL_FRONT_WHOLE;
+}
+
+/* stiffness of an edge from the one or two corners beside it */
+static double edge_stiffness(const pel_body_detail *detail, const pel_front *front, int32_t v, int32_t other,
+                             int32_t edge, const pel_front_corner *sides[2])
+{
+    double sum = 0, given = 0, d[3];
+    int count = 0, base = 0;
+    for (int s = 0; s < 2; s++) {
+        if (sides[s] == NULL)
+            continue;
+        int32_t node = sides[s]->node;
+        count++;
+        base += is_base_triangle(front, sides[s]);
+        given += edge_value(detail, front, node, edge, detail->stiffnesses);
+        sum += edge_value(detail, front, node, edge, detail->moduli) *
+               rest_area(front, &front->triangles[front->place_of_node[node][sides[s]->half]]);
+    }
+    if (base == count)
+        return detail->stiffnesses[edge];
+    if (detail->def.springs == PEL_REFINE_UNCHANGED)
+        return given / count;
+    const double(*x)[3] = (const double(*)[3])front->forest->rest_positions;
+    pel_vec3_subtract(x[other], x[v], d);
+    return sum / pel_vec3_squared_length(d);
+}
+
+/* the springs of a vertex by their edges' numbers; returns how many */
+static int32_t collect_row(pel_active *active, const pel_body_detail *detail, const pel_front *front, int32_t v,
+                           int32_t fan_count)
+{
+    const pel_front_corner *fan = active->fan;
+    bool open = fan[fan_count - 1].previous_edge != fan[0].next_edge;
+    int32_t count = 0;
+    for (int32_t i = 0; i < fan_count + open; i++) {
+        const pel_front_corner *sides[2] = {i < fan_count ? &fan[i] : NULL,
+                                            i > 0 ? &fan[i - 1] : (open ? NULL : &fan[fan_count - 1])};
+        int32_t edge = i < fan_count ? fan[i].next_edge : fan[i - 1].previous_edge;
+        int32_t other = i < fan_count ? fan[i].next : fan[i - 1].previous, at = count++;
+        row_spring spring = {edge, other, edge_stiffness(detail, front, v, other, edge, sides)};
+        for (; at > 0 && active->row[at - 1].edge > edge; at--)
+            active->row[at] = active->row[at - 1];
+        active->row[at] = spring;
+    }
+    return count;
+}
+
+static pel_real rest_distance(const pel_model *model, int32_t i, int32_t j)
+{
+    /* the very operations of the force loop, so that the rest shape is free of force to the last bit */
+    pel_record d = model->rest[j] - model->rest[i];
+    return pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+}
+
+/* the springs of one place; the rest of its lane is springs to itself */
+static void write_row(pel_active *active, const pel_active_body *own, int32_t place, int32_t count)
+{
+    pel_model *model = &active->model;
+    int32_t slice = place / PEL_WIDTH, lane = place % PEL_WIDTH, begin = model->slot_begin[slice];
+    int32_t room = model->slot_begin[slice + 1] - begin, longest = 0;
+    for (int32_t s = 0; s < room; s++) {
+        int32_t other = s < count ? own->place_of_vertex[active->row[s].vertex] : place;
+        model->neighbours[begin + s][lane] = other;
+        model->rest_lengths[begin + s][lane] = s < count ? rest_distance(model, place, other) : pel_sqrt(PEL_REAL_TINY);
+        model->stiffnesses[begin + s][lane] = s < count ? (pel_real)active->row[s].stiffness : 0;
+    }
+    active->valence[place] = count;
+    for (int32_t i = slice * PEL_WIDTH; i < (slice + 1) * PEL_WIDTH; i++)
+        longest = active->valence[i] > longest ? active->valence[i] : longest;
+    model->slot_end[slice] = begin + longest;
+}
+
+/* a vertex amid triangles of the base has the numbers that were given */
+static void set_given(pel_active *active, int32_t body, int32_t v, int32_t place)
+{
+    pel_model *model = &active->model;
+    const pel_model *given = active->given;
+    int32_t from = given->bodies[body].slot_of_vertex[v];
+    model->rest[place] = given->rest[from];
+    model->mass[place] = given->mass[from];
+    model->inverse_mass[place] = given->inverse_mass[from];
+    model->damping[place] = given->damping[from];
+    model->volumetric_damping[place] = given->volumetric_damping[from];
+}
+
+static void set_shared(pel_active *active, int32_t body, int32_t v, int32_t place, double area)
+{
+    pel_model *model = &active->model;
+    const pel_body_detail *detail = model->bodies[body].detail;
+    const pel_nodal *density = &detail->densities[v];
+    const double *x = detail->forest->rest_positions[v];
+    model->rest[place] =
+        (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], (pel_real)(density->volumetric_stiffness * area)};
+    model->mass[place] = (pel_real)(density->mass * area);
+    model->inverse_mass[place] = detail->pinned[v] ? 0 : 1 / model->mass[place];
+    model->damping[place] = (pel_real)(density->damping * area);
+    model->volumetric_damping[place] = (pel_real)(density->volumetric_damping * area);
+}
+
+/* limits the inverse mass of a vertex so that its relaxation is stable by itself */
+static void limit_inverse_mass(pel_active *active, int32_t body, int32_t place, int32_t count)
+{
+    pel_model *model = &active->model;
+    const pel_relaxation *relaxation = &active->relaxation;
+    const pel_curve *curves = model->bodies[body].curves;
+    if (relaxation->factor <= 0 || model->inverse_mass[place] <= 0)
+        return;
+    double sum = 0;
+    for (int32_t s = 0; s < count; s++)
+        sum += active->row[s].stiffness;
+    double stiffness = 2 * sum * pel_curve_largest(&curves[PEL_SPRING_STIFFNESS]) +
+                       (double)model->rest[place][3] * pel_curve_largest(&curves[PEL_VOLUMETRIC_STIFFNESS]);
+    double drag = (double)model->damping[place] * pel_curve_largest(&curves[PEL_SPRING_DAMPING]) +
+                  (double)model->volumetric_damping[place] * pel_curve_largest(&curves[PEL_VOLUMETRIC_DAMPING]);
+    drag = relaxation->keep_velocity ? drag / relaxation->dt : 0;
+    double limit = fmin(2 / (stiffness + 2 * drag), 1 / drag);
+    model->inverse_mass[place] = (pel_real)fmin((double)model->inverse_mass[place], 0.9 * limit / relaxation->factor);
+}
+
+static void rebuild_vertex(pel_active *active, int32_t body, int32_t v, pel_state *state)
+{
+    const pel_active_body *own = &active->bodies[body];
+    const pel_body_detail *detail = active->model.bodies[body].detail;
+    int32_t place = own->place_of_vertex[v], fan_count = pel_front_fan(own->front, v, active->fan);
+    double area = 0;
+    bool base = true;
+    for (int32_t i = 0; i < fan_count; i++) {
+        area += node_area(detail, own->front, active->fan[i].node);
+        base &= is_base_triangle(own->front, &active->fan[i]);
+    }
+    if (base)
+        set_given(active, body, v, place);
+    else
+        set_shared(active, body, v, place, area);
+    active->areas[place] = area;
+    active->is_base[place] = base;
+    int32_t count = collect_row(active, detail, own->front, v, fan_count);
+    if (!base)
+        limit_inverse_mass(active, body, place, count);
+    write_row(active, own, place, count);
+    if (state != NULL)
+        state->position[place][3] = active->model.inverse_mass[place];
+}
+
+/* ---- places ---- */
+
+static int32_t take_place(pel_active_body *own)
+{
+    int32_t word = own->lowest_free / 64;
+    while (own->used[word] == UINT64_MAX)
+        word++;
+    int32_t place = 64 * word;
+    while (own->used[word] >> (place % 64) & 1)
+        place++;
+    own->used[word] |= UINT64_C(1) << (place % 64);
+    own->lowest_free = place + 1;
+    place += own->fine_begin;
+    own->fine_end = place < own->fine_end ? own->fine_end : place + 1;
+    return place;
+}
+
+static void give_back(pel_active_body *own, int32_t place)
+{
+    int32_t at = place - own->fine_begin;
+    own->used[at / 64] &= ~(UINT64_C(1) << (at % 64));
+    own->lowest_free = at < own->lowest_free ? at : own->lowest_free;
+    for (int32_t last = own->fine_end - own->fine_begin - 1;
+         last >= 0 && (own->used[last / 64] >> (last % 64) & 1) == 0; last--)
+        own->fine_end--;
+}
+
+/* a place without mass and springs, as padding is */
+static void clear_place(pel_active *active, int32_t place, pel_state *state)
+{
+    pel_model *model = &active->model;
+    model->rest[place][3] = 0;
+    model->mass[place] = model->inverse_mass[place] = 0;
+    model->damping[place] = model->volumetric_damping[place] = 0;
+    model->mesh_vertex[place] = -1;
+    write_row(active, NULL, place, 0);
+    if (state == NULL)
+        return;
+    state->position[place][3] = 0;
+    state->position_before[place] = state->position_next[place] = state->position[place];
+    state->contact[place] = 0;
+    if (state->velocity != NULL)
+        state->velocity[place] = state->velocity_next[place] = pel_wide_splat(0);
+}
+
+/* ---- an event ---- */
+
+static void note_dirty(pel_active *active, const pel_active_body *own, int32_t v)
+{
+    int32_t place = own->place_of_vertex[v];
+    if (!pel_front_has_vertex(own->front, v) || active->is_dirty[place])
+        return;
+    active->is_dirty[place] = 1;
+    active->dirty[active->dirty_count++] = v;
+}
+
+static void collect_dirty(pel_active *active, const pel_active_body *own)
+{
+    const pel_front *front = own->front;
+    active->dirty_count = 0;
+    for (int32_t c = 0; c < front->change_count; c++) {
+        int32_t node = front->changes[c].node, level = pel_front_level(front, node);
+        const pel_topology *topology = front->forest->levels[level];
+        int32_t t = node - front->node_begin[level];
+        for (int k = 0; k < 3; k++) {
+            note_dirty(active, own, topology->triangles[t][k]);
+            if (level < front->forest->depth)
+                note_dirty(active, own, pel_lod_midpoint(topology, 3 * t + k));
+        }
+    }
+    for (int32_t d = 0; d < active->dirty_count; d++)
+        active->is_dirty[own->place_of_vertex[active->dirty[d]]] = 0;
+}
+
+static void write_triangles(pel_active *active, int32_t body, int32_t node)
+{
+    const pel_active_body *own = &active->bodies[body];
+    for (int half = 0; half < 2; half++) {
+        int32_t at = own->front->place_of_node[node][half];
+        if (at < 0)
+            continue;
+        const pel_front_triangle *triangle = &own->front->triangles[at];
+        int32_t *written = active->model.triangles[active->model.triangle_begin[body] + pel_surface_number(triangle)];
+        for (int c = 0; c < 3; c++)
+            written[c] = own->place_of_vertex[triangle->vertices[c]];
+    }
+}
+
+static void update_body(pel_active *active, int32_t body)
+{
+    pel_body *b = &active->model.bodies[body];
+    const pel_active_body *own = &active->bodies[body];
+    double given = active->given->bodies[body].uniform_spring;
+    bool base = own->front->red_count == 0 || b->detail->def.springs == PEL_REFINE_UNCHANGED;
+    b->uniform_spring = base ? given : -1;
+    b->slice_end = (own->fine_end + PEL_WIDTH - 1) / PEL_WIDTH;
+}
+
+void pel_active_commit(pel_active *active, int32_t body, pel_state *state)
+{
+    pel_active_body *own = &active->bodies[body];
+    pel_front *front = own->front;
+    pel_front_commit(front);
+    active->dirty_count = active->released_count = 0;
+    if (front->change_count == 0)
+        return;
+    for (int32_t i = 0; i < front->added_count; i++) {
+        int32_t place = take_place(own);
+        own->place_of_vertex[front->added_vertices[i]] = place;
+        active->model.mesh_vertex[place] = front->added_vertices[i];
+    }
+    pel_transfer_positions(active, body, state);
+    pel_transfer_gather(active, body, state);
+    for (int32_t i = 0; i < front->removed_count; i++) {
+        int32_t v = front->removed_vertices[i];
+        active->released[active->released_count++] = own->place_of_vertex[v];
+        own->place_of_vertex[v] = -1;
+    }
+    collect_dirty(active, own);
+    for (int32_t d = 0; d < active->dirty_count; d++) {
+        int32_t v = active->dirty[d];
+        const double *x = front->forest->rest_positions[v];
+        for (int i = 0; i < 3; i++)
+            active->model.rest[own->place_of_vertex[v]][i] = (pel_real)x[i];
+    }
+    for (int32_t d = 0; d < active->dirty_count; d++)
+        rebuild_vertex(active, body, active->dirty[d], state);
+    pel_transfer_apply(active, body, state);
+    for (int32_t i = 0; i < active->released_count; i++) {
+        clear_place(active, active->released[i], state);
+        give_back(own, active->released[i]);
+    }
+    for (int32_t c = 0; c < front->change_count; c++)
+        write_triangles(active, body, front->changes[c].node);
+    update_body(active, body);
+}
+
+void pel_active_rebuild(pel_active *active, int32_t body, pel_state *state)
+{
+    const pel_active_body *own = &active->bodies[body];
+    for (int32_t i = 0; i < own->front->vertex_count; i++) {
+        int32_t v = own->front->vertices[i];
+        const double *x = own->front->forest->rest_positions[v];
+        for (int c = 0; c < 3; c++)
+            active->model.rest[own->place_of_vertex[v]][c] = (pel_real)x[c];
+    }
+    for (int32_t i = 0; i < own->front->vertex_count; i++)
+        rebuild_vertex(active, body, own->front->vertices[i], state);
+    for (int32_t i = 0; i < own->front->triangle_count; i++)
+        write_triangles(active, body, own->front->triangles[i].node);
+    update_body(active, body);
+}
+
+bool pel_active_set_places(pel_active *active, int32_t body, const int32_t *vertex_of_place)
+{
+    pel_active_body *own = &active->bodies[body];
+    const pel_front *front = own->front;
+    int32_t base_count = front->forest->levels[0]->vertex_count, fine_count = 0;
+    int32_t limit = own->fine_limit - own->fine_begin, last = front->forest->levels[front->forest->depth]->vertex_count;
+    for (int32_t at = 0; at < limit; at++) {
+        int32_t v = vertex_of_place[at];
+        if (v < -1 || (v >= 0 && (v < base_count || v >= last || !pel_front_has_vertex(front, v))))
+            return false;
+        fine_count += v >= 0;
+    }
+    if (fine_count != front->vertex_count - base_count)
+        return false;
+    memset(own->used, 0, ((size_t)limit / 64 + 1) * sizeof *own->used);
+    own->fine_end = own->fine_begin;
+    own->lowest_free = 0;
+    for (int32_t at = 0; at < limit; at++) {
+        int32_t place = own->fine_begin + at;
+        clear_place(active, place, NULL);
+        if (vertex_of_place[at] < 0)
+            continue;
+        own->used[at / 64] |= UINT64_C(1) << (at % 64);
+        own->place_of_vertex[vertex_of_place[at]] = place;
+        active->model.mesh_vertex[place] = vertex_of_place[at];
+        own->fine_end = place + 1;
+    }
+    return true;
+}
+
+/* ---- creation ---- */
+
+static void start_body(pel_active *active, int32_t b)
+{
+    pel_model *model = &active->model;
+    const pel_body *body = &model->bodies[b];
+    pel_active_body *own = &active->bodies[b];
+    copy_vertices(active, b);
+    if (body->detail == NULL) {
+        copy_springs(active, b);
+        copy_triangles(active, b);
+        return;
+    }
+    memset(own->place_of_vertex, -1, (size_t)fine_vertex_count(body->detail) * sizeof *own->place_of_vertex);
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
+        own->place_of_vertex[v] = body->slot_of_vertex[v];
+    for (int32_t place = body->slice_begin * PEL_WIDTH; place < own->fine_limit; place++)
+        write_row(active, own, place, 0);
+    pel_active_rebuild(active, b, NULL);
+}
+
+static pel_status build(pel_active *active, pel_error *error)
+{
+    pel_model *model = &active->model;
+    pel_status status = lay_out(active, error);
+    if (status != PEL_OK)
+        return status;
+    bool room = allocate_arrays(active);
+    for (int32_t b = 0; room && b < model->body_count; b++)
+        room = allocate_body(active, b);
+    if (!room || !allocate_slots(active, lay_out_slots(active)))
+        return pel_fail_memory(error);
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_front *front = model->bodies[b].front;
+        model->triangle_begin[b + 1] =
+            model->triangle_begin[b] + (front != NULL ? 2 * front->node_count : model->bodies[b].mesh->triangle_count);
+        start_body(active, b);
+    }
+    return PEL_OK;
+}
+
+pel_status pel_active_create(const pel_model *given, pel_active **active, pel_error *error)
+{
+    *active = NULL;
+    pel_active *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->given = given;
+    made->model.body_count = given->body_count;
+    memcpy(made->model.gravity, given->gravity, sizeof given->gravity);
+    made->bodies = pel_allocate((size_t)given->body_count, sizeof *made->bodies);
+    made->model.bodies = pel_allocate((size_t)given->body_count, sizeof *made->model.bodies);
+    pel_status status = PEL_OK;
+    if (made->bodies == NULL || made->model.bodies == NULL)
+        status = pel_fail_memory(error);
+    for (int32_t b = 0; status == PEL_OK && b < given->body_count; b++) {
+        /* names, meshes and curves stay with the given model */
+        made->model.bodies[b] = given->bodies[b];
+        made->model.bodies[b].slot_of_vertex = NULL;
+    }
+    if (status == PEL_OK)
+        status = build(made, error);
+    if (status == PEL_OK)
+        *active = made;
+    else
+        pel_active_destroy(made);
+    return status;
+}
+
+void pel_active_destroy(pel_active *active)
+{
+    if (active == NULL)
+        return;
+    pel_model *model = &active->model;
+    for (int32_t b = 0; active->bodies != NULL && model->bodies != NULL && b < model->body_count; b++) {
+        pel_front_destroy(active->bodies[b].front);
+        pel_free(active->bodies[b].place_of_vertex);
+        pel_free(active->bodies[b].used);
+        pel_free(model->bodies[b].slot_of_vertex);
+    }
+    void *arrays[] = {model->bodies,        model->rest,        model->inverse_mass,
+                      model->mass,          model->damping,     model->volumetric_damping,
+                      model->body_of_slice, model->mesh_vertex, model->slot_begin,
+                      model->slot_end,      model->neighbours,  model->rest_lengths,
+                      model->stiffnesses,   model->triangles,   model->triangle_begin,
+                      model->fan_begin,     model->fans,        active->bodies,
+                      active->valence,      active->change,     active->is_dirty,
+                      active->dirty,        active->released,   active->fan,
+                      active->row};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(active);
+}

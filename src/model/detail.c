@@ -1,0 +1,151 @@
+#include "model/detail.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "math/vec3.h"
+
+#include <math.h>
+
+static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *rule)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "refine: %s is %g", name, value);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "%s", rule);
+    return PEL_BAD_ARGUMENT;
+}
+
+pel_status pel_refine_check(const pel_refine_def *def, int32_t body, pel_error *error)
+{
+    if (def->levels < 0 || def->levels > PEL_LOD_DEPTH_LIMIT)
+        return refuse(error, body, "levels", def->levels, "give 0 (no refinement) to 12 levels; 1 to 3 are usual");
+    if (def->levels == 0)
+        return PEL_OK;
+    if (!(def->above >= 0 && isfinite(def->above)))
+        return refuse(error, body, "above", def->above, "give a force per area of at least 0");
+    if (!(def->below >= 0 && isfinite(def->below)) || (def->above > 0 && !(def->below < def->above)))
+        return refuse(error, body, "below", def->below, "give a force per area of at least 0 and less than `above`");
+    if (def->rings < 1 || def->rings > 3)
+        return refuse(error, body, "rings", def->rings, "give 1 to 3 rings");
+    if (def->dwell < 0)
+        return refuse(error, body, "dwell", def->dwell, "give a number of steps of at least 0");
+    if (def->interval < 1)
+        return refuse(error, body, "interval", def->interval, "give at least 1 step");
+    if (def->budget < 0)
+        return refuse(error, body, "budget", def->budget, "give a number of triangles, or 0 for no limit");
+    return PEL_OK;
+}
+
+int32_t pel_detail_base_edge(const pel_body_detail *detail, int32_t level, int32_t t, int k)
+{
+    for (; level > 0; level--) {
+        int child = t % 4;
+        k = (child == 3 ? k + 2 : k + child) % 3;
+        t = pel_lod_parent(t);
+    }
+    return detail->forest->levels[0]->edge_of_half_edge[3 * t + k];
+}
+
+static bool allocate(pel_body_detail *detail)
+{
+    const pel_topology *base = detail->forest->levels[0];
+    size_t fine_count = (size_t)detail->forest->levels[detail->forest->depth]->vertex_count;
+    detail->areas = pel_allocate((size_t)base->triangle_count, sizeof *detail->areas);
+    detail->densities = pel_allocate(fine_count, sizeof *detail->densities);
+    detail->stiffnesses = pel_allocate((size_t)base->edge_count, sizeof *detail->stiffnesses);
+    detail->moduli = pel_allocate((size_t)base->edge_count, sizeof *detail->moduli);
+    detail->pinned = pel_allocate(fine_count, sizeof *detail->pinned);
+    return detail->areas != NULL && detail->densities != NULL && detail->stiffnesses != NULL &&
+           detail->moduli != NULL && detail->pinned != NULL;
+}
+
+static void measure_areas(pel_body_detail *detail)
+{
+    const pel_topology *base = detail->forest->levels[0];
+    const double(*x)[3] = (const double(*)[3])detail->forest->rest_positions;
+    for (int32_t t = 0; t < base->triangle_count; t++) {
+        const int32_t *v = base->triangles[t];
+        double normal[3];
+        pel_vec3_triangle_normal(x[v[0]], x[v[1]], x[v[2]], normal);
+        detail->areas[t] = pel_vec3_length(normal) / 2;
+    }
+}
+
+/* the numbers of the base's vertices over the area around them, then means down the levels */
+static void spread_densities(pel_body_detail *detail, const pel_model *model, const pel_body *body)
+{
+    const pel_lod_forest *forest = detail->forest;
+    const pel_topology *base = forest->levels[0];
+    pel_nodal *density = detail->densities;
+    for (int32_t t = 0; t < base->triangle_count; t++)
+        for (int c = 0; c < 3; c++)
+            density[base->triangles[t][c]].mass += detail->areas[t];
+    for (int32_t v = 0; v < base->vertex_count; v++) {
+        int32_t i = body->slot_of_vertex[v];
+        double area = density[v].mass;
+        density[v] = (pel_nodal){(double)model->mass[i] / area, (double)model->damping[i] / area,
+                                 (double)model->rest[i][3] / area, (double)model->volumetric_damping[i] / area};
+        detail->pinned[v] = model->inverse_mass[i] == 0;
+    }
+    for (int32_t l = 0; l < forest->depth; l++)
+        for (int32_t e = 0; e < forest->levels[l]->edge_count; e++) {
+            const pel_topology *level = forest->levels[l];
+            int32_t h = level->half_edge_of_edge[e], m = level->vertex_count + e;
+            int32_t a = pel_half_edge_origin(level, h), b = pel_half_edge_target(level, h);
+            const pel_nodal *p = &density[a], *q = &density[b];
+            density[m] = (pel_nodal){(p->mass + q->mass) / 2, (p->damping + q->damping) / 2,
+                                     (p->volumetric_stiffness + q->volumetric_stiffness) / 2,
+                                     (p->volumetric_damping + q->volumetric_damping) / 2};
+            detail->pinned[m] = detail->pinned[a] && detail->pinned[b];
+        }
+}
+
+static void fit_moduli(pel_body_detail *detail, const pel_quantity *stiffness)
+{
+    const pel_topology *base = detail->forest->levels[0];
+    const double(*x)[3] = (const double(*)[3])detail->forest->rest_positions;
+    for (int32_t e = 0; e < base->edge_count; e++) {
+        int32_t h = base->half_edge_of_edge[e], twin = base->twin[h];
+        int32_t a = pel_half_edge_origin(base, h), b = pel_half_edge_target(base, h);
+        double k = stiffness->key_count > 0 ? 1 : stiffness->value, d[3];
+        if (stiffness->key_count == 0 && stiffness->field != NULL)
+            k = 0.5 * (stiffness->field[a] + stiffness->field[b]);
+        double area = detail->areas[h / 3] + (twin >= 0 ? detail->areas[twin / 3] : 0);
+        pel_vec3_subtract(x[b], x[a], d);
+        detail->stiffnesses[e] = k;
+        detail->moduli[e] = k * pel_vec3_squared_length(d) / area;
+    }
+}
+
+pel_status pel_body_detail_create(const pel_body_def *def, pel_model *model, int32_t body, pel_error *error)
+{
+    if (def->refine.levels == 0)
+        return PEL_OK;
+    pel_body_detail *detail = pel_allocate(1, sizeof *detail);
+    if (detail == NULL)
+        return pel_fail_memory(error);
+    model->bodies[body].detail = detail;
+    detail->def = def->refine;
+    pel_status status =
+        pel_lod_forest_create(def->mesh, def->refine.levels, def->refine.memory_limit, &detail->forest, error);
+    if (status != PEL_OK)
+        return status;
+    if (!allocate(detail))
+        return pel_fail_memory(error);
+    measure_areas(detail);
+    spread_densities(detail, model, &model->bodies[body]);
+    fit_moduli(detail, &def->spring_stiffness);
+    return PEL_OK;
+}
+
+void pel_body_detail_destroy(pel_body_detail *detail)
+{
+    if (detail == NULL)
+        return;
+    pel_lod_forest_destroy(detail->forest);
+    pel_free(detail->areas);
+    pel_free(detail->densities);
+    pel_free(detail->stiffnesses);
+    pel_free(detail->moduli);
+    pel_free(detail->pinned);
+    pel_free(detail);
+}
