@@ -692,9 +692,9 @@ void pel_active_destroy(pel_active *active)
                       model->slot_end,      model->neighbours,  model->rest_lengths,
                       model->stiffnesses,   model->triangles,   model->triangle_begin,
                       model->fan_begin,     model->fans,        active->bodies,
-                      active->valence,      active->change,     active->is_dirty,
-                      active->dirty,        active->released,   active->fan,
-                      active->row};
+                      active->areas,        active->is_base,    active->valence,
+                      active->change,       active->is_dirty,   active->dirty,
+                      active->released,     active->fan,        active->row};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(active);

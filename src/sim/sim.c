@@ -298,6 +298,9 @@ static void mark_contacts(pel_sim *sim)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
+    /* before the tools, so that they push new vertices out as well */
+    if (sim->active != NULL)
+        pel_refine_step(sim);
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
     update_factors(sim, time);
     pel_step_result result;
@@ -312,8 +315,6 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_tools_apply(sim, next, result.longest);
     mark_contacts(sim);
     accept(state);
-    if (sim->active != NULL)
-        pel_refine_step(sim);
     return PEL_OK;
 }
 

@@ -1,0 +1,813 @@
+/* Bodies that refine: what an event keeps, the criterion, and that a body without events is the plain body. */
+#include "failing_malloc.h"
+#include "random.h"
+#include "sim/fixture.h"
+
+#include "sim/sim.h"
+
+typedef struct bench {
+    pel_mesh *mesh;
+    pel_model *model;
+    pel_sim *sim;
+} bench;
+
+static pel_body_def ball(const pel_mesh *mesh, int32_t levels)
+{
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    body.volumetric_by_area = true;
+    body.refine.levels = levels;
+    return body;
+}
+
+static bench begin(pel_mesh *mesh, const pel_body_def *body, const pel_sim_def *with)
+{
+    bench made = {.mesh = mesh, .model = make_model(body)};
+    pel_sim_def def = *with;
+    def.model = made.model;
+    made.sim = make_sim(&def);
+    return made;
+}
+
+static void end(bench *made)
+{
+    pel_sim_destroy(made->sim);
+    pel_model_destroy(made->model);
+    pel_mesh_destroy(made->mesh);
+}
+
+static pel_sim_def explicit_def(double dt)
+{
+    pel_sim_def def = pel_sim_def_default();
+    def.solver.method = PEL_METHOD_EXPLICIT;
+    def.solver.dt = dt;
+    return def;
+}
+
+static void refine(bench *made, int32_t vertex, int32_t level)
+{
+    pel_error error;
+    char text[800];
+    pel_status status = pel_sim_refine(made->sim, 0, vertex, level, &error);
+    if (status != PEL_OK)
+        print_error("%s\n", pel_error_text(&error, text, sizeof text));
+    assert_int_equal(status, PEL_OK);
+    assert_true(pel_front_is_valid(made->sim->model->bodies[0].front));
+}
+
+/* ---- the plain body ---- */
+
+static uint64_t pressed_hash(int32_t levels, int method, int threads)
+{
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.5}, {0, 0, 0, 1}}, {1, {0, 0, 1.0}, {0, 0, 0, 1}}};
+    const int32_t pulled[3] = {7, 100, 211};
+    pel_mesh *mesh = make_sphere(8);
+    pel_body_def body = ball(mesh, levels);
+    pel_load_def load = pel_load_def_default();
+    load.force[0] = 0.5;
+    load.vertices = pulled;
+    load.vertex_count = 3;
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "probe";
+    tool.radius = 0.4;
+    tool.keys = keys;
+    tool.key_count = 2;
+    pel_sim_def def = method == 0 ? pel_sim_def_default() : explicit_def(0.005);
+    if (method == 0)
+        def.solver.alpha = 30;
+    if (method == 2) {
+        def.solver = pel_sim_def_default().solver;
+        def.solver.alpha = 5;
+        def.solver.keep_velocity = true;
+    }
+    def.loads = &load;
+    def.load_count = 1;
+    def.tools = &tool;
+    def.tool_count = 1;
+    def.thread_count = threads;
+    bench made = begin(mesh, &body, &def);
+    run_steps(made.sim, 150);
+    uint64_t hash = pel_sim_hash(made.sim);
+    end(&made);
+    return hash;
+}
+
+static void test_unrefined_is_plain(void **unused)
+{
+    (void)unused;
+    for (int method = 0; method < 3; method++)
+        assert_true(pressed_hash(0, method, 1) == pressed_hash(2, method, 1));
+}
+
+/* ---- counts ---- */
+
+static void test_paper_numbers(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(5);
+    pel_body_def body = ball(mesh, 1);
+    pel_sim_def def = pel_sim_def_default();
+    bench made = begin(mesh, &body, &def);
+    int count_294 = 0;
+    for (int32_t v = 0; v < 252; v++) {
+        refine(&made, v, 1);
+        count_294 += pel_sim_vertex_count(made.sim, 0) == 294 && pel_sim_triangle_count(made.sim, 0) == 584;
+        refine(&made, v, 0);
+        assert_int_equal(pel_sim_vertex_count(made.sim, 0), 252);
+    }
+    assert_int_equal(count_294, 180);
+    end(&made);
+    mesh = make_sphere(5);
+    body = ball(mesh, 1);
+    body.refine.everywhere = true;
+    made = begin(mesh, &body, &def);
+    pel_sim_measures measures;
+    pel_sim_measure(made.sim, &measures);
+    assert_int_equal(measures.vertex_count, 1002);
+    assert_int_equal(measures.triangle_count, 2000);
+    assert_near(measures.area_ratio, 1, 1e-14);
+    assert_near(measures.volume_ratio, 1, 1e-14);
+    assert_near(measures.elastic_energy, 0, 1e-25);
+    end(&made);
+}
+
+/* rows: triangles are within the rows, levels and places in the mesh fit the rest positions of a flat body */
+static void test_rows(void **unused)
+{
+    (void)unused;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
+    shape.nx = shape.ny = 6;
+    pel_mesh *mesh;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    pel_body_def body = ball(mesh, 3);
+    pel_sim_def def = pel_sim_def_default();
+    bench made = begin(mesh, &body, &def);
+    refine(&made, 24, 3);
+    int32_t n = pel_sim_vertex_count(made.sim, 0), m = pel_sim_triangle_count(made.sim, 0), finest = 0;
+    assert_true(n > mesh->vertex_count);
+    double *rest = calloc((size_t)n * 3, sizeof *rest), *weights = calloc((size_t)n * 3, sizeof *weights);
+    double *x = calloc((size_t)n * 3, sizeof *x);
+    int32_t *levels = calloc((size_t)n, sizeof *levels), *in = calloc((size_t)n, sizeof *in);
+    int32_t *triangles = calloc((size_t)m * 3, sizeof *triangles);
+    pel_sim_get_rest_positions(made.sim, 0, rest);
+    pel_sim_get_positions(made.sim, 0, x);
+    pel_sim_get_levels(made.sim, 0, levels);
+    pel_sim_get_mesh_places(made.sim, 0, in, weights);
+    pel_sim_get_triangles(made.sim, 0, triangles);
+    for (int32_t r = 0; r < n; r++) {
+        assert_int_equal(levels[r] == 0, r < mesh->vertex_count);
+        finest = levels[r] > finest ? levels[r] : finest;
+        /* away from the rim, butterfly keeps a flat regular grid */
+        bool inner = fabs(rest[3 * r]) < 0.35 && fabs(rest[3 * r + 1]) < 0.35;
+        for (int c = 0; c < 3; c++) {
+            double sum = 0;
+            for (int k = 0; k < 3; k++)
+                sum += weights[3 * r + k] * mesh->positions[mesh->triangles[in[r]][k]][c];
+            if (inner)
+                assert_near(rest[3 * r + c], sum, 0.05);
+            assert_near(x[3 * r + c], rest[3 * r + c], 1e-15);
+        }
+    }
+    assert_int_equal(finest, 3);
+    for (int32_t i = 0; i < 3 * m; i++)
+        assert_true(triangles[i] >= 0 && triangles[i] < n);
+    pel_mesh *surface;
+    pel_topology *topology;
+    assert_int_equal(pel_mesh_create(rest, n, triangles, m, &surface, NULL), PEL_OK);
+    assert_int_equal(pel_topology_create(surface, &topology, NULL), PEL_OK);
+    assert_int_equal(n - topology->edge_count + m, 1);
+    pel_topology_destroy(topology);
+    pel_mesh_destroy(surface);
+    free(rest);
+    free(weights);
+    free(x);
+    free(levels);
+    free(in);
+    free(triangles);
+    end(&made);
+}
+
+/* ---- what an event keeps ---- */
+
+/* hash of all that the loops read of a body, in the order of its rows */
+static uint64_t hash_numbers(const bench *made)
+{
+    const pel_model *model = made->sim->model;
+    uint64_t hash = 0;
+    for (int32_t v = 0; v < made->mesh->vertex_count; v++) {
+        int32_t i = model->bodies[0].slot_of_vertex[v], slice = i / PEL_WIDTH, lane = i % PEL_WIDTH;
+        const pel_real numbers[9] = {model->rest[i][0],
+                                     model->rest[i][1],
+                                     model->rest[i][2],
+                                     model->rest[i][3],
+                                     model->mass[i],
+                                     model->inverse_mass[i],
+                                     model->damping[i],
+                                     model->volumetric_damping[i],
+                                     made->sim->state->position[i][3]};
+        for (int k = 0; k < 9; k++) {
+            uint64_t bits = 0;
+            memcpy(&bits, &numbers[k], sizeof numbers[k]);
+            hash = hash * 31 + bits;
+        }
+        for (int32_t s = model->slot_begin[slice]; s < model->slot_end[slice]; s++) {
+            uint64_t bits[2] = {0, 0};
+            pel_real length = model->rest_lengths[s][lane], stiffness = model->stiffnesses[s][lane];
+            memcpy(&bits[0], &length, sizeof length);
+            memcpy(&bits[1], &stiffness, sizeof stiffness);
+            hash = (hash * 31 + bits[0]) * 31 + bits[1] + (uint64_t)model->neighbours[s][lane];
+        }
+    }
+    return hash;
+}
+
+static void test_back_to_base(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    pel_mesh *mesh = make_sphere(4);
+    pel_body_def body = ball(mesh, 3);
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.thickness.value = 0.1;
+    pel_sim_def def = pel_sim_def_default();
+    bench made = begin(mesh, &body, &def);
+    uint64_t start = hash_numbers(&made), shape = pel_sim_hash(made.sim);
+    int32_t asked[12];
+    for (int round = 0; round < 5; round++) {
+        for (int i = 0; i < 12; i++) {
+            asked[i] = (int32_t)random_integer(&random, 0, mesh->vertex_count - 1);
+            refine(&made, asked[i], (int32_t)random_integer(&random, 1, 3));
+        }
+        assert_true(hash_numbers(&made) != start);
+        for (int i = 0; i < 12; i++)
+            refine(&made, asked[i], 0);
+        assert_int_equal(pel_sim_vertex_count(made.sim, 0), mesh->vertex_count);
+        assert_true(hash_numbers(&made) == start);
+        assert_true(pel_sim_hash(made.sim) == shape);
+    }
+    end(&made);
+}
+
+typedef struct sums {
+    double mass, momentum[3], kinetic, scale;
+} sums;
+
+static sums add_up(const bench *made)
+{
+    static double masses[200000], velocities[600000];
+    int32_t n = pel_sim_vertex_count(made->sim, 0);
+    sums s = {0};
+    assert_true(n <= 200000);
+    pel_sim_get_masses(made->sim, 0, masses);
+    pel_sim_get_velocities(made->sim, 0, velocities);
+    for (int32_t r = 0; r < n; r++) {
+        s.mass += masses[r];
+        for (int c = 0; c < 3; c++) {
+            s.momentum[c] += masses[r] * velocities[3 * r + c];
+            s.kinetic += 0.5 * masses[r] * velocities[3 * r + c] * velocities[3 * r + c];
+            s.scale += masses[r] * fabs(velocities[3 * r + c]);
+        }
+    }
+    return s;
+}
+
+static void assert_kept(const sums *before, const sums *after)
+{
+    assert_near(after->mass, before->mass, 1e-14 * before->mass);
+    for (int c = 0; c < 3; c++)
+        assert_near(after->momentum[c], before->momentum[c], 1e-12 * before->scale);
+    assert_true(after->kinetic <= before->kinetic * (1 + 1e-12));
+}
+
+/* mass, momentum and kinetic energy over random events, on a mesh of uneven triangles and masses */
+static void test_conservation(void **unused)
+{
+    (void)unused;
+    for (int method = 0; method < 2; method++) {
+        random_state random = {17};
+        pel_mesh *mesh = make_sphere(4);
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            for (int c = 0; c < 3; c++)
+                mesh->positions[v][c] *= random_between(&random, 0.9, 1.1);
+        pel_body_def body = ball(mesh, 3);
+        pel_sim_def def = method == 0 ? explicit_def(1e-4) : pel_sim_def_default();
+        if (method == 1) {
+            def.solver.keep_velocity = true;
+            def.solver.alpha = 5;
+        }
+        bench made = begin(mesh, &body, &def);
+        double *velocities = calloc(600000, sizeof *velocities);
+        for (int event = 0; event < 60; event++) {
+            int32_t n = pel_sim_vertex_count(made.sim, 0);
+            for (int32_t i = 0; i < 3 * n; i++)
+                velocities[i] = random_normal(&random);
+            assert_int_equal(pel_sim_set_velocities(made.sim, 0, velocities, NULL), PEL_OK);
+            sums before = add_up(&made);
+            int32_t v = (int32_t)random_integer(&random, 0, mesh->vertex_count - 1);
+            refine(&made, v, (int32_t)random_integer(&random, 0, 3));
+            sums after = add_up(&made);
+            assert_kept(&before, &after);
+        }
+        /* a translation stays one */
+        int32_t n = pel_sim_vertex_count(made.sim, 0);
+        for (int32_t i = 0; i < 3 * n; i++)
+            velocities[i] = 1;
+        assert_int_equal(pel_sim_set_velocities(made.sim, 0, velocities, NULL), PEL_OK);
+        for (int event = 0; event < 20; event++)
+            refine(&made, event, event % 3);
+        n = pel_sim_vertex_count(made.sim, 0);
+        pel_sim_get_velocities(made.sim, 0, velocities);
+        for (int32_t i = 0; i < 3 * n; i++)
+            assert_near(velocities[i], 1, method == 0 ? 1e-12 : 1e-11);
+        free(velocities);
+        end(&made);
+    }
+}
+
+static double spring_energy(const bench *made)
+{
+    pel_sim_measures measures;
+    pel_sim_measure(made->sim, &measures);
+    return measures.spring_energy;
+}
+
+/* turns, moves and pokes the present shape */
+static void deform(const bench *made, double angle, double poke)
+{
+    static double x[60000];
+    int32_t n = pel_sim_vertex_count(made->sim, 0);
+    pel_sim_get_rest_positions(made->sim, 0, x);
+    for (int32_t v = 0; v < n; v++) {
+        double *p = &x[3 * v], z = p[2] - poke * exp(-4 * (p[0] * p[0] + p[1] * p[1])) * (p[2] > 0);
+        double turned[3] = {cos(angle) * p[0] - sin(angle) * z + 0.3, p[1] - 0.2, sin(angle) * p[0] + cos(angle) * z};
+        memcpy(p, turned, sizeof turned);
+    }
+    assert_int_equal(pel_sim_set_positions(made->sim, 0, x, NULL), PEL_OK);
+}
+
+static void test_rigid_motion(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(5);
+    pel_body_def body = ball(mesh, 3);
+    pel_sim_def def = pel_sim_def_default();
+    bench made = begin(mesh, &body, &def);
+    deform(&made, 0.7, 0);
+    refine(&made, 100, 3);
+    assert_true(spring_energy(&made) < (sizeof(pel_real) == 8 ? 1e-20 : 1e-6));
+    refine(&made, 100, 1);
+    refine(&made, 101, 2);
+    assert_true(spring_energy(&made) < (sizeof(pel_real) == 8 ? 1e-20 : 1e-6));
+    end(&made);
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+/* the median over 20 centres in the poked part */
+static void test_energy_jump(void **unused)
+{
+    (void)unused;
+    const double pokes[3] = {0.05, 0.15, 0.3};
+    for (int p = 0; p < 3; p++) {
+        pel_mesh *mesh = make_sphere(5);
+        pel_body_def body = ball(mesh, 1);
+        pel_sim_def def = pel_sim_def_default();
+        bench made = begin(mesh, &body, &def);
+        double jumps[252];
+        int count = 0;
+        deform(&made, 0.7, pokes[p]);
+        double before = spring_energy(&made);
+        for (int32_t v = 0; v < 252 && count < 20; v++) {
+            if (mesh->positions[v][2] < 0.6)
+                continue;
+            /* a fresh deformation each time: coarsening changes no position that is left */
+            refine(&made, v, 1);
+            jumps[count++] = fabs(spring_energy(&made) / before - 1);
+            refine(&made, v, 0);
+            assert_near(spring_energy(&made), before, 1e-12 * before);
+        }
+        qsort(jumps, (size_t)count, sizeof *jumps, by_size);
+        print_message("poke %.2f: energy jump median %.2f %%, worst %.2f %%\n", pokes[p], 100 * jumps[count / 2],
+                      100 * jumps[count - 1]);
+        assert_true(jumps[count / 2] < 0.05);
+        end(&made);
+    }
+}
+
+/* ---- stiffness ---- */
+
+/* mean displacement of the mesh's vertices on a cap under a smooth or a uniform load, settled; refined: -1 locally */
+static double settled(int32_t levels, bool local, bool uniform)
+{
+    pel_mesh *mesh = make_sphere(5);
+    pel_body_def body = ball(mesh, levels);
+    body.refine.everywhere = levels > 0 && !local;
+    double weights[252], x[3 * 5000], sum = 0;
+    for (int32_t v = 0; v < 252; v++) {
+        double z = mesh->positions[v][2];
+        weights[v] = uniform ? 1 : exp(-2 * (2 - 2 * z));
+    }
+    pel_load_def load = pel_load_def_default();
+    load.force[2] = -0.2;
+    load.weights = weights;
+    pel_sim_def def = pel_sim_def_default();
+    def.loads = &load;
+    def.load_count = 1;
+    bench made = begin(mesh, &body, &def);
+    if (local)
+        refine(&made, nearest_vertex(mesh, 0.3, 0.2, 0.9), 1);
+    run_steps(made.sim, 6000);
+    pel_sim_get_positions(made.sim, 0, x);
+    int count = 0;
+    for (int32_t v = 0; v < 252; v++)
+        if (mesh->positions[v][2] > 0.7) {
+            double d = 0;
+            for (int c = 0; c < 3; c++)
+                d += pow(x[3 * v + c] - mesh->positions[v][c], 2);
+            sum += sqrt(d);
+            count++;
+        }
+    end(&made);
+    return sum / count;
+}
+
+static void test_stiffness(void **unused)
+{
+    (void)unused;
+    for (int uniform = 0; uniform < 2; uniform++) {
+        double base = settled(0, false, uniform);
+        double local = settled(1, true, uniform) / base, global = settled(1, false, uniform) / base;
+        double finer = settled(2, false, uniform) / base;
+        print_message("%s load: 252 gives %.6f, 294 %.4f, 1002 %.4f, 4002 %.4f of it\n", uniform ? "uniform" : "smooth",
+                      base, local, global, finer);
+        assert_near(local, 1, 0.03);
+        assert_near(global, 1, 0.03);
+        assert_near(finer, 1, 0.03);
+    }
+}
+
+/* ---- the criterion ---- */
+
+static pel_load_def pole_load(const pel_mesh *mesh, int32_t *pole, double force)
+{
+    *pole = nearest_vertex(mesh, 0, 0, 1);
+    pel_load_def load = pel_load_def_default();
+    load.force[2] = -force;
+    load.vertices = pole;
+    load.vertex_count = 1;
+    return load;
+}
+
+static void test_criterion(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(8);
+    pel_body_def body = ball(mesh, 2);
+    body.refine.above = 5;
+    body.refine.below = 2.5;
+    int32_t pole;
+    pel_load_def load = pole_load(mesh, &pole, 0.5);
+    load.until = 3;
+    pel_sim_def def = pel_sim_def_default();
+    def.loads = &load;
+    def.load_count = 1;
+    bench made = begin(mesh, &body, &def);
+    run_steps(made.sim, 290);
+    assert_true(pel_sim_triangle_count(made.sim, 0) > mesh->triangle_count + 100);
+    assert_true(pel_front_is_valid(made.sim->model->bodies[0].front));
+    int32_t levels[20000], finest = 0;
+    assert_true(pel_sim_vertex_count(made.sim, 0) < 20000);
+    pel_sim_get_levels(made.sim, 0, levels);
+    for (int32_t r = 0; r < pel_sim_vertex_count(made.sim, 0); r++)
+        finest = levels[r] > finest ? levels[r] : finest;
+    assert_int_equal(finest, 2);
+    /* the load is gone: back to the base */
+    run_steps(made.sim, 1500);
+    assert_int_equal(pel_sim_triangle_count(made.sim, 0), mesh->triangle_count);
+    end(&made);
+}
+
+/* a load that hovers about the threshold makes one event */
+static void test_hysteresis(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(5);
+    int32_t pole;
+    pel_load_def load = pole_load(mesh, &pole, 0.1);
+    pel_key keys[41];
+    for (int k = 0; k < 41; k++)
+        keys[k] = (pel_key){k < 2 ? 5 * k : 10 + 0.5 * k, k == 0 ? 0 : k % 2 ? 1.05 : 0.95};
+    load.keys = keys;
+    load.key_count = 41;
+    pel_sim_def def = pel_sim_def_default();
+    def.loads = &load;
+    def.load_count = 1;
+    /* the measure at the vertex in question under the whole load */
+    pel_body_def body = ball(mesh, 1);
+    body.refine.above = 0.1 * 252 / 12.4;
+    body.refine.below = 0.6 * body.refine.above;
+    bench made = begin(mesh, &body, &def);
+    run_steps(made.sim, 3000);
+    assert_int_equal(pel_sim_surface_revision(made.sim, 0), 1);
+    end(&made);
+}
+
+static void test_budget(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(8);
+    pel_body_def body = ball(mesh, 3);
+    body.refine.above = 1;
+    body.refine.below = 0.2;
+    body.refine.budget = mesh->triangle_count + 400;
+    const pel_pose_key keys[3] = {
+        {0, {0, 0, 1.5}, {0, 0, 0, 1}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}}, {3, {0.8, 0, 1.1}, {0, 0, 0, 1}}};
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "probe";
+    tool.radius = 0.3;
+    tool.keys = keys;
+    tool.key_count = 3;
+    pel_sim_def def = pel_sim_def_default();
+    def.tools = &tool;
+    def.tool_count = 1;
+    bench made = begin(mesh, &body, &def);
+    int32_t most = 0;
+    for (int n = 0; n < 300; n++) {
+        run_steps(made.sim, 1);
+        int32_t count = pel_sim_triangle_count(made.sim, 0);
+        most = count > most ? count : most;
+    }
+    assert_true(most > body.refine.budget - 100 && most <= body.refine.budget);
+    assert_true(pel_front_is_valid(made.sim->model->bodies[0].front));
+    pel_error error;
+    assert_int_equal(pel_sim_refine(made.sim, 0, 600, 3, &error), PEL_BAD_ARGUMENT);
+    assert_true(pel_front_is_valid(made.sim->model->bodies[0].front));
+    end(&made);
+}
+
+/* ---- tools, snapshots, threads ---- */
+
+static bench sliding(int method, int threads, bool two_bodies)
+{
+    static const pel_pose_key keys[4] = {{0, {0, 0, 1.45}, {0, 0, 0, 1}},
+                                         {0.5, {0, 0, 1.05}, {0, 0, 0, 1}},
+                                         {1.5, {0.6, 0, 0.95}, {0, 0, 0, 1}},
+                                         {2, {0.9, 0, 1.5}, {0, 0, 0, 1}}};
+    static pel_tool_def tools[2];
+    pel_mesh *mesh = make_sphere(8);
+    tools[0] = tools[1] = pel_tool_def_default();
+    tools[0].name = "probe";
+    tools[0].radius = 0.2;
+    tools[0].keys = keys;
+    tools[0].key_count = 4;
+    tools[1].name = "forceps";
+    tools[1].radius = 0.1;
+    static const pel_pose_key still[2] = {{0, {-1.1, 0, 0}, {0, 0, 0, 1}}, {2, {-1.4, 0.2, 0}, {0, 0, 0, 1}}};
+    tools[1].keys = still;
+    tools[1].key_count = 2;
+    tools[1].grasp = true;
+    tools[1].grasp_from = 0.2;
+    tools[1].grasp_until = 1.6;
+    tools[1].reach = 0.15;
+    pel_body_def bodies[2] = {ball(mesh, 2), ball(mesh, 2)};
+    bodies[0].refine.above = 4;
+    bodies[0].refine.below = 2;
+    bodies[0].refine.dwell = 20;
+    bodies[1].name = "other";
+    bodies[1].refine.levels = 0;
+    if (two_bodies) {
+        pel_body_def kept = bodies[0];
+        bodies[0] = bodies[1];
+        bodies[1] = kept;
+    }
+    pel_model_def model = pel_model_def_default();
+    model.bodies = bodies;
+    model.body_count = two_bodies ? 2 : 1;
+    bench made = {.mesh = mesh};
+    assert_int_equal(pel_model_create(&model, &made.model, NULL), PEL_OK);
+    pel_sim_def def = method == 0 ? pel_sim_def_default() : explicit_def(0.004);
+    def.model = made.model;
+    def.tools = tools;
+    def.tool_count = 2;
+    def.thread_count = threads;
+    made.sim = make_sim(&def);
+    return made;
+}
+
+static void test_snapshot(void **unused)
+{
+    (void)unused;
+    for (int method = 0; method < 2; method++) {
+        int steps = method == 0 ? 110 : 260;
+        bench made = sliding(method, 1, false), fresh = sliding(method, 1, false);
+        run_steps(made.sim, steps);
+        assert_true(pel_sim_triangle_count(made.sim, 0) > made.mesh->triangle_count);
+        size_t size = pel_sim_save_size(made.sim);
+        assert_int_equal(size, pel_sim_save_size(fresh.sim));
+        void *bytes = malloc(size);
+        pel_sim_save(made.sim, bytes);
+        run_steps(fresh.sim, 30);
+        pel_error error;
+        assert_int_equal(pel_sim_load(fresh.sim, bytes, size, &error), PEL_OK);
+        assert_true(pel_sim_hash(made.sim) == pel_sim_hash(fresh.sim));
+        for (int n = 0; n < 10; n++) {
+            run_steps(made.sim, 20);
+            run_steps(fresh.sim, 20);
+            assert_true(pel_sim_hash(made.sim) == pel_sim_hash(fresh.sim));
+        }
+        free(bytes);
+        end(&made);
+        end(&fresh);
+    }
+}
+
+/* a body that refines beside one that does not: each as if it were alone, for any number of threads */
+static void test_two_bodies(void **unused)
+{
+    (void)unused;
+    bench one = sliding(0, 1, true), other = sliding(0, 3, true);
+    run_steps(one.sim, 150);
+    run_steps(other.sim, 150);
+    assert_true(pel_sim_hash(one.sim) == pel_sim_hash(other.sim));
+    assert_true(pel_sim_triangle_count(one.sim, 1) > pel_sim_triangle_count(one.sim, 0));
+    end(&one);
+    end(&other);
+}
+
+/* the tool never lies deeper in the surface than it may, at whatever level */
+static void test_tool_stays_outside(void **unused)
+{
+    (void)unused;
+    bench made = sliding(0, 1, false);
+    for (int n = 0; n < 200; n++) {
+        run_steps(made.sim, 1);
+        pel_tool_reading reading;
+        pel_sim_get_tool(made.sim, 0, &reading);
+        static double x[60000];
+        int32_t count = pel_sim_vertex_count(made.sim, 0);
+        pel_sim_get_positions(made.sim, 0, x);
+        for (int32_t v = 0; v < count; v++) {
+            double d[3];
+            for (int c = 0; c < 3; c++)
+                d[c] = x[3 * v + c] - reading.position[c];
+            assert_true(sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) > 0.2 * 0.995);
+        }
+    }
+    end(&made);
+}
+
+/* in whatever order vertices are asked for, what follows has the same bits */
+static void test_order(void **unused)
+{
+    (void)unused;
+    uint64_t hashes[2];
+    for (int turn = 0; turn < 2; turn++) {
+        pel_mesh *mesh = make_sphere(6);
+        pel_body_def body = ball(mesh, 2);
+        pel_load_def load = pel_load_def_default();
+        load.force[1] = 0.5;
+        pel_sim_def def = pel_sim_def_default();
+        def.loads = &load;
+        def.load_count = 1;
+        bench made = begin(mesh, &body, &def);
+        const int32_t asked[3] = {40, 200, 44};
+        for (int i = 0; i < 3; i++)
+            refine(&made, asked[turn == 0 ? i : 2 - i], 2);
+        if (turn == 1) {
+            refine(&made, 300, 2);
+            refine(&made, 300, 0);
+        }
+        run_steps(made.sim, 50);
+        hashes[turn] = pel_sim_hash(made.sim);
+        end(&made);
+    }
+    assert_true(hashes[0] == hashes[1]);
+}
+
+/* ---- refusals ---- */
+
+static void test_refusals(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(5);
+    pel_model_def def = pel_model_def_default();
+    def.body_count = 1;
+    pel_model *model;
+    pel_error error;
+    for (int wrong = 0; wrong < 8; wrong++) {
+        pel_body_def body = ball(mesh, 2);
+        pel_refine_def *r = &body.refine;
+        r->above = 1;
+        r->below = 0.5;
+        if (wrong == 0)
+            r->levels = 13;
+        else if (wrong == 1)
+            r->below = 1;
+        else if (wrong == 2)
+            r->rings = 4;
+        else if (wrong == 3)
+            r->interval = 0;
+        else if (wrong == 4)
+            r->memory_limit = 100000;
+        else if (wrong == 5)
+            r->dwell = -1;
+        else if (wrong == 6)
+            r->budget = -1;
+        else
+            r->above = (double)NAN;
+        def.bodies = &body;
+        assert_int_equal(pel_model_create(&def, &model, &error), PEL_BAD_ARGUMENT);
+        assert_null(model);
+        assert_true(error.remedy[0] != '\0');
+    }
+    pel_body_def body = ball(mesh, 2);
+    body.refine.budget = 100;
+    bench made = {.mesh = mesh, .model = make_model(&body)};
+    pel_sim_def sim = pel_sim_def_default();
+    sim.model = made.model;
+    assert_int_equal(pel_sim_create(&sim, &made.sim, &error), PEL_BAD_ARGUMENT);
+    pel_model_destroy(made.model);
+    /* the finest level needs a smaller dt */
+    body.refine.budget = 0;
+    made.model = make_model(&body);
+    sim = explicit_def(0.4);
+    sim.model = made.model;
+    assert_int_equal(pel_sim_create(&sim, &made.sim, &error), PEL_UNSTABLE);
+    pel_model_destroy(made.model);
+    body.refine.levels = 0;
+    made.model = make_model(&body);
+    sim.model = made.model;
+    assert_int_equal(pel_sim_create(&sim, &made.sim, &error), PEL_OK);
+    assert_int_equal(pel_sim_refine(made.sim, 0, 3, 1, &error), PEL_BAD_ARGUMENT);
+    end(&made);
+}
+
+static pel_status create_both(const void *mesh, pel_error *error)
+{
+    pel_body_def body = ball(mesh, 2);
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    pel_model *model;
+    pel_status status = pel_model_create(&def, &model, error);
+    assert_true((model == NULL) == (status != PEL_OK));
+    if (status != PEL_OK)
+        return status;
+    pel_load_def load = pel_load_def_default();
+    pel_sim_def sim_def = pel_sim_def_default();
+    sim_def.model = model;
+    sim_def.loads = &load;
+    sim_def.load_count = 1;
+    sim_def.thread_count = 1;
+    pel_sim *sim;
+    status = pel_sim_create(&sim_def, &sim, error);
+    assert_true((sim == NULL) == (status != PEL_OK));
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    return status;
+}
+
+static void test_allocations(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(3);
+    assert_true(for_every_allocation_failure(create_both, mesh) > 80);
+    pel_mesh_destroy(mesh);
+    bench made = sliding(0, 1, false);
+    failing_malloc_begin(0);
+    for (int n = 0; n < 150; n++)
+        assert_int_equal(pel_sim_step(made.sim, NULL), PEL_OK);
+    allocation_count count = failing_malloc_end();
+    assert_true(pel_sim_surface_revision(made.sim, 0) > 3);
+    assert_int_equal(count.calls, 0);
+    end(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_unrefined_is_plain),
+        cmocka_unit_test(test_paper_numbers),
+        cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_back_to_base),
+        cmocka_unit_test(test_conservation),
+        cmocka_unit_test(test_rigid_motion),
+        cmocka_unit_test(test_energy_jump),
+        cmocka_unit_test(test_stiffness),
+        cmocka_unit_test(test_criterion),
+        cmocka_unit_test(test_hysteresis),
+        cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_snapshot),
+        cmocka_unit_test(test_two_bodies),
+        cmocka_unit_test(test_tool_stays_outside),
+        cmocka_unit_test(test_order),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
