@@ -173,6 +173,35 @@ static void test_lying_head(void **unused)
     unlink(PATH);
 }
 
+/* arrays that claim the same bytes could ask for far more memory than the file has */
+static void test_shared_bytes(void **unused)
+{
+    (void)unused;
+    sample_data sample;
+    make_sample(&sample, 1);
+    char *bytes;
+    size_t size;
+    pel_mesh *mesh;
+    pel_error error;
+    assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+    assert_int_equal(pel_file_read(PATH, &bytes, &size, NULL), PEL_OK);
+    const char *place = strstr(bytes, "</PointData>");
+    for (int copies = 0; copies < 20; copies += 19) {
+        FILE *stream = fopen(PATH, "wb");
+        assert_non_null(stream);
+        fwrite(bytes, 1, (size_t)(place - bytes), stream);
+        for (int i = 0; i < copies; i++)
+            fprintf(stream, "<DataArray type=\"Float32\" Name=\"copy %d\" format=\"appended\" offset=\"16\"/>\n", i);
+        fwrite(place, 1, size - (size_t)(place - bytes), stream);
+        fclose(stream);
+        assert_int_equal(pel_vtp_read(PATH, &mesh, NULL, &error), copies > 0 ? PEL_BAD_FORMAT : PEL_OK);
+        pel_mesh_destroy(mesh);
+    }
+    pel_free(bytes);
+    free_sample(&sample);
+    unlink(PATH);
+}
+
 static void test_refuses(void **unused)
 {
     (void)unused;
@@ -273,9 +302,9 @@ static void test_blocks(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_cut_off), cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_refuses), cmocka_unit_test(test_allocation_failures),
-        cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_round_trip),          cmocka_unit_test(test_cut_off),      cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_lying_head),          cmocka_unit_test(test_shared_bytes), cmocka_unit_test(test_refuses),
+        cmocka_unit_test(test_allocation_failures), cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
