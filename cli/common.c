@@ -1,7 +1,10 @@
 #include "common.h"
 #include "commands.h"
 
+#include <pellicle/import.h>
+
 #include <string.h>
+#include <time.h>
 
 int cli_report(const pel_error *error)
 {
@@ -45,6 +48,13 @@ void cli_name_file(pel_error *error, const char *path)
         snprintf(error->file, sizeof error->file, "%s", path);
 }
 
+double cli_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 bool cli_is_scene(const char *path)
 {
     static const char *const endings[] = {".yaml", ".yml", ".json"};
@@ -70,7 +80,7 @@ pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, in
     pel_mesh *mesh = NULL;
     pel_error error;
     *status = CLI_DONE;
-    if (pel_mesh_read(path, PEL_FORMAT_AUTO, log, &mesh, &error) != PEL_OK)
+    if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK)
         *status = cli_report_to(&error, json);
     return mesh;
 }

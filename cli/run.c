@@ -1,8 +1,210 @@
 #include "commands.h"
 #include "common.h"
 
+#include <pellicle/run.h>
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* set by the first Ctrl-C; the second one finds the default handler and ends the program */
+static volatile sig_atomic_t stop_asked;
+
+static void ask_to_stop(int number)
+{
+    (void)number;
+    stop_asked = 1;
+}
+
+static void catch_signal(int number)
+{
+    struct sigaction action, old;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = ask_to_stop;
+    action.sa_flags = (int)SA_RESETHAND;
+    /* what the caller told us to ignore stays ignored */
+    if (sigaction(number, NULL, &old) == 0 && old.sa_handler != SIG_IGN)
+        sigaction(number, &action, NULL);
+}
+
+/* the progress line on a terminal */
+typedef struct display {
+    bool shown;
+    double last; /* s, when it was written */
+} display;
+
+static void print_progress(const pel_run_progress *p)
+{
+    fprintf(stderr, "\r\033[Kstep %lld/%lld  %.4g s  %.0f steps/s", (long long)p->step, (long long)p->step_total,
+            p->time, p->steps_per_second);
+    if (p->remaining >= 0.0) {
+        long left = (long)(p->remaining + 0.5);
+        fprintf(stderr, "  ETA %ld:%02ld", left / 60, left % 60);
+    }
+    fprintf(stderr, "  residual %.3g N", p->max_force);
+    fflush(stderr);
+}
+
+static bool show_progress(void *user, const pel_run_progress *progress)
+{
+    display *d = user;
+    double now = cli_clock();
+    if (d->shown && now - d->last > 0.1) {
+        print_progress(progress);
+        d->last = now;
+    }
+    return stop_asked == 0;
+}
+
+/* -o, else the folder of the checkpoint to go on from, else results/ and the scene's name */
+static bool choose_folder(const cli_call *call, char folder[PEL_RUN_PATH_SIZE])
+{
+    const char *given = cli_value(call, "output"), *resume = cli_value(call, "resume");
+    const char *path = given != NULL ? given : resume != NULL ? resume : call->arguments[0];
+    const char *slash = strrchr(path, '/');
+    int length;
+    if (given != NULL) {
+        length = snprintf(folder, PEL_RUN_PATH_SIZE, "%s", given);
+    } else if (resume != NULL) {
+        length = snprintf(folder, PEL_RUN_PATH_SIZE, "%.*s", slash > path ? (int)(slash - path) : 1,
+                          slash != NULL ? path : ".");
+    } else {
+        const char *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+        length = snprintf(folder, PEL_RUN_PATH_SIZE, "results/%.*s",
+                          dot != NULL && dot != name ? (int)(dot - name) : (int)strlen(name), name);
+    }
+    if (length < 0 || length >= PEL_RUN_PATH_SIZE)
+        return cli_complain("the path of the output folder is too long. choose a shorter one with -o"), false;
+    while (length > 1 && folder[length - 1] == '/')
+        folder[--length] = '\0';
+    return true;
+}
+
+/* those of the results that are there, and what they are for */
+static void print_files(const char *folder)
+{
+    static const struct {
+        const char *name, *use;
+    } files[] = {
+        {"series.csv", "the measures over time, one row a frame"},
+        {"final.ply", "the surface at the end: meshlab, blender or paraview"},
+        {"summary.json", "the run in a few numbers"},
+        {"scene.yaml", "the scene with every default written out"},
+    };
+    printf("results in %s:\n", folder);
+    printf("  frames.pvd    the moving surface: paraview %s/frames.pvd\n", folder);
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+        char path[PEL_RUN_PATH_SIZE + 16];
+        snprintf(path, sizeof path, "%s/%s", folder, files[i].name);
+        if (access(path, F_OK) == 0)
+            printf("  %-13s %s\n", files[i].name, files[i].use);
+    }
+}
+
+static void print_summary(const cli_call *call, const pel_scene *scene, const char *folder, const pel_run_summary *s)
+{
+    printf("%s: %lld steps, %lld frames, %.6g s simulated in %.3g s (stepping alone: %.0f steps/s)\n", s->status,
+           (long long)s->steps, (long long)s->frames, s->time_simulated, s->wall_s, s->steps_per_second);
+    printf("  largest displacement   %.6g m\n", s->max_displacement);
+    printf("  displacement at end    %.6g m\n", s->residual_displacement);
+    if (scene->sim.tool_count > 0)
+        printf("  largest tool force     %.6g N\n", s->max_tool_force);
+    printf("  volume at end          %.6g of that at rest\n", s->volume_ratio_final);
+    if (s->alpha > 0.0)
+        printf("  alpha                  %.6g (stable below %.6g)\n", s->alpha, s->alpha_limit);
+    print_files(folder);
+    bool can_go_on = strcmp(s->status, "done") == 0 || strcmp(s->status, "stopped") == 0;
+    if (can_go_on && s->checkpoint[0] != '\0')
+        printf("go on with: pellicle run %s --resume %s\n", call->arguments[0], s->checkpoint);
+}
+
+/* the summary.json that the run wrote, on stdout */
+static bool copy_summary(const char *folder)
+{
+    char path[PEL_RUN_PATH_SIZE + 16];
+    snprintf(path, sizeof path, "%s/summary.json", folder);
+    FILE *file = fopen(path, "rb");
+    if (file == NULL)
+        return false;
+    char bytes[4096];
+    size_t count;
+    while ((count = fread(bytes, 1, sizeof bytes, file)) > 0)
+        fwrite(bytes, 1, count, stdout);
+    fclose(file);
+    return true;
+}
+
+/* a run that was refused, or that could not even write its summary */
+static void write_refusal(const pel_error *error)
+{
+    cli_json json = {.file = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_text(&json, "status", "refused");
+    cli_write_error(&json, error);
+    cli_json_close(&json, '}');
+}
+
+static int run_scene(const cli_call *call, const pel_scene *scene, const char *folder)
+{
+    bool as_json = cli_has(call, "json"), quiet = as_json || cli_has(call, "quiet");
+    display d = {.shown = !quiet && isatty(STDERR_FILENO) != 0};
+    pel_run_def def = pel_run_def_default();
+    def.folder = folder;
+    def.max_frames = cli_count(call, "frames");
+    def.thread_count = cli_count(call, "threads");
+    def.resume = cli_value(call, "resume");
+    def.progress = show_progress;
+    def.user = &d;
+    def.log = quiet ? NULL : &cli_notes;
+    catch_signal(SIGINT);
+    catch_signal(SIGTERM);
+    pel_run_summary summary;
+    pel_error error;
+    pel_status status = pel_run(scene, &def, &summary, &error);
+    if (d.shown && d.last > 0.0)
+        fputs("\r\033[K", stderr);
+    bool started = summary.status[0] != '\0';
+    if (status != PEL_OK) {
+        cli_name_file(&error, call->arguments[0]);
+        cli_report(&error);
+    }
+    if (as_json && !(started && copy_summary(folder)))
+        write_refusal(&error);
+    else if (started && !quiet)
+        print_summary(call, scene, folder, &summary);
+    return status == PEL_OK ? CLI_DONE : started || status == PEL_OUT_OF_MEMORY ? CLI_FAILED : CLI_BAD_INPUT;
+}
+
+static int load_and_run(const cli_call *call, const char *const *settings, int setting_count, const char *folder)
+{
+    bool as_json = cli_has(call, "json"), quiet = as_json || cli_has(call, "quiet");
+    pel_scene *scene = NULL;
+    pel_error error;
+    int status;
+    if (pel_scene_load(call->arguments[0], settings, setting_count, quiet ? NULL : &cli_notes, &scene, &error) ==
+        PEL_OK) {
+        status = run_scene(call, scene, folder);
+    } else {
+        status = cli_report(&error);
+        if (as_json)
+            write_refusal(&error);
+    }
+    pel_scene_destroy(scene);
+    return status;
+}
+
 int cli_run(const cli_call *call)
 {
-    (void)call;
-    return cli_complain("this build has no runs yet. merge the results branch");
+    char folder[PEL_RUN_PATH_SIZE];
+    if (!choose_folder(call, folder))
+        return CLI_BAD_INPUT;
+    const char **settings = calloc((size_t)call->given_count + 1, sizeof *settings);
+    if (settings == NULL) {
+        cli_complain("out of memory");
+        return CLI_FAILED;
+    }
+    int status = load_and_run(call, settings, cli_values(call, "set", settings), folder);
+    free(settings);
+    return status;
 }

@@ -38,7 +38,7 @@ double pel_closest_segment_triangle(const double a[3], const double b[3], const 
    construction: what comes within min_separation, touching included, is always found. A wrong "hit" needs a gap (beyond
    min_separation) below `tolerance` or below the rounding of the closest distance: about 1e-14 of the size of the
    features, up to 1e-8 for nearly parallel edges and very thin faces; or a motion so hard to follow that the budget of
-   time intervals is used up (see pel_ccd_statistics; none in 400,000 contacts of random features). Only differences of
+   time intervals is used up (pel_ccd_statistics counts these; they are rare). Only differences of
    points matter, not their place in the world; the answer does not depend on the order of the points of a face or an
    edge nor of the two edges; degenerate faces and edges, and pairs that do not move, are treated as what they are. NaN
    and infinite input cannot be ruled out and is a hit.
@@ -109,7 +109,8 @@ typedef struct pel_ccd_statistics {
 int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors);
 
 /* All stages: writes the numbers of the queries that hit, rising, to queries (query_count) and the hits to hits
-   (query_count, nullable); returns how many there are. statistics is nullable. */
+   (query_count, nullable); returns how many there are. statistics is nullable. A batch tries a few more axes than a
+   single call: it may prove freedom where that cannot, never the other way round. */
 int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
                             pel_ccd_statistics *statistics);
 

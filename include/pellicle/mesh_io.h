@@ -1,5 +1,12 @@
 /* Pellicle: reading and writing mesh files: OBJ, PLY (ASCII, binary little and big endian), STL (ASCII, binary), OFF.
-   Vertex order and connectivity survive; custom PLY vertex properties become fields. STL corners are welded. */
+   Vertex order and connectivity survive. Faces of more than three corners are cut into triangles that keep their
+   winding. Numbers are read exactly, whatever the locale; NaN, infinity and indices that do not exist are refused.
+   - OBJ: v and f with all kinds of indices; colours, weights, normals, texture coordinates, points, lines ignored.
+   - PLY: scalar vertex properties other than x, y, z become fields, those named n_0, n_1, ... one vector field n; list
+     properties of vertices and elements other than vertex and face ignored.
+   - STL: corners at exactly equal positions are welded in the order of their first appearance; triangles with two equal
+     corners are dropped.
+   - OFF: also COFF, NOFF, ... whose colours and normals are ignored; not the binary kind. */
 #ifndef PELLICLE_MESH_IO_H
 #define PELLICLE_MESH_IO_H
 
@@ -34,9 +41,12 @@ pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log
 pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format, const pel_log *log,
                           pel_mesh **mesh, pel_error *error);
 
-/* Writes a mesh; fields go into PLY (as vertex properties, `name` or `name_0`, `name_1`, ... for vectors), other
-   formats drop them with a note. Coordinates survive a round trip bit for bit in PLY and OBJ (17 digits). Written to a
-   temporary file that is renamed at the end, so a failure leaves no half file. */
+/* Writes a mesh. Coordinates survive a round trip bit for bit in all formats but binary STL, which holds floats.
+   Fields go into PLY (as vertex properties, `name` or `name_0`, `name_1`, ... for vectors, doubles; red, green, blue
+   and alpha as bytes when they fit); other formats drop them, and PLY those whose name it cannot hold, with a note in
+   log (nullable). Written to a temporary file that is renamed at the end, so a failure leaves no half file and an older
+   file as it was. format AUTO: by extension, PLY and STL binary. Errors: PEL_BAD_ARGUMENT (unknown extension, a value
+   that is not finite or too large for binary STL), PEL_BAD_FILE (not writable, disk full), PEL_OUT_OF_MEMORY. */
 pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
                           pel_error *error);
 

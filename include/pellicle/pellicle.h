@@ -13,6 +13,7 @@
 #include "mesh_io.h"
 #include "model.h"
 #include "parallel.h"
+#include "region.h"
 #include "results.h"
 #include "shape.h"
 #include "sim.h"

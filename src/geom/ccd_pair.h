@@ -31,6 +31,10 @@
 
 #include "geom/wide4.h"
 
+#if defined(__FAST_MATH__) || FLT_EVAL_METHOD != 0
+#error "the proofs of freedom need plain IEEE doubles: no -ffast-math, no extended precision"
+#endif
+
 #define CCD_CUBIC_ERROR (384 * DBL_EPSILON)
 #define CCD_NORMAL_ERROR (16 * DBL_EPSILON)
 #define CCD_CORNER_ERROR (8 * DBL_EPSILON)

@@ -37,14 +37,24 @@ static double between(const double a[3], const double b[3], double s, const doub
 
 double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2])
 {
-    double ab[3], ap[3], q[3];
+    double ab[3], ap[3], bp[3], q[3];
     vector3_subtract(b, a, ab);
     vector3_subtract(p, a, ap);
     double length2 = squared_length(ab);
-    double s = length2 > 0 ? clamp01(vector3_dot(ap, ab) / length2) : 0;
-    weights[0] = 1 - s;
-    weights[1] = s;
-    vector3_along(ap, -s, ab, q);
+    double from_a = length2 > 0 ? vector3_dot(ap, ab) / length2 : 0;
+    if (from_a > 0.5) {
+        /* from the nearer end: a short distance must not drown in the rounding of a long one */
+        vector3_subtract(p, b, bp);
+        double from_b = clamp01(-vector3_dot(bp, ab) / length2);
+        weights[0] = from_b;
+        weights[1] = 1 - from_b;
+        vector3_along(bp, from_b, ab, q);
+        return squared_length(q);
+    }
+    from_a = clamp01(from_a);
+    weights[0] = 1 - from_a;
+    weights[1] = from_a;
+    vector3_along(ap, -from_a, ab, q);
     return squared_length(q);
 }
 

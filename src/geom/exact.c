@@ -164,10 +164,23 @@ static bool all_finite(const double *const *points, int point_count, int dimensi
     return true;
 }
 
+/* a line or plane across a coordinate axis: common, and zero without computing anything */
+static bool share_coordinate(const double *const *points, int point_count, int dimension)
+{
+    for (int k = 0; k < dimension; k++) {
+        int equal = 1;
+        while (equal < point_count && points[equal][k] == points[0][k])
+            equal++;
+        if (equal == point_count)
+            return true;
+    }
+    return false;
+}
+
 static int exact_orient2d(const double *const points[3])
 {
     integer edges[2][2], determinant;
-    if (!all_finite(points, 3, 2))
+    if (!all_finite(points, 3, 2) || share_coordinate(points, 3, 2))
         return 0;
     integer_format format = find_format(points, 3, 2);
     for (int i = 0; i < 2; i++)
@@ -180,7 +193,7 @@ static int exact_orient2d(const double *const points[3])
 static int exact_orient3d(const double *const points[4])
 {
     integer edges[3][3], minor, term, sum;
-    if (!all_finite(points, 4, 3))
+    if (!all_finite(points, 4, 3) || share_coordinate(points, 4, 3))
         return 0;
     integer_format format = find_format(points, 4, 3);
     for (int i = 0; i < 3; i++)

@@ -39,37 +39,36 @@ static bool is_between(const double *p, const double *a, const double *b)
     return true;
 }
 
-static bool point_on_segment(const double *p, const double *a, const double *b)
+/* four points on one plane, of which nothing falls together without `axis` */
+static bool plane_segments_meet(int axis, const double *a, const double *b, const double *c, const double *d)
 {
-    return is_between(p, a, b) && find_axis(p, a, b) < 0;
-}
-
-/* four points on one plane that has area without `axis`, no end on the other segment */
-static bool segments_cross(int axis, const double *a, const double *b, const double *c, const double *d)
-{
-    return orient_dropping(axis, a, b, c) * orient_dropping(axis, a, b, d) < 0 &&
-           orient_dropping(axis, c, d, a) * orient_dropping(axis, c, d, b) < 0;
+    int abc = orient_dropping(axis, a, b, c), abd = orient_dropping(axis, a, b, d);
+    int cda = orient_dropping(axis, c, d, a), cdb = orient_dropping(axis, c, d, b);
+    if (abc * abd < 0 && cda * cdb < 0)
+        return true;
+    return (abc == 0 && is_between(c, a, b)) || (abd == 0 && is_between(d, a, b)) ||
+           (cda == 0 && is_between(a, c, d)) || (cdb == 0 && is_between(b, c, d));
 }
 
 static bool segments_meet(const double *a, const double *b, const double *c, const double *d)
 {
-    if (pel_orient3d(a, b, c, d) != 0)
-        return false;
-    if (point_on_segment(a, c, d) || point_on_segment(b, c, d) || point_on_segment(c, a, b) ||
-        point_on_segment(d, a, b))
-        return true;
     int axis = find_axis(a, b, c);
     if (axis < 0)
         axis = find_axis(a, b, d);
-    return axis >= 0 && segments_cross(axis, a, b, c, d);
+    if (axis < 0)
+        axis = find_axis(c, d, a);
+    if (axis >= 0)
+        return pel_orient3d(a, b, c, d) == 0 && plane_segments_meet(axis, a, b, c, d);
+    /* all on one line, or a = b and c = d */
+    return is_between(a, c, d) || is_between(b, c, d) || is_between(c, a, b) || is_between(d, a, b);
 }
 
-/* p is on the plane of a triangle with area */
-static bool plane_point_in_triangle(const double *p, const triangle *t)
+/* p is on the plane of a triangle with area, nothing falls together without `axis` */
+static bool plane_point_in_triangle(int axis, const double *p, const triangle *t)
 {
     int signs[3];
     for (int i = 0; i < 3; i++)
-        signs[i] = orient_dropping(t->axis, t->corner[i], t->corner[(i + 1) % 3], p);
+        signs[i] = orient_dropping(axis, t->corner[i], t->corner[(i + 1) % 3], p);
     return (signs[0] >= 0 && signs[1] >= 0 && signs[2] >= 0) || (signs[0] <= 0 && signs[1] <= 0 && signs[2] <= 0);
 }
 
@@ -79,10 +78,10 @@ static bool segment_meets_triangle(const double *a, const double *b, int a_side,
     if (a_side * b_side > 0)
         return false;
     if (a_side == 0 && b_side == 0) {
-        if (plane_point_in_triangle(a, t) || plane_point_in_triangle(b, t))
+        if (plane_point_in_triangle(t->axis, a, t))
             return true;
         for (int i = 0; i < 3; i++)
-            if (segments_meet(a, b, t->corner[i], t->corner[(i + 1) % 3]))
+            if (plane_segments_meet(t->axis, a, b, t->corner[i], t->corner[(i + 1) % 3]))
                 return true;
         return false;
     }
@@ -163,7 +162,10 @@ bool pel_triangles_intersect(const double a[3][3], const double b[3][3])
         return flat_triangles_meet(&ta, &tb);
     if (tb.axis >= 0 && !find_sides(&ta, &tb, a_sides))
         return false;
-    if (ta.axis >= 0 && !find_sides(&tb, &ta, b_sides))
+    bool one_plane = tb.axis >= 0 && a_sides[0] == 0 && a_sides[1] == 0 && a_sides[2] == 0;
+    if (one_plane)
+        memset(b_sides, 0, sizeof b_sides);
+    else if (ta.axis >= 0 && !find_sides(&tb, &ta, b_sides))
         return false;
     return (tb.axis >= 0 && any_edge_meets(&ta, a_sides, &tb)) || (ta.axis >= 0 && any_edge_meets(&tb, b_sides, &ta));
 }

@@ -93,6 +93,32 @@ bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count)
     return true;
 }
 
+bool pel_builder_add_loose_corner(pel_builder *builder, const double position[3], const char *place)
+{
+    const size_t vertex = builder->vertex_count;
+    return vertex < INT32_MAX && pel_builder_add_vertex(builder, position) &&
+           pel_builder_add_corner(builder, (int32_t)vertex, place);
+}
+
+static bool same_place(const double p[3], const double q[3])
+{
+    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+}
+
+bool pel_builder_end_loose_polygon(pel_builder *builder, size_t corner_count)
+{
+    const double(*corners)[3] = (const double(*)[3])builder->positions + (builder->vertex_count - corner_count);
+    bool dropped = corner_count == 3 && (same_place(corners[0], corners[1]) || same_place(corners[1], corners[2]) ||
+                                         same_place(corners[2], corners[0]));
+    if (dropped || corner_count < 3)
+        builder->vertex_count -= corner_count;
+    if (!dropped)
+        return pel_builder_end_polygon(builder, corner_count);
+    builder->corner_count -= corner_count;
+    builder->dropped_count++;
+    return true;
+}
+
 pel_status pel_builder_weld(pel_builder *builder, const pel_log *log, pel_error *error)
 {
     const size_t count = builder->vertex_count;
@@ -168,6 +194,8 @@ pel_status pel_builder_finish(pel_builder *builder, const pel_scan *scan, const 
         return status;
     if (builder->ignored_count > 0)
         pel_log_line(log, "%zu faces with fewer than three corners ignored", builder->ignored_count);
+    if (builder->dropped_count > 0)
+        pel_log_line(log, "%zu triangles with equal corners dropped", builder->dropped_count);
     const size_t triangle_count = builder->corner_count - 2 * builder->polygon_count;
     pel_mesh *made = pel_allocate(1, sizeof *made);
     if (made == NULL || (triangle_count != builder->polygon_count && !cut_polygons(builder, triangle_count, log))) {

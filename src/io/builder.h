@@ -14,6 +14,7 @@ typedef struct pel_builder {
     int32_t *sizes; /* corners of each polygon */
     size_t polygon_count, polygon_capacity;
     size_t ignored_count;      /* polygons with fewer than three corners */
+    size_t dropped_count;      /* loose triangles with two corners at the same place */
     int32_t index_base;        /* what the file calls the first vertex: 0 or 1 */
     int64_t largest_corner;    /* largest vertex index so far, from 0; -1 = none */
     const char *largest_place; /* where in the file it stands */
@@ -33,8 +34,13 @@ bool pel_builder_end_polygon(pel_builder *builder, size_t corner_count);
 /* a whole polygon of three corners */
 bool pel_builder_add_triangle(pel_builder *builder, const int32_t vertices[3], const char *place);
 
+/* Formats without shared vertices: a corner gets a vertex of its own, to be welded at the end; a triangle with two
+   corners at the same place is dropped, with its vertices. */
+bool pel_builder_add_loose_corner(pel_builder *builder, const double position[3], const char *place);
+bool pel_builder_end_loose_polygon(pel_builder *builder, size_t corner_count);
+
 /* Joins vertices at exactly equal positions in the order of their first appearance, with a note. All corners must be in
-   range. PEL_OUT_OF_MEMORY. */
+   range. PEL_OUT_OF_MEMORY, also beyond INT32_MAX vertices. */
 pel_status pel_builder_weld(pel_builder *builder, const pel_log *log, pel_error *error);
 
 /* Cuts polygons into triangles (noted), makes the mesh and empties the builder. Errors, with the place in the scan:

@@ -48,25 +48,45 @@ static pel_status read_all(int descriptor, const char *path, size_t guess, size_
     return PEL_OK;
 }
 
+/* a descriptor of anything that can be read but a folder, or -1 with the error filled */
+static int open_readable(const char *path, struct stat *information, pel_error *error)
+{
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) {
+        fail_path(error, path, "cannot open the file", errno, "check the path and its permissions");
+        return -1;
+    }
+    const bool known = fstat(descriptor, information) == 0;
+    if (known && !S_ISDIR(information->st_mode))
+        return descriptor;
+    fail_path(error, path, "cannot read the file", known ? EISDIR : errno, "name a file that can be read");
+    close(descriptor);
+    return -1;
+}
+
+pel_status pel_file_check(const char *path, pel_error *error)
+{
+    struct stat information;
+    int descriptor = open_readable(path, &information, error);
+    if (descriptor < 0)
+        return PEL_BAD_FILE;
+    close(descriptor);
+    return PEL_OK;
+}
+
 pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error *error)
 {
     /* pipes and devices have no size: stop before memory is gone */
     const size_t limit_without_size = (size_t)1 << 30;
     *bytes = NULL;
     *size = 0;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0)
-        return fail_path(error, path, "cannot open the file", errno, "check the path and its permissions");
     struct stat information;
-    pel_status status;
-    if (fstat(descriptor, &information) != 0)
-        status = fail_path(error, path, "cannot read the file", errno, "check the path and the disk");
-    else if (S_ISDIR(information.st_mode))
-        status = fail_path(error, path, "cannot read the file", EISDIR, "name a file in this folder");
-    else if (S_ISREG(information.st_mode))
-        status = read_all(descriptor, path, (size_t)information.st_size, SIZE_MAX, bytes, size, error);
-    else
-        status = read_all(descriptor, path, 0, limit_without_size, bytes, size, error);
+    int descriptor = open_readable(path, &information, error);
+    if (descriptor < 0)
+        return PEL_BAD_FILE;
+    const bool regular = S_ISREG(information.st_mode);
+    pel_status status = read_all(descriptor, path, regular ? (size_t)information.st_size : 0,
+                                 regular ? SIZE_MAX : limit_without_size, bytes, size, error);
     close(descriptor);
     return status;
 }

@@ -11,6 +11,9 @@
    null then. An empty file is no error. */
 pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error *error);
 
+/* Whether a file is there and can be opened for reading; PEL_BAD_FILE otherwise. */
+pel_status pel_file_check(const char *path, pel_error *error);
+
 /* Writes to a temporary file in the folder of the path; commit renames it over the path, abandon removes it. A path
    that is a device or a pipe is written directly, a symbolic link is followed, and the mode of a replaced file is kept.
        pel_file_writer writer;

@@ -14,28 +14,14 @@ enum { HEADER_SIZE = 80, START_SIZE = 84, FACET_SIZE = 50, NORMAL_SIZE = 12, FLO
 typedef struct stl_reader {
     pel_scan *scan;
     pel_builder builder;
-    size_t dropped_count; /* facets with equal corners */
 } stl_reader;
-
-static bool same_point(const double p[3], const double q[3])
-{
-    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
-}
 
 static bool add_facet(stl_reader *reader, double corners[3][3], const char *place)
 {
-    if (same_point(corners[0], corners[1]) || same_point(corners[1], corners[2]) ||
-        same_point(corners[2], corners[0])) {
-        reader->dropped_count++;
-        return true;
-    }
-    int32_t vertices[3];
-    for (int i = 0; i < 3; i++) {
-        vertices[i] = (int32_t)reader->builder.vertex_count;
-        if (reader->builder.vertex_count >= INT32_MAX || !pel_builder_add_vertex(&reader->builder, corners[i]))
+    for (int i = 0; i < 3; i++)
+        if (!pel_builder_add_loose_corner(&reader->builder, corners[i], place))
             return false;
-    }
-    return pel_builder_add_triangle(&reader->builder, vertices, place);
+    return pel_builder_end_loose_polygon(&reader->builder, 3);
 }
 
 static uint64_t binary_facet_count(const pel_scan *scan)
@@ -181,8 +167,6 @@ pel_status pel_stl_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel
         status = pel_builder_weld(&reader.builder, log, error);
     if (status == PEL_OK)
         status = pel_builder_finish(&reader.builder, scan, log, mesh, error);
-    if (status == PEL_OK && reader.dropped_count > 0)
-        pel_log_line(log, "%zu facets with equal corners dropped", reader.dropped_count);
     pel_builder_free(&reader.builder);
     return status;
 }

@@ -42,22 +42,35 @@ const pel_issue_info *pel_issue_info_of(pel_issue_kind kind)
     return (unsigned)kind < PEL_ISSUE_COUNT ? &infos[kind] : NULL;
 }
 
+/* room for one more in both lists: they double at 0, 16, 32, ... elements */
+static bool make_room(pel_issue *issue)
+{
+    enum { LEAST = 16 };
+    int32_t count = issue->listed_count;
+    if (count > 0 && (count < LEAST || (count & (count - 1)) != 0))
+        return true;
+    size_t capacity = count < LEAST ? LEAST : 2 * (size_t)count;
+    int32_t *elements = pel_reallocate(issue->elements, capacity, sizeof *elements);
+    if (elements != NULL)
+        issue->elements = elements;
+    int32_t(*related)[2] = pel_reallocate(issue->related, capacity, sizeof *related);
+    if (related != NULL)
+        issue->related = related;
+    return elements != NULL && related != NULL;
+}
+
 pel_status pel_issue_add(pel_mesh_report *report, pel_issue_kind kind, int32_t element, int32_t a, int32_t b)
 {
     pel_issue *issue = &report->issues[kind];
-    if (issue->elements == NULL) {
-        issue->elements = pel_allocate(PEL_ISSUE_LIST_LIMIT, sizeof *issue->elements);
-        issue->related = pel_allocate(PEL_ISSUE_LIST_LIMIT, sizeof *issue->related);
-        if (issue->elements == NULL || issue->related == NULL)
-            return PEL_OUT_OF_MEMORY;
-    }
     issue->count++;
-    if (issue->listed_count < PEL_ISSUE_LIST_LIMIT) {
-        issue->elements[issue->listed_count] = element;
-        issue->related[issue->listed_count][0] = a;
-        issue->related[issue->listed_count][1] = b;
-        issue->listed_count++;
-    }
+    if (issue->listed_count == PEL_ISSUE_LIST_LIMIT)
+        return PEL_OK;
+    if (!make_room(issue))
+        return PEL_OUT_OF_MEMORY;
+    issue->elements[issue->listed_count] = element;
+    issue->related[issue->listed_count][0] = a;
+    issue->related[issue->listed_count][1] = b;
+    issue->listed_count++;
     return PEL_OK;
 }
 

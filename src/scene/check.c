@@ -78,14 +78,15 @@ static pel_status fail_count(pel_scene_reader *reader, const pel_scene_value *va
     return PEL_BAD_SCENE;
 }
 
-/* appends ", name" as long as there is room */
+/* appends ", name" as long as there is room, and dots once there is none */
 static void add_name(char *text, size_t size, const char *name)
 {
     size_t length = strlen(text);
-    if (length + strlen(name) + 8 < size)
-        snprintf(text + length, size - length, "%s%s", length > 0 ? ", " : "", name);
-    else if (length + 6 < size && strcmp(text + length - 3, "...") != 0)
-        snprintf(text + length, size - length, ", ...");
+    const char *comma = length > 0 ? ", " : "";
+    if (length >= 3 && strcmp(text + length - 3, "...") == 0)
+        return;
+    bool fits = length + strlen(name) + sizeof ", , ..." <= size;
+    snprintf(text + length, size - length, "%s%s", comma, fits ? name : "...");
 }
 
 pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *place, const char *what,
@@ -120,9 +121,9 @@ static size_t applying_names(pel_scene_reader *reader, const char *prefix, const
 static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const pel_scene_value *entry)
 {
     const pel_scene_row *row = pel_scene_row_find(reader->table, prefix, entry->key);
-    if (row != NULL && row->needs_word == NULL) {
-        pel_scene_fail(reader, &entry->key_place, "key '%s' goes only with '%s'", entry->key, row->needs);
-        pel_fail_remedy(reader->error, "add '%s' beside it or remove it", row->needs);
+    if (row != NULL && pel_scene_value_entry(entry->parent, row->needs) == NULL) {
+        pel_scene_fail(reader, &entry->key_place, "key '%s' goes only with: %s", entry->key, row->needs);
+        pel_fail_remedy(reader->error, "give that beside it, or remove it");
         return PEL_BAD_SCENE;
     }
     const char *names[MOST_NAMES];
@@ -134,14 +135,20 @@ static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const p
     return pel_scene_fail_name(reader, &entry->key_place, what, entry->key, names, count);
 }
 
-static pel_status fail_missing(pel_scene_reader *reader, const pel_scene_value *map, const char *name,
-                               const char *remedy)
+static pel_status fail_missing(pel_scene_reader *reader, const pel_scene_value *map, const char *what)
 {
     char path[PATH_SIZE];
-    bool is_root = map->parent == NULL;
-    pel_scene_fail(reader, &map->place, "%s lacks %s",
-                   is_root ? "the scene" : pel_scene_value_path(map, path, sizeof path), name);
-    pel_fail_remedy(reader->error, "%s", remedy);
+    const char *name = map->parent != NULL ? pel_scene_value_path(map, path, sizeof path) : "the scene";
+    return pel_scene_fail(reader, &map->place, "%s lacks %s", name, what);
+}
+
+static pel_status fail_missing_key(pel_scene_reader *reader, const pel_scene_value *map, const char *key,
+                                   const char *doc)
+{
+    char quoted[100];
+    snprintf(quoted, sizeof quoted, "'%s'", key);
+    fail_missing(reader, map, quoted);
+    pel_fail_remedy(reader->error, "add '%s:': %s", key, doc);
     return PEL_BAD_SCENE;
 }
 
@@ -164,8 +171,13 @@ static bool parse_boolean(const char *text, double *number)
 static pel_status check_number(pel_scene_reader *reader, const pel_scene_row *limits, pel_scene_value *value,
                                pel_scene_form form, double number)
 {
-    if (!isfinite(number) || !pel_scene_range_has(limits->range, number))
+    if (!pel_scene_range_has(limits->range, number))
         return fail_range(reader, limits, value);
+    if (!isfinite(number)) {
+        fail_range(reader, limits, value);
+        pel_fail_remedy(reader->error, "it must be finite");
+        return PEL_BAD_SCENE;
+    }
     return accept(value, form, number);
 }
 
@@ -216,7 +228,7 @@ static pel_status check_tuple(pel_scene_reader *reader, const pel_scene_row *row
                               pel_scene_value *value, pel_scene_form form, int32_t needed)
 {
     static const pel_scene_row time = {
-        .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, INFINITY}, .doc = "a time"};
+        .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, (double)INFINITY}, .doc = "a time"};
     pel_scene_row part = {.forms = PEL_FORM_NUMBER, .unit = limits->unit, .range = limits->range, .doc = row->doc};
     if (pel_scene_value_count(value) != needed)
         return fail_count(reader, value, pel_scene_value_count(value),
@@ -272,8 +284,10 @@ bool pel_scene_row_applies(const pel_scene_row *row, const pel_scene_value *map)
 {
     if (row->needs == NULL)
         return true;
-    const pel_scene_value *beside = pel_scene_value_entry(map, row->needs);
-    return beside != NULL && (row->needs_word == NULL || strcmp(row->needs_word, beside->text) == 0);
+    for (const pel_scene_value *entry = map->first; entry != NULL; entry = entry->next)
+        if (pel_scene_row_needs(row, entry->key))
+            return row->needs_word == NULL || strcmp(row->needs_word, entry->text) == 0;
+    return false;
 }
 
 /* the row of an entry, null when the map has no such key */
@@ -286,12 +300,28 @@ static const pel_scene_row *row_of_entry(pel_scene_reader *reader, const char *p
     return NULL;
 }
 
+/* every key has a name that the table knows and stands once */
+static pel_status check_names(pel_scene_reader *reader, const char *prefix, const pel_scene_value *map)
+{
+    for (const pel_scene_value *entry = map->first; entry != NULL; entry = entry->next) {
+        if (pel_scene_row_find(reader->table, prefix, entry->key) == NULL)
+            return fail_key(reader, prefix, entry);
+        const pel_scene_value *before = pel_scene_value_entry(map, entry->key);
+        if (before == entry)
+            continue;
+        pel_scene_fail(reader, &entry->key_place, "key '%s' is given twice", entry->key);
+        pel_fail_remedy(reader->error, "keep one of them; the other is in line %d", (int)before->key_place.line);
+        return PEL_BAD_SCENE;
+    }
+    return PEL_OK;
+}
+
 /* a key without value counts as left out */
-static void remove_nulls(pel_scene_reader *reader, const char *prefix, pel_scene_value *map)
+static void remove_nulls(pel_scene_value *map)
 {
     for (pel_scene_value *entry = map->first, *next; entry != NULL; entry = next) {
         next = entry->next;
-        if (is_null(entry) && pel_scene_row_find(reader->table, prefix, entry->key) != NULL)
+        if (is_null(entry))
             pel_scene_value_remove(entry);
     }
 }
@@ -305,7 +335,7 @@ static pel_status check_alternatives(pel_scene_reader *reader, const char *prefi
         const pel_scene_row *row = row_of_entry(reader, prefix, entry);
         if (row == NULL || !row->alternative)
             continue;
-        if (found != NULL && strcmp(found->key, entry->key) != 0) {
+        if (found != NULL) {
             pel_scene_fail(reader, &entry->key_place, "'%s' and '%s' exclude each other", found->key, entry->key);
             pel_fail_remedy(reader->error, "remove one of them");
             return PEL_BAD_SCENE;
@@ -318,19 +348,12 @@ static pel_status check_alternatives(pel_scene_reader *reader, const char *prefi
     return PEL_OK;
 }
 
-/* every key is known, fits to the others and stands once */
-static pel_status check_keys(pel_scene_reader *reader, const char *prefix, pel_scene_value *map)
+/* every key goes with the others */
+static pel_status check_conditions(pel_scene_reader *reader, const char *prefix, const pel_scene_value *map)
 {
-    for (const pel_scene_value *entry = map->first; entry != NULL; entry = entry->next) {
+    for (const pel_scene_value *entry = map->first; entry != NULL; entry = entry->next)
         if (row_of_entry(reader, prefix, entry) == NULL)
             return fail_key(reader, prefix, entry);
-        const pel_scene_value *before = pel_scene_value_entry(map, entry->key);
-        if (before != entry) {
-            pel_scene_fail(reader, &entry->key_place, "key '%s' is given twice", entry->key);
-            pel_fail_remedy(reader->error, "keep one of them; the other is in line %d", (int)before->key_place.line);
-            return PEL_BAD_SCENE;
-        }
-    }
     return PEL_OK;
 }
 
@@ -378,7 +401,7 @@ static pel_status add_preset(pel_scene_reader *reader, const pel_scene_row *row,
 /* when no alternative is given: the one with a default, or an error when there is none */
 static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix, pel_scene_value *map)
 {
-    const pel_scene_row *chosen = NULL;
+    const pel_scene_row *last = NULL, *chosen = NULL;
     char names[200] = "";
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(reader->table, prefix, row)) != NULL;) {
         if (!row->alternative)
@@ -387,16 +410,19 @@ static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix,
         if (pel_scene_value_entry(map, name) != NULL)
             return PEL_OK;
         add_name(names, sizeof names, name);
+        last = row;
         if (row->preset != NULL)
             chosen = row;
     }
     if (chosen != NULL)
         return add_preset(reader, chosen, pel_scene_row_name(chosen, prefix), map);
-    if (names[0] == '\0')
+    if (last == NULL)
         return PEL_OK;
-    char remedy[250];
-    snprintf(remedy, sizeof remedy, "add one of: %s", names);
-    return fail_missing(reader, map, strchr(names, ',') != NULL ? "its main key" : names, remedy);
+    if (strchr(names, ',') == NULL)
+        return fail_missing_key(reader, map, names, last->doc);
+    fail_missing(reader, map, "one of its main keys");
+    pel_fail_remedy(reader->error, "add one of: %s", names);
+    return PEL_BAD_SCENE;
 }
 
 /* puts the entries into the order of the table and fills in what is missing */
@@ -411,10 +437,7 @@ static pel_status fill_entries(pel_scene_reader *reader, const char *prefix, pel
             pel_scene_value_remove(entry);
             pel_scene_value_append(map, name, entry);
         } else if (row->required) {
-            char quoted[100], remedy[300];
-            snprintf(quoted, sizeof quoted, "'%s'", name);
-            snprintf(remedy, sizeof remedy, "add '%s:': %s", name, row->doc);
-            return fail_missing(reader, map, quoted, remedy);
+            return fail_missing_key(reader, map, name, row->doc);
         } else if (row->preset != NULL && !row->alternative) {
             pel_status status = add_preset(reader, row, name, map);
             if (status != PEL_OK)
@@ -430,10 +453,13 @@ static pel_status check_map(pel_scene_reader *reader, const pel_scene_row *row, 
     if (row != NULL && (row->forms & PEL_FORM_MAP) == 0)
         return fail_form(reader, row, map);
     const char *prefix = pel_scene_row_prefix(row);
-    remove_nulls(reader, prefix, map);
-    pel_status status = check_alternatives(reader, prefix, limits, map);
+    pel_status status = check_names(reader, prefix, map);
+    if (status != PEL_OK)
+        return status;
+    remove_nulls(map);
+    status = check_alternatives(reader, prefix, limits, map);
     if (status == PEL_OK)
-        status = check_keys(reader, prefix, map);
+        status = check_conditions(reader, prefix, map);
     if (status == PEL_OK)
         status = fill_alternative(reader, prefix, map);
     if (status == PEL_OK)

@@ -76,6 +76,8 @@ struct pel_sim {
     pel_state *state;
     pel_solver_def solver;
     pel_step step;
+    pel_pool *pool;        /* null = one thread */
+    double *chunk_longest; /* scratch of the step */
     double alpha_limit;
     pel_load *loads;
     int32_t load_count;

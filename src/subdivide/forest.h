@@ -27,7 +27,7 @@ pel_status pel_lod_forest_create(const pel_mesh *mesh, int32_t depth, size_t mem
                                  pel_error *error);
 void pel_lod_forest_destroy(pel_lod_forest *forest);
 
-/* The bytes of a forest, exactly; about 75 for each triangle of its finest level. SIZE_MAX when it is too large to be
+/* The bytes of a forest, exactly; about 71 for each triangle of its finest level. SIZE_MAX when it is too large to be
    numbered. */
 size_t pel_lod_forest_bytes(const pel_topology *base, int32_t depth);
 

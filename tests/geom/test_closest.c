@@ -51,7 +51,7 @@ static void bound_distance(const double (*points)[3], int first, int second, dou
         for (int part = 0; part < 2; part++) {
             int begin = part ? first : 0, end = part ? first + second : first;
             int to = -1, from = -1;
-            double low = (double)INFINITY, high = -(double)INFINITY, mean = 0;
+            double low = HUGE_VAL, high = -HUGE_VAL, mean = 0;
             for (int i = begin; i < end; i++) {
                 double slope = (part ? -1 : 1) * (d[0] * points[i][0] + d[1] * points[i][1] + d[2] * points[i][2]);
                 mean += weights[i] * slope;
@@ -112,7 +112,7 @@ static void test_against_bounds(void **unused)
 {
     (void)unused;
     random_state random = {1};
-    for (int trial = 0; trial < 1200; trial++) {
+    for (int trial = 0; trial < trial_count(1200); trial++) {
         double points[5][3];
         for (int i = 0; i < 5; i++)
             for (int k = 0; k < 3; k++) {
@@ -167,7 +167,7 @@ static void test_scale(void **unused)
 static void test_bad_numbers(void **unused)
 {
     (void)unused;
-    const double bad[3] = {(double)NAN, (double)INFINITY, 0};
+    const double bad[3] = {(double)NAN, HUGE_VAL, 0};
     double points[5][3] = {{0}}, weights[6];
     for (int kind = 0; kind < 4; kind++)
         for (int i = 0; i < kinds[kind][0] + kinds[kind][1]; i++) {

@@ -44,7 +44,7 @@ static pel_mesh *write_and_read(const pel_mesh *mesh, pel_mesh_format format)
 {
     pel_error error;
     char text[700];
-    pel_mesh *back;
+    pel_mesh *back = NULL;
     if (pel_mesh_write(scratch_file, format, mesh, NULL, &error) != PEL_OK ||
         pel_mesh_read(scratch_file, PEL_FORMAT_AUTO, NULL, &back, &error) != PEL_OK)
         fail_msg("%s", pel_error_text(&error, text, sizeof text));
@@ -153,7 +153,7 @@ static void test_write_failures(void **unused)
             check_write_failure("/dev/full", (pel_mesh_format)format, mesh, PEL_BAD_FILE, "No space left");
     mesh->positions[1][0] = 1e300;
     check_write_failure("never.stl", PEL_FORMAT_AUTO, mesh, PEL_BAD_ARGUMENT, "vertex 1: coordinate 1e+300");
-    mesh->positions[1][0] = NAN;
+    mesh->positions[1][0] = (double)NAN;
     check_write_failure("never.ply", PEL_FORMAT_AUTO, mesh, PEL_BAD_ARGUMENT,
                         "vertex 1: a value of 'positions' is nan");
     assert_int_equal(access("never.stl", F_OK), -1);

@@ -4,6 +4,7 @@
 #include "io/number.h"
 
 #include <locale.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 static random_state generator = {.seed = 20240607};
@@ -106,7 +107,7 @@ static void test_random_doubles(void **unused)
 {
     (void)unused;
     char text[512];
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < 400000; i++) {
         uint64_t bits = random_bits(&generator);
         double value;
         memcpy(&value, &bits, sizeof value);
@@ -148,7 +149,7 @@ static void test_ties(void **unused)
 {
     (void)unused;
     char text[1200];
-    for (int i = 0; i < 40000; i++) {
+    for (int i = 0; i < 20000; i++) {
         uint64_t bits = random_bits(&generator);
         double mantissa = (double)(UINT64_C(1) << 52 | bits >> 12);
         int exponent = (int)(random_bits(&generator) % 160) - 100;
@@ -158,6 +159,40 @@ static void test_ties(void **unused)
         check_against_strtod(text);
         text[length] = '1';
         text[length + 1] = '\0';
+        check_against_strtod(text);
+    }
+}
+
+#ifdef __SIZEOF_INT128__
+/* w / 10^k with 63-bit w next to a tie: whether the division left a rest decides */
+static void test_quotients_at_ties(void **unused)
+{
+    (void)unused;
+    __extension__ typedef unsigned __int128 wide;
+    for (int i = 0; i < 50000; i++) {
+        int k = 1 + (int)(random_bits(&generator) % 27);
+        wide tie = (random_bits(&generator) >> 11 | UINT64_C(1) << 53 | 1);
+        for (int power = 0; power < k; power++)
+            tie *= 5;
+        while (tie >> 64 != 0)
+            tie >>= 1;
+        for (uint64_t step = 0; step < 2; step++) {
+            char text[64];
+            snprintf(text, sizeof text, "%llue-%d", (unsigned long long)((uint64_t)tie + step), k);
+            check_against_strtod(text);
+        }
+    }
+}
+#endif
+
+/* a tie whose only digit that tells stands behind a thousand zeros */
+static void test_tie_decided_late(void **unused)
+{
+    (void)unused;
+    char text[1200];
+    const char *const ends[2] = {"", "1"};
+    for (int i = 0; i < 2; i++) {
+        snprintf(text, sizeof text, "1.00000000000000011102230246251565404236316680908203125%01000d%s", 0, ends[i]);
         check_against_strtod(text);
     }
 }
@@ -183,7 +218,7 @@ static void test_print_reads_back(void **unused)
 {
     (void)unused;
     char text[PEL_NUMBER_SIZE];
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < 100000; i++) {
         uint64_t bits = random_bits(&generator);
         double value;
         memcpy(&value, &bits, sizeof value);
@@ -204,16 +239,26 @@ static void test_print_reads_back(void **unused)
     assert_string_equal(text, "-inf");
 }
 
-/* a locale with a decimal comma changes nothing (skipped when none is installed) */
+/* sets a locale with a decimal comma, built here when none is installed; false when that is impossible */
+static bool set_comma_locale(void)
+{
+    static const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "fr_FR"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (setlocale(LC_NUMERIC, names[i]) != NULL)
+            return true;
+    return system("localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 >localedef.log 2>&1") == 0 &&
+           setenv("LOCPATH", ".", 1) == 0 && setlocale(LC_NUMERIC, "de_DE.UTF-8") != NULL;
+}
+
+/* a decimal comma changes nothing */
 static void test_locale(void **unused)
 {
     (void)unused;
-    static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE", "fr_FR"};
-    const char *found = NULL;
-    for (size_t i = 0; i < sizeof names / sizeof *names && found == NULL; i++)
-        found = setlocale(LC_NUMERIC, names[i]);
-    if (found == NULL)
+    if (!set_comma_locale())
         skip();
+    char comma[8];
+    snprintf(comma, sizeof comma, "%.1f", 0.5);
+    assert_string_equal(comma, "0,5");
     double value, slow;
     const char *text = "0.5", *digits = "0.12345678901234567890123";
     assert_non_null(pel_number_parse(text, text + 3, &value));
@@ -229,15 +274,14 @@ static void test_locale(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_chosen_texts),
-        cmocka_unit_test(test_no_number),
-        cmocka_unit_test(test_stops_at_end),
-        cmocka_unit_test(test_random_doubles),
-        cmocka_unit_test(test_random_digits),
-        cmocka_unit_test(test_ties),
-        cmocka_unit_test(test_very_long_numbers),
-        cmocka_unit_test(test_print_reads_back),
-        cmocka_unit_test(test_locale),
+        cmocka_unit_test(test_chosen_texts),      cmocka_unit_test(test_no_number),
+        cmocka_unit_test(test_stops_at_end),      cmocka_unit_test(test_random_doubles),
+        cmocka_unit_test(test_random_digits),     cmocka_unit_test(test_ties),
+#ifdef __SIZEOF_INT128__
+        cmocka_unit_test(test_quotients_at_ties),
+#endif
+        cmocka_unit_test(test_tie_decided_late),  cmocka_unit_test(test_very_long_numbers),
+        cmocka_unit_test(test_print_reads_back),  cmocka_unit_test(test_locale),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

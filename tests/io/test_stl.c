@@ -75,7 +75,7 @@ static void test_degenerate_facets_are_dropped(void **unused)
                             "solid\n" FACET("9 9 9", "9 9 9", "1 0 0") TWO_FACETS FACET("8 0 0", "7 0 0", "8 0 -0")
                                 FACET("0 0 0", "6 6 6", "6 6 6") "endsolid",
                             &said));
-    assert_non_null(strstr(said.text, "3 facets with equal corners dropped"));
+    assert_non_null(strstr(said.text, "3 triangles with equal corners dropped"));
     refuse_text("a.stl", "solid\n" FACET("0 0 0", "1 0 0", "1 0 0") "endsolid", "no triangles");
 }
 

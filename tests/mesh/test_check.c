@@ -70,6 +70,22 @@ static void test_sphere_figures(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* two triangles apart with edges 3, 4, 5 and 6, 8, 10: an even number of edges has two in the middle */
+static void test_even_median(void **unused)
+{
+    (void)unused;
+    const double positions[18] = {0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 1, 6, 0, 1, 0, 8, 1};
+    const int32_t triangles[6] = {0, 1, 2, 3, 4, 5};
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_create(positions, 6, triangles, 2, &mesh, NULL), PEL_OK);
+    pel_mesh_report *report = check(mesh);
+    assert_near(report->edge_length_median, 5.5, 1e-15);
+    assert_near(report->edge_length_mean, 6, 1e-15);
+    assert_near(report->area, 6 + 24, 1e-14);
+    pel_mesh_report_destroy(report);
+    pel_mesh_destroy(mesh);
+}
+
 /* far from the origin the volume keeps its digits */
 static void test_volume_far_away(void **unused)
 {
@@ -406,7 +422,7 @@ static void test_random_against_oracle(void **unused)
     (void)unused;
     random_state random = {5};
     int32_t met[PEL_ISSUE_COUNT] = {0};
-    for (int round = 0; round < 1500; round++) {
+    for (int round = 0; round < 1000; round++) {
         double positions[MOST_VERTICES][3] = {{0}};
         int32_t triangles[MOST_TRIANGLES][3];
         pel_mesh mesh = {.vertex_count = 3 + random_below(&random, MOST_VERTICES - 2),
@@ -443,7 +459,7 @@ static void test_random_against_oracle(void **unused)
         pel_mesh_report_destroy(report);
     }
     for (int32_t kind = 0; kind < PEL_ISSUE_COUNT; kind++)
-        assert_true(kind == PEL_ISSUE_INSIDE_OUT || met[kind] > 10);
+        assert_true(kind == PEL_ISSUE_INSIDE_OUT || met[kind] > 5);
 }
 
 /* the topology takes exactly the meshes without errors of connection */
@@ -452,7 +468,7 @@ static void test_agrees_with_topology(void **unused)
     (void)unused;
     random_state random = {6};
     int accepted = 0;
-    for (int round = 0; round < 20000; round++) {
+    for (int round = 0; round < 5000; round++) {
         int32_t triangles[18], vertex_count = 3 + random_below(&random, 5),
                                triangle_count = 1 + random_below(&random, 5);
         for (int32_t i = 0; i < 3 * triangle_count; i++)
@@ -471,7 +487,7 @@ static void test_agrees_with_topology(void **unused)
         pel_topology_destroy(topology);
         pel_mesh_destroy(mesh);
     }
-    assert_in_range(accepted, 1000, 19000);
+    assert_in_range(accepted, 200, 4800);
 }
 
 /* numbers of the table in ../shared/data/README.md */
@@ -542,6 +558,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_table),
         cmocka_unit_test(test_sphere_figures),
+        cmocka_unit_test(test_even_median),
         cmocka_unit_test(test_volume_far_away),
         cmocka_unit_test(test_single_issues),
         cmocka_unit_test(test_moebius_strip),

@@ -8,13 +8,24 @@ static const double tolerance = 1e-14;
 
 /* the oracle: stencils from a list of triangles by search, weights straight from the theory page */
 
-static int32_t find_half_edge(const pel_mesh *mesh, int32_t from, int32_t to)
+/* (vertex_count x vertex_count) the half-edge from one vertex to the other, -1 = none */
+static int32_t *half_edge_table;
+
+static void build_half_edge_table(const pel_mesh *mesh)
 {
+    size_t count = (size_t)mesh->vertex_count;
+    half_edge_table = malloc(count * count * sizeof *half_edge_table);
+    assert_non_null(half_edge_table);
+    memset(half_edge_table, -1, count * count * sizeof *half_edge_table);
     for (int32_t t = 0; t < mesh->triangle_count; t++)
         for (int i = 0; i < 3; i++)
-            if (mesh->triangles[t][i] == from && mesh->triangles[t][(i + 1) % 3] == to)
-                return 3 * t + i;
-    return -1;
+            half_edge_table[(size_t)mesh->triangles[t][i] * count + (size_t)mesh->triangles[t][(i + 1) % 3]] =
+                3 * t + i;
+}
+
+static int32_t find_half_edge(const pel_mesh *mesh, int32_t from, int32_t to)
+{
+    return half_edge_table[(size_t)from * (size_t)mesh->vertex_count + (size_t)to];
 }
 
 static int32_t tip_of(const pel_mesh *mesh, int32_t h)
@@ -118,6 +129,7 @@ static void edge_point(const pel_mesh *mesh, int32_t a, int32_t b, double point[
 static void check_against_oracle(const pel_mesh *mesh)
 {
     pel_mesh *fine;
+    build_half_edge_table(mesh);
     assert_int_equal(pel_mesh_subdivide(mesh, 1, &fine, NULL), PEL_OK);
     assert_memory_equal(fine->positions, mesh->positions, (size_t)mesh->vertex_count * 3 * sizeof(double));
     int32_t *edge = malloc(3 * (size_t)mesh->triangle_count * sizeof *edge), edge_count = 0;
@@ -145,6 +157,7 @@ static void check_against_oracle(const pel_mesh *mesh)
         assert_memory_equal(fine->triangles[4 * t], expected, sizeof expected);
     }
     free(edge);
+    free(half_edge_table);
     pel_mesh_destroy(fine);
 }
 

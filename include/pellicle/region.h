@@ -1,0 +1,58 @@
+/* Pellicle: regions: which vertices of a mesh something acts on, and how much. */
+#ifndef PELLICLE_REGION_H
+#define PELLICLE_REGION_H
+
+#include "mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pel_region_kind {
+    PEL_REGION_ALL,      /* every vertex */
+    PEL_REGION_NEAREST,  /* the vertex nearest to `point` (the first of several) and, with falloff, those around it */
+    PEL_REGION_SPHERE,   /* within `radius` of `center` */
+    PEL_REGION_BOX,      /* low <= position <= high */
+    PEL_REGION_VERTICES, /* the listed vertices */
+    PEL_REGION_FIELD     /* where the scalar field `field` is greater than `above` */
+} pel_region_kind;
+
+/* A region. Members of other kinds are not looked at; pointers need to live during the call only. */
+typedef struct pel_region {
+    pel_region_kind kind;
+    double point[3];         /* m, nearest */
+    double center[3];        /* m, sphere */
+    double radius;           /* m, sphere, >= 0 */
+    double low[3], high[3];  /* m, box, low <= high */
+    const int32_t *vertices; /* (vertex_count) vertices; twice the same is fine */
+    int32_t vertex_count;
+    const char *field; /* name of a scalar field of the mesh */
+    double above;      /* field; 0.5 by default */
+    double falloff;    /* m, >= 0; nearest, sphere and box only: outside the region, up to this distance from it, the
+                          weight falls smoothly from 1 to 0 (cubic, level at both ends). The distance goes straight
+                          through space, to the sphere, the box or the nearest vertex */
+    uint32_t cookie;   /* set by pel_region_default */
+} pel_region;
+
+/* Everything: kind PEL_REGION_ALL, no falloff. */
+pel_region pel_region_default(void);
+
+/* The vertices of a region in ascending order. */
+typedef struct pel_selection {
+    int32_t count;
+    int32_t *vertices; /* (count) */
+    double *weights;   /* (count) 1 inside, less in the falloff; > 0 */
+} pel_selection;
+
+/* Finds the vertices of a region in linear time. PEL_BAD_ARGUMENT: nothing is selected (the message names the nearest
+   vertex and its distance, or the field's range), a number out of range, a vertex or field that does not exist, a field
+   of vectors. On failure *selection is null. Free with pel_selection_destroy. */
+pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_selection **selection, pel_error *error);
+
+/* Frees a selection; null is fine. */
+void pel_selection_destroy(pel_selection *selection);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,300 @@
+#include "pellicle/region.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "base/text.h"
+#include "math/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COOKIE = 0x52454749 };
+
+pel_region pel_region_default(void)
+{
+    pel_region region;
+    memset(&region, 0, sizeof region);
+    region.kind = PEL_REGION_ALL;
+    region.above = 0.5;
+    region.cookie = COOKIE;
+    return region;
+}
+
+static bool finite_point(const double point[3])
+{
+    return isfinite(point[0]) && isfinite(point[1]) && isfinite(point[2]);
+}
+
+static pel_status refuse(pel_error *error, const char *what, const char *remedy)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_falloff(const pel_region *region, pel_error *error)
+{
+    bool has_distance =
+        region->kind == PEL_REGION_NEAREST || region->kind == PEL_REGION_SPHERE || region->kind == PEL_REGION_BOX;
+    if (!isfinite(region->falloff) || region->falloff < 0)
+        return refuse(error, "falloff of the region is not a number from 0 on", "give a width in metres, 0 for none");
+    if (region->falloff > 0 && !has_distance)
+        return refuse(error, "this kind of region has no falloff", "set falloff to 0, or use a sphere, box or nearest");
+    return PEL_OK;
+}
+
+static pel_status check_box(const pel_region *region, pel_error *error)
+{
+    bool right = finite_point(region->low) && finite_point(region->high);
+    for (int i = 0; i < 3; i++)
+        right = right && region->low[i] <= region->high[i];
+    return right ? PEL_OK
+                 : refuse(error, "box of the region has a corner that is not finite or is upside down",
+                          "give the lowest and the highest corner");
+}
+
+static pel_status check_vertices(const pel_region *region, const pel_mesh *mesh, pel_error *error)
+{
+    for (int32_t i = 0; i < region->vertex_count; i++) {
+        int32_t v = region->vertices[i];
+        if (v >= 0 && v < mesh->vertex_count)
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "the mesh has no vertex %d", (int)v);
+        pel_fail_remedy(error, "give numbers from 0 to %d", (int)mesh->vertex_count - 1);
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
+/* the field whose name is most like this one, null when none is near */
+static const char *nearest_field(const pel_mesh *mesh, const char *name)
+{
+    const char *best = NULL;
+    for (int32_t f = 0; f < mesh->field_count; f++) {
+        const char *pair[2] = {best != NULL ? best : mesh->fields[f].name, mesh->fields[f].name};
+        best = pel_nearest_name(name, pair, 2);
+    }
+    return best;
+}
+
+static pel_status fail_unknown_field(const pel_mesh *mesh, const char *name, pel_error *error)
+{
+    const char *nearest = nearest_field(mesh, name);
+    pel_fail(error, PEL_BAD_ARGUMENT, "the mesh has no field '%s'", name);
+    if (nearest != NULL)
+        pel_fail_remedy(error, "did you mean '%s'?", nearest);
+    else if (mesh->field_count > 0)
+        pel_fail_remedy(error, "its first of %d fields is '%s'", (int)mesh->field_count, mesh->fields[0].name);
+    else
+        pel_fail_remedy(error, "it has no fields: use a PLY file with custom vertex properties");
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_field(const pel_region *region, const pel_mesh *mesh, pel_error *error)
+{
+    if (region->field == NULL || isnan(region->above))
+        return refuse(error, "region has no field name or no number", "set field and above");
+    const pel_field *field = pel_mesh_field(mesh, region->field);
+    if (field == NULL)
+        return fail_unknown_field(mesh, region->field, error);
+    if (field->component_count == 1)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' has %d numbers per vertex", field->name, (int)field->component_count);
+    pel_fail_remedy(error, "use a field with one number per vertex");
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_region(const pel_region *region, const pel_mesh *mesh, pel_error *error)
+{
+    if (region->cookie != COOKIE)
+        return refuse(error, "the region was not filled by pel_region_default",
+                      "begin with pel_region_default() and change its members");
+    pel_status status = check_falloff(region, error);
+    if (status != PEL_OK)
+        return status;
+    switch (region->kind) {
+    case PEL_REGION_ALL:
+        return PEL_OK;
+    case PEL_REGION_NEAREST:
+        return finite_point(region->point) ? PEL_OK
+                                           : refuse(error, "point of the region is not finite", "give three numbers");
+    case PEL_REGION_SPHERE:
+        if (finite_point(region->center) && isfinite(region->radius) && region->radius >= 0)
+            return PEL_OK;
+        return refuse(error, "sphere of the region has a centre or radius that is not finite, or a negative radius",
+                      "give three numbers and a radius from 0 on");
+    case PEL_REGION_BOX:
+        return check_box(region, error);
+    case PEL_REGION_VERTICES:
+        return check_vertices(region, mesh, error);
+    case PEL_REGION_FIELD:
+        return check_field(region, mesh, error);
+    default:
+        return refuse(error, "there is no such kind of region", "use one of pel_region_kind");
+    }
+}
+
+static int32_t nearest_vertex(const pel_mesh *mesh, const double point[3])
+{
+    int32_t nearest = 0;
+    double least = (double)INFINITY;
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double distance = pel_vec3_distance(mesh->positions[v], point);
+        if (distance < least) {
+            least = distance;
+            nearest = v;
+        }
+    }
+    return nearest;
+}
+
+static double box_distance(const double low[3], const double high[3], const double point[3])
+{
+    double inside[3];
+    for (int i = 0; i < 3; i++)
+        inside[i] = fmin(fmax(point[i], low[i]), high[i]);
+    return pel_vec3_distance(point, inside);
+}
+
+/* 1 at distance 0 and below, 0 from the falloff on */
+static double weight_at(double distance, double falloff)
+{
+    if (distance <= 0)
+        return 1;
+    if (distance >= falloff)
+        return 0;
+    double s = distance / falloff;
+    return 1 - s * s * (3 - 2 * s);
+}
+
+/* distance of each vertex from the sphere, box or nearest vertex; <= 0 inside */
+static void measure_distances(const pel_mesh *mesh, const pel_region *region, double *distances)
+{
+    const double *middle = region->center;
+    double radius = region->radius;
+    if (region->kind == PEL_REGION_NEAREST) {
+        middle = mesh->positions[nearest_vertex(mesh, region->point)];
+        radius = 0;
+    }
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        distances[v] = region->kind == PEL_REGION_BOX ? box_distance(region->low, region->high, mesh->positions[v])
+                                                      : pel_vec3_distance(mesh->positions[v], middle) - radius;
+}
+
+/* the nearest vertex is one vertex, not all at its place */
+static void weigh_by_distance(const pel_mesh *mesh, const pel_region *region, double *weights)
+{
+    measure_distances(mesh, region, weights);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        weights[v] = weight_at(weights[v], region->falloff);
+    if (region->kind == PEL_REGION_NEAREST && region->falloff == 0) {
+        memset(weights, 0, (size_t)mesh->vertex_count * sizeof *weights);
+        weights[nearest_vertex(mesh, region->point)] = 1;
+    }
+}
+
+static void weigh_by_field(const pel_mesh *mesh, const pel_region *region, double *weights)
+{
+    const double *values = pel_mesh_field(mesh, region->field)->values;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        weights[v] = values[v] > region->above;
+}
+
+static void weigh(const pel_mesh *mesh, const pel_region *region, double *weights)
+{
+    switch (region->kind) {
+    case PEL_REGION_ALL:
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            weights[v] = 1;
+        break;
+    case PEL_REGION_VERTICES:
+        for (int32_t i = 0; i < region->vertex_count; i++)
+            weights[region->vertices[i]] = 1;
+        break;
+    case PEL_REGION_FIELD:
+        weigh_by_field(mesh, region, weights);
+        break;
+    default:
+        weigh_by_distance(mesh, region, weights);
+        break;
+    }
+}
+
+/* says how far off the region is */
+static pel_status fail_empty(const pel_mesh *mesh, const pel_region *region, double *scratch, pel_error *error)
+{
+    if (region->kind == PEL_REGION_VERTICES)
+        return refuse(error, "the region lists no vertex", "give at least one number");
+    if (region->kind == PEL_REGION_FIELD) {
+        double greatest = -(double)INFINITY;
+        const double *values = pel_mesh_field(mesh, region->field)->values;
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            greatest = fmax(greatest, values[v]);
+        pel_fail(error, PEL_BAD_ARGUMENT, "the region is empty: field '%s' is nowhere above %g", region->field,
+                 region->above);
+        pel_fail_remedy(error, "its greatest value is %g", greatest);
+        return PEL_BAD_ARGUMENT;
+    }
+    int32_t nearest = 0;
+    measure_distances(mesh, region, scratch);
+    for (int32_t v = 1; v < mesh->vertex_count; v++)
+        if (scratch[v] < scratch[nearest])
+            nearest = v;
+    const double *p = mesh->positions[nearest];
+    pel_fail(error, PEL_BAD_ARGUMENT, "the region is empty: the nearest vertex is %g m outside it", scratch[nearest]);
+    pel_fail_remedy(error, "that vertex lies at (%g, %g, %g); move or enlarge the region", p[0], p[1], p[2]);
+    pel_fail_element(error, "vertex", nearest);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status collect(const pel_mesh *mesh, const double *weights, int32_t count, pel_selection **selection,
+                          pel_error *error)
+{
+    pel_selection *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->vertices = pel_allocate((size_t)count, sizeof *made->vertices);
+    made->weights = pel_allocate((size_t)count, sizeof *made->weights);
+    if (made->vertices == NULL || made->weights == NULL) {
+        pel_selection_destroy(made);
+        return pel_fail_memory(error);
+    }
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        if (!(weights[v] > 0))
+            continue;
+        made->vertices[made->count] = v;
+        made->weights[made->count++] = weights[v];
+    }
+    *selection = made;
+    return PEL_OK;
+}
+
+pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_selection **selection, pel_error *error)
+{
+    *selection = NULL;
+    pel_status status = check_region(region, mesh, error);
+    if (status != PEL_OK)
+        return status;
+    double *weights = pel_allocate((size_t)mesh->vertex_count, sizeof *weights);
+    if (weights == NULL)
+        return pel_fail_memory(error);
+    weigh(mesh, region, weights);
+    int32_t count = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        count += weights[v] > 0;
+    if (count > 0)
+        status = collect(mesh, weights, count, selection, error);
+    else
+        status = fail_empty(mesh, region, weights, error);
+    pel_free(weights);
+    return status;
+}
+
+void pel_selection_destroy(pel_selection *selection)
+{
+    if (selection == NULL)
+        return;
+    pel_free(selection->vertices);
+    pel_free(selection->weights);
+    pel_free(selection);
+}

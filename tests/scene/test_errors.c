@@ -1,0 +1,301 @@
+/* Bad scenes: each gives one message with its exact place and a remedy. */
+#include "check.h"
+
+#include "pellicle/scene.h"
+
+#include <stdlib.h>
+
+/* four lines before what is wrong */
+#define BALL "version: 1\nduration: 2\nbodies:\n  - mesh: {shape: geodesic-sphere}\n"
+
+typedef struct bad_scene {
+    const char *text, *override; /* override null = none */
+    const char *message;         /* beginning of the error's text */
+} bad_scene;
+
+static const bad_scene bad_scenes[] = {
+    /* unknown keys and words */
+    {BALL "    springs: {stifness: 3}\n", NULL,
+     "a.yaml:5:15: error: unknown key 'stifness'. did you mean 'stiffness'?"},
+    {BALL "gravitation: 3\n", NULL, "a.yaml:5:1: error: unknown key 'gravitation'. known are: version, title, "},
+    {BALL "    \"mas\": 3\n", NULL, "a.yaml:5:5: error: unknown key 'mas'. did you mean 'mass'?"},
+    {BALL "solver: {method: quasistatic}\n", NULL,
+     "a.yaml:5:18: error: unknown method 'quasistatic'. did you mean 'quasi-static'?"},
+    {BALL "solver: {method: 'xpbd'}\n", NULL,
+     "a.yaml:5:18: error: solver.method 'xpbd' is not in this version. use quasi-static or explicit"},
+    {BALL, "bodies.0.mesh.shape=tors",
+     "--set bodies.0.mesh.shape=tors: error: unknown shape 'tors'. did you mean 'torus"},
+    {"version: 1\nduration: 2\nbodies:\n- mesh:\n    shape: torus\n    frequency: 3\n", NULL,
+     "a.yaml:6:5: error: unknown key of shape torus: 'frequency'. known are: shape, major_radius, "},
+    {BALL "tools: [{shape: box, radius: 1}]\n", NULL,
+     "a.yaml:5:22: error: unknown key of shape box: 'radius'. known are: name, shape, size, "},
+
+    /* wrong types */
+    {BALL "    springs: {stiffness: soft}\n", NULL,
+     "a.yaml:5:26: error: bodies.0.springs.stiffness is 'soft', it must be: number or map. it means: stiffness k"},
+    {BALL "    springs: {stiffness: '3'}\n", NULL, "a.yaml:5:26: error: bodies.0.springs.stiffness is '3', it must be"},
+    {BALL "    springs: 3\n", NULL, "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. it means"},
+    {BALL "    springs:\n      - 3\n", NULL, "a.yaml:6:7: error: bodies.0.springs is a list, it must be: map"},
+    {BALL "    scale_with_area: yes\n", NULL,
+     "a.yaml:5:22: error: bodies.0.scale_with_area is 'yes', it must be: true"},
+    {BALL "    reference_count: 1.5\n", NULL,
+     "a.yaml:5:22: error: bodies.0.reference_count is '1.5', it must be: whole"},
+    {BALL "gravity: [0, 0]\n", NULL, "a.yaml:5:10: error: gravity has 2 elements. give three numbers [x, y, z]"},
+    {BALL "gravity: [0, 0, down]\n", NULL, "a.yaml:5:17: error: gravity.2 is 'down', it must be: number"},
+    {BALL "gravity: [0, 0, {}]\n", NULL, "a.yaml:5:17: error: gravity.2 is a map, it must be: number"},
+    {BALL "gravity: [0, 0, ~]\n", NULL, "a.yaml:5:17: error: gravity.2 is nothing, it must be: number"},
+    {BALL "gravity: [0, 0, -.INF]\n", NULL,
+     "a.yaml:5:17: error: gravity.2 is '-.INF', it must be: number. infinite numbers and NaN are refused"},
+    {BALL "gravity: [.nan, 0, 0]\n", NULL, "a.yaml:5:11: error: gravity.0 is '.nan', it must be: number. infinite"},
+    {BALL "gravity: [0, 0, -1e999]\n", NULL,
+     "a.yaml:5:17: error: gravity.2 is out of range: -1e999 m/s2. it must be fi"},
+    {BALL "loads: {force: [0, 0, 1]}\n", NULL, "a.yaml:5:8: error: loads is a map, it must be: list"},
+    {BALL "loads: [{force: [0, 0, 1], keys: [[0, 1, 2]]}]\n", NULL,
+     "a.yaml:5:35: error: loads.0.keys.0 has 3 elements. give a time and a value [t, value]"},
+    {"- 1\n", NULL, "a.yaml:1:1: error: the scene is a list, it must be: map"},
+    {"scene\n", NULL, "a.yaml:1:1: error: the scene is 'scene', it must be: map"},
+
+    /* out of range */
+    {BALL "    springs: {stiffness: -3}\n", NULL,
+     "a.yaml:5:26: error: bodies.0.springs.stiffness is out of range: -3 N/m. it must be >= 0 N/m"},
+    {BALL "    springs: {stiffness: {keys: [[0, 1], [1, -1]]}}\n", NULL,
+     "a.yaml:5:46: error: bodies.0.springs.stiffness.keys.1.1 is out of range: -1 N/m. it must be >= 0 N/m"},
+    {BALL "    springs: {stiffness: {keys: [[-2, 1]]}}\n", NULL,
+     "a.yaml:5:35: error: bodies.0.springs.stiffness.keys.0.0 is out of range: -2 s. it must be >= 0 s"},
+    {BALL "solver: {dt: 0}\n", NULL, "a.yaml:5:14: error: solver.dt is out of range: 0 s. it must be > 0 s"},
+    {BALL, "bodies.0.mesh.frequency=0",
+     "--set bodies.0.mesh.frequency=0: error: bodies.0.mesh.frequency is out of range: 0. it must be 1 to 5000"},
+    {"version: 2\nwhat: 1\n", NULL, "a.yaml:1:10: error: version is out of range: 2. it must be 1"},
+    {"version: 1\nduration: 1\nbodies: []\n", NULL,
+     "a.yaml:3:9: error: bodies has 0 elements. it must have >= 1 elements"},
+    {BALL "    name: ''\n", NULL, "a.yaml:5:11: error: bodies.0.name is out of range:  letters. it must be 1 to 63"},
+    {BALL "loads: [{force: [0, 0, 1], from: 2, until: 1}]\n", NULL,
+     "a.yaml:5:44: error: `until` 1 is not after `from` 2. give a later time"},
+    {BALL "loads: [{force: [0, 0, 1], keys: [[1, 0], [1, 1]]}]\n", NULL,
+     "a.yaml:5:43: error: the times of the keys do not increase: 1 after 1"},
+    {BALL "tools: [{shape: sphere, radius: 1, motion: [{position: [0, 0, 0]}, {position: [0, 0, 0]}]}]\n", NULL,
+     "a.yaml:5:68: error: the times of the poses do not increase"},
+    {BALL
+     "tools: [{shape: sphere, radius: 1, motion: [{position: [0, 0, 0], rotation: {axis: [0, 0, 0], angle: 1}}]}]\n",
+     NULL, "a.yaml:5:84: error: the axis of rotation has no length"},
+    {BALL, "bodies.0.mesh={shape: torus, minor_radius: 2}",
+     "--set bodies.0.mesh={shape: torus, minor_radius: 2}: error:"},
+    {BALL, "bodies.0.mesh={shape: lens-capsule, age: 12}",
+     "--set bodies.0.mesh={shape: lens-capsule, age: 12}: error: lens-capsule: there is no outline for age 12"},
+    {BALL, "bodies.0.mesh.translate=[1e308, 0, 0]", NULL},
+    {BALL, "bodies.0.mesh.scale=1e308", NULL},
+
+    /* missing keys */
+    {"", NULL, "a.yaml:1:1: error: the scene lacks 'version'. add 'version:': "},
+    {"version: 1\n", NULL, "a.yaml:1:1: error: the scene lacks 'bodies'. add 'bodies:': the surfaces that deform"},
+    {"version: 1\nduration: 1\nbodies:\n  - name: ball\n", NULL,
+     "a.yaml:4:5: error: bodies.0 lacks 'mesh'. add 'mesh:"},
+    {"version: 1\nduration: 1\nbodies:\n  - mesh: {scale: 1}\n", NULL,
+     "a.yaml:4:11: error: bodies.0.mesh lacks one of its main keys. add one of: shape, file"},
+    {BALL "    mass: {density: 3}\n", NULL, "a.yaml:5:11: error: bodies.0.mass lacks 'thickness'. add 'thickness:"},
+    {BALL "tools:\n  - radius: 1\n", NULL, "a.yaml:6:5: error: key 'radius' goes only with: shape. give that beside"},
+    {BALL "tools:\n  - press: true\n", NULL,
+     "a.yaml:6:5: error: tools.0 lacks 'shape'. add 'shape:': form of the tool"},
+    {BALL "loads: [{at: all}]\n", NULL, "a.yaml:5:9: error: loads.0 lacks 'force'. add 'force:': the force"},
+    {BALL "duration:\n", NULL, "a.yaml:5:1: error: key 'duration' is given twice"},
+    {"version: 1\nbodies: [{mesh: {shape: grid}}]\nduration:\n", NULL, "a.yaml:1:1: error: the scene lacks 'duration'"},
+
+    /* keys that do not go together */
+    {BALL "    mass: {total: 1, per_vertex: 2}\n", NULL,
+     "a.yaml:5:22: error: 'total' and 'per_vertex' exclude each other. remove one of them"},
+    {BALL "    mass: {thickness: 2}\n", NULL, "a.yaml:5:12: error: key 'thickness' goes only with: density. give"},
+    {BALL "version: 1\n", NULL,
+     "a.yaml:5:1: error: key 'version' is given twice. keep one of them; the other is in line 1"},
+    {BALL "    mass: {total: 1, total: 1}\n", NULL, "a.yaml:5:22: error: key 'total' is given twice"},
+    {BALL "loads: [{force: [0, 0, 1], at: {sphere: {center: [0, 0, 0], radius: 1}, nearest: [0, 0, 0]}}]\n", NULL,
+     "a.yaml:5:73: error: 'sphere' and 'nearest' exclude each other"},
+    {BALL "  - {name: body1, mesh: {shape: grid}}\n", NULL,
+     "a.yaml:5:12: error: the name 'body1' is in use. give each"},
+
+    /* names of bodies and fields, regions */
+    {BALL "    name: ball\nloads: [{force: [0, 0, 1], body: bal}]\n", NULL,
+     "a.yaml:6:34: error: unknown body 'bal'. did you mean 'ball'?"},
+    {BALL "  - mesh: {shape: grid}\nloads:\n  - force: [0, 0, 1]\n", NULL,
+     "a.yaml:7:5: error: the load does not say on which body it acts. add `body: body1` or another name"},
+    {BALL "output: {fields: [displacment]}\n", NULL,
+     "a.yaml:5:19: error: unknown field 'displacment'. did you mean 'displacement'?"},
+    {BALL "    springs: {damping: {field: thickness}}\n", NULL,
+     "a.yaml:5:32: error: unknown scalar field of the mesh 'thickness'. there is none"},
+    {BALL "    pinned: {sphere: {center: [9, 9, 9], radius: 1}}\n", NULL, "a.yaml:5:13: error: vertex "},
+    {BALL "    pinned: {vertices: [1, 252]}\n", NULL,
+     "a.yaml:5:28: error: the mesh has no vertex 252. give numbers from 0 to 251"},
+    {BALL, "bodies.0.mass={density: 1, thickness: {field: t}}",
+     "--set bodies.0.mass={density: 1, thickness: {field: t}}: "
+     "error: unknown scalar field of the mesh 't'"},
+    {"version: 1\nduration: 1\nbodies:\n- mesh: {shape: lens-capsule}\n  springs: {stiffness: {field: thickness, "
+     "map: [0, -1]}}\n",
+     NULL, "a.yaml:5:52: error: bodies.0.springs.stiffness.map.1 is out of range: -1 N/m. it must be >= 0 N/m"},
+
+    /* meshes */
+    {"version: 1\nduration: 1\nbodies: [{mesh: {file: no/such.ply}}]\n", NULL,
+     "a.yaml:3:24: error: cannot open the mesh 'no/such.ply': No such file or directory. check the path"},
+    {"version: 1\nduration: 1\nbodies: [{mesh: {file: .}}]\n", NULL, "a.yaml:3:24: error: "},
+
+    /* YAML itself */
+    {"version: 1\nbodies: [1, 2\n", NULL, "a.yaml:3:1: error: this is not YAML: flow sequence without"},
+    {"version: \"1\n", NULL, "a.yaml:1:11: error: this is not YAML: double-quoted scalar without closing quote"},
+    {"version: 1\n\tduration: 1\n", NULL, "a.yaml:"},
+    {"version: 1\nti\xffle: x\n", NULL, "a.yaml:2:3: error: this byte is not UTF-8 text. save the file as UTF-8"},
+    {"version: 1\n---\nversion: 1\n", NULL, "a.yaml:3:1: error: a second document begins"},
+    {"version: !!int 1\n", NULL, "a.yaml:1:16: error: tags are not used in scenes"},
+    {"version: *one\n", NULL, "a.yaml:1:10: error: the alias has no anchor before it"},
+    {"version: &one [*one]\n", NULL, "a.yaml:1:16: error: the alias has no anchor before it"},
+    {"? [a, b]\n: 1\n", NULL, "a.yaml:1:3: error: a key must be text"},
+    {"title: |\n  text\n", NULL, "a.yaml:2:1: error: block text (| or >) is not used in scenes"},
+    {"title: \"a\\0b\"\n", NULL, "a.yaml:1:8: error: the text has a zero byte"},
+
+    /* overrides */
+    {BALL, "solver.dt", "--set solver.dt: error: this is no key=value. write it as solver.dt=0.005"},
+    {BALL, "=3", "--set =3: error: this is no key=value"},
+    {BALL, "solver..dt=3", "--set solver..dt=3: error: the path has an empty or very long part"},
+    {BALL, "solver.dt.=3", "--set solver.dt.=3: error: the path has an empty or very long part"},
+    {BALL, "solver.td=3", "--set solver.td=3: error: unknown key 'td'. did you mean 'dt'?"},
+    {BALL, "solver.[]=3", "--set solver.[]=3: error: unknown key '[]'"},
+    {BALL, "solver.dt=fast", "--set solver.dt=fast: error: solver.dt is 'fast', it must be: number"},
+    {BALL, "solver.dt=-1", "--set solver.dt=-1: error: solver.dt is out of range: -1 s. it must be > 0 s"},
+    {BALL, "solver.dt=[1", "--set solver.dt=[1: error: this is not YAML: "},
+    {BALL, "solver.dt.x=1", "--set solver.dt.x=1: error: solver.dt has nothing below it"},
+    {BALL, "gravity.1=1", "--set gravity.1=1: error: gravity has nothing below it. give the whole value"},
+    {BALL, "bodies.2.name=x", "--set bodies.2.name=x: error: bodies has no element '2'. it has 1; count from 0"},
+    {BALL "    name: ball\n", "bodies.bell.name=x",
+     "--set bodies.bell.name=x: error: unknown element 'bell'. did you me"},
+    {BALL, "bodies.0.mesh=", "a.yaml:4:5: error: bodies.0 lacks 'mesh'"},
+    {BALL, "duration=", "a.yaml:1:1: error: the scene lacks 'duration'"},
+};
+
+static void test_bad_scenes(void **unused)
+{
+    (void)unused;
+    int failures = 0;
+    for (size_t i = 0; i < sizeof bad_scenes / sizeof bad_scenes[0]; i++) {
+        const bad_scene *bad = &bad_scenes[i];
+        pel_scene *scene = (pel_scene *)&failures;
+        pel_error error;
+        char message[1000] = "no error";
+        pel_status status = pel_scene_parse("a.yaml", bad->text, strlen(bad->text), &bad->override,
+                                            bad->override != NULL, NULL, &scene, &error);
+        if (status == PEL_OK && bad->message == NULL) {
+            pel_scene_destroy(scene);
+            continue;
+        }
+        if (status != PEL_OK)
+            pel_error_text(&error, message, sizeof message);
+        assert_true(status != PEL_OK || scene != NULL);
+        bool right = bad->message == NULL || strncmp(message, bad->message, strlen(bad->message)) == 0;
+        if (right && status != PEL_OK && scene == NULL && error.remedy[0] != '\0' && status == error.status)
+            continue;
+        print_error("%s  --set %s\nexpected %s\nactual   %s\n\n", bad->text, bad->override, bad->message, message);
+        failures++;
+    }
+    assert_int_equal(failures, 0);
+}
+
+/* the same without an error to fill */
+static void test_null_error(void **unused)
+{
+    (void)unused;
+    for (size_t i = 0; i < sizeof bad_scenes / sizeof bad_scenes[0]; i++) {
+        pel_scene *scene;
+        const bad_scene *bad = &bad_scenes[i];
+        if (bad->message != NULL)
+            assert_true(pel_scene_parse("a.yaml", bad->text, strlen(bad->text), &bad->override, bad->override != NULL,
+                                        NULL, &scene, NULL) != PEL_OK);
+    }
+}
+
+static void test_missing_file(void **unused)
+{
+    (void)unused;
+    pel_scene *scene;
+    pel_error error;
+    assert_int_equal(pel_scene_load("no/such.yaml", NULL, 0, NULL, &scene, &error), PEL_BAD_FILE);
+    assert_null(scene);
+    assert_string_equal(error.file, "no/such.yaml");
+}
+
+/* what a mesh file says has its place there */
+static void test_bad_mesh_file(void **unused)
+{
+    (void)unused;
+    const char *text = "version: 1\nduration: 1\nbodies: [{mesh: {file: scene_bad_mesh.obj}}]\n";
+    FILE *file = fopen("scene_bad_mesh.obj", "w");
+    fputs("v 0 0 0\nv 1 x 0\n", file);
+    fclose(file);
+    pel_scene *scene;
+    pel_error error;
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error), PEL_BAD_FORMAT);
+    assert_non_null(strstr(error.file, "scene_bad_mesh.obj"));
+    assert_int_equal(error.line, 2);
+    remove("scene_bad_mesh.obj");
+}
+
+/* aliases that double over and over end in an error, not without memory */
+static void test_aliases_without_end(void **unused)
+{
+    (void)unused;
+    char text[4000] = "a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9]\n";
+    for (int i = 1; i < 12; i++) {
+        size_t length = strlen(text);
+        snprintf(text + length, sizeof text - length, "a%d: &a%d [*a%d, *a%d, *a%d, *a%d, *a%d, *a%d, *a%d, *a%d]\n", i,
+                 i, i - 1, i - 1, i - 1, i - 1, i - 1, i - 1, i - 1, i - 1);
+    }
+    pel_scene *scene;
+    pel_error error;
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+    assert_string_equal(error.what, "there are too many values");
+}
+
+/* more names than a message holds */
+static void test_many_names(void **unused)
+{
+    (void)unused;
+    char text[20000] = "version: 1\nduration: 1\nbodies:\n";
+    for (int i = 0; i < 100; i++) {
+        size_t length = strlen(text);
+        snprintf(text + length, sizeof text - length,
+                 "- {name: a-rather-long-name-%d, mesh: {shape: grid, nx: 1, ny: 1}}\n", i);
+    }
+    pel_scene *scene;
+    pel_error error;
+    const char *const overrides[] = {"tools=[{shape: sphere, radius: 1, body: zz, motion: [{position: [0, 0, 9]}]}]"};
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), overrides, 1, NULL, &scene, &error), PEL_BAD_SCENE);
+    assert_string_equal(error.what, "unknown body 'zz'");
+    assert_string_equal(error.remedy + strlen(error.remedy) - 5, ", ...");
+    /* one name longer than the message */
+    char override[600] = "bodies.zz.name=x", scene_text[600];
+    snprintf(scene_text, sizeof scene_text, "version: 1\nbodies: [{name: %0500d}]\n", 1);
+    assert_int_equal(pel_scene_parse("a.yaml", scene_text, strlen(scene_text), (const char *const[]){override}, 1, NULL,
+                                     &scene, &error),
+                     PEL_BAD_SCENE);
+    assert_string_equal(error.remedy, "known are: ...");
+}
+
+static void test_nesting_without_end(void **unused)
+{
+    (void)unused;
+    enum { DEPTH = 20000 };
+    static char text[2 * DEPTH + 2];
+    for (int i = 0; i < DEPTH; i++)
+        memcpy(text + (size_t)2 * (size_t)i, "- ", 2);
+    pel_scene *scene;
+    pel_error error;
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+    memset(text, '[', DEPTH);
+    assert_int_equal(pel_scene_parse("a.yaml", text, DEPTH, NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bad_scenes),          cmocka_unit_test(test_null_error),
+        cmocka_unit_test(test_missing_file),        cmocka_unit_test(test_bad_mesh_file),
+        cmocka_unit_test(test_aliases_without_end), cmocka_unit_test(test_nesting_without_end),
+        cmocka_unit_test(test_many_names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
