@@ -2,6 +2,7 @@
 #include "scene/mesh.h"
 
 #include "math/vec3.h"
+#include "pellicle/import.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/shape.h"
 #include "scene/check.h"
@@ -60,7 +61,8 @@ static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, co
     if (status != PEL_OK)
         return status;
     pel_mesh_format format = formats[pel_scene_value_integer(value, "format")];
-    status = pel_mesh_read(file->text, format, reader->log, mesh, reader->error);
+    status = format == PEL_FORMAT_AUTO ? pel_mesh_import(file->text, reader->log, mesh, reader->error)
+                                       : pel_mesh_read(file->text, format, reader->log, mesh, reader->error);
     /* what is wrong inside the file has its own place there */
     return status == PEL_BAD_FILE ? pel_scene_fail_at(reader, &file->place) : status;
 }

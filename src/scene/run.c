@@ -406,8 +406,8 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         return status;
     pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock(), .series = {.descriptor = -1}};
     status = prepare(&run, cause);
-    if (status != PEL_OK && status != PEL_OUT_OF_MEMORY && cause->file[0] == '\0')
-        pel_fail_place(cause, scene->path, 0, 0);
+    if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
+        pel_scene_locate(scene, cause);
     if (status == PEL_OK)
         status = open_folder(&run, cause);
     if (status == PEL_OK)

@@ -52,7 +52,7 @@ static const pel_scene_row rows[] = {
      .doc = "a generated surface; its parameters stand beside it"},
     {"bodies[].mesh.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
     {"bodies[].mesh.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
-     .doc = "format of the file; auto looks at content and extension"},
+     .doc = "format of the file; auto looks at extension and content, and knows glTF, FBX, 3MF and more"},
     {"bodies[].mesh.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
      .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); done first"},
     {"bodies[].mesh.rotate", MAP, .doc = "turns the mesh about the origin; done second"},

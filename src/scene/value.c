@@ -164,6 +164,7 @@ pel_status pel_scene_fail_at(pel_scene_reader *reader, const pel_scene_place *pl
         return error->status;
     if (error->status == PEL_BAD_ARGUMENT)
         error->status = PEL_BAD_SCENE;
+    error->element = -1;
     pel_fail_place(error, place->source, place->line, place->column);
     return error->status;
 }

@@ -121,7 +121,8 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:19: error: unknown field 'displacment'. did you mean 'displacement'?"},
     {BALL "    springs: {damping: {field: thickness}}\n", NULL,
      "a.yaml:5:32: error: unknown scalar field of the mesh 'thickness'. there is none"},
-    {BALL "    pinned: {sphere: {center: [9, 9, 9], radius: 1}}\n", NULL, "a.yaml:5:13: error: vertex "},
+    {BALL "    pinned: {sphere: {center: [9, 9, 9], radius: 1}}\n", NULL,
+     "a.yaml:5:13: error: the region is empty: the nearest vertex is "},
     {BALL "    pinned: {vertices: [1, 252]}\n", NULL,
      "a.yaml:5:28: error: the mesh has no vertex 252. give numbers from 0 to 251"},
     {BALL, "bodies.0.mass={density: 1, thickness: {field: t}}",
@@ -206,6 +207,40 @@ static void test_null_error(void **unused)
             assert_true(pel_scene_parse("a.yaml", bad->text, strlen(bad->text), &bad->override, bad->override != NULL,
                                         NULL, &scene, NULL) != PEL_OK);
     }
+}
+
+/* what the model and the simulation refuse has its place in the scene */
+static void check_location(const char *end, const char *expected)
+{
+    char text[1000], message[1000];
+    snprintf(text, sizeof text, "%s%s", BALL, end);
+    pel_scene *scene;
+    pel_model *model = NULL;
+    pel_sim *sim = NULL;
+    pel_error error;
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL), PEL_OK);
+    pel_status status = pel_model_create(&scene->model, &model, &error);
+    pel_sim_def def = scene->sim;
+    def.model = model;
+    if (status == PEL_OK)
+        status = pel_sim_create(&def, &sim, &error);
+    assert_true(status != PEL_OK);
+    pel_scene_locate(scene, &error);
+    pel_error_text(&error, message, sizeof message);
+    if (strncmp(message, expected, strlen(expected)) != 0)
+        fail_msg("%s", message);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+}
+
+static void test_locations(void **unused)
+{
+    (void)unused;
+    check_location("solver: {alpha: 5000}\n", "a.yaml:5:17: error: alpha 5000 is unstable");
+    check_location("solver: {method: explicit, integrator: forward, dt: 5}\n", "a.yaml:5:53: error: dt 5 is unstable");
+    check_location("tools:\n- {shape: sphere, radius: .5, motion: [{position: [0, 0, 9]}]}\n"
+                   "- {shape: sphere, radius: .5, motion: [{position: [0, 0, 1]}]}\n",
+                   "a.yaml:7:3: error: ");
 }
 
 static void test_missing_file(void **unused)
@@ -295,7 +330,7 @@ int main(void)
         cmocka_unit_test(test_bad_scenes),          cmocka_unit_test(test_null_error),
         cmocka_unit_test(test_missing_file),        cmocka_unit_test(test_bad_mesh_file),
         cmocka_unit_test(test_aliases_without_end), cmocka_unit_test(test_nesting_without_end),
-        cmocka_unit_test(test_many_names),
+        cmocka_unit_test(test_locations),           cmocka_unit_test(test_many_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

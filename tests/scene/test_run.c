@@ -597,7 +597,7 @@ static void test_nothing_written(void **unused)
     pel_scene *scene = load_scene(busy, &unstable, 1);
     run_case test = {.run = "never"};
     check_run(scene, &test, PEL_UNSTABLE);
-    assert_string_equal(test.error.file, "test.yaml");
+    assert_string_equal(test.error.file, "--set solver.alpha=1e6");
     assert_false(exists("never", ""));
     pel_scene_destroy(scene);
 }
