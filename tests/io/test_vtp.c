@@ -265,6 +265,21 @@ static pel_status write_and_read(const void *data, pel_error *error)
     return status;
 }
 
+typedef struct file_bytes {
+    char *bytes;
+    size_t size;
+} file_bytes;
+
+static pel_status parse(const void *data, pel_error *error)
+{
+    const file_bytes *file = data;
+    pel_mesh *mesh;
+    pel_status status = pel_vtp_parse("a.vtp", file->bytes, file->size, &mesh, NULL, error);
+    assert_true((mesh == NULL) == (status != PEL_OK));
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
 static void test_allocation_failures(void **unused)
 {
     (void)unused;
@@ -273,6 +288,10 @@ static void test_allocation_failures(void **unused)
         make_sample(&sample, 1);
         sample.vtp.compress = compress != 0;
         assert_true(for_every_allocation_failure(write_and_read, &sample.vtp) > 10);
+        file_bytes file;
+        assert_int_equal(pel_file_read(PATH, &file.bytes, &file.size, NULL), PEL_OK);
+        assert_true(for_every_allocation_failure(parse, &file) > 5);
+        pel_free(file.bytes);
         free_sample(&sample);
     }
     unlink(PATH);
