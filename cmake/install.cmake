@@ -35,3 +35,15 @@ endif()
 if(TARGET pellicle_program)
     install(TARGETS pellicle_program)
 endif()
+
+# what the program prints about itself: completion for bash, schema for editors
+if(TARGET pellicle_program AND NOT CMAKE_CROSSCOMPILING)
+    set(PRINTED ${PROJECT_BINARY_DIR}/printed)
+    install(CODE "file(MAKE_DIRECTORY \"${PRINTED}\")
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" completion bash OUTPUT_FILE \"${PRINTED}/pellicle\"
+                        COMMAND_ERROR_IS_FATAL ANY)
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" schema OUTPUT_FILE \"${PRINTED}/scene.schema.json\"
+                        COMMAND_ERROR_IS_FATAL ANY)")
+    install(FILES ${PRINTED}/pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle)
+endif()

@@ -15,6 +15,15 @@ typedef struct pel_row_spring {
     double stiffness;
 } row_spring;
 
+/* what the row of a vertex needs of one triangle around it */
+typedef struct pel_row_triangle {
+    int32_t level, t;
+    int split;    /* its split edge, -1 = whole */
+    bool is_base; /* a whole triangle of the mesh */
+    double share; /* area that counts for masses [m2] */
+    double area;  /* at rest [m2] */
+} row_triangle;
+
 bool pel_model_refines(const pel_model *model)
 {
     for (int32_t b = 0; b < model->body_count; b++)
@@ -165,8 +174,9 @@ static bool allocate_slots(pel_active *active, int32_t longest)
     active->fan_limit = longest + 1;
     active->fan = pel_allocate((size_t)active->fan_limit, sizeof *active->fan);
     active->row = pel_allocate((size_t)active->fan_limit, sizeof *active->row);
+    active->around = pel_allocate((size_t)active->fan_limit, sizeof *active->around);
     return model->neighbours != NULL && model->rest_lengths != NULL && model->stiffnesses != NULL &&
-           model->fans != NULL && active->fan != NULL && active->row != NULL;
+           model->fans != NULL && active->fan != NULL && active->row != NULL && active->around != NULL;
 }
 
 /* ---- the plain part ---- */
@@ -236,71 +246,70 @@ static void copy_triangles(pel_active *active, int32_t b)
 
 /* ---- rows ---- */
 
-static double node_area(const pel_body_detail *detail, const pel_front *front, int32_t node)
+static row_triangle row_triangle_of(const pel_body_detail *detail, const pel_front *front,
+                                    const pel_front_corner *corner)
 {
-    int32_t level = pel_front_level(front, node), t = node - front->node_begin[level];
-    double area = detail->areas[t >> (2 * level)] / (double)(INT64_C(1) << (2 * level));
-    return pel_front_is_green(front->shapes[node]) ? area / 2 : area;
-}
-
-static double rest_area(const pel_front *front, const pel_front_triangle *triangle)
-{
+    int32_t level = pel_front_level(front, corner->node), t = corner->node - front->node_begin[level];
+    uint8_t shape = front->shapes[corner->node];
+    bool green = pel_front_is_green(shape);
+    double share = detail->areas[t >> (2 * level)] / (double)(INT64_C(1) << (2 * level));
+    row_triangle triangle = {.level = level,
+                             .t = t,
+                             .split = green ? shape - PEL_FRONT_BISECTED : -1,
+                             .is_base = level == 0 && !green,
+                             .share = green ? share / 2 : share};
+    /* from the triangle's own corners in their order: the same bits seen from each of them */
+    const pel_front_triangle *own = &front->triangles[front->place_of_node[corner->node][corner->half]];
     const double(*x)[3] = (const double(*)[3])front->forest->rest_positions;
-    const int32_t *v = triangle->vertices;
     double normal[3];
-    pel_vec3_triangle_normal(x[v[0]], x[v[1]], x[v[2]], normal);
-    return pel_vec3_length(normal) / 2;
+    pel_vec3_triangle_normal(x[own->vertices[0]], x[own->vertices[1]], x[own->vertices[2]], normal);
+    triangle.area = pel_vec3_length(normal) / 2;
+    return triangle;
 }
 
 /* number of edge k of a triangle over all levels */
-static int32_t edge_number(const pel_front *front, int32_t level, int32_t t, int k)
+static int32_t edge_number(const pel_front *front, const row_triangle *triangle, int k)
 {
-    return pel_lod_midpoint(front->forest->levels[level], 3 * t + k) - front->forest->levels[0]->vertex_count;
+    return pel_lod_midpoint(front->forest->levels[triangle->level], 3 * triangle->t + k) -
+           front->forest->levels[0]->vertex_count;
 }
 
 /* a number given on the edges of the base, for an edge of a triangle of the surface; bisectors take the mean */
-static double edge_value(const pel_body_detail *detail, const pel_front *front, int32_t node, int32_t edge,
-                         const double *values)
+static double edge_value(const pel_body_detail *detail, const pel_front *front, const row_triangle *triangle,
+                         int32_t edge, const double *values)
 {
-    int32_t level = pel_front_level(front, node), t = node - front->node_begin[level];
-    int split = front->shapes[node] - PEL_FRONT_BISECTED;
-    if (edge == front->bisector_begin + node) {
+    int32_t level = triangle->level, t = triangle->t;
+    if (edge >= front->bisector_begin) {
         double sum = 0;
         for (int k = 0; k < 3; k++)
             sum += values[pel_detail_base_edge(detail, level, t, k)];
         return sum / 3;
     }
     for (int k = 0; k < 3; k++)
-        if (k != split && edge_number(front, level, t, k) == edge)
+        if (k != triangle->split && edge_number(front, triangle, k) == edge)
             return values[pel_detail_base_edge(detail, level, t, k)];
-    return values[pel_detail_base_edge(detail, level, t, split)];
+    return values[pel_detail_base_edge(detail, level, t, triangle->split)];
 }
 
-static bool is_base_triangle(const pel_front *front, const pel_front_corner *corner)
-{
-    return corner->node < front->node_begin[1] && front->shapes[corner->node] == PEL_FRONT_WHOLE;
-}
-
-/* stiffness of an edge from the one or two corners beside it */
+/* stiffness of an edge from the one or two triangles beside it (null = none) */
 static double edge_stiffness(const pel_body_detail *detail, const pel_front *front, int32_t v, int32_t other,
-                             int32_t edge, const pel_front_corner *sides[2])
+                             int32_t edge, const row_triangle *sides[2])
 {
-    double sum = 0, given = 0, d[3];
+    bool unchanged = detail->def.springs == PEL_REFINE_UNCHANGED;
+    double sum = 0, d[3];
     int count = 0, base = 0;
     for (int s = 0; s < 2; s++) {
         if (sides[s] == NULL)
             continue;
-        int32_t node = sides[s]->node;
         count++;
-        base += is_base_triangle(front, sides[s]);
-        given += edge_value(detail, front, node, edge, detail->stiffnesses);
-        sum += edge_value(detail, front, node, edge, detail->moduli) *
-               rest_area(front, &front->triangles[front->place_of_node[node][sides[s]->half]]);
+        base += sides[s]->is_base;
+        sum += unchanged ? edge_value(detail, front, sides[s], edge, detail->stiffnesses)
+                         : edge_value(detail, front, sides[s], edge, detail->moduli) * sides[s]->area;
     }
     if (base == count)
         return detail->stiffnesses[edge];
-    if (detail->def.springs == PEL_REFINE_UNCHANGED)
-        return given / count;
+    if (unchanged)
+        return sum / count;
     const double(*x)[3] = (const double(*)[3])front->forest->rest_positions;
     pel_vec3_subtract(x[other], x[v], d);
     return sum / pel_vec3_squared_length(d);
@@ -311,11 +320,12 @@ static int32_t collect_row(pel_active *active, const pel_body_detail *detail, co
                            int32_t fan_count)
 {
     const pel_front_corner *fan = active->fan;
+    const row_triangle *around = active->around;
     bool open = fan[fan_count - 1].previous_edge != fan[0].next_edge;
     int32_t count = 0;
     for (int32_t i = 0; i < fan_count + open; i++) {
-        const pel_front_corner *sides[2] = {i < fan_count ? &fan[i] : NULL,
-                                            i > 0 ? &fan[i - 1] : (open ? NULL : &fan[fan_count - 1])};
+        const row_triangle *sides[2] = {i < fan_count ? &around[i] : NULL,
+                                        i > 0 ? &around[i - 1] : (open ? NULL : &around[fan_count - 1])};
         int32_t edge = i < fan_count ? fan[i].next_edge : fan[i - 1].previous_edge;
         int32_t other = i < fan_count ? fan[i].next : fan[i - 1].previous, at = count++;
         row_spring spring = {edge, other, edge_stiffness(detail, front, v, other, edge, sides)};
@@ -406,8 +416,9 @@ static void rebuild_vertex(pel_active *active, int32_t body, int32_t v, pel_stat
     double area = 0;
     bool base = true;
     for (int32_t i = 0; i < fan_count; i++) {
-        area += node_area(detail, own->front, active->fan[i].node);
-        base &= is_base_triangle(own->front, &active->fan[i]);
+        active->around[i] = row_triangle_of(detail, own->front, &active->fan[i]);
+        area += active->around[i].share;
+        base &= active->around[i].is_base;
     }
     if (base)
         set_given(active, body, v, place);
@@ -694,7 +705,8 @@ void pel_active_destroy(pel_active *active)
                       model->fan_begin,     model->fans,        active->bodies,
                       active->areas,        active->is_base,    active->valence,
                       active->change,       active->is_dirty,   active->dirty,
-                      active->released,     active->fan,        active->row};
+                      active->released,     active->fan,        active->row,
+                      active->around};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(active);

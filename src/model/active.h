@@ -58,6 +58,7 @@ typedef struct pel_active {
     int32_t dirty_count, released_count;
     pel_front_corner *fan; /* scratch of a row */
     struct pel_row_spring *row;
+    struct pel_row_triangle *around;
     int32_t fan_limit;
 } pel_active;
 

@@ -1,0 +1,144 @@
+/* Paper A's table 1 (500 steps of a sphere: base, refined everywhere, refined locally), and what an event costs. */
+#include "pellicle/shape.h"
+#include "pellicle/sim.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { ROUNDS = 31, STEPS = 500, EVENTS = 200 };
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void check(pel_status status, const pel_error *error)
+{
+    char text[800];
+    if (status == PEL_OK)
+        return;
+    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
+    exit(1);
+}
+
+typedef struct sphere {
+    pel_mesh *mesh;
+    pel_model *model;
+    pel_sim *sim;
+} sphere;
+
+static sphere make_sphere(int32_t frequency, int32_t levels, bool everywhere)
+{
+    sphere made;
+    pel_error error;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = frequency;
+    check(pel_shape_create(&shape, &made.mesh, &error), &error);
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = made.mesh;
+    body.volumetric_by_area = true;
+    body.refine.levels = levels;
+    body.refine.everywhere = everywhere;
+    pel_model_def model = pel_model_def_default();
+    model.bodies = &body;
+    model.body_count = 1;
+    check(pel_model_create(&model, &made.model, &error), &error);
+    const int32_t pole = 5;
+    pel_load_def load = pel_load_def_default();
+    load.force[2] = -1;
+    load.vertices = &pole;
+    load.vertex_count = 1;
+    pel_sim_def def = pel_sim_def_default();
+    def.model = made.model;
+    def.solver.alpha = 50;
+    def.loads = &load;
+    def.load_count = 1;
+    def.thread_count = 1;
+    check(pel_sim_create(&def, &made.sim, &error), &error);
+    return made;
+}
+
+static void end_sphere(sphere *made)
+{
+    pel_sim_destroy(made->sim);
+    pel_model_destroy(made->model);
+    pel_mesh_destroy(made->mesh);
+}
+
+/* the first vertex whose 2-ring gives the paper's 294 vertices */
+static void refine_as_paper(pel_sim *sim)
+{
+    pel_error error;
+    for (int32_t v = 12; pel_sim_vertex_count(sim, 0) != 294; v++) {
+        if (v > 12)
+            check(pel_sim_refine(sim, 0, v - 1, 0, &error), &error);
+        check(pel_sim_refine(sim, 0, v, 1, &error), &error);
+    }
+}
+
+static double run(sphere *made)
+{
+    pel_error error;
+    double start = seconds();
+    for (int n = 0; n < STEPS; n++)
+        check(pel_sim_step(made->sim, &error), &error);
+    return seconds() - start;
+}
+
+static void table(void)
+{
+    sphere spheres[3] = {make_sphere(5, 0, false), make_sphere(5, 1, true), make_sphere(5, 1, false)};
+    const char *names[3] = {"base", "everywhere", "local"};
+    double times[3][ROUNDS];
+    refine_as_paper(spheres[2].sim);
+    for (int round = 0; round < ROUNDS; round++)
+        for (int i = 0; i < 3; i++)
+            times[i][round] = run(&spheres[i]);
+    for (int i = 0; i < 3; i++) {
+        qsort(times[i], ROUNDS, sizeof times[i][0], by_size);
+        printf("%-12s %5d vertices %5d triangles   min %7.3f ms  median %7.3f ms of %d steps   %.2f of the base\n",
+               names[i], (int)pel_sim_vertex_count(spheres[i].sim, 0), (int)pel_sim_triangle_count(spheres[i].sim, 0),
+               1e3 * times[i][0], 1e3 * times[i][ROUNDS / 2], STEPS, times[i][0] / times[0][0]);
+        end_sphere(&spheres[i]);
+    }
+}
+
+static void events(int32_t frequency)
+{
+    sphere made = make_sphere(frequency, 2, false);
+    pel_error error;
+    double refine[EVENTS], coarsen[EVENTS];
+    int32_t v = made.mesh->vertex_count / 2;
+    for (int n = 0; n < EVENTS; n++) {
+        double start = seconds();
+        check(pel_sim_refine(made.sim, 0, v, 1, &error), &error);
+        double middle = seconds();
+        check(pel_sim_refine(made.sim, 0, v, 0, &error), &error);
+        coarsen[n] = seconds() - middle;
+        refine[n] = middle - start;
+    }
+    qsort(refine, EVENTS, sizeof *refine, by_size);
+    qsort(coarsen, EVENTS, sizeof *coarsen, by_size);
+    printf("event on %6d triangles   refine min %6.1f us median %6.1f us   coarsen min %6.1f us median %6.1f us\n",
+           (int)made.mesh->triangle_count, 1e6 * refine[0], 1e6 * refine[EVENTS / 2], 1e6 * coarsen[0],
+           1e6 * coarsen[EVENTS / 2]);
+    end_sphere(&made);
+}
+
+int main(void)
+{
+    table();
+    events(5);
+    events(32);
+    return 0;
+}
