@@ -163,6 +163,27 @@ static pel_status read_pinned(const body_source *source, pel_body_def *body)
     return PEL_OK;
 }
 
+static void read_refine(const body_source *source, pel_refine_def *refine)
+{
+    const pel_scene_value *value = pel_scene_value_entry(source->value, "refine");
+    if (value == NULL)
+        return;
+    const pel_scene_value *above = pel_scene_value_entry(value, "above");
+    const pel_scene_value *everywhere = pel_scene_value_entry(value, "everywhere");
+    refine->levels = pel_scene_value_integer(value, "levels");
+    refine->rings = pel_scene_value_integer(value, "rings");
+    refine->budget = pel_scene_value_integer(value, "budget");
+    refine->springs = (pel_refine_springs)pel_scene_value_number(value, "springs");
+    refine->everywhere = everywhere != NULL && everywhere->number != 0;
+    if (above == NULL)
+        return;
+    const pel_scene_value *below = pel_scene_value_entry(value, "below");
+    refine->above = above->number;
+    refine->below = below->form == PEL_FORM_WORD ? refine->above / 2 : below->number;
+    refine->dwell = pel_scene_value_integer(value, "dwell");
+    refine->interval = pel_scene_value_integer(value, "interval");
+}
+
 static pel_status read_body(const body_source *source, pel_body_def *body)
 {
     *body = pel_body_def_default();
@@ -170,6 +191,7 @@ static pel_status read_body(const body_source *source, pel_body_def *body)
     body->mesh = source->mesh;
     body->volumetric_by_area = pel_scene_value_boolean(source->value, "scale_with_area");
     body->reference_count = pel_scene_value_integer(source->value, "reference_count");
+    read_refine(source, &body->refine);
     pel_status status = read_materials(source, body);
     return status == PEL_OK ? read_pinned(source, body) : status;
 }

@@ -102,11 +102,19 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
     return pel_sim_create(&def, &run->sim, error);
 }
 
+static bool refines(const pel_scene *scene)
+{
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        if (scene->model.bodies[b].refine.levels > 0)
+            return true;
+    return false;
+}
+
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
     if (status == PEL_OK)
-        status = pel_run_surface_create(run->model, &run->scene->output, &run->surface, error);
+        status = pel_run_surface_create(run->sim, &run->scene->output, refines(run->scene), &run->surface, error);
     if (status != PEL_OK)
         return status;
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);

@@ -16,8 +16,12 @@ typedef enum field_source {
     SOURCE_SPRING_ENERGY,
     SOURCE_VOLUMETRIC_ENERGY,
     SOURCE_CONTACT,
-    SOURCE_COUNT,              /* of those that change */
-    SOURCE_MESH = SOURCE_COUNT /* does not change: filled in at the beginning */
+    SOURCE_COUNT,               /* of those that change in every step */
+    SOURCE_MESH = SOURCE_COUNT, /* these change with the surface alone */
+    SOURCE_BODY,
+    SOURCE_LEVEL,
+    SOURCE_MESH_TRIANGLE,
+    SOURCE_MESH_WEIGHTS
 } field_source;
 
 static const char *const source_names[SOURCE_COUNT] = {"displacement",  "velocity",          "force",  "energy",
@@ -47,17 +51,42 @@ static pel_status refuse_field(const char *name, pel_error *error)
     return PEL_BAD_SCENE;
 }
 
-/* values of all bodies; zero on bodies that do not have the field */
-static void fill_mesh_field(const pel_run_surface *surface, const pel_model *model, const pel_vtp_field *field,
-                            double *values)
+/* where the rows of a body lie in its mesh: the triangles behind the scratch, the weights in it */
+static const int32_t *read_places(const pel_run_surface *surface, const pel_sim *sim, int32_t body)
 {
-    size_t components = (size_t)field->component_count;
+    pel_sim_get_mesh_places(sim, body, surface->row_triangles, surface->scratch);
+    return surface->row_triangles;
+}
+
+/* a field of a mesh on the rows of its body; finer vertices take the mean of the triangle they lie in */
+static void fill_rows(const pel_run_surface *surface, const pel_sim *sim, int32_t body, const pel_field *part,
+                      double *values)
+{
+    const pel_mesh *mesh = pel_model_mesh(pel_sim_model(sim), body);
+    size_t components = (size_t)part->component_count, mesh_count = (size_t)mesh->vertex_count;
+    size_t count = (size_t)(surface->begin[body + 1] - surface->begin[body]);
+    memcpy(values, part->values, components * mesh_count * sizeof *values);
+    if (count == mesh_count)
+        return;
+    const int32_t *triangles = read_places(surface, sim, body);
+    for (size_t r = mesh_count; r < count; r++)
+        for (size_t c = 0; c < components; c++) {
+            double sum = 0;
+            for (size_t k = 0; k < 3; k++)
+                sum += surface->scratch[3 * r + k] *
+                       part->values[components * (size_t)mesh->triangles[triangles[r]][k] + c];
+            values[components * r + c] = sum;
+        }
+}
+
+/* values of all bodies; zero on bodies that do not have the field */
+static void fill_mesh_field(const pel_run_surface *surface, const pel_sim *sim, const char *name,
+                            int32_t component_count, double *values)
+{
     for (int32_t b = 0; b < surface->body_count; b++) {
-        const pel_mesh *mesh = pel_model_mesh(model, b);
-        const pel_field *part = pel_mesh_field(mesh, field->name);
-        if (part != NULL && part->component_count == field->component_count)
-            memcpy(values + components * (size_t)surface->begin[b], part->values,
-                   components * (size_t)mesh->vertex_count * sizeof *values);
+        const pel_field *part = pel_mesh_field(pel_model_mesh(pel_sim_model(sim), b), name);
+        if (part != NULL && part->component_count == component_count)
+            fill_rows(surface, sim, b, part, values + (size_t)component_count * (size_t)surface->begin[b]);
     }
 }
 
@@ -68,62 +97,103 @@ static void fill_body_numbers(const pel_run_surface *surface, double *values)
             values[v] = b;
 }
 
-static pel_status add_field(pel_run_surface *surface, const char *name, int source, int32_t component_count,
-                            double **values, pel_error *error)
+static void fill_levels(const pel_run_surface *surface, const pel_sim *sim, double *values)
 {
-    pel_vtp_field *field = &surface->fields[surface->field_count];
-    *values = pel_allocate((size_t)surface->vertex_count * (size_t)component_count, sizeof(double));
-    if (*values == NULL)
+    for (int32_t b = 0; b < surface->body_count; b++) {
+        pel_sim_get_levels(sim, b, surface->row_triangles);
+        for (int32_t v = surface->begin[b]; v < surface->begin[b + 1]; v++)
+            values[v] = surface->row_triangles[v - surface->begin[b]];
+    }
+}
+
+static void fill_places(const pel_run_surface *surface, const pel_sim *sim, int source, double *values)
+{
+    for (int32_t b = 0; b < surface->body_count; b++) {
+        const int32_t *triangles = read_places(surface, sim, b);
+        size_t first = (size_t)surface->begin[b], count = (size_t)surface->begin[b + 1] - first;
+        if (source == SOURCE_MESH_WEIGHTS)
+            memcpy(values + 3 * first, surface->scratch, 3 * count * sizeof *values);
+        for (size_t r = 0; source == SOURCE_MESH_TRIANGLE && r < count; r++)
+            values[first + r] = triangles[r];
+    }
+}
+
+static double *field_values(const pel_vtp_field *field)
+{
+    /* made by make_values; const for those who read the file's description only */
+    return (double *)(uintptr_t)field->values;
+}
+
+/* values of a field for the present number of vertices; those that change with the surface alone are filled in */
+static pel_status make_values(const pel_run_surface *surface, const pel_sim *sim, int source, pel_vtp_field *field,
+                              pel_error *error)
+{
+    pel_free(field_values(field));
+    double *values = pel_allocate((size_t)surface->vertex_count * (size_t)field->component_count, sizeof *values);
+    field->values = values;
+    if (values == NULL)
         return pel_fail_memory(error);
-    *field = (pel_vtp_field){name, component_count, *values};
-    surface->sources[surface->field_count++] = source;
+    if (source == SOURCE_MESH)
+        fill_mesh_field(surface, sim, field->name, field->component_count, values);
+    else if (source == SOURCE_BODY)
+        fill_body_numbers(surface, values);
+    else if (source == SOURCE_LEVEL)
+        fill_levels(surface, sim, values);
+    else if (source == SOURCE_MESH_TRIANGLE || source == SOURCE_MESH_WEIGHTS)
+        fill_places(surface, sim, source, values);
     return PEL_OK;
 }
 
-static pel_status add_named_field(pel_run_surface *surface, const pel_model *model, const char *name, pel_error *error)
+static pel_status add_field(pel_run_surface *surface, const pel_sim *sim, const char *name, int source,
+                            int32_t component_count, pel_error *error)
 {
-    double *values;
     for (int32_t f = 0; f < surface->field_count; f++)
         if (strcmp(surface->fields[f].name, name) == 0)
             return PEL_OK;
-    for (int s = 0; s < SOURCE_COUNT; s++)
-        if (strcmp(source_names[s], name) == 0)
-            return add_field(surface, name, s, source_components[s], &values, error);
-    const pel_field *part = find_mesh_field(model, name);
-    if (part == NULL)
-        return refuse_field(name, error);
-    pel_status status = add_field(surface, part->name, SOURCE_MESH, part->component_count, &values, error);
-    if (status == PEL_OK)
-        fill_mesh_field(surface, model, &surface->fields[surface->field_count - 1], values);
-    return status;
+    pel_vtp_field *field = &surface->fields[surface->field_count];
+    *field = (pel_vtp_field){name, component_count, NULL};
+    surface->sources[surface->field_count++] = source;
+    return make_values(surface, sim, source, field, error);
 }
 
-static pel_status add_fields(pel_run_surface *surface, const pel_model *model, const pel_output_def *output,
+static pel_status add_named_field(pel_run_surface *surface, const pel_sim *sim, const char *name, pel_error *error)
+{
+    for (int s = 0; s < SOURCE_COUNT; s++)
+        if (strcmp(source_names[s], name) == 0)
+            return add_field(surface, sim, name, s, source_components[s], error);
+    const pel_field *part = find_mesh_field(pel_sim_model(sim), name);
+    if (part == NULL)
+        return refuse_field(name, error);
+    return add_field(surface, sim, part->name, SOURCE_MESH, part->component_count, error);
+}
+
+static pel_status add_fields(pel_run_surface *surface, const pel_sim *sim, const pel_output_def *output, bool refines,
                              pel_error *error)
 {
-    double *values;
     pel_status status = PEL_OK;
     for (int32_t f = 0; status == PEL_OK && f < output->field_count; f++)
-        status = add_named_field(surface, model, output->fields[f], error);
-    if (status != PEL_OK || surface->body_count == 1)
-        return status;
-    for (int32_t f = 0; f < surface->field_count; f++)
-        if (strcmp(surface->fields[f].name, "body") == 0)
-            return PEL_OK;
-    status = add_field(surface, "body", SOURCE_MESH, 1, &values, error);
-    if (status == PEL_OK)
-        fill_body_numbers(surface, values);
+        status = add_named_field(surface, sim, output->fields[f], error);
+    if (status == PEL_OK && surface->body_count > 1)
+        status = add_field(surface, sim, "body", SOURCE_BODY, 1, error);
+    if (status == PEL_OK && refines)
+        status = add_field(surface, sim, "level", SOURCE_LEVEL, 1, error);
+    if (status == PEL_OK && refines)
+        status = add_field(surface, sim, "mesh_triangle", SOURCE_MESH_TRIANGLE, 1, error);
+    if (status == PEL_OK && refines)
+        status = add_field(surface, sim, "mesh_weights", SOURCE_MESH_WEIGHTS, 3, error);
     return status;
 }
 
 /* ---- creation ---- */
 
-static pel_status count_surface(const pel_model *model, pel_run_surface *surface, pel_error *error)
+static pel_status count_surface(const pel_sim *sim, pel_run_surface *surface, pel_error *error)
 {
     int64_t vertex_count = 0, triangle_count = 0;
+    surface->revision = 0;
     for (int32_t b = 0; b < surface->body_count; b++) {
-        vertex_count += pel_model_mesh(model, b)->vertex_count;
-        triangle_count += pel_model_mesh(model, b)->triangle_count;
+        vertex_count += pel_sim_vertex_count(sim, b);
+        triangle_count += pel_sim_triangle_count(sim, b);
+        surface->revision += pel_sim_surface_revision(sim, b);
     }
     if (vertex_count > INT32_MAX || triangle_count > INT32_MAX / 3)
         return pel_fail(error, PEL_BAD_SCENE, "the bodies have too many vertices or triangles for one file");
@@ -132,46 +202,79 @@ static pel_status count_surface(const pel_model *model, pel_run_surface *surface
     return PEL_OK;
 }
 
-static void join_bodies(const pel_model *model, pel_run_surface *surface)
+static void join_bodies(const pel_sim *sim, pel_run_surface *surface)
 {
     int32_t *out = surface->triangles;
     for (int32_t b = 0; b < surface->body_count; b++) {
-        const pel_mesh *mesh = pel_model_mesh(model, b);
-        int32_t first = surface->begin[b];
-        surface->begin[b + 1] = first + mesh->vertex_count;
-        memcpy(surface->rest + 3 * (size_t)first, mesh->positions, (size_t)mesh->vertex_count * 3 * sizeof(double));
-        for (int32_t t = 0; t < mesh->triangle_count; t++)
-            for (int i = 0; i < 3; i++)
-                *out++ = first + mesh->triangles[t][i];
+        int32_t first = surface->begin[b], corner_count = 3 * pel_sim_triangle_count(sim, b);
+        surface->begin[b + 1] = first + pel_sim_vertex_count(sim, b);
+        pel_sim_get_rest_positions(sim, b, surface->rest + 3 * (size_t)first);
+        pel_sim_get_triangles(sim, b, out);
+        for (int32_t i = 0; i < corner_count; i++)
+            out[i] += first;
+        out += corner_count;
     }
 }
 
-pel_status pel_run_surface_create(const pel_model *model, const pel_output_def *output, pel_run_surface *surface,
-                                  pel_error *error)
+static void free_buffers(pel_run_surface *surface)
 {
-    *surface = (pel_run_surface){.body_count = pel_model_body_count(model)};
-    pel_status status = count_surface(model, surface, error);
+    pel_free(surface->row_triangles);
+    pel_free(surface->scratch);
+    pel_free(surface->positions);
+    pel_free(surface->rest);
+    pel_free(surface->triangles);
+}
+
+/* buffers for the present surface */
+static pel_status make_buffers(const pel_sim *sim, pel_run_surface *surface, pel_error *error)
+{
+    pel_status status = count_surface(sim, surface, error);
     if (status != PEL_OK)
         return status;
-    size_t vertex_count = (size_t)surface->vertex_count, field_room = (size_t)output->field_count + 1;
-    surface->begin = pel_allocate((size_t)surface->body_count + 1, sizeof *surface->begin);
+    size_t vertex_count = (size_t)surface->vertex_count;
+    free_buffers(surface);
     surface->triangles = pel_allocate(3 * (size_t)surface->triangle_count, sizeof *surface->triangles);
     surface->rest = pel_allocate(3 * vertex_count, sizeof(double));
     surface->positions = pel_allocate(3 * vertex_count, sizeof(double));
     surface->scratch = pel_allocate(3 * vertex_count, sizeof(double));
-    surface->fields = pel_allocate(field_room, sizeof *surface->fields);
-    surface->sources = pel_allocate(field_room, sizeof *surface->sources);
-    if (surface->begin == NULL || surface->triangles == NULL || surface->rest == NULL || surface->positions == NULL ||
-        surface->scratch == NULL || surface->fields == NULL || surface->sources == NULL)
+    surface->row_triangles = pel_allocate(vertex_count, sizeof *surface->row_triangles);
+    if (surface->triangles == NULL || surface->rest == NULL || surface->positions == NULL || surface->scratch == NULL ||
+        surface->row_triangles == NULL) {
+        surface->revision = -1;
         return pel_fail_memory(error);
-    join_bodies(model, surface);
-    return add_fields(surface, model, output, error);
+    }
+    join_bodies(sim, surface);
+    return PEL_OK;
 }
 
-static double *field_values(const pel_vtp_field *field)
+/* brings the buffers after the surface when a body has refined or coarsened */
+static pel_status refresh(pel_run_surface *surface, const pel_sim *sim, pel_error *error)
 {
-    /* made by add_field; const for those who read the file's description only */
-    return (double *)(uintptr_t)field->values;
+    int64_t revision = 0;
+    for (int32_t b = 0; b < surface->body_count; b++)
+        revision += pel_sim_surface_revision(sim, b);
+    if (revision == surface->revision)
+        return PEL_OK;
+    pel_status status = make_buffers(sim, surface, error);
+    for (int32_t f = 0; status == PEL_OK && f < surface->field_count; f++)
+        status = make_values(surface, sim, surface->sources[f], &surface->fields[f], error);
+    if (status != PEL_OK)
+        surface->revision = -1;
+    return status;
+}
+
+pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, bool refines,
+                                  pel_run_surface *surface, pel_error *error)
+{
+    *surface = (pel_run_surface){.body_count = pel_model_body_count(pel_sim_model(sim))};
+    size_t field_room = (size_t)output->field_count + 4;
+    surface->begin = pel_allocate((size_t)surface->body_count + 1, sizeof *surface->begin);
+    surface->fields = pel_allocate(field_room, sizeof *surface->fields);
+    surface->sources = pel_allocate(field_room, sizeof *surface->sources);
+    if (surface->begin == NULL || surface->fields == NULL || surface->sources == NULL)
+        return pel_fail_memory(error);
+    pel_status status = make_buffers(sim, surface, error);
+    return status == PEL_OK ? add_fields(surface, sim, output, refines, error) : status;
 }
 
 void pel_run_surface_destroy(pel_run_surface *surface)
@@ -180,10 +283,7 @@ void pel_run_surface_destroy(pel_run_surface *surface)
         pel_free(field_values(&surface->fields[f]));
     pel_free(surface->sources);
     pel_free(surface->fields);
-    pel_free(surface->scratch);
-    pel_free(surface->positions);
-    pel_free(surface->rest);
-    pel_free(surface->triangles);
+    free_buffers(surface);
     pel_free(surface->begin);
     *surface = (pel_run_surface){0};
 }
@@ -239,6 +339,8 @@ static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_
 double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim)
 {
     double largest = 0;
+    if (refresh(surface, sim, NULL) != PEL_OK)
+        return HUGE_VAL;
     for (int32_t b = 0; b < surface->body_count; b++) {
         pel_sim_get_velocities(sim, b, surface->scratch);
         for (int32_t v = 0; v < surface->begin[b + 1] - surface->begin[b]; v++) {
@@ -254,6 +356,9 @@ double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim)
 pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, const pel_output_def *output,
                                        const char *path, pel_error *error)
 {
+    pel_status status = refresh(surface, sim, error);
+    if (status != PEL_OK)
+        return status;
     read_positions(surface, sim);
     for (int32_t f = 0; f < surface->field_count; f++)
         for (int32_t b = 0; b < surface->body_count; b++)
@@ -273,9 +378,9 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
 }
 
 /* every field of a mesh once, on all bodies */
-static pel_status add_mesh_fields(const pel_run_surface *surface, const pel_model *model, pel_mesh *mesh,
-                                  pel_error *error)
+static pel_status add_mesh_fields(const pel_run_surface *surface, const pel_sim *sim, pel_mesh *mesh, pel_error *error)
 {
+    const pel_model *model = pel_sim_model(sim);
     for (int32_t b = 0; b < surface->body_count; b++) {
         const pel_mesh *part = pel_model_mesh(model, b);
         for (int32_t f = 0; f < part->field_count; f++) {
@@ -286,8 +391,7 @@ static pel_status add_mesh_fields(const pel_run_surface *surface, const pel_mode
             if (status != PEL_OK)
                 return status;
             const pel_field *made = pel_mesh_field(mesh, field->name);
-            const pel_vtp_field description = {made->name, made->component_count, made->values};
-            fill_mesh_field(surface, model, &description, made->values);
+            fill_mesh_field(surface, sim, made->name, made->component_count, made->values);
         }
     }
     if (surface->body_count == 1 || pel_mesh_field(mesh, "body") != NULL)
@@ -301,11 +405,14 @@ static pel_status add_mesh_fields(const pel_run_surface *surface, const pel_mode
 pel_status pel_run_surface_write_final(pel_run_surface *surface, const pel_sim *sim, const char *path, pel_error *error)
 {
     pel_mesh *mesh;
+    pel_status status = refresh(surface, sim, error);
+    if (status != PEL_OK)
+        return status;
     read_positions(surface, sim);
-    pel_status status = pel_mesh_create(surface->positions, surface->vertex_count, surface->triangles,
-                                        surface->triangle_count, &mesh, error);
+    status = pel_mesh_create(surface->positions, surface->vertex_count, surface->triangles, surface->triangle_count,
+                             &mesh, error);
     if (status == PEL_OK)
-        status = add_mesh_fields(surface, pel_sim_model(sim), mesh, error);
+        status = add_mesh_fields(surface, sim, mesh, error);
     if (status == PEL_OK)
         status = pel_mesh_write(path, PEL_FORMAT_PLY, mesh, NULL, error);
     pel_mesh_destroy(mesh);

@@ -174,16 +174,16 @@ static void corner_at(const pel_record *records, int32_t v, const double origin[
 }
 
 /* area and enclosed volume of a body, about its first vertex, at the given positions */
-static void measure_surface(const pel_model *model, const pel_record *records, int32_t body, double *area,
-                            double *volume)
+static void measure_surface(const pel_sim *sim, const pel_record *records, int32_t body, double *area, double *volume)
 {
+    const pel_model *model = sim->model;
     const double zero[3] = {0, 0, 0};
     double origin[3];
     corner_at(records, model->bodies[body].slot_of_vertex[0], zero, origin);
     *area = *volume = 0;
     int32_t count = pel_surface_count(model, body);
     for (int32_t i = 0; i < count; i++) {
-        int32_t t = pel_surface_triangle(model, body, i);
+        int32_t t = pel_surface_in_order(sim, body, i);
         double a[3], b[3], c[3], u[3], w[3], n[3];
         corner_at(records, model->triangles[t][0], origin, a);
         corner_at(records, model->triangles[t][1], origin, b);
@@ -202,9 +202,9 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         double body_area, body_volume, body_rest_area = body->rest_area, body_rest_volume = body->rest_volume;
-        measure_surface(sim->model, sim->state->position, b, &body_area, &body_volume);
+        measure_surface(sim, sim->state->position, b, &body_area, &body_volume);
         if (body->front != NULL && body->front->red_count > 0)
-            measure_surface(sim->model, sim->model->rest, b, &body_rest_area, &body_rest_volume);
+            measure_surface(sim, sim->model->rest, b, &body_rest_area, &body_rest_volume);
         area += body_area;
         rest_area += body_rest_area;
         volume += body->closed ? body_volume : 0;

@@ -7,6 +7,7 @@
 #include "pellicle/mesh_io.h"
 #include "pellicle/results.h"
 #include "pellicle/run.h"
+#include "pellicle/topology.h"
 
 #include <dirent.h>
 #include <ftw.h>
@@ -423,6 +424,59 @@ static void test_resume_after_stop(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* frames of a body that refines are the changing mesh, each whole and closed, with levels and places in the mesh */
+static int32_t check_refined_frame(const char *run, int frame)
+{
+    char path[256], name[32];
+    pel_mesh *mesh;
+    pel_topology *topology;
+    int32_t finest = 0;
+    snprintf(name, sizeof name, "frames/f%05d.vtp", frame);
+    assert_int_equal(pel_vtp_read(in_folder(path, run, name), &mesh, NULL, NULL), PEL_OK);
+    assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
+    assert_int_equal(topology->boundary_edge_count, 0);
+    const pel_field *level = pel_mesh_field(mesh, "level"), *weights = pel_mesh_field(mesh, "mesh_weights");
+    assert_true(level != NULL && weights != NULL && pel_mesh_field(mesh, "mesh_triangle") != NULL);
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        const double *w = weights->values + 3 * (size_t)v;
+        finest = level->values[v] > finest ? (int32_t)level->values[v] : finest;
+        assert_near(w[0] + w[1] + w[2], 1, 1e-6);
+    }
+    pel_topology_destroy(topology);
+    pel_mesh_destroy(mesh);
+    return finest;
+}
+
+static void test_refinement(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"bodies.ball.refine.above=4", "bodies.ball.refine.levels=2",
+                               "bodies.ball.refine.dwell=5", "bodies.ball.refine.interval=3"};
+    pel_scene *scene = load_scene(busy, overrides, 4);
+    const pel_refine_def *refine = &scene->model.bodies[0].refine;
+    assert_true(refine->levels == 2 && refine->above == 4 && refine->below == 2 && refine->dwell == 5 &&
+                refine->interval == 3 && refine->rings == 2 && !refine->everywhere);
+    assert_int_equal(scene->model.bodies[1].refine.levels, 0);
+    run_case whole = {.run = "refine"};
+    check_run(scene, &whole, PEL_OK);
+    check_whole("refine");
+    assert_int_equal(check_refined_frame("refine", 0), 0);
+    assert_int_equal(check_refined_frame("refine", 5), 2);
+    assert_true(whole.summary.triangles_final >
+                scene->model.bodies[0].mesh->triangle_count + scene->model.bodies[1].mesh->triangle_count);
+    const int64_t stops[] = {2, 22, 40};
+    for (size_t i = 0; i < sizeof stops / sizeof stops[0]; i++) {
+        char run[32];
+        snprintf(run, sizeof run, "refine-%d", (int)stops[i]);
+        run_case test = {.run = run, .stop_at = stops[i]}, rest = {.run = run, .resume = "checkpoint"};
+        check_run(scene, &test, PEL_STOPPED);
+        check_run(scene, &rest, PEL_OK);
+        assert_true(rest.summary.state_hash == whole.summary.state_hash);
+        check_same_results("refine", run, whole.summary.frames);
+    }
+    pel_scene_destroy(scene);
+}
+
 /* goes back to an older checkpoint: what came after it is replaced */
 static void test_resume_from_older(void **unused)
 {
@@ -756,6 +810,7 @@ int main(void)
         cmocka_unit_test(test_files),
         cmocka_unit_test(test_frame_fields),
         cmocka_unit_test(test_resume_after_stop),
+        cmocka_unit_test(test_refinement),
         cmocka_unit_test(test_resume_from_older),
         cmocka_unit_test(test_resume_at_end),
         cmocka_unit_test(test_kill),
