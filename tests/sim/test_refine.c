@@ -5,6 +5,12 @@
 
 #include "sim/sim.h"
 
+/* a tolerance, by the precision of the state: some roundings of it */
+static double rounding(double in_double, double in_single)
+{
+    return sizeof(pel_real) == 8 ? in_double : in_single;
+}
+
 typedef struct bench {
     pel_mesh *mesh;
     pel_model *model;
@@ -126,9 +132,9 @@ static void test_paper_numbers(void **unused)
     pel_sim_measure(made.sim, &measures);
     assert_int_equal(measures.vertex_count, 1002);
     assert_int_equal(measures.triangle_count, 2000);
-    assert_near(measures.area_ratio, 1, 1e-14);
-    assert_near(measures.volume_ratio, 1, 1e-14);
-    assert_near(measures.elastic_energy, 0, 1e-25);
+    assert_near(measures.area_ratio, 1, rounding(1e-14, 1e-6));
+    assert_near(measures.volume_ratio, 1, rounding(1e-14, 1e-6));
+    assert_near(measures.elastic_energy, 0, rounding(1e-25, 1e-9));
     end(&made);
 }
 
@@ -166,7 +172,7 @@ static void test_rows(void **unused)
                 sum += weights[3 * r + k] * mesh->positions[mesh->triangles[in[r]][k]][c];
             if (inner)
                 assert_near(rest[3 * r + c], sum, 0.05);
-            assert_near(x[3 * r + c], rest[3 * r + c], 1e-15);
+            assert_near(x[3 * r + c], rest[3 * r + c], rounding(1e-15, 1e-7));
         }
     }
     assert_int_equal(finest, 3);
@@ -274,10 +280,10 @@ static sums add_up(const bench *made)
 
 static void assert_kept(const sums *before, const sums *after)
 {
-    assert_near(after->mass, before->mass, 1e-14 * before->mass);
+    assert_near(after->mass, before->mass, rounding(1e-14, 1e-6) * before->mass);
     for (int c = 0; c < 3; c++)
-        assert_near(after->momentum[c], before->momentum[c], 1e-12 * before->scale);
-    assert_true(after->kinetic <= before->kinetic * (1 + 1e-12));
+        assert_near(after->momentum[c], before->momentum[c], rounding(1e-12, 1e-4) * before->scale);
+    assert_true(after->kinetic <= before->kinetic * (1 + rounding(1e-12, 1e-3)));
 }
 
 /* mass, momentum and kinetic energy over random events, on a mesh of uneven triangles and masses */
@@ -319,7 +325,7 @@ static void test_conservation(void **unused)
         n = pel_sim_vertex_count(made.sim, 0);
         pel_sim_get_velocities(made.sim, 0, velocities);
         for (int32_t i = 0; i < 3 * n; i++)
-            assert_near(velocities[i], 1, method == 0 ? 1e-12 : 1e-11);
+            assert_near(velocities[i], 1, method == 0 ? rounding(1e-12, 1e-5) : rounding(1e-11, 1e-3));
         free(velocities);
         end(&made);
     }
@@ -355,10 +361,10 @@ static void test_rigid_motion(void **unused)
     bench made = begin(mesh, &body, &def);
     deform(&made, 0.7, 0);
     refine(&made, 100, 3);
-    assert_true(spring_energy(&made) < (sizeof(pel_real) == 8 ? 1e-20 : 1e-6));
+    assert_true(spring_energy(&made) < rounding(1e-20, 1e-6));
     refine(&made, 100, 1);
     refine(&made, 101, 2);
-    assert_true(spring_energy(&made) < (sizeof(pel_real) == 8 ? 1e-20 : 1e-6));
+    assert_true(spring_energy(&made) < rounding(1e-20, 1e-6));
     end(&made);
 }
 
@@ -389,7 +395,7 @@ static void test_energy_jump(void **unused)
             refine(&made, v, 1);
             jumps[count++] = fabs(spring_energy(&made) / before - 1);
             refine(&made, v, 0);
-            assert_near(spring_energy(&made), before, 1e-12 * before);
+            assert_near(spring_energy(&made), before, rounding(1e-12, 1e-5) * before);
         }
         qsort(jumps, (size_t)count, sizeof *jumps, by_size);
         print_message("poke %.2f: energy jump median %.2f %%, worst %.2f %%\n", pokes[p], 100 * jumps[count / 2],
