@@ -56,6 +56,15 @@ static void print_measures(const char *path, const measured *m)
                (int)(m->report->vertex_count - s->inner_vertex_count), (int)m->report->vertex_count);
 }
 
+/* null when all vertices are on a boundary */
+static void write_curvature(cli_json *json, const char *key, const pel_curvature_summary *summary, double value)
+{
+    if (summary->inner_vertex_count > 0)
+        cli_json_number(json, key, value);
+    else
+        cli_json_null(json, key);
+}
+
 static void write_measures(const char *path, const measured *m)
 {
     const pel_curvature_summary *s = &m->summary;
@@ -70,13 +79,13 @@ static void write_measures(const char *path, const measured *m)
         cli_json_number(&json, "volume", m->report->volume);
     else
         cli_json_null(&json, "volume");
-    cli_json_number(&json, "mean_curvature_min", s->mean_curvature_min);
-    cli_json_number(&json, "mean_curvature_mean", s->mean_curvature_mean);
-    cli_json_number(&json, "mean_curvature_max", s->mean_curvature_max);
-    cli_json_number(&json, "mean_curvature_integral", s->mean_curvature_integral);
-    cli_json_number(&json, "gaussian_curvature_min", s->gaussian_curvature_min);
-    cli_json_number(&json, "gaussian_curvature_mean", s->gaussian_curvature_mean);
-    cli_json_number(&json, "gaussian_curvature_max", s->gaussian_curvature_max);
+    write_curvature(&json, "mean_curvature_min", s, s->mean_curvature_min);
+    write_curvature(&json, "mean_curvature_mean", s, s->mean_curvature_mean);
+    write_curvature(&json, "mean_curvature_max", s, s->mean_curvature_max);
+    write_curvature(&json, "mean_curvature_integral", s, s->mean_curvature_integral);
+    write_curvature(&json, "gaussian_curvature_min", s, s->gaussian_curvature_min);
+    write_curvature(&json, "gaussian_curvature_mean", s, s->gaussian_curvature_mean);
+    write_curvature(&json, "gaussian_curvature_max", s, s->gaussian_curvature_max);
     cli_json_number(&json, "total_gaussian_curvature", s->total_curvature);
     cli_json_integer(&json, "euler_characteristic", m->report->euler_characteristic);
     cli_json_number(&json, "gauss_bonnet_error", fabs(s->total_curvature - expected_total(m)));

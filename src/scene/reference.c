@@ -113,9 +113,10 @@ static void write_section(FILE *file, const pel_scene_table *table, const pel_sc
 
 static void write_fields(FILE *file)
 {
-    fputs("\n## fields\n\nWhat `output.fields` may name, beside the fields of the meshes. [measures](../measures.md) "
-          "says "
-          "how the\nlast five are computed.\n\n| field | numbers | unit | meaning |\n|---|---|---|---|\n",
+    fputs("\n## fields\n\n"
+          "What `output.fields` may name, beside the fields of the meshes, which these hide where names are equal.\n"
+          "[measures](../measures.md) says how the last five are computed.\n\n"
+          "| field | numbers | unit | meaning |\n|---|---|---|---|\n",
           file);
     for (int f = 0; f < PEL_RUN_FIELD_COUNT; f++) {
         const pel_run_field_info *field = &pel_run_fields[f];
