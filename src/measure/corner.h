@@ -22,7 +22,7 @@
 
 typedef struct pel_corner {
     double u[3], w[3], o[3], normal[3];
-    double twice_area;
+    double u_square, w_square, twice_area;
     bool flat;
 } pel_corner;
 
@@ -38,7 +38,10 @@ static inline pel_corner pel_corner_load(const pel_topology *topology, const dou
     pel_vec3_subtract(c, b, corner.o);
     pel_vec3_cross(corner.u, corner.w, corner.normal);
     corner.twice_area = pel_vec3_length(corner.normal);
-    corner.flat = pel_triangle_is_flat(a, b, c);
+    corner.u_square = pel_vec3_squared_length(corner.u);
+    corner.w_square = pel_vec3_squared_length(corner.w);
+    double o_square = pel_vec3_squared_length(corner.o);
+    corner.flat = pel_area_is_flat(corner.twice_area, fmax(fmax(corner.u_square, corner.w_square), o_square));
     return corner;
 }
 
@@ -53,15 +56,14 @@ static inline double pel_corner_mixed_area(const pel_corner *corner)
         return corner->twice_area / 4;
     if (at_b < 0 || at_c < 0)
         return corner->twice_area / 8;
-    double u_square = pel_vec3_squared_length(corner->u), w_square = pel_vec3_squared_length(corner->w);
-    return (u_square * at_c + w_square * at_b) / (8 * corner->twice_area);
+    return (corner->u_square * at_c + corner->w_square * at_b) / (8 * corner->twice_area);
 }
 
 /* the three angles of any triangle sum to pi, those of one whose corners coincide too */
 static inline double pel_corner_angle(const pel_corner *corner)
 {
     const double pi = 3.14159265358979323846;
-    bool no_u = !(pel_vec3_squared_length(corner->u) > 0), no_w = !(pel_vec3_squared_length(corner->w) > 0);
+    bool no_u = !(corner->u_square > 0), no_w = !(corner->w_square > 0);
     if (no_u || no_w)
         return no_u && no_w ? pi / 3 : pi / 2;
     return atan2(corner->twice_area, pel_vec3_dot(corner->u, corner->w));

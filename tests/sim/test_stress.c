@@ -9,7 +9,7 @@ static void stretch(pel_sim *sim, const pel_mesh *mesh, double factor)
 {
     double *x = malloc(3 * sizeof *x * (size_t)mesh->vertex_count);
     for (int32_t i = 0; i < 3 * mesh->vertex_count; i++)
-        x[i] = factor * mesh->positions[0][i];
+        x[i] = factor * mesh->positions[i / 3][i % 3];
     assert_int_equal(pel_sim_set_positions(sim, 0, x, NULL), PEL_OK);
     free(x);
 }
