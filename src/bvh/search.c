@@ -188,6 +188,8 @@ static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q
 
 static bool faces_with_faces(const walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
 {
+    const pel_pair_search *search = w->plan->search;
+    int32_t chunk = (int32_t)(w->chunk - search->chunks);
     const pel_tree *a = w->plan->a, *b = w->plan->b;
     bool within = w->plan->within, same = within && p == q;
     pel_pair_list *list = &w->chunk->lists[PEL_PAIR_FACE_FACE];
@@ -200,7 +202,9 @@ static bool faces_with_faces(const walk *w, const pel_leaf *p, const pel_leaf *q
         unsigned others = touched(b, q->group, &face) & (same ? later_lanes(0, 0, lane) : ~0u);
         while (others != 0) {
             int32_t t = b->members[q->group][next_lane(&others)];
-            *pairs++ = within ? ordered(face.element, t) : (pel_pair){face.element, t};
+            pel_pair pair = within ? ordered(face.element, t) : (pel_pair){face.element, t};
+            *pairs = pair;
+            pairs += search->keep == NULL || search->keep(search->context, chunk, pair);
         }
     }
     list->count = (size_t)(pairs - list->pairs);

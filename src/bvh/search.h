@@ -8,10 +8,7 @@
 
 #include "base/pool.h"
 #include "bvh/tree.h"
-
-typedef struct pel_pair {
-    int32_t first, second;
-} pel_pair;
+#include "pellicle/intersect.h"
 
 /* What a pair consists of. Pairs of neighbours (a common vertex) are left out, but for those of triangles; in one
    surface no pair comes twice. */
@@ -39,6 +36,9 @@ enum { PEL_SEARCH_CHUNKS = 64 };
 typedef struct pel_pair_search {
     pel_pair_chunk chunks[PEL_SEARCH_CHUNKS];
     int64_t limit; /* the most pairs that may be found, of all kinds; beyond it the search is given up */
+    /* false = the pair of triangles is not put on the list of this chunk; called from several threads; nullable */
+    bool (*keep)(void *context, int32_t chunk, pel_pair pair);
+    void *context;
 } pel_pair_search;
 
 /* With empty lists. */
