@@ -105,12 +105,6 @@ pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3], 
     return frame;
 }
 
-static quad quad_abs(quad a)
-{
-    const quad_mask magnitude = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
-    return (quad)((quad_mask)a & magnitude);
-}
-
 /* a where a < b, else b */
 static quad quad_min(quad a, quad b)
 {
@@ -161,7 +155,7 @@ static wide_frame widen(const pel_frame *frame, double reach)
     }
     double half = 0.5 * reach * (1 + FRAME_ERROR);
     wide.origin = (quad){frame->origin[0], frame->origin[1], frame->origin[2], 0};
-    wide.error = splat(FRAME_ERROR * largest);
+    wide.error = FRAME_ERROR * largest * (quad){1, 1, 1, 0};
     wide.growth = (quad){half * length[0], half * length[1], half * length[2], 0};
     return wide;
 }
