@@ -1,5 +1,5 @@
-/* Pellicle: collisions of a moving surface with itself. A collider knows the triangles of a surface and is asked, step by
-   step, what may touch between two sets of positions:
+/* Pellicle: collisions of a moving surface with itself. A collider knows the triangles of a surface and is asked, step
+   by step, what may touch between two sets of positions:
 
        pel_collider_def def = pel_collider_def_default();
        def.mesh = mesh;
@@ -25,8 +25,8 @@ typedef struct pel_collider pel_collider;
 
 typedef struct pel_collider_def {
     const pel_mesh *mesh; /* copied. Several bodies may be one mesh: pairs are found within and between them */
-    double margin; /* m, motion of the surface's parts against each other for which pairs are kept from step to step; 0 =
-                      search anew each time; negative = a fifth of the mean edge length */
+    double margin; /* m, motion of the surface's parts against each other for which pairs are kept from step to step; 0
+                      = search anew each time; negative = a fifth of the mean edge length */
     int64_t candidate_limit; /* the most candidates of a step; 0 = 1000 per triangle, at least a million */
     int thread_count;        /* 0 = as many as the machine has; the results do not depend on it */
     uint32_t cookie;         /* set by pel_collider_def_default */
@@ -35,8 +35,8 @@ typedef struct pel_collider_def {
 /* No mesh yet, margin -1, one thread. */
 pel_collider_def pel_collider_def_default(void);
 
-/* PEL_BAD_ARGUMENT (numbers out of range, a position that is not finite), PEL_BAD_MESH with the triangle (a bad index or
-   a repeated vertex), PEL_OUT_OF_MEMORY. Free with pel_collider_destroy. */
+/* PEL_BAD_ARGUMENT (numbers out of range, a position that is not finite), PEL_BAD_MESH with the triangle (a bad index
+   or a repeated vertex), PEL_OUT_OF_MEMORY. Free with pel_collider_destroy. */
 pel_status pel_collider_create(const pel_collider_def *def, pel_collider **collider, pel_error *error);
 void pel_collider_destroy(pel_collider *collider);
 
@@ -73,9 +73,9 @@ pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_q
 /* A vertex and a triangle, or two edges, that come too near. */
 typedef struct pel_collision {
     bool edge_edge;
-    int32_t first, second;  /* vertex and triangle, or edges, as in the candidates */
-    int32_t vertices[4];    /* vertex and corners, or the ends of both edges */
-    pel_ccd_hit hit;        /* when and where; weights in the order of `vertices` */
+    int32_t first, second; /* vertex and triangle, or edges, as in the candidates */
+    int32_t vertices[4];   /* vertex and corners, or the ends of both edges */
+    pel_ccd_hit hit;       /* when and where; weights in the order of `vertices` */
 } pel_collision;
 
 typedef struct pel_collision_result {

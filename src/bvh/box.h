@@ -111,8 +111,26 @@ static inline void pel_box_group_set(pel_box_group *group, int lane, pel_box box
     }
 }
 
-/* bit i: lane i overlaps the box with these corners */
-static inline unsigned pel_box_group_overlaps(const pel_box_group *group, const float low[3], const float high[3])
+/* bit i: lane i is set */
+static inline unsigned pel_lanes_bits(pel_lanes_mask mask)
+{
+#if defined(__AVX__)
+    return (unsigned)_mm256_movemask_ps((__m256)mask);
+#else
+    unsigned bits = 0;
+    for (int lane = 0; lane < PEL_LANES; lane++)
+        bits |= (unsigned)(mask[lane] & 1) << lane;
+    return bits;
+#endif
+}
+
+static inline pel_lanes_mask pel_lanes_equal(pel_lanes_mask lanes, int32_t x)
+{
+    return (pel_lanes_mask)(lanes == (pel_lanes_mask){x, x, x, x, x, x, x, x});
+}
+
+/* lanes that overlap the box with these corners */
+static inline pel_lanes_mask pel_box_group_overlaps(const pel_box_group *group, const float low[3], const float high[3])
 {
     pel_lanes_mask hit = (pel_lanes_mask)(group->low[0] <= pel_lanes_splat(high[0]));
     hit &= (pel_lanes_mask)(group->high[0] >= pel_lanes_splat(low[0]));
@@ -120,14 +138,7 @@ static inline unsigned pel_box_group_overlaps(const pel_box_group *group, const 
         hit &= (pel_lanes_mask)(group->low[k] <= pel_lanes_splat(high[k]));
         hit &= (pel_lanes_mask)(group->high[k] >= pel_lanes_splat(low[k]));
     }
-#if defined(__AVX__)
-    return (unsigned)_mm256_movemask_ps((__m256)hit);
-#else
-    unsigned bits = 0;
-    for (int lane = 0; lane < PEL_LANES; lane++)
-        bits |= (unsigned)(hit[lane] & 1) << lane;
-    return bits;
-#endif
+    return hit;
 }
 
 #endif

@@ -86,28 +86,44 @@ static bool report(walk *w, size_t interval)
 
 /* ---- pairs of leaves ---- */
 
-/* one element with its box, against the groups begin..end of the other leaf */
+/* one element with its box, to be held against the lanes of the other leaf */
 typedef struct probe {
-    int32_t element;
+    int32_t element, vertices[3];
     float low[3], high[3];
 } probe;
 
 static probe get_probe(const pel_tree *tree, int32_t group, int lane)
 {
     const pel_box_group *boxes = &tree->groups[group];
-    return (probe){tree->members[group][lane],
+    const pel_member_group *members = &tree->members[group];
+    return (probe){members->element[lane],
+                   {members->vertices[0][lane], members->vertices[1][lane], members->vertices[2][lane]},
                    {boxes->low[0][lane], boxes->low[1][lane], boxes->low[2][lane]},
                    {boxes->high[0][lane], boxes->high[1][lane], boxes->high[2][lane]}};
 }
 
+/* bit i: lane i of the group overlaps */
 static unsigned touching(const pel_tree *tree, int32_t group, const pel_box *box)
 {
-    return pel_box_group_overlaps(&tree->groups[group], (const float *)&box->low, (const float *)&box->high);
+    return pel_lanes_bits(
+        pel_box_group_overlaps(&tree->groups[group], (const float *)&box->low, (const float *)&box->high));
 }
 
 static unsigned touched(const pel_tree *tree, int32_t group, const probe *p)
 {
-    return pel_box_group_overlaps(&tree->groups[group], p->low, p->high);
+    return pel_lanes_bits(pel_box_group_overlaps(&tree->groups[group], p->low, p->high));
+}
+
+/* bit i: lane i of the group, of edges or triangles, has a vertex of the probe, of which it has vertex_count; most of
+   what overlaps within a surface are such neighbours */
+static unsigned neighbours(const pel_tree *tree, int32_t group, const probe *p, int vertex_count)
+{
+    const pel_member_group *members = &tree->members[group];
+    pel_lanes_mask shared = {0};
+    for (int i = 0; i < vertex_count; i++)
+        for (int corner = 0; corner < 3; corner++)
+            shared |= pel_lanes_equal(members->vertices[corner], p->vertices[i]);
+    return pel_lanes_bits(shared);
 }
 
 /* takes the lowest set bit away and returns its number */
@@ -116,11 +132,6 @@ static int next_lane(unsigned *lanes)
     int lane = __builtin_ctz(*lanes);
     *lanes &= *lanes - 1;
     return lane;
-}
-
-static bool has_vertex(const int32_t triangle[3], int32_t v)
-{
-    return (triangle[0] == v) | (triangle[1] == v) | (triangle[2] == v);
 }
 
 /* vertices of leaf p (of tree a) against the triangles of leaf q (of tree b, with this box) */
@@ -135,10 +146,12 @@ static bool vertices_with_faces(const walk *w, const pel_tree *a, const pel_leaf
     for (int32_t g = p->group + 1; g < p->edge_group; g++)
         for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
             probe vertex = get_probe(a, g, next_lane(&lanes));
-            for (unsigned faces = touched(b, q->group, &vertex); faces != 0;) {
-                int32_t t = b->members[q->group][next_lane(&faces)];
-                *pairs = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
-                pairs += !(within && has_vertex(b->triangles[t], vertex.element));
+            unsigned faces = touched(b, q->group, &vertex);
+            if (within && faces != 0)
+                faces &= ~neighbours(b, q->group, &vertex, 1);
+            while (faces != 0) {
+                int32_t t = b->members[q->group].element[next_lane(&faces)];
+                *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
             }
         }
     list->count = (size_t)(pairs - list->pairs);
@@ -148,11 +161,6 @@ static bool vertices_with_faces(const walk *w, const pel_tree *a, const pel_leaf
 static pel_pair ordered(int32_t first, int32_t second)
 {
     return first < second ? (pel_pair){first, second} : (pel_pair){second, first};
-}
-
-static bool edges_meet(const int32_t a[2], const int32_t b[2])
-{
-    return (a[0] == b[0]) | (a[0] == b[1]) | (a[1] == b[0]) | (a[1] == b[1]);
 }
 
 /* lanes of group g that come after lane `lane` of group `of` */
@@ -175,10 +183,11 @@ static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q
             probe edge = get_probe(a, g, lane);
             for (int32_t h = same ? g : q->edge_group; h < q->group_end; h++) {
                 unsigned others = touched(b, h, &edge) & (same ? later_lanes(h, g, lane) : ~0u);
+                if (within && others != 0)
+                    others &= ~neighbours(b, h, &edge, 2);
                 while (others != 0) {
-                    int32_t e = b->members[h][next_lane(&others)];
-                    *pairs = within ? ordered(edge.element, e) : (pel_pair){edge.element, e};
-                    pairs += !(within && edges_meet(a->edges[edge.element], b->edges[e]));
+                    int32_t e = b->members[h].element[next_lane(&others)];
+                    *pairs++ = within ? ordered(edge.element, e) : (pel_pair){edge.element, e};
                 }
             }
         }
@@ -201,7 +210,7 @@ static bool faces_with_faces(const walk *w, const pel_leaf *p, const pel_leaf *q
         probe face = get_probe(a, p->group, lane);
         unsigned others = touched(b, q->group, &face) & (same ? later_lanes(0, 0, lane) : ~0u);
         while (others != 0) {
-            int32_t t = b->members[q->group][next_lane(&others)];
+            int32_t t = b->members[q->group].element[next_lane(&others)];
             pel_pair pair = within ? ordered(face.element, t) : (pel_pair){face.element, t};
             *pairs = pair;
             pairs += search->keep == NULL || search->keep(search->context, chunk, pair);
@@ -377,7 +386,7 @@ static bool add_lanes(const pel_tree *tree, int32_t group, unsigned lanes, pel_e
     if (!pel_reserve((void **)&list->elements, &list->capacity, list->count + PEL_LANES, sizeof *list->elements))
         return false;
     while (lanes != 0)
-        list->elements[list->count++] = tree->members[group][next_lane(&lanes)];
+        list->elements[list->count++] = tree->members[group].element[next_lane(&lanes)];
     return true;
 }
 

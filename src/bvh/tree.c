@@ -198,11 +198,10 @@ static void sort_triangles(pel_tree *tree, int32_t begin, int32_t end)
 /* puts an element into the next lane of the groups from `first` on; returns the new number of elements */
 static int32_t add_member(pel_tree *tree, int32_t first, int32_t count, int32_t element)
 {
-    int32_t *lanes = tree->members[first + count / PEL_LANES];
+    pel_lanes_mask *lanes = &tree->members[first + count / PEL_LANES].element;
     if (count % PEL_LANES == 0)
-        for (int lane = 0; lane < PEL_LANES; lane++)
-            lanes[lane] = -1;
-    lanes[count % PEL_LANES] = element;
+        *lanes = (pel_lanes_mask){-1, -1, -1, -1, -1, -1, -1, -1};
+    (*lanes)[count % PEL_LANES] = element;
     return count + 1;
 }
 
@@ -211,7 +210,7 @@ static int32_t add_new(pel_tree *tree, int32_t triangle_group, int32_t group, co
 {
     int32_t count = 0;
     for (int lane = 0; lane < PEL_LANES; lane++) {
-        int32_t t = tree->members[triangle_group][lane];
+        int32_t t = tree->members[triangle_group].element[lane];
         for (int i = 0; i < 3 && t >= 0; i++)
             if (!tree->seen[elements[t][i]]) {
                 tree->seen[elements[t][i]] = 1;
@@ -259,10 +258,28 @@ static void pack_leaves(pel_tree *tree)
     for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
         pel_leaf *at = &tree->leaves[leaf];
         int32_t count = at->group_end - at->group, edge_offset = at->edge_group - at->group;
-        memmove(tree->members[next], tree->members[at->group], (size_t)count * sizeof *tree->members);
+        memmove(&tree->members[next], &tree->members[at->group], (size_t)count * sizeof *tree->members);
         *at = (pel_leaf){next, next + edge_offset, next + count};
         next += count;
     }
+}
+
+static void set_vertices(pel_tree *tree, int32_t leaf)
+{
+    const pel_leaf *at = &tree->leaves[leaf];
+    for (int32_t g = at->group; g < at->group_end; g++)
+        for (int lane = 0; lane < PEL_LANES; lane++) {
+            pel_member_group *members = &tree->members[g];
+            int32_t i = members->element[lane];
+            for (int corner = 0; corner < 3; corner++) {
+                int32_t v = i;
+                if (i >= 0 && g == at->group)
+                    v = tree->triangles[i][corner];
+                else if (i >= 0 && g >= at->edge_group)
+                    v = tree->edges[i][corner < 2 ? corner : 1];
+                members->vertices[corner][lane] = v;
+            }
+        }
 }
 
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
@@ -273,6 +290,8 @@ void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
     sort_triangles(tree, 0, tree->leaf_count);
     fill_leaves(tree);
     pack_leaves(tree);
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
+        set_vertices(tree, leaf);
     for (int32_t n = 0; n < tree->node_count; n++)
         tree->nodes[n] = pel_box_empty();
     for (int32_t g = 0; g < tree->leaves[tree->leaf_count - 1].group_end; g++)
@@ -297,17 +316,17 @@ static pel_box box_of_triangle(const pel_tree *tree, const pel_box *boxes, int32
 static pel_box refit_leaf(pel_tree *tree, const pel_leaf *leaf, const pel_box *boxes)
 {
     pel_box whole = pel_box_empty();
-    for (int lane = 0; lane < PEL_LANES && tree->members[leaf->group][lane] >= 0; lane++) {
-        pel_box box = box_of_triangle(tree, boxes, tree->members[leaf->group][lane]);
+    for (int lane = 0; lane < PEL_LANES && tree->members[leaf->group].element[lane] >= 0; lane++) {
+        pel_box box = box_of_triangle(tree, boxes, tree->members[leaf->group].element[lane]);
         pel_box_group_set(&tree->groups[leaf->group], lane, box);
         whole = pel_box_join(whole, box);
     }
     for (int32_t g = leaf->group + 1; g < leaf->edge_group; g++)
-        for (int lane = 0; lane < PEL_LANES && tree->members[g][lane] >= 0; lane++)
-            pel_box_group_set(&tree->groups[g], lane, boxes[tree->members[g][lane]]);
+        for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
+            pel_box_group_set(&tree->groups[g], lane, boxes[tree->members[g].element[lane]]);
     for (int32_t g = leaf->edge_group; g < leaf->group_end; g++)
-        for (int lane = 0; lane < PEL_LANES && tree->members[g][lane] >= 0; lane++)
-            pel_box_group_set(&tree->groups[g], lane, box_of_edge(tree, boxes, tree->members[g][lane]));
+        for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
+            pel_box_group_set(&tree->groups[g], lane, box_of_edge(tree, boxes, tree->members[g].element[lane]));
     return whole;
 }
 

@@ -23,6 +23,12 @@ typedef struct pel_leaf {
     int32_t group, edge_group, group_end;
 } pel_leaf;
 
+/* what is in the lanes of a group: a triangle, vertex or edge, -1 = nothing; and its vertices, of a vertex or an edge
+   the last one repeated */
+typedef struct pel_member_group {
+    pel_lanes_mask element, vertices[3];
+} pel_member_group;
+
 typedef struct pel_tree {
     int32_t vertex_count, triangle_count, edge_count;
     int32_t (*triangles)[3];      /* (triangle_count x 3) a copy */
@@ -30,11 +36,11 @@ typedef struct pel_tree {
     int32_t (*triangle_edges)[3]; /* (triangle_count x 3) */
 
     int32_t leaf_count, node_count;
-    pel_box *nodes;                /* (node_count) */
-    pel_leaf *leaves;              /* (leaf_count) */
-    pel_box_group *groups;         /* (leaves[leaf_count - 1].group_end) */
-    int32_t (*members)[PEL_LANES]; /* triangle, vertex or edge in each lane of a group; -1 = none */
-    double built_cost;             /* pel_tree_cost after the first refit since the last build; 0 = not yet */
+    pel_box *nodes;            /* (node_count) */
+    pel_leaf *leaves;          /* (leaf_count) */
+    pel_box_group *groups;     /* (leaves[leaf_count - 1].group_end) */
+    pel_member_group *members; /* (as groups) */
+    double built_cost;         /* pel_tree_cost after the first refit since the last build; 0 = not yet */
 
     uint64_t *keys; /* (triangle_count) scratch of a build: place along an axis, triangle */
     float (*centroids)[3];

@@ -10,8 +10,8 @@
 
 enum {
     DEF_COOKIE = 0x434f4c4c,
-    BLOCK = 256,  /* candidates that are solved together */
-    PARTS = 64    /* lists of collisions that threads fill */
+    BLOCK = 256, /* candidates that are solved together */
+    PARTS = 64   /* lists of collisions that threads fill */
 };
 
 typedef struct collision_list {
@@ -103,8 +103,8 @@ static pel_status fill_collider(pel_collider *collider, const pel_collider_def *
         limit = per_triangle * mesh->triangle_count > least_limit ? per_triangle * mesh->triangle_count : least_limit;
     double margin = def->margin >= 0 ? def->margin : 0.2 * mean_edge(mesh);
     pel_status status = pel_candidates_create((const double(*)[3])mesh->positions, mesh->vertex_count,
-                                              (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, margin,
-                                              limit, &collider->candidates, error);
+                                              (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, margin, limit,
+                                              &collider->candidates, error);
     int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
     if (status == PEL_OK && threads > 1)
         status = pel_pool_create(threads, &collider->pool, error);
@@ -158,9 +158,8 @@ static pel_status update(pel_collider *collider, const pel_collision_query *quer
     pel_status status = check_query(query, error);
     if (status != PEL_OK)
         return status;
-    return pel_candidates_update(collider->candidates, (const double(*)[3])query->start,
-                                 (const double(*)[3])query->end, query->min_separation + query->tolerance,
-                                 collider->pool, error);
+    return pel_candidates_update(collider->candidates, (const double(*)[3])query->start, (const double(*)[3])query->end,
+                                 query->min_separation + query->tolerance, collider->pool, error);
 }
 
 pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_query *query,
@@ -303,8 +302,8 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
     size_t before = all->count;
     for (int i = 0; i < PARTS; i++) {
         const part *p = &collider->parts[i];
-        if (p->status != PEL_OK || !pel_reserve((void **)&all->collisions, &all->capacity,
-                                                all->count + p->list.count, sizeof *all->collisions))
+        if (p->status != PEL_OK || !pel_reserve((void **)&all->collisions, &all->capacity, all->count + p->list.count,
+                                                sizeof *all->collisions))
             return PEL_OUT_OF_MEMORY;
         if (p->list.count > 0)
             memcpy(all->collisions + all->count, p->list.collisions, p->list.count * sizeof *all->collisions);

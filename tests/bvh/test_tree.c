@@ -33,8 +33,8 @@ static void check_members(const pel_tree *tree)
                              : g < at->edge_group ? tree->triangle_count
                                                   : tree->triangle_count + tree->vertex_count;
             for (int lane = 0; lane < PEL_LANES; lane++)
-                if (tree->members[g][lane] >= 0)
-                    seen[offset + tree->members[g][lane]]++;
+                if (tree->members[g].element[lane] >= 0)
+                    seen[offset + tree->members[g].element[lane]]++;
         }
         next = at->group_end;
     }
