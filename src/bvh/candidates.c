@@ -82,12 +82,10 @@ static bool choose_margin(pel_candidates *c)
     return c->margin > 0;
 }
 
-static void keep_positions(pel_candidates *c, const pel_motion *motion)
+static void keep_positions(pel_candidates *c, const pel_frame *frame, const pel_motion *motion)
 {
     for (int32_t v = 0; v < motion->vertex_count; v++)
-        for (int k = 0; k < 3; k++)
-            c->kept_positions[v][k] = 0.5 * motion->start[v][k] + 0.5 * motion->end[v][k];
-    pel_motion_centre(motion, c->kept_centre);
+        pel_frame_middle(frame, motion, v, c->kept_positions[v]);
     c->kept_uses = 0;
 }
 
@@ -102,7 +100,8 @@ static void fit_tree(pel_candidates *c, const pel_motion *motion, const pel_box 
     c->counts.rebuilds++;
 }
 
-static pel_status search_tree(pel_candidates *c, const pel_motion *motion, pel_pool *pool, pel_error *error)
+static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, pel_pool *pool,
+                              pel_error *error)
 {
     const unsigned kinds = 1u << PEL_PAIR_VERTEX_FACE | 1u << PEL_PAIR_EDGE_EDGE;
     bool with_margin = choose_margin(c);
@@ -113,7 +112,7 @@ static pel_status search_tree(pel_candidates *c, const pel_motion *motion, pel_p
     c->counts.searches++;
     pel_status status = pel_find_pairs(c->tree, c->tree, kinds, pool, &c->search, error);
     if (status == PEL_OK && with_margin) {
-        keep_positions(c, motion);
+        keep_positions(c, frame, motion);
         c->has_kept = true;
     }
     return status;
@@ -206,7 +205,7 @@ static pel_status update(pel_candidates *c, const pel_motion *motion, double thi
     pel_frame frame;
     pel_status status;
     if (c->has_kept) {
-        frame = pel_frame_follow(motion, (const double(*)[3])c->kept_positions, c->kept_centre);
+        frame = pel_frame_follow(motion, (const double(*)[3])c->kept_positions);
         status = make_boxes(c, &frame, motion, thickness, error);
         if (status != PEL_OK)
             return status;
@@ -215,12 +214,10 @@ static pel_status update(pel_candidates *c, const pel_motion *motion, double thi
             return sieve_all(c, pool, error);
         }
     }
-    double centre[3];
-    pel_motion_centre(motion, centre);
-    frame = pel_frame_at(centre);
+    frame = pel_frame_centre(motion);
     status = make_boxes(c, &frame, motion, thickness, error);
     if (status == PEL_OK)
-        status = search_tree(c, motion, pool, error);
+        status = search_tree(c, &frame, motion, pool, error);
     return status == PEL_OK ? sieve_all(c, pool, error) : status;
 }
 

@@ -32,8 +32,7 @@ typedef struct pel_candidates {
 
     pel_box *vertex_boxes, *edge_boxes, *triangle_boxes; /* of the last update */
     pel_box *kept_boxes;                                 /* (vertex_count) that the kept pairs allow for */
-    double (*kept_positions)[3]; /* (vertex_count x 3) and kept_centre: what the frame follows */
-    double kept_centre[3];
+    double (*kept_positions)[3];                         /* (vertex_count x 3) what the frame follows */
     bool has_kept;
     int32_t kept_uses;           /* updates served by the kept pairs */
     int32_t pause, pause_length; /* updates to go without a margin; length of the last such pause */

@@ -19,7 +19,8 @@ typedef int64_t quad_mask __attribute__((vector_size(32)));
 
 pel_frame pel_frame_at(const double origin[3])
 {
-    return (pel_frame){{origin[0], origin[1], origin[2]}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    return (pel_frame){{{origin[0], origin[1], origin[2]}, {origin[0], origin[1], origin[2]}},
+                       {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 }
 
 static int32_t sample_stride(const pel_motion *motion)
@@ -27,20 +28,30 @@ static int32_t sample_stride(const pel_motion *motion)
     return 1 + motion->vertex_count / FOLLOW_SAMPLES;
 }
 
-static double middle(const pel_motion *motion, int32_t v, int k)
+static void find_mean(const double (*points)[3], int32_t count, int32_t stride, double mean[3])
 {
-    return 0.5 * motion->start[v][k] + 0.5 * motion->end[v][k];
+    int32_t samples = 0;
+    mean[0] = mean[1] = mean[2] = 0;
+    for (int32_t v = 0; v < count; v += stride, samples++)
+        for (int k = 0; k < 3; k++)
+            mean[k] += points[v][k];
+    for (int k = 0; k < 3; k++)
+        mean[k] = isfinite(mean[k]) && samples > 0 ? mean[k] / samples : 0;
 }
 
-void pel_motion_centre(const pel_motion *motion, double centre[3])
+pel_frame pel_frame_centre(const pel_motion *motion)
 {
-    int32_t stride = sample_stride(motion), count = 0;
-    centre[0] = centre[1] = centre[2] = 0;
-    for (int32_t v = 0; v < motion->vertex_count; v += stride, count++)
-        for (int k = 0; k < 3; k++)
-            centre[k] += middle(motion, v, k);
+    pel_frame frame = pel_frame_at((const double[3]){0, 0, 0});
+    int32_t stride = sample_stride(motion);
+    find_mean(motion->start, motion->vertex_count, stride, frame.origin[0]);
+    find_mean(motion->end, motion->vertex_count, stride, frame.origin[1]);
+    return frame;
+}
+
+void pel_frame_middle(const pel_frame *frame, const pel_motion *motion, int32_t v, double place[3])
+{
     for (int k = 0; k < 3; k++)
-        centre[k] = isfinite(centre[k]) && count > 0 ? centre[k] / count : 0;
+        place[k] = 0.5 * (motion->start[v][k] - frame->origin[0][k]) + 0.5 * (motion->end[v][k] - frame->origin[1][k]);
 }
 
 /* false when the matrix is singular */
@@ -73,22 +84,22 @@ static void multiply(const double a[3][3], const double b[3][3], double product[
             product[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3], const double before_centre[3])
+pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3])
 {
     /* now = stretch before: stretch = (sum now before^T + k 1) (sum before before^T + k 1)^-1, where the small k keeps
        directions in which a flat body has no extent as they are */
     const double regular = 1e-4, distortion_limit = 100;
-    double centre[3], mixed[3][3] = {{0}}, own[3][3] = {{0}}, inverse[3][3], stretch[3][3];
-    pel_motion_centre(motion, centre);
-    pel_frame frame = pel_frame_at(centre);
+    double mixed[3][3] = {{0}}, own[3][3] = {{0}}, inverse[3][3], stretch[3][3], now[3];
+    pel_frame frame = pel_frame_centre(motion);
     int32_t stride = sample_stride(motion);
-    for (int32_t v = 0; v < motion->vertex_count; v += stride)
+    for (int32_t v = 0; v < motion->vertex_count; v += stride) {
+        pel_frame_middle(&frame, motion, v, now);
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 3; j++) {
-                double b = before[v][j] - before_centre[j];
-                mixed[i][j] += (middle(motion, v, i) - centre[i]) * b;
-                own[i][j] += (before[v][i] - before_centre[i]) * b;
+                mixed[i][j] += now[i] * before[v][j];
+                own[i][j] += before[v][i] * before[v][j];
             }
+    }
     double keep = regular * (own[0][0] + own[1][1] + own[2][2]);
     for (int i = 0; i < 3; i++) {
         mixed[i][i] += keep;
@@ -140,7 +151,7 @@ static pel_box round_outward(quad low, quad high)
 
 /* what a frame becomes for the loop over points */
 typedef struct wide_frame {
-    quad column[3], origin, error, growth;
+    quad column[3], error, growth;
 } wide_frame;
 
 static wide_frame widen(const pel_frame *frame, double reach)
@@ -154,16 +165,15 @@ static wide_frame widen(const pel_frame *frame, double reach)
         largest = fmax(largest, length[k]);
     }
     double half = 0.5 * reach * (1 + FRAME_ERROR);
-    wide.origin = (quad){frame->origin[0], frame->origin[1], frame->origin[2], 0};
     wide.error = FRAME_ERROR * largest * (quad){1, 1, 1, 0};
     wide.growth = (quad){half * length[0], half * length[1], half * length[2], 0};
     return wide;
 }
 
 /* the point in the frame, and how far it may be off */
-static quad place(const wide_frame *frame, const double x[3], quad *error)
+static quad place(const wide_frame *frame, const double origin[3], const double x[3], quad *error)
 {
-    double dx = x[0] - frame->origin[0], dy = x[1] - frame->origin[1], dz = x[2] - frame->origin[2];
+    double dx = x[0] - origin[0], dy = x[1] - origin[1], dz = x[2] - origin[2];
     *error = frame->error * splat(fabs(dx) + fabs(dy) + fabs(dz));
     return frame->column[0] * splat(dx) + frame->column[1] * splat(dy) + frame->column[2] * splat(dz);
 }
@@ -173,7 +183,8 @@ int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, do
     wide_frame wide = widen(frame, reach);
     for (int32_t v = 0; v < motion->vertex_count; v++) {
         quad start_error, end_error;
-        quad start = place(&wide, motion->start[v], &start_error), end = place(&wide, motion->end[v], &end_error);
+        quad start = place(&wide, frame->origin[0], motion->start[v], &start_error);
+        quad end = place(&wide, frame->origin[1], motion->end[v], &end_error);
         quad growth = wide.growth + quad_max(start_error, end_error);
         if (!isfinite(start_error[0] + end_error[0]))
             return v;

@@ -106,9 +106,7 @@ static pel_status find_pairs(certificate *it, pel_error *error)
     if (status != PEL_OK)
         return status;
     pel_motion rest = {positions, positions, it->mesh->vertex_count};
-    double centre[3];
-    pel_motion_centre(&rest, centre);
-    pel_frame frame = pel_frame_at(centre);
+    pel_frame frame = pel_frame_centre(&rest);
     pel_boxes_of_motion(&frame, &rest, 0, it->boxes);
     pel_tree_refit(it->tree, it->boxes);
     it->search.keep = keep_pair;

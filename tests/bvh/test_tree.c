@@ -73,7 +73,8 @@ static void test_members(void **unused)
 static void random_frame(random_state *random, pel_frame *frame)
 {
     for (int k = 0; k < 3; k++) {
-        frame->origin[k] = random_between(random, -1, 1);
+        frame->origin[0][k] = random_between(random, -1, 1);
+        frame->origin[1][k] = random_between(random, -1, 1);
         for (int j = 0; j < 3; j++)
             frame->matrix[k][j] = random_between(random, -1.5, 1.5);
     }
@@ -90,7 +91,7 @@ static void test_boxes_hold_points(void **unused)
         pel_frame frame;
         random_frame(&random, &frame);
         for (int k = 0; k < 3; k++)
-            frame.origin[k] *= scale;
+            frame.origin[0][k] *= scale, frame.origin[1][k] *= scale;
         for (int i = 0; i < 12; i++)
             (&place[0][0][0])[i] = scale * random_between(&random, -1, 1);
         /* the second point comes within reach of the first at the end of the step */
@@ -111,7 +112,8 @@ static void test_boxes_hold_points(void **unused)
                 long double y = 0;
                 for (int j = 0; j < 3; j++)
                     y += (long double)frame.matrix[k][j] *
-                         ((1 - (long double)t) * place[0][i][j] + (long double)t * place[1][i][j] - frame.origin[j]);
+                         ((1 - (long double)t) * ((long double)place[0][i][j] - frame.origin[0][j]) +
+                          (long double)t * ((long double)place[1][i][j] - frame.origin[1][j]));
                 assert_true((long double)boxes[i].low[k] <= y && y <= (long double)boxes[i].high[k]);
             }
         }
@@ -142,8 +144,14 @@ static void test_follow(void **unused)
     (void)unused;
     random_state random = {3};
     surface s = make_soup(100, 0.2, 5);
+    double(*before)[3] = malloc((size_t)s.vertex_count * sizeof *before);
+    pel_motion rest = {(const double(*)[3])s.start, (const double(*)[3])s.start, s.vertex_count};
+    pel_motion now = {(const double(*)[3])s.end, (const double(*)[3])s.end, s.vertex_count};
+    pel_frame frame = pel_frame_centre(&rest);
+    for (int32_t v = 0; v < s.vertex_count; v++)
+        pel_frame_middle(&frame, &rest, v, before[v]);
     for (int trial = 0; trial < 20; trial++) {
-        double rotation[9], centre[3], scale = random_between(&random, 0.2, 3);
+        double rotation[9], scale = random_between(&random, 0.2, 3);
         random_rotation(&random, rotation);
         for (int32_t v = 0; v < s.vertex_count; v++)
             for (int k = 0; k < 3; k++) {
@@ -151,28 +159,26 @@ static void test_follow(void **unused)
                 s.end[v][k] =
                     scale * (rotation[3 * k] * x[0] + rotation[3 * k + 1] * x[1] + rotation[3 * k + 2] * x[2]) + 10;
             }
-        pel_motion before = {(const double(*)[3])s.start, (const double(*)[3])s.start, s.vertex_count};
-        pel_motion now = {(const double(*)[3])s.end, (const double(*)[3])s.end, s.vertex_count};
-        pel_motion_centre(&before, centre);
-        pel_frame frame = pel_frame_follow(&now, (const double(*)[3])s.start, centre);
+        frame = pel_frame_follow(&now, (const double(*)[3])before);
         for (int32_t v = 0; v < s.vertex_count; v++)
             for (int k = 0; k < 3; k++) {
                 double y = 0;
                 for (int j = 0; j < 3; j++)
-                    y += frame.matrix[k][j] * (s.end[v][j] - frame.origin[j]);
-                assert_near(y, s.start[v][k] - centre[k], 1e-2);
+                    y += frame.matrix[k][j] * (s.end[v][j] - frame.origin[0][j]);
+                assert_near(y, before[v][k], 1e-2);
             }
     }
     /* a flat sheet and a point can be followed too */
     for (int32_t v = 0; v < s.vertex_count; v++)
-        s.start[v][2] = s.end[v][2] = 0;
-    pel_motion now = {(const double(*)[3])s.end, (const double(*)[3])s.end, s.vertex_count};
-    pel_frame frame = pel_frame_follow(&now, (const double(*)[3])s.start, (double[3]){0, 0, 0});
+        before[v][2] = s.end[v][2] = 0;
+    frame = pel_frame_follow(&now, (const double(*)[3])before);
     for (int i = 0; i < 9; i++)
         assert_true(isfinite(frame.matrix[i / 3][i % 3]));
     now.vertex_count = 1;
-    frame = pel_frame_follow(&now, (const double(*)[3])s.start, s.start[0]);
+    memset(before[0], 0, sizeof before[0]);
+    frame = pel_frame_follow(&now, (const double(*)[3])before);
     assert_true(frame.matrix[0][0] == 1 && frame.matrix[0][1] == 0);
+    free(before);
     free_surface(&s);
 }
 
