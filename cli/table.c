@@ -82,6 +82,8 @@ static const cli_command commands[] = {
                      .value = "LENGTH",
                      .doc = "with --fix: weld vertices up to this far apart [units of the file]; left out: 0, only "
                             "those at exactly the same place"},
+                    {.name = "no-intersections",
+                     .doc = "do not look for triangles that cut each other: saves time on huge meshes"},
                     FORMAT_OPTION,
                     JSON_OPTION},
         .examples = "pellicle check liver.obj\n"

@@ -5,8 +5,10 @@
 
 #include "base.h"
 #include "bending.h"
+#include "collide.h"
 #include "element.h"
 #include "geometry.h"
+#include "intersect.h"
 #include "material.h"
 #include "measure.h"
 #include "mesh.h"
