@@ -256,6 +256,7 @@ static void write_summary(const char *output, const pel_render_summary *summary)
         cli_json_numbers(&json, "range", summary->range, 2);
     cli_json_number(&json, "read_s", summary->read_s);
     cli_json_number(&json, "draw_s", summary->draw_s);
+    cli_json_number(&json, "least_s", summary->least_s);
     cli_json_number(&json, "write_s", summary->write_s);
     cli_json_text(&json, "renderer", summary->renderer);
     cli_json_close(&json, '}');

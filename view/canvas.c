@@ -12,28 +12,35 @@
 
 enum { SAMPLES = 4, COLOR_STEPS = 256 };
 
+/* one for surfaces without edges, one with: software runs both sides of a branch, and edges cost as much as the light
+ */
+enum { PROGRAM_PLAIN, PROGRAM_EDGES, PROGRAM_COUNT };
+
+typedef struct program {
+    GLuint id;
+    GLint projection, plain, colored, highlight, edge_width, edge_strength;
+} program;
+
 struct view_canvas {
     EGLDisplay display;
     EGLContext context;
     int32_t width, height;
-    GLuint program, corners, layout, color_map;
+    program programs[PROGRAM_COUNT];
+    GLuint corners, layout, color_map;
     GLuint framebuffers[2], renderbuffers[3]; /* with samples, resolved; color, depth, resolved color */
-    GLint projection, plain, edge_width, edge_strength, colored, highlight, camera_distance;
-    uint8_t *pixels; /* (height x width x 4) as OpenGL gives them, bottom row first */
+    uint8_t *pixels;                          /* (height x width x 4) as OpenGL gives them, bottom row first */
     char renderer[128];
 };
 
 /* ---- programs ---- */
 
-static const char vertex_source[] = "#version 330 core\n"
-                                    "layout(location = 0) in vec3 position;\n"
+static const char vertex_source[] = "layout(location = 0) in vec3 position;\n"
                                     "layout(location = 1) in vec3 normal;\n"
                                     "layout(location = 2) in float value;\n"
                                     "uniform mat4 projection;\n"
                                     "out vec3 point, direction, sides;\n"
                                     "out float shade;\n"
                                     "void main() {\n"
-                                    "    point = position;\n"
                                     "    direction = normal;\n"
                                     "    shade = value;\n"
                                     "    int corner = gl_VertexID % 3;\n"
@@ -41,79 +48,92 @@ static const char vertex_source[] = "#version 330 core\n"
                                     "    gl_Position = projection * vec4(position, 1.0);\n"
                                     "}\n";
 
-/* a key light from the upper left, a fill light from the right, light of the sky; edges, bright on dark and dark on
-   bright colors, where the distance to a side of the triangle, in pixels, is small */
+/* light is added up in squares of sRGB, which is near enough to linear: a key light from the upper left, a fill light
+   from the right, light of the sky; edges, bright on dark and dark on bright colors, where the distance to a side of
+   the triangle, in pixels, is small */
 static const char fragment_source[] =
-    "#version 330 core\n"
-    "in vec3 point, direction, sides;\n"
+    "in vec3 direction;\n"
     "in float shade;\n"
+    "#ifdef EDGES\n"
+    "in vec3 sides;\n"
+    "#endif\n"
     "uniform sampler2D color_map;\n"
     "uniform vec4 plain;\n"
-    "uniform float edge_width, edge_strength, highlight, camera_distance;\n"
+    "uniform float edge_width, edge_strength, highlight;\n"
     "uniform bool colored;\n"
     "out vec4 color;\n"
-    "vec3 to_linear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }\n"
-    "vec3 to_srgb(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }\n"
     "void main() {\n"
-    "    vec3 eye = normalize(vec3(0.0, 0.0, camera_distance) - point);\n"
-    "    vec3 n = length(direction) > 0.0 ? normalize(direction) : eye;\n"
-    "    bool inside = dot(n, eye) < 0.0;\n"
-    "    n = inside ? -n : n;\n"
+    "    vec3 n = normalize(direction + vec3(0.0, 0.0, 1e-20));\n"
+    "    n = gl_FrontFacing ? n : -n;\n"
     "    const vec3 key = normalize(vec3(-0.45, 0.65, 0.75)), fill = normalize(vec3(0.8, -0.1, 0.5));\n"
-    "    float light = 0.46 + 0.10 * n.y + 0.50 * max(dot(n, key), 0.0) + 0.12 * max(dot(n, fill), 0.0);\n"
-    "    light *= mix(0.70, 1.0, smoothstep(0.0, 0.5, dot(n, eye)));\n"
+    "    const vec3 half_way = normalize(key + vec3(0.0, 0.0, 1.0));\n"
+    "    float bright_side = max(dot(n, key), 0.0);\n"
+    "    float light = 0.46 + 0.10 * n.y + 0.50 * bright_side + 0.12 * max(dot(n, fill), 0.0);\n"
+    "    light *= mix(0.70, 1.0, smoothstep(0.0, 0.5, n.z));\n"
     "    vec3 base = colored ? texture(color_map, vec2(shade * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb : plain.rgb;\n"
-    "    base = to_linear(base) * (inside ? 0.75 : 1.0);\n"
-    "    vec3 lit = base * light + highlight * pow(max(dot(n, normalize(key + eye)), 0.0), 36.0);\n"
-    "    color = vec4(to_srgb(clamp(lit, 0.0, 1.0)), plain.a);\n"
-    "    if (edge_width > 0.0) {\n"
-    "        vec3 pixels = sides / max(fwidth(sides), vec3(1e-6));\n"
-    "        float nearest = min(pixels.x, min(pixels.y, pixels.z));\n"
-    "        float on = 1.0 - smoothstep(0.5 * edge_width - 0.5, 0.5 * edge_width + 0.5, nearest);\n"
-    "        float bright = dot(color.rgb, vec3(0.30, 0.59, 0.11));\n"
-    "        color.rgb = mix(color.rgb, vec3(1.0 - smoothstep(0.25, 0.40, bright)), on * edge_strength);\n"
-    "    }\n"
+    "    base *= gl_FrontFacing ? base : 0.85 * base;\n"
+    "    float gloss = max(dot(n, half_way), 0.0);\n"
+    "    gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss;\n"
+    "    float sheen = 0.018 * bright_side * bright_side + highlight * gloss;\n"
+    "    vec3 lit = base * light + sheen;\n"
+    "    color = vec4(sqrt(min(lit, 1.0)), plain.a);\n"
+    "#ifdef EDGES\n"
+    "    vec3 pixels = sides / max(fwidth(sides), vec3(1e-6));\n"
+    "    float nearest = min(pixels.x, min(pixels.y, pixels.z));\n"
+    "    float on = 1.0 - smoothstep(0.5 * edge_width - 0.5, 0.5 * edge_width + 0.5, nearest);\n"
+    "    float bright = dot(color.rgb, vec3(0.30, 0.59, 0.11));\n"
+    "    color.rgb = mix(color.rgb, vec3(1.0 - smoothstep(0.25, 0.40, bright)), on * edge_strength);\n"
+    "#endif\n"
     "}\n";
 
-static bool compile(GLuint program, GLenum kind, const char *source, char *text, int size)
+static bool compile(GLuint id, GLenum kind, const char *head, const char *source, char *text, int size)
 {
     GLuint shader = glCreateShader(kind);
     GLint good = 0;
-    glShaderSource(shader, 1, &source, NULL);
+    glShaderSource(shader, 2, (const char *[]){head, source}, NULL);
     glCompileShader(shader);
     glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
     if (!good)
         glGetShaderInfoLog(shader, size, NULL, text);
-    glAttachShader(program, shader);
+    glAttachShader(id, shader);
     glDeleteShader(shader);
     return good;
 }
 
-static pel_status make_program(view_canvas *canvas, pel_error *error)
+static pel_status make_program(program *p, const char *head, pel_error *error)
 {
     char text[200] = "";
     GLint good = 0;
-    GLuint program = canvas->program = glCreateProgram();
-    if (compile(program, GL_VERTEX_SHADER, vertex_source, text, sizeof text) &&
-        compile(program, GL_FRAGMENT_SHADER, fragment_source, text, sizeof text)) {
-        glLinkProgram(program);
-        glGetProgramiv(program, GL_LINK_STATUS, &good);
+    p->id = glCreateProgram();
+    if (compile(p->id, GL_VERTEX_SHADER, head, vertex_source, text, sizeof text) &&
+        compile(p->id, GL_FRAGMENT_SHADER, head, fragment_source, text, sizeof text)) {
+        glLinkProgram(p->id);
+        glGetProgramiv(p->id, GL_LINK_STATUS, &good);
         if (!good)
-            glGetProgramInfoLog(program, sizeof text, NULL, text);
+            glGetProgramInfoLog(p->id, sizeof text, NULL, text);
     }
     if (!good) {
+        text[strcspn(text, "\n")] = '\0';
         view_fail(error, PEL_BAD_ARGUMENT, NULL, "this OpenGL refuses the shaders: %s", text);
         view_remedy(error, "set LIBGL_ALWAYS_SOFTWARE=1 to draw without the graphics card");
         return PEL_BAD_ARGUMENT;
     }
-    canvas->projection = glGetUniformLocation(program, "projection");
-    canvas->plain = glGetUniformLocation(program, "plain");
-    canvas->edge_strength = glGetUniformLocation(program, "edge_strength");
-    canvas->edge_width = glGetUniformLocation(program, "edge_width");
-    canvas->colored = glGetUniformLocation(program, "colored");
-    canvas->highlight = glGetUniformLocation(program, "highlight");
-    canvas->camera_distance = glGetUniformLocation(program, "camera_distance");
+    p->projection = glGetUniformLocation(p->id, "projection");
+    p->plain = glGetUniformLocation(p->id, "plain");
+    p->colored = glGetUniformLocation(p->id, "colored");
+    p->highlight = glGetUniformLocation(p->id, "highlight");
+    p->edge_width = glGetUniformLocation(p->id, "edge_width");
+    p->edge_strength = glGetUniformLocation(p->id, "edge_strength");
     return PEL_OK;
+}
+
+static pel_status make_programs(view_canvas *canvas, pel_error *error)
+{
+    static const char *const heads[PROGRAM_COUNT] = {"#version 330 core\n", "#version 330 core\n#define EDGES\n"};
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < PROGRAM_COUNT; ++i)
+        status = make_program(&canvas->programs[i], heads[i], error);
+    return status;
 }
 
 /* ---- context and buffers ---- */
@@ -202,7 +222,6 @@ static void make_layout(view_canvas *canvas)
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     view_canvas_set_color_map(canvas, PEL_COLORS_VIRIDIS);
-    glUseProgram(canvas->program);
     glEnable(GL_DEPTH_TEST);
     glFrontFace(GL_CCW);
 }
@@ -219,7 +238,7 @@ pel_status view_canvas_create(int32_t width, int32_t height, view_canvas **canva
     if (status == PEL_OK)
         status = make_framebuffers(made, error);
     if (status == PEL_OK)
-        status = make_program(made, error);
+        status = make_programs(made, error);
     if (status != PEL_OK) {
         view_canvas_destroy(made);
         return status;
@@ -275,20 +294,24 @@ void view_canvas_begin(view_canvas *canvas, const view_camera *camera, view_colo
     glClearColor(part[0] * part[3], part[1] * part[3], part[2] * part[3], part[3]);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     view_camera_project(camera, matrix);
-    glUniformMatrix4fv(canvas->projection, 1, GL_FALSE, matrix);
-    glUniform1f(canvas->camera_distance, (float)camera->distance);
+    for (int i = 0; i < PROGRAM_COUNT; ++i) {
+        glUseProgram(canvas->programs[i].id);
+        glUniformMatrix4fv(canvas->programs[i].projection, 1, GL_FALSE, matrix);
+    }
 }
 
 void view_canvas_draw(view_canvas *canvas, const view_soup *soup, const view_look *look)
 {
+    const program *p = &canvas->programs[look->edge_width > 0 ? PROGRAM_EDGES : PROGRAM_PLAIN];
     float plain[4];
     for (int i = 0; i < 4; ++i)
         plain[i] = (float)look->plain.rgba[i] / 255;
-    glUniform4fv(canvas->plain, 1, plain);
-    glUniform1f(canvas->edge_strength, (float)look->edge_strength);
-    glUniform1f(canvas->edge_width, (float)look->edge_width);
-    glUniform1f(canvas->highlight, (float)look->highlight);
-    glUniform1i(canvas->colored, look->colored);
+    glUseProgram(p->id);
+    glUniform4fv(p->plain, 1, plain);
+    glUniform1i(p->colored, look->colored);
+    glUniform1f(p->highlight, (float)look->highlight);
+    glUniform1f(p->edge_width, (float)look->edge_width);
+    glUniform1f(p->edge_strength, (float)look->edge_strength);
     if (look->plain.rgba[3] < 255) {
         glEnable(GL_BLEND);
         glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

@@ -78,30 +78,57 @@ static void set_corner(const view_camera *camera, const double position[3], cons
     corner->value = (float)value;
 }
 
+/* whether the camera sees the triangle's front */
+static bool is_front(const view_camera *camera, const view_corner *a, const view_corner *b, const view_corner *c)
+{
+    const float *p = a->position;
+    double u[3], w[3], eye[3] = {-(double)p[0], -(double)p[1], camera->distance - (double)p[2]}, volume = 0;
+    for (int i = 0; i < 3; ++i) {
+        u[i] = (double)b->position[i] - (double)p[i];
+        w[i] = (double)c->position[i] - (double)p[i];
+    }
+    for (int i = 0; i < 3; ++i)
+        volume += eye[i] * (u[(i + 1) % 3] * w[(i + 2) % 3] - u[(i + 2) % 3] * w[(i + 1) % 3]);
+    return volume > 0;
+}
+
+/* triangles whose front is seen come first, so that those behind them need not be shaded */
+static void set_triangles(view_corner *first, const view_camera *camera, const pel_mesh *mesh,
+                          const view_corner *vertices, bool flat)
+{
+    view_corner *front = first, *back = first + 3 * (size_t)mesh->triangle_count;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *v = mesh->triangles[t];
+        bool seen = is_front(camera, &vertices[v[0]], &vertices[v[1]], &vertices[v[2]]);
+        view_corner *corner = seen ? front : back - 3;
+        front += seen ? 3 : 0;
+        back -= seen ? 0 : 3;
+        double normal[3];
+        float turned[3];
+        if (flat) {
+            cross_of(mesh, v, normal);
+            turn_normal(camera, normal, turned);
+        }
+        for (int i = 0; i < 3; ++i) {
+            corner[i] = vertices[v[i]];
+            if (flat)
+                memcpy(corner[i].normal, turned, sizeof turned);
+        }
+    }
+}
+
 pel_status view_soup_add_mesh(view_soup *soup, const view_camera *camera, const pel_mesh *mesh, const double *values,
                               bool flat, pel_error *error)
 {
     size_t vertex_count = (size_t)mesh->vertex_count;
     double(*normals)[3] = view_mesh_normals(mesh);
     view_corner *vertices = view_allocate(vertex_count, sizeof *vertices);
-    view_corner *corner = add_corners(soup, 3 * (size_t)mesh->triangle_count, error);
-    bool good = normals != NULL && vertices != NULL && corner != NULL;
+    view_corner *first = add_corners(soup, 3 * (size_t)mesh->triangle_count, error);
+    bool good = normals != NULL && vertices != NULL && first != NULL;
     for (size_t v = 0; good && v < vertex_count; ++v)
         set_corner(camera, mesh->positions[v], normals[v], values != NULL ? values[v] : 0, &vertices[v]);
-    for (int32_t t = 0; good && t < mesh->triangle_count; ++t) {
-        double normal[3];
-        float turned[3];
-        if (flat) {
-            cross_of(mesh, mesh->triangles[t], normal);
-            turn_normal(camera, normal, turned);
-        }
-        for (int i = 0; i < 3; ++i) {
-            *corner = vertices[mesh->triangles[t][i]];
-            if (flat)
-                memcpy(corner->normal, turned, sizeof turned);
-            ++corner;
-        }
-    }
+    if (good)
+        set_triangles(first, camera, mesh, vertices, flat);
     free(normals);
     free(vertices);
     return good ? PEL_OK : view_fail_memory(error);

@@ -95,7 +95,8 @@ typedef struct pel_render_summary {
     char field[PEL_NAME_SIZE];
     double range[2]; /* of the colours */
     double read_s;   /* wall time of reading frames, */
-    double draw_s;   /* of drawing them and */
+    double draw_s;   /* of drawing them, */
+    double least_s;  /* of drawing the quickest picture, and */
     double write_s;  /* of packing and writing pictures */
     char renderer[128];
 } pel_render_summary;
