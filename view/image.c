@@ -60,13 +60,13 @@ static pel_status fail_writing(const char *path, const char *why, pel_error *err
     return PEL_BAD_FILE;
 }
 
-static pel_status write_png(const view_image *image, const char *path, FILE *file, pel_error *error)
+static pel_status write_png(const view_image *image, const char *path, FILE *file, bool fast, pel_error *error)
 {
     png_image png = {.version = PNG_IMAGE_VERSION,
                      .width = (png_uint_32)image->width,
                      .height = (png_uint_32)image->height,
                      .format = PNG_FORMAT_RGBA,
-                     .flags = PNG_IMAGE_FLAG_FAST};
+                     .flags = fast ? PNG_IMAGE_FLAG_FAST : 0};
     bool good = png_image_write_to_stdio(&png, file, 0, image->pixels, 0, NULL) != 0;
     int number = errno;
     if (fclose(file) == 0 && good)
@@ -74,7 +74,7 @@ static pel_status write_png(const view_image *image, const char *path, FILE *fil
     return fail_writing(path, good ? strerror(errno) : number != 0 ? strerror(number) : png.message, error);
 }
 
-pel_status view_image_write(const view_image *image, const char *path, pel_error *error)
+pel_status view_image_write(const view_image *image, const char *path, bool fast, pel_error *error)
 {
     char temporary[4096];
     if ((size_t)snprintf(temporary, sizeof temporary, "%s.%ld.part", path, (long)getpid()) >= sizeof temporary)
@@ -83,7 +83,7 @@ pel_status view_image_write(const view_image *image, const char *path, pel_error
     if (file == NULL)
         return fail_writing(path, strerror(errno), error);
     errno = 0;
-    pel_status status = write_png(image, path, file, error);
+    pel_status status = write_png(image, path, file, fast, error);
     if (status == PEL_OK && rename(temporary, path) != 0)
         status = fail_writing(path, strerror(errno), error);
     if (status != PEL_OK)

@@ -490,7 +490,7 @@ static pel_status write_pictures(job *j, bool folder, pel_error *error)
         status = draw_page(j, p, error);
         double start = view_clock();
         if (status == PEL_OK)
-            status = view_image_write(&j->image, path, error);
+            status = view_image_write(&j->image, path, folder, error);
         j->summary.write_s += view_clock() - start;
         j->summary.picture_count += status == PEL_OK;
     }
@@ -558,11 +558,11 @@ static pel_status prepare(job *j, pel_error *error)
     if (status == PEL_OK)
         status = make_page(j, error);
     if (status == PEL_OK)
+        status = survey(j, error);
+    if (status == PEL_OK)
         status = view_image_create(&j->image, j->page.width, j->page.height, error);
     if (status == PEL_OK)
         status = view_canvas_create(j->page.cell_width, j->page.cell_height, &j->canvas, error);
-    if (status == PEL_OK)
-        status = survey(j, error);
     if (status == PEL_OK)
         view_canvas_set_color_map(j->canvas, j->color_map);
     return status;

@@ -53,22 +53,26 @@ static void take_row(char *line, const int32_t *columns, size_t column_count, do
     }
 }
 
-/* a whole file with a zero behind it; null when it cannot be read */
-static char *read_text(const char *path)
+/* a whole file with a zero behind it, to be freed */
+static pel_status read_text(const char *path, char **text, pel_error *error)
 {
     FILE *file = fopen(path, "rb");
-    if (file == NULL)
-        return NULL;
-    char *text = NULL;
-    long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
-    if (size >= 0 && fseek(file, 0, SEEK_SET) == 0)
-        text = view_allocate((size_t)size + 1, 1);
-    if (text != NULL && fread(text, 1, (size_t)size, file) != (size_t)size) {
-        free(text);
-        text = NULL;
+    long size = file != NULL && fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
+    pel_status status = PEL_OK;
+    *text = NULL;
+    if (size >= 0 && fseek(file, 0, SEEK_SET) == 0) {
+        *text = view_allocate((size_t)size + 1, 1);
+        status = *text != NULL ? PEL_OK : view_fail_memory(error);
     }
-    fclose(file);
-    return text;
+    if (status == PEL_OK && (*text == NULL || fread(*text, 1, (size_t)size, file) != (size_t)size)) {
+        status = view_fail(error, PEL_BAD_FILE, path, "cannot read the file: %s", strerror(errno));
+        view_remedy(error, "leave the tools out, or run the scene again");
+        free(*text);
+        *text = NULL;
+    }
+    if (file != NULL)
+        fclose(file);
+    return status;
 }
 
 pel_status view_series_read(const char *path, const char *const *names, int32_t name_count, double *values,
@@ -76,11 +80,11 @@ pel_status view_series_read(const char *path, const char *const *names, int32_t 
 {
     for (size_t i = 0; i < (size_t)row_count * (size_t)name_count; ++i)
         values[i] = NAN;
-    errno = 0;
-    char *text = read_text(path), *line = text;
-    if (text == NULL)
-        return errno == ENOMEM ? view_fail_memory(error)
-                               : view_fail(error, PEL_BAD_FILE, path, "cannot read the file: %s", strerror(errno));
+    char *text;
+    pel_status status = read_text(path, &text, error);
+    if (status != PEL_OK)
+        return status;
+    char *line = text;
     size_t column_count = 1;
     for (const char *c = text; *c != '\0' && *c != '\n'; ++c)
         column_count += *c == ',';
