@@ -59,7 +59,7 @@ pel_status view_page_create(view_page *page, const view_page_def *def, pel_error
     page->cell_width = def->width > 0 ? def->width / def->columns : alone ? 1280 : 480;
     page->cell_height = def->height > 0 ? def->height / def->rows : alone ? 720 : 400;
     int32_t shorter = page->cell_width < page->cell_height ? page->cell_width : page->cell_height;
-    page->text_size = clamp((shorter + 14) / 29, 9, 40);
+    page->text_size = clamp(5 + shorter / 36, 9, 40);
     pel_status status = view_font_create(page->text_size, &page->font, error);
     if (status != PEL_OK)
         return status;
