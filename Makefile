@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build test demo bench format docs install packages clean
+.PHONY: help build test demo bench format docs pictures install packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -32,6 +32,9 @@ docs: build ## write docs/reference from the program's own tables
 	@mkdir -p docs/reference
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
+
+pictures: build ## draw docs/pictures from scenes/
+	@tools/pictures $(PROGRAM) docs/pictures
 
 install: build ## install library, headers and program (PREFIX=/usr/local)
 	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log

@@ -17,6 +17,7 @@
 #include "model.h"
 #include "parallel.h"
 #include "region.h"
+#include "render.h"
 #include "results.h"
 #include "shape.h"
 #include "sim.h"
