@@ -32,6 +32,7 @@ static void print_reply(FILE *file, cli_kind kind, cli_words *words, void (*prin
         print_words(file, words);
         fputs("' -- \"$word\"))", file);
         break;
+    case CLI_NAME:
     case CLI_FLAG:
     case CLI_LENGTH:
     case CLI_COUNT:

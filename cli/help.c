@@ -49,7 +49,8 @@ static void print_usage(FILE *file, const cli_command *command)
 {
     fprintf(file, "usage: pellicle %s", command->name);
     for (int i = 0; i < CLI_SLOTS && command->slots[i].name != NULL; ++i)
-        fprintf(file, command->slots[i].optional ? " [%s]" : " %s", command->slots[i].name);
+        fprintf(file, command->slots[i].optional ? " [%s]%s" : " %s%s", command->slots[i].name,
+                command->slots[i].repeated ? "..." : "");
     for (int i = 0; i < CLI_OPTIONS && command->options[i].name != NULL; ++i)
         print_option_usage(file, &command->options[i]);
     fputs("\n", file);

@@ -162,12 +162,19 @@ static bool take_short(parser *p, const char *letters)
     return true;
 }
 
+/* stands in the list of options for what a repeated slot takes behind its first */
+static const cli_option further_argument = {.name = "", .kind = CLI_FILE, .repeated = true};
+
 static bool take_argument(parser *p, const char *text)
 {
     for (int i = 0; i < CLI_SLOTS && p->command->slots[i].name != NULL; ++i) {
         const cli_slot *slot = &p->command->slots[i];
-        if (p->call->arguments[i] != NULL)
+        if (p->call->arguments[i] != NULL && !slot->repeated)
             continue;
+        if (p->call->arguments[i] != NULL) {
+            p->given[p->call->given_count++] = (cli_given){&further_argument, text};
+            return check_value(slot->name, slot->noun, slot->kind, text, slot->words);
+        }
         p->call->arguments[i] = text;
         return check_value(slot->name, slot->noun, slot->kind, text, slot->words);
     }
@@ -251,4 +258,13 @@ int cli_values(const cli_call *call, const char *option, const char **values)
             values[count++] = call->given[i].value;
     }
     return count;
+}
+
+int cli_repeated(const cli_call *call, const char **values)
+{
+    int last = CLI_SLOTS - 1;
+    while (last > 0 && call->command->slots[last].name == NULL)
+        --last;
+    values[0] = call->arguments[last];
+    return values[0] == NULL ? 0 : 1 + cli_values(call, further_argument.name, values + 1);
 }

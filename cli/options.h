@@ -15,6 +15,7 @@ typedef enum cli_kind {
     CLI_LENGTH,  /* number from 0 */
     CLI_SETTING, /* key=value */
     CLI_WORD,    /* one of `words` */
+    CLI_NAME,    /* any name */
     CLI_FILE,
     CLI_SCENE, /* a file, .yaml .yml .json first */
     CLI_FOLDER
@@ -39,6 +40,7 @@ typedef struct cli_slot {
     const char *name;
     cli_kind kind;
     bool optional;
+    bool repeated;    /* takes all that follows; only the last slot */
     const char *noun; /* what a CLI_WORD is called in errors */
     cli_words *words;
 } cli_slot;
@@ -67,7 +69,7 @@ typedef struct cli_given {
 /* a parsed command line; the strings are those of main */
 struct cli_call {
     const cli_command *command;
-    const char *arguments[CLI_SLOTS]; /* null = not given */
+    const char *arguments[CLI_SLOTS]; /* null = not given; the first of a repeated slot */
     const cli_given *given;           /* (given_count) in the order of the command line */
     int given_count;
 };
@@ -95,6 +97,8 @@ int cli_count(const cli_call *call, const char *option);
 double cli_number(const cli_call *call, const char *option);
 /* copies the values of a repeated option to values (given_count), returns how many */
 int cli_values(const cli_call *call, const char *option, const char **values);
+/* copies what a repeated slot took to values (given_count + 1), returns how many */
+int cli_repeated(const cli_call *call, const char **values);
 
 /* the known word nearest to text, null when none is near */
 const char *cli_nearest(const char *text, cli_words *words);

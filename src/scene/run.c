@@ -5,9 +5,9 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
-#include "pellicle/parallel.h"
 #include "base/status.h"
 #include "io/file.h"
+#include "pellicle/parallel.h"
 #include "scene/run_state.h"
 
 #include <inttypes.h>
