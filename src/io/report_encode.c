@@ -16,6 +16,9 @@
 #include <math.h>
 #include <string.h>
 
+/* from this many frames on the size of all is foreseen */
+enum { TRIAL_FRAMES = 10 };
+
 typedef struct encoder {
     pel_report_run *run;
     size_t channel_count; /* lists of numbers in a frame */
@@ -189,9 +192,10 @@ static pel_status pack_frames(pel_report_run *run, size_t limit, double *estimat
         status = add_frame(&e, frame, error);
         if (run->frames_kept++ == 0)
             first_size = run->pack.size;
+        double done = (double)(frame + 1) / run->frames->frame_count;
+        *estimate = (double)first_size + (double)(run->pack.size - first_size) / done;
+        run->pack.full = run->pack.full || (run->frames_kept >= TRIAL_FRAMES && *estimate > 1.1 * (double)limit);
     }
-    double done = (double)frame / run->frames->frame_count;
-    *estimate = (double)first_size + (double)(run->pack.size - first_size) / done;
     if (run->pack.full && run->frames_kept == 1)
         *estimate = HUGE_VAL;
     if (status == PEL_OK)
