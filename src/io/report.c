@@ -15,6 +15,8 @@ static const char mark_start[] = "<!--pellicle runs";
 static const char run_start[] = "\n<script type=\"application/json\" class=\"run\">";
 static const char frames_start[] = "</script>\n<script type=\"text/plain\" class=\"run-frames\">";
 static const char run_end[] = "</script>\n";
+/* for the notes on what was thinned, which are not known before */
+enum { NOTES_ROOM = 256 };
 enum { RUN_TAGS = sizeof run_start + sizeof frames_start + sizeof run_end - 3 };
 
 pel_report_def pel_report_def_default(void)
@@ -58,7 +60,7 @@ static size_t pack_limit(const pel_report_def *def, size_t page_size, pel_report
         runs[i].plan = (pel_report_plan){.stride = 1};
         if (pel_report_run_describe(&runs[i], NULL, error) != PEL_OK)
             return 0;
-        left -= (double)runs[i].json.length + RUN_TAGS + 4;
+        left -= (double)runs[i].json.length + RUN_TAGS + NOTES_ROOM;
     }
     left = left * 3 / 4 / def->folder_count;
     if (left >= 1)

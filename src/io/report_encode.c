@@ -200,6 +200,7 @@ static pel_status pack_frames(pel_report_run *run, size_t limit, double *estimat
         *estimate = HUGE_VAL;
     if (status == PEL_OK)
         status = pel_report_pack_close(&run->pack, error);
+    *estimate = fmax(*estimate, (double)run->pack.size);
     free_encoder(&e);
     return status;
 }
