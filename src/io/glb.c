@@ -115,13 +115,29 @@ static pel_status load_frame(glb *g, int32_t frame, pel_error *error)
     return status;
 }
 
+/* the keys of an animation have growing times */
+static pel_status check_times(const glb *g, pel_error *error)
+{
+    for (int32_t f = 1; f < g->frame_count; f++) {
+        const double *times = g->frames->times;
+        if ((float)times[f] > (float)times[f - 1] && times[f - 1] >= 0)
+            continue;
+        pel_fail(error, PEL_BAD_FORMAT, "the frame's time %g s is not later than %g s, that of the frame before",
+                 times[f], times[f - 1]);
+        pel_fail_remedy(error, "export a point cache (.pc2), which holds no times");
+        pel_fail_place(error, g->frames->paths[f], 0, 0);
+        return PEL_BAD_FORMAT;
+    }
+    return PEL_OK;
+}
+
 static pel_status survey(glb *g, pel_error *error)
 {
     if (!encode_frame(g, g->first, 0))
         return g->frames != NULL ? pel_export_fail_large(g->frames, 0, error)
                                  : pel_fail(error, PEL_BAD_ARGUMENT, "a coordinate is too large for a 32-bit number");
     memcpy(g->base, g->current, 6 * g->vertex_count * sizeof *g->base);
-    pel_status status = PEL_OK;
+    pel_status status = check_times(g, error);
     for (int32_t f = 1; status == PEL_OK && f < g->frame_count; f++)
         status = load_frame(g, f, error);
     return status;
