@@ -282,7 +282,7 @@ static int check_scene(const char *path, cli_json *json)
     int status = CLI_BAD_INPUT;
     if (check_bodies(path, scene, json)) {
         if (try_scene(scene, &error) != PEL_OK) {
-            cli_name_file(&error, path);
+            pel_scene_locate(scene, &error);
             status = cli_report_to(&error, json);
         } else {
             status = CLI_DONE;

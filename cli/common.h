@@ -20,6 +20,9 @@ void cli_name_file(pel_error *error, const char *path);
    Returns path (size bytes), or null when it is in neither place. */
 const char *cli_share_path(char *path, size_t size, const char *name);
 
+/* seconds of a steady clock */
+double cli_clock(void);
+
 /* whether the path ends like a scene file (.yaml, .yml, .json) */
 bool cli_is_scene(const char *path);
 

@@ -10,6 +10,9 @@ install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL FILES_MATCHING PATTERN *.yaml)
 
+# the page that `pellicle report` fills; made by `make web`, which this does not wait for
+install(FILES ${PROJECT_SOURCE_DIR}/build/web/report.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL)
+
 # CMake package
 configure_package_config_file(cmake/pellicle-config.cmake.in pellicle-config.cmake INSTALL_DESTINATION ${PACKAGE_DIR})
 write_basic_package_version_file(pellicle-config-version.cmake COMPATIBILITY SameMinorVersion)
@@ -19,9 +22,6 @@ install(FILES ${PROJECT_BINARY_DIR}/pellicle-config.cmake ${PROJECT_BINARY_DIR}/
 # pkg-config
 if(PELLICLE_SINGLE)
     set(PC_CFLAGS -DPEL_SINGLE)
-endif()
-if(OpenMP_C_FOUND)
-    set(PC_OPENMP ${OpenMP_C_FLAGS})
 endif()
 file(RELATIVE_PATH PC_UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(cmake/pellicle.pc.in pellicle.pc @ONLY)
@@ -37,4 +37,16 @@ if(TARGET pellicle_scene)
 endif()
 if(TARGET pellicle_program)
     install(TARGETS pellicle_program)
+endif()
+
+# what the program prints about itself: completion for bash, schema for editors
+if(TARGET pellicle_program AND NOT CMAKE_CROSSCOMPILING)
+    set(PRINTED ${PROJECT_BINARY_DIR}/printed)
+    install(CODE "file(MAKE_DIRECTORY \"${PRINTED}\")
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" completion bash OUTPUT_FILE \"${PRINTED}/pellicle\"
+                        COMMAND_ERROR_IS_FATAL ANY)
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" schema OUTPUT_FILE \"${PRINTED}/scene.schema.json\"
+                        COMMAND_ERROR_IS_FATAL ANY)")
+    install(FILES ${PRINTED}/pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle)
 endif()

@@ -59,7 +59,7 @@ static void write_default(FILE *file, const pel_scene_table *table, const pel_sc
     else if (row->alternative || row->required)
         fputs("required", file);
     if (row->needs != NULL && row->needs_word == NULL)
-        fprintf(file, "%swith `%s`", row->preset != NULL || row->required ? ", " : "", row->needs);
+        fprintf(file, "%swith %s", row->preset != NULL || row->required ? ", " : "", row->needs);
 }
 
 static void write_row(FILE *file, const pel_scene_table *table, const pel_scene_row *row, const char *prefix)
