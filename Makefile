@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build test demo bench format docs install packages clean
+.PHONY: help build test demo bench format docs pictures install packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -21,6 +21,7 @@ test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
 
 bench: build ## run the benchmarks
+	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
 
@@ -31,6 +32,9 @@ docs: build ## write docs/reference from the program's own tables
 	@mkdir -p docs/reference
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
+
+pictures: build ## draw docs/pictures from scenes/
+	@tools/pictures $(PROGRAM) docs/pictures
 
 install: build ## install library, headers and program (PREFIX=/usr/local)
 	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log
