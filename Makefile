@@ -21,6 +21,7 @@ test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
 
 bench: build ## run the benchmarks
+	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
 

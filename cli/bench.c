@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static const cli_bench_case *const cases[] = {
     &cli_bench_sphere_500, &cli_bench_million, &cli_bench_million_threads, &cli_bench_read_obj, &cli_bench_read_ply,
@@ -16,13 +15,6 @@ enum { CASE_COUNT = sizeof cases / sizeof *cases, REPEATS_MAX = 1000 };
 const char *cli_bench_names(int index)
 {
     return index < CASE_COUNT ? cases[index]->name : NULL;
-}
-
-double cli_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 void cli_bench_add(cli_bench_result *result, const char *name, const char *unit, double value)

@@ -2,7 +2,7 @@
 #ifndef PELLICLE_CLI_BENCH_H
 #define PELLICLE_CLI_BENCH_H
 
-#include <pellicle/base.h>
+#include "common.h"
 
 enum { CLI_BENCH_NUMBERS = 12 };
 
@@ -37,9 +37,6 @@ typedef struct cli_bench_case {
     /* frees inner, also after a failed begin (inner may be null) */
     void (*end)(void *inner);
 } cli_bench_case;
-
-/* seconds of a steady clock */
-double cli_clock(void);
 
 /* the cases of the other files */
 extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply, cli_bench_sphere_500, cli_bench_million,

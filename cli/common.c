@@ -4,6 +4,7 @@
 #include <pellicle/import.h>
 
 #include <string.h>
+#include <time.h>
 
 int cli_report(const pel_error *error)
 {
@@ -45,6 +46,13 @@ void cli_name_file(pel_error *error, const char *path)
 {
     if (error->file[0] == '\0')
         snprintf(error->file, sizeof error->file, "%s", path);
+}
+
+double cli_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 bool cli_is_scene(const char *path)

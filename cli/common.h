@@ -16,6 +16,9 @@ int cli_report_to(const pel_error *error, cli_json *json);
 /* names the file of an error that names none */
 void cli_name_file(pel_error *error, const char *path);
 
+/* seconds of a steady clock */
+double cli_clock(void);
+
 /* whether the path ends like a scene file (.yaml, .yml, .json) */
 bool cli_is_scene(const char *path);
 

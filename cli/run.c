@@ -6,7 +6,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 /* set by the first Ctrl-C; the second one finds the default handler and ends the program */
@@ -35,13 +34,6 @@ typedef struct display {
     double last; /* s, when it was written */
 } display;
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void print_progress(const pel_run_progress *p)
 {
     fprintf(stderr, "\r\033[Kstep %lld/%lld  %.4g s  %.0f steps/s", (long long)p->step, (long long)p->step_total,
@@ -57,7 +49,7 @@ static void print_progress(const pel_run_progress *p)
 static bool show_progress(void *user, const pel_run_progress *progress)
 {
     display *d = user;
-    double now = seconds_now();
+    double now = cli_clock();
     if (d->shown && now - d->last > 0.1) {
         print_progress(progress);
         d->last = now;
@@ -119,6 +111,8 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
     if (scene->sim.tool_count > 0)
         printf("  largest tool force     %.6g N\n", s->max_tool_force);
     printf("  volume at end          %.6g of that at rest\n", s->volume_ratio_final);
+    if (s->self_intersections_final >= 0)
+        printf("  self-intersections     %lld pairs of triangles at end\n", (long long)s->self_intersections_final);
     if (s->alpha > 0.0)
         printf("  alpha                  %.6g (stable below %.6g)\n", s->alpha, s->alpha_limit);
     print_files(folder);

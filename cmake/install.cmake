@@ -20,9 +20,6 @@ install(FILES ${PROJECT_BINARY_DIR}/pellicle-config.cmake ${PROJECT_BINARY_DIR}/
 if(PELLICLE_SINGLE)
     set(PC_CFLAGS -DPEL_SINGLE)
 endif()
-if(OpenMP_C_FOUND)
-    set(PC_OPENMP ${OpenMP_C_FLAGS})
-endif()
 file(RELATIVE_PATH PC_UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(cmake/pellicle.pc.in pellicle.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/pellicle.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
@@ -44,4 +41,16 @@ if(TARGET pellicle_view)
 endif()
 if(TARGET pellicle_program)
     install(TARGETS pellicle_program)
+endif()
+
+# what the program prints about itself: completion for bash, schema for editors
+if(TARGET pellicle_program AND NOT CMAKE_CROSSCOMPILING)
+    set(PRINTED ${PROJECT_BINARY_DIR}/printed)
+    install(CODE "file(MAKE_DIRECTORY \"${PRINTED}\")
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" completion bash OUTPUT_FILE \"${PRINTED}/pellicle\"
+                        COMMAND_ERROR_IS_FATAL ANY)
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" schema OUTPUT_FILE \"${PRINTED}/scene.schema.json\"
+                        COMMAND_ERROR_IS_FATAL ANY)")
+    install(FILES ${PRINTED}/pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle)
 endif()

@@ -1,4 +1,4 @@
-/* Pellicle: threads, and the yardstick of memory bandwidth that benchmarks stand beside. */
+/* Pellicle: threads. */
 #ifndef PELLICLE_PARALLEL_H
 #define PELLICLE_PARALLEL_H
 
@@ -8,11 +8,8 @@
 extern "C" {
 #endif
 
-/* Threads that a simulation uses when its thread_count is 0; 1 when the library was built without OpenMP. */
+/* Threads that a simulation uses when its thread_count is 0: the processors of this machine. */
 int pel_thread_limit(void);
-
-/* a[i] = b[i] + 3 c[i] for count doubles (STREAM triad, McCalpin), split over thread_count threads. */
-void pel_triad(double *a, const double *b, const double *c, size_t count, int thread_count);
 
 #ifdef __cplusplus
 }

@@ -29,8 +29,8 @@ typedef struct pel_region {
     const char *field; /* name of a scalar field of the mesh */
     double above;      /* field; 0.5 by default */
     double falloff;    /* m, >= 0; nearest, sphere and box only: outside the region, up to this distance from it, the
-                          weight    falls smoothly from 1 to 0 (cubic, level at both ends). The distance goes straight through
-                          space,    to the sphere, the box or the nearest vertex */
+                          weight falls smoothly from 1 to 0 (cubic, level at both ends). The distance goes straight
+                          through space, to the sphere, the box or the nearest vertex */
     uint32_t cookie;   /* set by pel_region_default */
 } pel_region;
 

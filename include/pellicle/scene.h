@@ -1,5 +1,5 @@
-/* Pellicle: scene files (YAML 1.2) and whole runs that leave a folder of results. In the library pellicle_scene
-   (CMake target pellicle::scene), because it needs libfyaml and assimp. */
+/* Pellicle: scene files (YAML 1.2 or JSON): reading them into defs, and what the table of their keys yields. In the
+   library pellicle_scene (CMake target pellicle::scene), because it needs libfyaml and assimp. Runs are in run.h. */
 #ifndef PELLICLE_SCENE_H
 #define PELLICLE_SCENE_H
 
@@ -53,6 +53,10 @@ pel_status pel_scene_parse(const char *path, const char *text, size_t size, cons
 /* The resolved scene as YAML: all defaults filled in, mesh paths absolute, so that it gives the same scene again from
    any folder, and the same text. Zero-terminated; lives as long as the scene. */
 const char *pel_scene_text(const pel_scene *scene);
+
+/* Gives an error of pel_model_create or pel_sim_create, which has no file, its place in the scene: that of the body,
+   load or tool it names, that of alpha or dt for PEL_UNSTABLE, otherwise the file alone. Other errors stay. */
+void pel_scene_locate(const pel_scene *scene, pel_error *error);
 
 /* What the table of parameters knows, for people and editors. Each writes to an open file and flushes it.
    Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */

@@ -1,22 +1,38 @@
 #include "force/body_force.h"
 
-#include "base/parallel.h"
+typedef struct force_loop {
+    const pel_model *model;
+    const pel_state *state;
+    const pel_record *velocity;
+    pel_record *force;
+} force_loop;
 
-void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, int thread_count,
+static void force_slice(const force_loop *loop, int32_t slice)
+{
+    pel_body_force body = pel_body_force_of(loop->model, loop->state, loop->model->body_of_slice[slice]);
+    pel_slice own = pel_slice_load(loop->state->position, slice);
+    pel_wide longest = pel_wide_splat(0);
+    pel_wide3 sum = pel_elastic_force(loop->model, loop->state->position, slice, &own.position, &body, &longest);
+    if (loop->velocity != NULL) {
+        pel_slice v = pel_slice_load(loop->velocity, slice);
+        pel_add_damping(loop->model, slice, &own.position, &v.position, &body, &sum);
+    }
+    pel_slice_store(loop->force, slice, sum, pel_wide_splat(0));
+}
+
+static void force_chunk(void *context, int32_t chunk)
+{
+    const force_loop *loop = context;
+    int32_t first = chunk * PEL_SLICE_CHUNK, end = loop->model->slice_count;
+    for (int32_t slice = first; slice < end && slice < first + PEL_SLICE_CHUNK; slice++)
+        force_slice(loop, slice);
+}
+
+void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, pel_pool *pool,
                      pel_record *force)
 {
-    PEL_PARALLEL_FOR(thread_count)
-    for (int32_t slice = 0; slice < model->slice_count; slice++) {
-        pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
-        pel_slice own = pel_slice_load(state->position, slice);
-        pel_wide longest = pel_wide_splat(0);
-        pel_wide3 sum = pel_elastic_force(model, state->position, slice, &own.position, &body, &longest);
-        if (velocity != NULL) {
-            pel_slice v = pel_slice_load(velocity, slice);
-            pel_add_damping(model, slice, &own.position, &v.position, &body, &sum);
-        }
-        pel_slice_store(force, slice, sum, pel_wide_splat(0));
-    }
+    force_loop loop = {model, state, velocity, force};
+    pel_pool_run(pool, pel_slice_chunk_count(0, model->slice_count), force_chunk, &loop);
 }
 
 pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, const pel_record *position,

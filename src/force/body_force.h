@@ -3,8 +3,17 @@
 #ifndef PEL_FORCE_BODY_FORCE_H
 #define PEL_FORCE_BODY_FORCE_H
 
+#include "base/pool.h"
 #include "element/spring.h"
 #include "model/state.h"
+
+/* slices of one chunk of a parallel loop */
+enum { PEL_SLICE_CHUNK = 128 };
+
+static inline int32_t pel_slice_chunk_count(int32_t slice_begin, int32_t slice_end)
+{
+    return (slice_end - slice_begin + PEL_SLICE_CHUNK - 1) / PEL_SLICE_CHUNK;
+}
 
 typedef struct pel_slice {
     pel_wide3 position;
@@ -111,7 +120,7 @@ static inline void pel_add_damping(const pel_model *model, int32_t slice, const 
 }
 
 /* Forces on all vertices into force (vertex_count), fourth number 0. velocity null = none. */
-void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, int thread_count,
+void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, pel_pool *pool,
                      pel_record *force);
 
 /* Elastic force on one vertex: the same bits as in the loop over all. */

@@ -5,7 +5,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* bytes of a whole block; and the level: 1 packs results almost as well as 6 in a third of the time */
+/* bytes of a whole block; and the level: 6 packs a frame a tenth better but takes 20 times as long on triangles, and
+   Huffman codes alone or run lengths are not faster than level 1 */
 enum { BLOCK_SIZE = 1 << 16, LEVEL = 1, HEAD_WORDS = 3 };
 
 static void *allocate(void *unused, unsigned count, unsigned size)

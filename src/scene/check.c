@@ -78,14 +78,15 @@ static pel_status fail_count(pel_scene_reader *reader, const pel_scene_value *va
     return PEL_BAD_SCENE;
 }
 
-/* appends ", name" as long as there is room */
+/* appends ", name" as long as there is room, and dots once there is none */
 static void add_name(char *text, size_t size, const char *name)
 {
     size_t length = strlen(text);
-    if (length + strlen(name) + 8 < size)
-        snprintf(text + length, size - length, "%s%s", length > 0 ? ", " : "", name);
-    else if (length + 6 < size && strcmp(text + length - 3, "...") != 0)
-        snprintf(text + length, size - length, ", ...");
+    const char *comma = length > 0 ? ", " : "";
+    if (length >= 3 && strcmp(text + length - 3, "...") == 0)
+        return;
+    bool fits = length + strlen(name) + sizeof ", , ..." <= size;
+    snprintf(text + length, size - length, "%s%s", comma, fits ? name : "...");
 }
 
 pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *place, const char *what,
@@ -121,8 +122,8 @@ static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const p
 {
     const pel_scene_row *row = pel_scene_row_find(reader->table, prefix, entry->key);
     if (row != NULL && pel_scene_value_entry(entry->parent, row->needs) == NULL) {
-        pel_scene_fail(reader, &entry->key_place, "key '%s' goes only with '%s'", entry->key, row->needs);
-        pel_fail_remedy(reader->error, "add '%s' beside it or remove it", row->needs);
+        pel_scene_fail(reader, &entry->key_place, "key '%s' goes only with: %s", entry->key, row->needs);
+        pel_fail_remedy(reader->error, "give that beside it, or remove it");
         return PEL_BAD_SCENE;
     }
     const char *names[MOST_NAMES];
@@ -144,7 +145,7 @@ static pel_status fail_missing(pel_scene_reader *reader, const pel_scene_value *
 static pel_status fail_missing_key(pel_scene_reader *reader, const pel_scene_value *map, const char *key,
                                    const char *doc)
 {
-    char quoted[100];
+    char quoted[212];
     snprintf(quoted, sizeof quoted, "'%s'", key);
     fail_missing(reader, map, quoted);
     pel_fail_remedy(reader->error, "add '%s:': %s", key, doc);
@@ -227,7 +228,7 @@ static pel_status check_tuple(pel_scene_reader *reader, const pel_scene_row *row
                               pel_scene_value *value, pel_scene_form form, int32_t needed)
 {
     static const pel_scene_row time = {
-        .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, INFINITY}, .doc = "a time"};
+        .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, (double)INFINITY}, .doc = "a time"};
     pel_scene_row part = {.forms = PEL_FORM_NUMBER, .unit = limits->unit, .range = limits->range, .doc = row->doc};
     if (pel_scene_value_count(value) != needed)
         return fail_count(reader, value, pel_scene_value_count(value),
@@ -283,8 +284,10 @@ bool pel_scene_row_applies(const pel_scene_row *row, const pel_scene_value *map)
 {
     if (row->needs == NULL)
         return true;
-    const pel_scene_value *beside = pel_scene_value_entry(map, row->needs);
-    return beside != NULL && (row->needs_word == NULL || strcmp(row->needs_word, beside->text) == 0);
+    for (const pel_scene_value *entry = map->first; entry != NULL; entry = entry->next)
+        if (pel_scene_row_needs(row, entry->key))
+            return row->needs_word == NULL || strcmp(row->needs_word, entry->text) == 0;
+    return false;
 }
 
 /* the row of an entry, null when the map has no such key */

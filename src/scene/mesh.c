@@ -2,6 +2,7 @@
 #include "scene/mesh.h"
 
 #include "math/vec3.h"
+#include "pellicle/import.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/shape.h"
 #include "scene/check.h"
@@ -17,13 +18,6 @@ enum { MOST_NAMES = 64 };
 
 static const double pi = 3.14159265358979323846;
 
-/* puts a failure of the library at the place in the scene that led to it */
-static pel_status fail_at(pel_scene_reader *reader, const pel_scene_place *place)
-{
-    pel_fail_place(reader->error, place->source, place->line, place->column);
-    return reader->error->status;
-}
-
 static pel_status create_shape(pel_scene_reader *reader, const pel_scene_value *value, pel_mesh **mesh)
 {
     const pel_scene_value *name = pel_scene_value_entry(value, "shape");
@@ -36,7 +30,7 @@ static pel_status create_shape(pel_scene_reader *reader, const pel_scene_value *
     }
     if (status == PEL_OK)
         status = pel_shape_create(&def, mesh, reader->error);
-    return status == PEL_OK ? PEL_OK : fail_at(reader, &name->place);
+    return status == PEL_OK ? PEL_OK : pel_scene_fail_at(reader, &name->place);
 }
 
 /* makes the path in the tree absolute; the file must exist */
@@ -51,7 +45,7 @@ static pel_status resolve_path(pel_scene_reader *reader, pel_scene_value *file, 
         pel_fail(reader->error, PEL_BAD_FILE, "cannot open the mesh '%.150s': %s", file->text, why);
         pel_fail_remedy(reader->error, "check the path; relative ones start at the folder of the scene, %.150s",
                         folder);
-        return fail_at(reader, &file->place);
+        return pel_scene_fail_at(reader, &file->place);
     }
     file->text = pel_arena_text(reader->arena, absolute, strlen(absolute));
     return file->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
@@ -67,9 +61,10 @@ static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, co
     if (status != PEL_OK)
         return status;
     pel_mesh_format format = formats[pel_scene_value_integer(value, "format")];
-    status = pel_mesh_read(file->text, format, reader->log, mesh, reader->error);
+    status = format == PEL_FORMAT_AUTO ? pel_mesh_import(file->text, reader->log, mesh, reader->error)
+                                       : pel_mesh_read(file->text, format, reader->log, mesh, reader->error);
     /* what is wrong inside the file has its own place there */
-    return status == PEL_BAD_FILE ? fail_at(reader, &file->place) : status;
+    return status == PEL_BAD_FILE ? pel_scene_fail_at(reader, &file->place) : status;
 }
 
 pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4])
@@ -110,7 +105,7 @@ static pel_status move_mesh(pel_scene_reader *reader, const pel_scene_value *val
     else
         pel_vec3_set(transform.scale, scale->number, scale->number, scale->number);
     status = pel_mesh_transform(mesh, &transform, reader->error);
-    return status == PEL_BAD_ARGUMENT ? fail_at(reader, &value->place) : status;
+    return status != PEL_OK ? pel_scene_fail_at(reader, &value->place) : PEL_OK;
 }
 
 pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh)

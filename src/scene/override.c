@@ -101,8 +101,7 @@ static void remove_alternatives(pel_scene_reader *reader, const char *prefix, pe
     while ((row = pel_scene_row_next(reader->table, prefix, row)) != NULL) {
         const char *name = pel_scene_row_name(row, prefix);
         bool other = row->alternative && strcmp(name, kept) != 0;
-        bool needs_other = row->needs != NULL && strcmp(row->needs, kept) != 0 &&
-                           pel_scene_row_find(reader->table, prefix, row->needs)->alternative;
+        bool needs_other = row->needs != NULL && !pel_scene_row_needs(row, kept);
         pel_scene_value *entry = pel_scene_value_entry(map, name);
         if (entry != NULL && (other || needs_other))
             pel_scene_value_remove(entry);

@@ -1,146 +1,77 @@
 #include "scene/region.h"
 
-#include "math/vec3.h"
+#include "pellicle/region.h"
 #include "scene/mesh.h"
 
-#include <math.h>
+#include <string.h>
 
-/* the test of one region; one of the kinds below is set */
-typedef struct region_test {
-    const pel_scene_value *sphere, *box;
-    double center[3], radius, falloff; /* of the sphere */
-    double lowest[3], highest[3];      /* of the box */
-    const double *field;
-    double above;
-} region_test;
-
-static pel_status read_test(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
-                            region_test *test)
+/* the listed vertices; each must exist, so that the message can name its place */
+static pel_status read_vertices(pel_scene_reader *reader, const pel_scene_value *list, const pel_mesh *mesh,
+                                pel_region *region)
 {
-    const pel_scene_value *field = pel_scene_value_entry(value, "field");
-    test->sphere = pel_scene_value_entry(value, "sphere");
-    test->box = pel_scene_value_entry(value, "box");
-    if (test->sphere != NULL) {
-        pel_scene_value_numbers(pel_scene_value_entry(test->sphere, "center"), test->center);
-        test->radius = pel_scene_value_number(test->sphere, "radius");
-        test->falloff = pel_scene_value_number(value, "falloff");
-    }
-    if (test->box != NULL) {
-        pel_scene_value_numbers(pel_scene_value_entry(test->box, "min"), test->lowest);
-        pel_scene_value_numbers(pel_scene_value_entry(test->box, "max"), test->highest);
-    }
-    if (field == NULL)
-        return PEL_OK;
-    test->above = pel_scene_value_number(value, "above");
-    return pel_scene_field(reader, field, mesh, &test->field);
-}
-
-/* 1 up to the radius, smoothly down to 0 at radius + falloff */
-static double sphere_weight(const region_test *test, double distance)
-{
-    double beyond = distance - test->radius;
-    if (beyond <= 0)
-        return 1;
-    if (beyond >= test->falloff)
-        return 0;
-    double s = beyond / test->falloff;
-    return 1 - s * s * (3 - 2 * s);
-}
-
-/* 0 = outside */
-static double weight_of_vertex(const region_test *test, const pel_mesh *mesh, int32_t v)
-{
-    const double *x = mesh->positions[v];
-    if (test->sphere != NULL)
-        return sphere_weight(test, pel_vec3_distance(x, test->center));
-    if (test->field != NULL)
-        return test->field[v] > test->above ? 1 : 0;
-    for (int i = 0; i < 3; i++)
-        if (x[i] < test->lowest[i] || x[i] > test->highest[i])
-            return 0;
-    return 1;
-}
-
-static bool take_arrays(pel_scene_reader *reader, int32_t count, pel_scene_region *region)
-{
-    region->vertices = pel_arena_take(reader->arena, (size_t)count, sizeof *region->vertices);
-    if (region->vertices == NULL)
-        pel_fail_memory(reader->error);
-    return region->vertices != NULL;
-}
-
-static pel_status select_by_weight(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
-                                   pel_scene_region *region)
-{
-    region_test test = {0};
-    pel_status status = read_test(reader, value, mesh, &test);
-    if (status != PEL_OK)
-        return status;
-    int32_t count = 0;
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        count += weight_of_vertex(&test, mesh, v) > 0;
-    if (!take_arrays(reader, count, region))
-        return PEL_OUT_OF_MEMORY;
-    if (test.falloff > 0 && (region->weights = pel_arena_take(reader->arena, (size_t)count, sizeof(double))) == NULL)
+    int32_t *vertices = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *vertices);
+    if (vertices == NULL)
         return pel_fail_memory(reader->error);
-    for (int32_t v = 0; v < mesh->vertex_count; v++) {
-        double weight = weight_of_vertex(&test, mesh, v);
-        if (!(weight > 0))
-            continue;
-        if (region->weights != NULL)
-            region->weights[region->count] = weight;
-        region->vertices[region->count++] = v;
-    }
-    return PEL_OK;
-}
-
-static pel_status select_listed(pel_scene_reader *reader, const pel_scene_value *list, const pel_mesh *mesh,
-                                pel_scene_region *region)
-{
-    if (!take_arrays(reader, pel_scene_value_count(list), region))
-        return PEL_OUT_OF_MEMORY;
     for (const pel_scene_value *child = list->first; child != NULL; child = child->next) {
         if (child->number >= mesh->vertex_count) {
             pel_scene_fail(reader, &child->place, "the mesh has no vertex %.0f", child->number);
             pel_fail_remedy(reader->error, "give numbers from 0 to %d", (int)mesh->vertex_count - 1);
             return PEL_BAD_SCENE;
         }
-        region->vertices[region->count++] = (int32_t)child->number;
+        vertices[region->vertex_count++] = (int32_t)child->number;
     }
+    region->kind = PEL_REGION_VERTICES;
+    region->vertices = vertices;
     return PEL_OK;
 }
 
-static pel_status select_nearest(pel_scene_reader *reader, const pel_scene_value *point_value, const pel_mesh *mesh,
-                                 pel_scene_region *region)
+static pel_status read_region(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
+                              pel_region *region)
 {
-    double point[3], least = INFINITY;
-    pel_scene_value_numbers(point_value, point);
-    if (!take_arrays(reader, 1, region))
-        return PEL_OUT_OF_MEMORY;
-    region->count = 1;
-    for (int32_t v = 0; v < mesh->vertex_count; v++) {
-        double distance = pel_vec3_distance(mesh->positions[v], point);
-        if (distance < least) {
-            least = distance;
-            region->vertices[0] = v;
-        }
+    const pel_scene_value *sphere = pel_scene_value_entry(value, "sphere"), *box = pel_scene_value_entry(value, "box"),
+                          *field = pel_scene_value_entry(value, "field"),
+                          *vertices = pel_scene_value_entry(value, "vertices"),
+                          *point = pel_scene_value_entry(value, "nearest"),
+                          *falloff = pel_scene_value_entry(value, "falloff");
+    const double *unused;
+    region->falloff = falloff != NULL ? falloff->number : 0;
+    if (sphere != NULL) {
+        region->kind = PEL_REGION_SPHERE;
+        pel_scene_value_numbers(pel_scene_value_entry(sphere, "center"), region->center);
+        region->radius = pel_scene_value_number(sphere, "radius");
+    } else if (box != NULL) {
+        region->kind = PEL_REGION_BOX;
+        pel_scene_value_numbers(pel_scene_value_entry(box, "min"), region->low);
+        pel_scene_value_numbers(pel_scene_value_entry(box, "max"), region->high);
+    } else if (point != NULL) {
+        region->kind = PEL_REGION_NEAREST;
+        pel_scene_value_numbers(point, region->point);
+    } else if (field != NULL) {
+        region->kind = PEL_REGION_FIELD;
+        region->field = field->text;
+        region->above = pel_scene_value_number(value, "above");
+        return pel_scene_field(reader, field, mesh, &unused);
     }
-    return PEL_OK;
+    return vertices != NULL ? read_vertices(reader, vertices, mesh, region) : PEL_OK;
 }
 
-/* tells where the mesh is, so that the region can be put there */
-static pel_status fail_empty(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh)
+/* copies a selection into the arena; weights that are all 1 are left out */
+static pel_status keep(pel_scene_reader *reader, const pel_selection *selection, bool weighted,
+                       pel_scene_region *region)
 {
-    double lowest[3] = {INFINITY, INFINITY, INFINITY}, highest[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            lowest[i] = fmin(lowest[i], mesh->positions[v][i]);
-            highest[i] = fmax(highest[i], mesh->positions[v][i]);
-        }
-    pel_scene_fail(reader, &value->place, "this region holds no vertex");
-    pel_fail_remedy(reader->error, "the mesh reaches from [%g, %g, %g] to [%g, %g, %g] m", lowest[0], lowest[1],
-                    lowest[2], highest[0], highest[1], highest[2]);
-    return PEL_BAD_SCENE;
+    size_t count = (size_t)selection->count;
+    region->count = selection->count;
+    region->vertices = pel_arena_take(reader->arena, count, sizeof *region->vertices);
+    if (region->vertices == NULL)
+        return pel_fail_memory(reader->error);
+    memcpy(region->vertices, selection->vertices, count * sizeof *region->vertices);
+    if (!weighted)
+        return PEL_OK;
+    region->weights = pel_arena_take(reader->arena, count, sizeof *region->weights);
+    if (region->weights == NULL)
+        return pel_fail_memory(reader->error);
+    memcpy(region->weights, selection->weights, count * sizeof *region->weights);
+    return PEL_OK;
 }
 
 pel_status pel_scene_region_find(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
@@ -149,15 +80,15 @@ pel_status pel_scene_region_find(pel_scene_reader *reader, const pel_scene_value
     *region = (pel_scene_region){.count = mesh->vertex_count};
     if (value->kind != PEL_SCENE_MAP)
         return PEL_OK;
-    region->count = 0;
-    const pel_scene_value *list = pel_scene_value_entry(value, "vertices");
-    const pel_scene_value *point = pel_scene_value_entry(value, "nearest");
-    pel_status status;
-    if (list != NULL)
-        status = select_listed(reader, list, mesh, region);
-    else if (point != NULL)
-        status = select_nearest(reader, point, mesh, region);
-    else
-        status = select_by_weight(reader, value, mesh, region);
-    return status == PEL_OK && region->count == 0 ? fail_empty(reader, value, mesh) : status;
+    pel_region def = pel_region_default();
+    pel_status status = read_region(reader, value, mesh, &def);
+    if (status != PEL_OK)
+        return status;
+    pel_selection *selection;
+    status = pel_mesh_select(mesh, &def, &selection, reader->error);
+    if (status != PEL_OK)
+        return pel_scene_fail_at(reader, &value->place);
+    status = keep(reader, selection, def.falloff > 0, region);
+    pel_selection_destroy(selection);
+    return status;
 }

@@ -6,13 +6,14 @@
 
 #include "pellicle/mesh.h"
 
+/* Vertices in the arena of the reader. */
 typedef struct pel_scene_region {
     int32_t count;
-    int32_t *vertices; /* (count) rising, or as listed; null = all vertices of the mesh */
+    int32_t *vertices; /* (count) rising; null = all vertices of the mesh */
     double *weights;   /* (count) 0 to 1; null = 1 */
 } pel_scene_region;
 
-/* Finds the vertices; the arrays belong to the arena. PEL_BAD_SCENE at the region when there is none. */
+/* Finds the vertices that a checked region holds; PEL_BAD_SCENE at its place when there is none. */
 pel_status pel_scene_region_find(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
                                  pel_scene_region *region);
 

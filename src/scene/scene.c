@@ -16,6 +16,7 @@ typedef struct scene_storage {
     pel_arena arena;
     pel_mesh **meshes; /* (mesh_count) */
     int32_t mesh_count;
+    const pel_scene_value *root;
     const char *text; /* resolved */
 } scene_storage;
 
@@ -89,6 +90,7 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     status = pel_scene_check(reader, root);
     if (status != PEL_OK)
         return status;
+    storage->root = root;
     storage->text = pel_scene_print(reader, root);
     return storage->text != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
@@ -147,4 +149,33 @@ pel_status pel_scene_load(const char *path, const char *const *overrides, int32_
 const char *pel_scene_text(const pel_scene *scene)
 {
     return ((const scene_storage *)scene->inner)->text;
+}
+
+/* the value that an error of the model or the simulation is about; the whole scene when there is none nearer */
+static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error *error)
+{
+    static const char *const kinds[][2] = {{"body", "bodies"}, {"load", "loads"}, {"tool", "tools"}};
+    const pel_scene_value *root = ((const scene_storage *)scene->inner)->root;
+    if (error->status == PEL_UNSTABLE)
+        return pel_scene_value_at(root, scene->sim.solver.method == PEL_METHOD_EXPLICIT ? "solver.dt" : "solver.alpha");
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        const pel_scene_value *list = pel_scene_value_entry(root, kinds[i][1]);
+        const pel_scene_value *element = error->element >= 0 && strcmp(error->element_kind, kinds[i][0]) == 0
+                                             ? pel_scene_value_element(list, error->element)
+                                             : NULL;
+        if (element != NULL)
+            return element;
+    }
+    return NULL;
+}
+
+void pel_scene_locate(const pel_scene *scene, pel_error *error)
+{
+    if (error->file[0] != '\0')
+        return;
+    const pel_scene_value *cause = find_cause(scene, error);
+    if (cause != NULL)
+        pel_fail_place(error, cause->place.source, cause->place.line, cause->place.column);
+    else
+        pel_fail_place(error, scene->path, 0, 0);
 }

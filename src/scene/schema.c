@@ -90,7 +90,7 @@ static bool belongs(const pel_scene_row *row, const char *prefix, const schema_v
         return row == variant->chosen;
     if (row->needs == NULL)
         return true;
-    if (variant->chosen == NULL || strcmp(row->needs, pel_scene_row_name(variant->chosen, prefix)) != 0)
+    if (variant->chosen == NULL || !pel_scene_row_needs(row, pel_scene_row_name(variant->chosen, prefix)))
         return false;
     return row->needs_word == NULL || (variant->word != NULL && strcmp(row->needs_word, variant->word) == 0);
 }
@@ -183,7 +183,7 @@ static void write_preset(schema_writer *out, const pel_scene_row *row)
 static void write_form(schema_writer *out, pel_scene_form form, const pel_scene_row *row, const pel_scene_row *limits,
                        const char *word)
 {
-    static const pel_scene_range time = {true, false, 0, INFINITY};
+    static const pel_scene_range time = {true, false, 0, (double)INFINITY};
     if (form == PEL_FORM_NUMBER || form == PEL_FORM_INTEGER)
         write_number(out, form, limits->range);
     else if (form == PEL_FORM_BOOLEAN)

@@ -29,8 +29,8 @@
 #define QUANTITY .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<quantity>"
 #define REGION .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS("all"), .like = "<region>"
 
-#define POSITIVE .range = {true, true, 0, INFINITY}
-#define AT_LEAST(least) .range = {true, false, least, INFINITY}
+#define POSITIVE .range = {true, true, 0, (double)INFINITY}
+#define AT_LEAST(least) .range = {true, false, least, (double)INFINITY}
 #define BETWEEN(least, most) .range = {true, false, least, most}
 #define COUNT_FROM(least) BETWEEN(least, INT32_MAX)
 
@@ -52,7 +52,7 @@ static const pel_scene_row rows[] = {
      .doc = "a generated surface; its parameters stand beside it"},
     {"bodies[].mesh.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
     {"bodies[].mesh.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
-     .doc = "format of the file; auto looks at content and extension"},
+     .doc = "format of the file; auto looks at extension and content, and knows glTF, FBX, 3MF and more"},
     {"bodies[].mesh.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
      .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); done first"},
     {"bodies[].mesh.rotate", MAP, .doc = "turns the mesh about the origin; done second"},
@@ -151,7 +151,7 @@ static const pel_scene_row rows[] = {
      .doc = "simulated time between frames"},
     {"output.every_frame", INTEGER, COUNT_FROM(1), ALTERNATIVE, .doc = "steps between frames"},
     {"output.fields", LIST, .preset = "[\"displacement\", \"force\"]",
-     .doc = "vertex fields of the frames: displacement, velocity, force, energy, contact or a field of a mesh"},
+     .doc = "vertex fields of the frames: those of the list of fields and those of the meshes"},
     {"output.fields[]", NAME, .doc = "name of a field"},
     {"output.compress", BOOLEAN, .preset = "true", .doc = "compresses the .vtp files"},
     {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},
@@ -175,8 +175,8 @@ static const pel_scene_row rows[] = {
     {"<region>.sphere", MAP, ALTERNATIVE, .doc = "the vertices inside a sphere"},
     {"<region>.sphere.center", VECTOR, .unit = "m", REQUIRED, .doc = "centre of the sphere"},
     {"<region>.sphere.radius", NUMBER, .unit = "m", POSITIVE, REQUIRED, .doc = "radius of the sphere"},
-    {"<region>.falloff", NUMBER, .unit = "m", AT_LEAST(0), .needs = "sphere", .preset = "0",
-     .doc = "width beyond the radius over which the weight falls smoothly from 1 to 0 (loads)"},
+    {"<region>.falloff", NUMBER, .unit = "m", AT_LEAST(0), .needs = "sphere, box, nearest", .preset = "0",
+     .doc = "width around the region over which the weight falls smoothly from 1 to 0"},
     {"<region>.box", MAP, ALTERNATIVE, .doc = "the vertices inside a box along the axes"},
     {"<region>.box.min", VECTOR, .unit = "m", REQUIRED, .doc = "lowest corner"},
     {"<region>.box.max", VECTOR, .unit = "m", REQUIRED, .doc = "highest corner"},
@@ -245,6 +245,19 @@ const pel_scene_row *pel_scene_row_find(const pel_scene_table *table, const char
     while (row != NULL && strcmp(pel_scene_row_name(row, prefix), name) != 0)
         row = pel_scene_row_next(table, prefix, row);
     return row;
+}
+
+bool pel_scene_row_needs(const pel_scene_row *row, const char *key)
+{
+    size_t length = strlen(key);
+    for (const char *name = row->needs; *name != '\0';) {
+        size_t name_length = strcspn(name, ",");
+        if (name_length == length && strncmp(name, key, length) == 0)
+            return true;
+        name += name_length;
+        name += strspn(name, ", ");
+    }
+    return false;
 }
 
 /* appends to text with " or " before all but the first */

@@ -35,7 +35,7 @@ typedef struct pel_scene_row {
     bool required;            /* an error when left out */
     bool alternative;         /* exactly one of the alternatives of a map is given */
     bool scoped;              /* unit and range are those of the row that is `like` this group */
-    const char *needs;        /* allowed (and required, filled in) only beside this key ... */
+    const char *needs;        /* allowed (and required, filled in) only beside this key or one of these, "a, b" ... */
     const char *needs_word;   /* ... with this value; null = any */
     const char *like;         /* the entries are those of this group, "<region>" */
     const char *const *words; /* null-terminated */
@@ -60,7 +60,10 @@ const pel_scene_row *pel_scene_row_next(const pel_scene_table *table, const char
 /* the row of that name below a prefix, the first of several; null when there is none */
 const pel_scene_row *pel_scene_row_find(const pel_scene_table *table, const char *prefix, const char *name);
 
-/* "number or `auto`" */
+/* whether a row with a condition may stand beside this key */
+bool pel_scene_row_needs(const pel_scene_row *row, const char *key);
+
+/* "number or auto" */
 const char *pel_scene_form_text(const pel_scene_row *row, char *text, size_t size);
 /* "> 0", "1 to 20"; empty when there is no range */
 const char *pel_scene_range_text(pel_scene_range range, char *text, size_t size);

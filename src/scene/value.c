@@ -157,6 +157,18 @@ pel_status pel_scene_fail(pel_scene_reader *reader, const pel_scene_place *place
     return PEL_BAD_SCENE;
 }
 
+pel_status pel_scene_fail_at(pel_scene_reader *reader, const pel_scene_place *place)
+{
+    pel_error *error = reader->error;
+    if (error->status == PEL_OUT_OF_MEMORY)
+        return error->status;
+    if (error->status == PEL_BAD_ARGUMENT)
+        error->status = PEL_BAD_SCENE;
+    error->element = -1;
+    pel_fail_place(error, place->source, place->line, place->column);
+    return error->status;
+}
+
 static const char *skip_digits(const char *text)
 {
     return text + strspn(text, "0123456789");

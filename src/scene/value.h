@@ -63,6 +63,10 @@ const char *pel_scene_value_path(const pel_scene_value *value, char *text, size_
 pel_status pel_scene_fail(pel_scene_reader *reader, const pel_scene_place *place, const char *format, ...)
     PEL_PRINTF(3, 4);
 
+/* Puts a failure that the library has just told at a place in the scene; bad arguments become PEL_BAD_SCENE. Returns
+   the status. */
+pel_status pel_scene_fail_at(pel_scene_reader *reader, const pel_scene_place *place);
+
 /* Numbers of the YAML 1.2 core schema (10, -1.5, .5, 1.0e5, 0x1F, 0o17). False for all other text; a number too large
    for a double gives infinity. */
 bool pel_scene_parse_number(const char *text, double *number);

@@ -1,10 +1,12 @@
 #include "scene/yaml.h"
 
+#include "scene/scalar.h"
+
 #include <libfyaml.h>
 #include <string.h>
 
 /* aliases copy what they stand for: a bound against documents that grow without end */
-enum { MOST_VALUES = 4000000 };
+enum { MOST_VALUES = 1000000, DEEPEST = 100 };
 
 typedef struct yaml_anchor {
     const char *name;
@@ -16,11 +18,11 @@ typedef struct yaml_parser {
     pel_scene_reader *reader;
     struct fy_parser *inner;
     struct fy_diag *diagnostics;
-    const char *source;
+    const char *source, *text;
     bool with_lines;
     pel_scene_place place; /* of the present event */
     yaml_anchor *anchors;
-    int32_t value_count;
+    int32_t value_count, depth;
 } yaml_parser;
 
 /* tells the first message of libfyaml, or that the memory ran out when it has none */
@@ -83,28 +85,33 @@ static pel_scene_value *create(yaml_parser *parser, pel_scene_value_kind kind)
     return pel_scene_value_create(parser->reader, kind, parser->place);
 }
 
-static const char *token_text(yaml_parser *parser, struct fy_token *token, size_t *length)
+/* the text of a scalar, an anchor or an alias, from its place in the source */
+static const char *token_text(yaml_parser *parser, struct fy_token *token, char quote, size_t *length)
 {
-    *length = 0;
-    const char *text = token != NULL ? fy_token_get_text(token, length) : "";
-    const char *copy = pel_arena_text(parser->reader->arena, text != NULL ? text : "", *length);
-    if (copy == NULL)
+    size_t start = fy_token_start_mark(token)->input_pos, end = fy_token_end_mark(token)->input_pos;
+    const char *text = pel_scene_decode_scalar(parser->reader->arena, parser->text + start, end - start, quote, length);
+    if (text == NULL)
         pel_fail_memory(parser->reader->error);
-    return copy;
+    return text;
 }
 
 static pel_scene_value *read_scalar(yaml_parser *parser, struct fy_event *event)
 {
     pel_scene_value *value = create(parser, PEL_SCENE_SCALAR);
-    if (value == NULL)
-        return NULL;
+    struct fy_token *token = event->scalar.value;
+    if (value == NULL || token == NULL)
+        return value;
+    enum fy_scalar_style style = fy_token_scalar_style(token);
+    if (style == FYSS_LITERAL || style == FYSS_FOLDED)
+        return fail(parser, "block text (| or >) is not used in scenes", "write the text in quotes");
+    char quote = style == FYSS_SINGLE_QUOTED ? '\'' : style == FYSS_DOUBLE_QUOTED ? '"' : '\0';
     size_t length;
-    value->text = token_text(parser, event->scalar.value, &length);
+    value->text = token_text(parser, token, quote, &length);
     if (value->text == NULL)
         return NULL;
     if (strlen(value->text) != length)
         return fail(parser, "the text has a zero byte", "remove it");
-    value->quoted = event->scalar.value != NULL && fy_token_scalar_style(event->scalar.value) != FYSS_PLAIN;
+    value->quoted = quote != '\0';
     return value;
 }
 
@@ -129,7 +136,7 @@ static pel_scene_value *copy_value(yaml_parser *parser, const pel_scene_value *o
 static pel_scene_value *read_alias(yaml_parser *parser, struct fy_event *event)
 {
     size_t length;
-    const char *name = token_text(parser, event->alias.anchor, &length);
+    const char *name = token_text(parser, event->alias.anchor, '\0', &length);
     if (name == NULL)
         return NULL;
     for (const yaml_anchor *known = parser->anchors; known != NULL; known = known->next)
@@ -221,7 +228,7 @@ static pel_scene_value *read_value(yaml_parser *parser, struct fy_event *event)
     struct fy_token *anchor_token, *tag;
     decorations(event, &anchor_token, &tag);
     size_t length;
-    const char *name = anchor_token != NULL ? token_text(parser, anchor_token, &length) : NULL;
+    const char *name = anchor_token != NULL ? token_text(parser, anchor_token, '\0', &length) : NULL;
     bool name_failed = anchor_token != NULL && name == NULL;
     enum fy_event_type type = event->type;
     pel_scene_value *value = NULL;
@@ -238,10 +245,13 @@ static pel_scene_value *read_value(yaml_parser *parser, struct fy_event *event)
     fy_parser_event_free(parser->inner, event);
     if (value == NULL)
         return NULL;
+    if (++parser->depth > DEEPEST)
+        return fail(parser, "lists and maps are nested too deeply", "a scene needs no more than ten levels");
     if (type == FYET_MAPPING_START && !read_map(parser, value))
         return NULL;
     if (type == FYET_SEQUENCE_START && !read_list(parser, value))
         return NULL;
+    parser->depth--;
     return name == NULL || keep_anchor(parser, name, value) ? value : NULL;
 }
 
@@ -317,7 +327,7 @@ static bool open_parser(yaml_parser *parser, const char *text, size_t size)
 pel_scene_value *pel_scene_yaml_parse(pel_scene_reader *reader, const char *source, const char *text, size_t size,
                                       bool with_lines)
 {
-    yaml_parser parser = {.reader = reader, .source = source, .with_lines = with_lines};
+    yaml_parser parser = {.reader = reader, .source = source, .text = text, .with_lines = with_lines};
     parser.place = (pel_scene_place){source, with_lines ? 1 : 0, with_lines ? 1 : 0};
     if (!is_utf8(&parser, text, size))
         return NULL;

@@ -38,7 +38,7 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
 static void compute_forces(pel_sim *sim)
 {
     const pel_state *state = sim->state;
-    pel_body_forces(sim->model, state, state->velocity, sim->step.thread_count, sim->force);
+    pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
     pel_loads_add(sim, pel_sim_time(sim), sim->force);
 }
 

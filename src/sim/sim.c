@@ -9,6 +9,9 @@
 
 enum { SIM_COOKIE = 0x73696d21 };
 
+/* below this many chunks (of 512 vertices) threads cost more than they give */
+enum { CHUNKS_WORTH_THREADS = 4 };
+
 /* share of the stability limit that the automatic alpha takes */
 #define SAFE_SHARE 0.9
 /* positions farther than this many model sizes from the model count as diverged */
@@ -106,22 +109,43 @@ static double position_bound(const pel_model *model)
     return 2 * far + BOUND_SIZES * size;
 }
 
+/* a pool when the largest body has work for more than one thread */
+static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error)
+{
+    int32_t most = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
+        most = chunk_count > most ? chunk_count : most;
+    }
+    sim->chunk_longest = pel_allocate((size_t)most, sizeof *sim->chunk_longest);
+    if (sim->chunk_longest == NULL)
+        return pel_fail_memory(error);
+    sim->step.longest = sim->chunk_longest;
+    int threads = thread_count > 0 ? thread_count : pel_thread_limit();
+    if (threads == 1 || most < CHUNKS_WORTH_THREADS)
+        return PEL_OK;
+    pel_status status = pel_pool_create(threads, &sim->pool, error);
+    sim->step.pool = sim->pool;
+    return status;
+}
+
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->model = def->model;
     sim->solver = def->solver;
-    int limit = pel_thread_limit();
     sim->step = (pel_step){
         .dt = def->solver.dt,
         .keep_velocity = def->solver.keep_velocity,
         .symplectic = def->solver.symplectic,
-        .thread_count = def->thread_count > 0 ? def->thread_count : limit,
         .bound = position_bound(def->model),
     };
     sim->force = pel_allocate_aligned((size_t)def->model->vertex_count, sizeof *sim->force);
     if (sim->force == NULL)
         return pel_fail_memory(error);
-    pel_status status = pel_state_create(def->model, pel_sim_is_explicit(sim), &sim->state, error);
+    pel_status status = start_threads(sim, def->thread_count, error);
+    if (status == PEL_OK)
+        status = pel_state_create(def->model, pel_sim_is_explicit(sim), &sim->state, error);
     if (status == PEL_OK)
         status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
     if (status == PEL_OK)
@@ -156,6 +180,8 @@ void pel_sim_destroy(pel_sim *sim)
     pel_loads_destroy(sim);
     pel_state_destroy(sim->state);
     pel_free(sim->force);
+    pel_free(sim->chunk_longest);
+    pel_pool_destroy(sim->pool);
     pel_free(sim);
 }
 

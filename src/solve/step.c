@@ -3,13 +3,9 @@
    costs. */
 #include "solve/step.h"
 
-#include "base/parallel.h"
 #include "force/body_force.h"
 
 #include <math.h>
-
-/* slices of one chunk of a parallel loop */
-enum { CHUNK = 64 };
 
 /* what a chunk adds to the result */
 typedef struct tally {
@@ -22,6 +18,7 @@ typedef struct sweep {
     pel_state *state;
     const pel_step *step;
     pel_body_force body;
+    int32_t slice_begin, slice_end;
 } sweep;
 
 static inline void note_position(tally *sum, const pel_wide3 *position, const pel_step *step)
@@ -67,57 +64,64 @@ static inline void explicit_slice(const sweep *run, int32_t slice, bool symplect
     pel_slice_store(state->velocity_next, slice, faster, pel_wide_splat(0));
 }
 
-typedef void slice_function(const sweep *run, int32_t slice, bool flag, tally *sum);
-
-/* runs one body through a slice function; the flag is a constant at each call, so that the branches vanish */
-static inline void sweep_body(const sweep *run, int32_t slice_begin, int32_t slice_end, slice_function *function,
-                              bool flag, pel_step_result *result)
+/* runs the slices of one chunk; the flag is a constant at each call, so that the branches vanish */
+static inline void run_chunk(const sweep *run, int32_t chunk, bool explicit_method, bool flag)
 {
-    int32_t chunk_count = (slice_end - slice_begin + CHUNK - 1) / CHUNK;
-    int thread_count = chunk_count > 1 ? run->step->thread_count : 1;
-    double longest = result->longest;
-    PEL_PARALLEL_FOR_REDUCE(thread_count, max : longest)
-    for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
-        int32_t first = slice_begin + chunk * CHUNK;
-        int32_t last = slice_end - first < CHUNK ? slice_end : first + CHUNK;
-        tally sum = {pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
-        for (int32_t slice = first; slice < last; slice++)
-            function(run, slice, flag, &sum);
-        /* an infinite length says that a position left the bound */
-        double chunk_longest = (double)pel_wide_largest(sum.longest);
-        if (!(sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3]))
-            chunk_longest = (double)INFINITY;
-        longest = longest > chunk_longest ? longest : chunk_longest;
+    int32_t first = run->slice_begin + chunk * PEL_SLICE_CHUNK;
+    int32_t last = run->slice_end - first < PEL_SLICE_CHUNK ? run->slice_end : first + PEL_SLICE_CHUNK;
+    tally sum = {pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
+    for (int32_t slice = first; slice < last; slice++) {
+        if (explicit_method)
+            explicit_slice(run, slice, flag, &sum);
+        else
+            quasi_static_slice(run, slice, flag, &sum);
     }
-    result->longest = longest;
-    result->diverged |= isinf(longest);
+    /* an infinite length says that a position left the bound */
+    bool inside = sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3];
+    run->step->longest[chunk] = inside ? (double)pel_wide_largest(sum.longest) : HUGE_VAL;
 }
 
-static void sweep_all(const pel_model *model, pel_state *state, const pel_step *step, bool explicit_method,
+static void quasi_static_chunk(void *context, int32_t chunk)
+{
+    run_chunk(context, chunk, false, false);
+}
+
+static void kept_velocity_chunk(void *context, int32_t chunk)
+{
+    run_chunk(context, chunk, false, true);
+}
+
+static void forward_chunk(void *context, int32_t chunk)
+{
+    run_chunk(context, chunk, true, false);
+}
+
+static void symplectic_chunk(void *context, int32_t chunk)
+{
+    run_chunk(context, chunk, true, true);
+}
+
+static void sweep_all(const pel_model *model, pel_state *state, const pel_step *step, pel_chunk_function *function,
                       pel_step_result *result)
 {
     *result = (pel_step_result){0};
-    sweep run = {model, state, step, {0}};
     for (int32_t b = 0; b < model->body_count; b++) {
-        int32_t begin = model->bodies[b].slice_begin, end = model->bodies[b].slice_end;
-        run.body = pel_body_force_of(model, state, b);
-        if (explicit_method && step->symplectic)
-            sweep_body(&run, begin, end, explicit_slice, true, result);
-        else if (explicit_method)
-            sweep_body(&run, begin, end, explicit_slice, false, result);
-        else if (step->keep_velocity)
-            sweep_body(&run, begin, end, quasi_static_slice, true, result);
-        else
-            sweep_body(&run, begin, end, quasi_static_slice, false, result);
+        const pel_body *body = &model->bodies[b];
+        sweep run = {model, state, step, pel_body_force_of(model, state, b), body->slice_begin, body->slice_end};
+        int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
+        pel_pool_run(step->pool, chunk_count, function, &run);
+        for (int32_t chunk = 0; chunk < chunk_count; chunk++)
+            result->longest = fmax(result->longest, step->longest[chunk]);
     }
+    result->diverged = isinf(result->longest);
 }
 
 void pel_step_quasi_static(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result)
 {
-    sweep_all(model, state, step, false, result);
+    sweep_all(model, state, step, step->keep_velocity ? kept_velocity_chunk : quasi_static_chunk, result);
 }
 
 void pel_step_explicit(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result)
 {
-    sweep_all(model, state, step, true, result);
+    sweep_all(model, state, step, step->symplectic ? symplectic_chunk : forward_chunk, result);
 }

@@ -3,6 +3,7 @@
 #ifndef PEL_SOLVE_STEP_H
 #define PEL_SOLVE_STEP_H
 
+#include "base/pool.h"
 #include "model/state.h"
 
 typedef struct pel_step {
@@ -10,8 +11,9 @@ typedef struct pel_step {
     double alpha;       /* quasi-static */
     bool keep_velocity; /* quasi-static */
     bool symplectic;    /* explicit */
-    int thread_count;
-    double bound; /* positions farther than this from the origin count as diverged */
+    pel_pool *pool;     /* null = one thread */
+    double *longest;    /* (chunks of the largest body) scratch */
+    double bound;       /* positions farther than this from the origin count as diverged */
 } pel_step;
 
 typedef struct pel_step_result {

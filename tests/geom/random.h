@@ -27,4 +27,14 @@ static inline int64_t random_integer(random_state *random, int64_t low, int64_t 
     return low + (int64_t)(random_bits(random) % (uint64_t)(high - low + 1));
 }
 
+/* fewer trials where the compiler does not optimize (sanitizers, coverage) */
+static inline int trial_count(int usual)
+{
+#ifdef __OPTIMIZE__
+    return usual;
+#else
+    return usual / 10;
+#endif
+}
+
 #endif

@@ -93,7 +93,7 @@ static const bad_scene bad_scenes[] = {
     {"version: 1\nduration: 1\nbodies:\n  - mesh: {scale: 1}\n", NULL,
      "a.yaml:4:11: error: bodies.0.mesh lacks one of its main keys. add one of: shape, file"},
     {BALL "    mass: {density: 3}\n", NULL, "a.yaml:5:11: error: bodies.0.mass lacks 'thickness'. add 'thickness:"},
-    {BALL "tools:\n  - radius: 1\n", NULL, "a.yaml:6:5: error: key 'radius' goes only with 'shape'. add 'shape'"},
+    {BALL "tools:\n  - radius: 1\n", NULL, "a.yaml:6:5: error: key 'radius' goes only with: shape. give that beside"},
     {BALL "tools:\n  - press: true\n", NULL,
      "a.yaml:6:5: error: tools.0 lacks 'shape'. add 'shape:': form of the tool"},
     {BALL "loads: [{at: all}]\n", NULL, "a.yaml:5:9: error: loads.0 lacks 'force'. add 'force:': the force"},
@@ -103,7 +103,7 @@ static const bad_scene bad_scenes[] = {
     /* keys that do not go together */
     {BALL "    mass: {total: 1, per_vertex: 2}\n", NULL,
      "a.yaml:5:22: error: 'total' and 'per_vertex' exclude each other. remove one of them"},
-    {BALL "    mass: {thickness: 2}\n", NULL, "a.yaml:5:12: error: key 'thickness' goes only with 'density'. add"},
+    {BALL "    mass: {thickness: 2}\n", NULL, "a.yaml:5:12: error: key 'thickness' goes only with: density. give"},
     {BALL "version: 1\n", NULL,
      "a.yaml:5:1: error: key 'version' is given twice. keep one of them; the other is in line 1"},
     {BALL "    mass: {total: 1, total: 1}\n", NULL, "a.yaml:5:22: error: key 'total' is given twice"},
@@ -119,10 +119,12 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:7:5: error: the load does not say on which body it acts. add `body: body1` or another name"},
     {BALL "output: {fields: [displacment]}\n", NULL,
      "a.yaml:5:19: error: unknown field 'displacment'. did you mean 'displacement'?"},
+    {BALL "output: {fields: [area, gausian_curvature]}\n", NULL,
+     "a.yaml:5:25: error: unknown field 'gausian_curvature'. did you mean 'gaussian_curvature'?"},
     {BALL "    springs: {damping: {field: thickness}}\n", NULL,
      "a.yaml:5:32: error: unknown scalar field of the mesh 'thickness'. there is none"},
     {BALL "    pinned: {sphere: {center: [9, 9, 9], radius: 1}}\n", NULL,
-     "a.yaml:5:13: error: this region holds no vertex. the mesh reaches from [-"},
+     "a.yaml:5:13: error: the region is empty: the nearest vertex is "},
     {BALL "    pinned: {vertices: [1, 252]}\n", NULL,
      "a.yaml:5:28: error: the mesh has no vertex 252. give numbers from 0 to 251"},
     {BALL, "bodies.0.mass={density: 1, thickness: {field: t}}",
@@ -147,6 +149,7 @@ static const bad_scene bad_scenes[] = {
     {"version: *one\n", NULL, "a.yaml:1:10: error: the alias has no anchor before it"},
     {"version: &one [*one]\n", NULL, "a.yaml:1:16: error: the alias has no anchor before it"},
     {"? [a, b]\n: 1\n", NULL, "a.yaml:1:3: error: a key must be text"},
+    {"title: |\n  text\n", NULL, "a.yaml:2:1: error: block text (| or >) is not used in scenes"},
     {"title: \"a\\0b\"\n", NULL, "a.yaml:1:8: error: the text has a zero byte"},
 
     /* overrides */
@@ -208,6 +211,40 @@ static void test_null_error(void **unused)
     }
 }
 
+/* what the model and the simulation refuse has its place in the scene */
+static void check_location(const char *end, const char *expected)
+{
+    char text[1000], message[1000];
+    snprintf(text, sizeof text, "%s%s", BALL, end);
+    pel_scene *scene;
+    pel_model *model = NULL;
+    pel_sim *sim = NULL;
+    pel_error error;
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL), PEL_OK);
+    pel_status status = pel_model_create(&scene->model, &model, &error);
+    pel_sim_def def = scene->sim;
+    def.model = model;
+    if (status == PEL_OK)
+        status = pel_sim_create(&def, &sim, &error);
+    assert_true(status != PEL_OK);
+    pel_scene_locate(scene, &error);
+    pel_error_text(&error, message, sizeof message);
+    if (strncmp(message, expected, strlen(expected)) != 0)
+        fail_msg("%s", message);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+}
+
+static void test_locations(void **unused)
+{
+    (void)unused;
+    check_location("solver: {alpha: 5000}\n", "a.yaml:5:17: error: alpha 5000 is unstable");
+    check_location("solver: {method: explicit, integrator: forward, dt: 5}\n", "a.yaml:5:53: error: dt 5 is unstable");
+    check_location("tools:\n- {shape: sphere, radius: .5, motion: [{position: [0, 0, 9]}]}\n"
+                   "- {shape: sphere, radius: .5, motion: [{position: [0, 0, 1]}]}\n",
+                   "a.yaml:7:3: error: ");
+}
+
 static void test_missing_file(void **unused)
 {
     (void)unused;
@@ -250,12 +287,52 @@ static void test_aliases_without_end(void **unused)
     assert_string_equal(error.what, "there are too many values");
 }
 
+/* more names than a message holds */
+static void test_many_names(void **unused)
+{
+    (void)unused;
+    char text[20000] = "version: 1\nduration: 1\nbodies:\n";
+    for (int i = 0; i < 100; i++) {
+        size_t length = strlen(text);
+        snprintf(text + length, sizeof text - length,
+                 "- {name: a-rather-long-name-%d, mesh: {shape: grid, nx: 1, ny: 1}}\n", i);
+    }
+    pel_scene *scene;
+    pel_error error;
+    const char *const overrides[] = {"tools=[{shape: sphere, radius: 1, body: zz, motion: [{position: [0, 0, 9]}]}]"};
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), overrides, 1, NULL, &scene, &error), PEL_BAD_SCENE);
+    assert_string_equal(error.what, "unknown body 'zz'");
+    assert_string_equal(error.remedy + strlen(error.remedy) - 5, ", ...");
+    /* one name longer than the message */
+    char override[600] = "bodies.zz.name=x", scene_text[600];
+    snprintf(scene_text, sizeof scene_text, "version: 1\nbodies: [{name: %0500d}]\n", 1);
+    assert_int_equal(pel_scene_parse("a.yaml", scene_text, strlen(scene_text), (const char *const[]){override}, 1, NULL,
+                                     &scene, &error),
+                     PEL_BAD_SCENE);
+    assert_string_equal(error.remedy, "known are: ...");
+}
+
+static void test_nesting_without_end(void **unused)
+{
+    (void)unused;
+    enum { DEPTH = 20000 };
+    static char text[2 * DEPTH + 2];
+    for (int i = 0; i < DEPTH; i++)
+        memcpy(text + (size_t)2 * (size_t)i, "- ", 2);
+    pel_scene *scene;
+    pel_error error;
+    assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+    memset(text, '[', DEPTH);
+    assert_int_equal(pel_scene_parse("a.yaml", text, DEPTH, NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_scenes),          cmocka_unit_test(test_null_error),
         cmocka_unit_test(test_missing_file),        cmocka_unit_test(test_bad_mesh_file),
-        cmocka_unit_test(test_aliases_without_end),
+        cmocka_unit_test(test_aliases_without_end), cmocka_unit_test(test_nesting_without_end),
+        cmocka_unit_test(test_locations),           cmocka_unit_test(test_many_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -135,8 +135,8 @@ static void check_loads(const pel_load_def *loads)
     assert_int_equal(loads[0].body, 1);
     assert_int_equal(loads[0].kind, PEL_LOAD_PER_VERTEX);
     assert_int_equal(loads[0].vertex_count, 2);
-    assert_int_equal(loads[0].vertices[0], 3);
-    assert_int_equal(loads[0].vertices[1], 1);
+    assert_int_equal(loads[0].vertices[0], 1);
+    assert_int_equal(loads[0].vertices[1], 3);
     assert_null(loads[0].weights);
     assert_true(loads[0].from == 0.5 && loads[0].until == 0.75 && loads[0].force[2] == 3);
     assert_int_equal(loads[0].key_count, 2);

@@ -1,0 +1,12 @@
+/* Text of YAML scalars in one line or folded over several (flow scalars), from their source between the quotes.
+   libfyaml 0.7.12 can do this too, but loses letters and memory when a line has more than eight escapes. */
+#ifndef PEL_SCENE_SCALAR_H
+#define PEL_SCENE_SCALAR_H
+
+#include "scene/arena.h"
+
+/* The text that `size` bytes of source stand for; quote is ' or " or 0 for plain text. *length does not count the
+   terminating zero. Null when out of memory. Escapes must be valid; unknown ones stand for nothing. */
+char *pel_scene_decode_scalar(pel_arena *arena, const char *source, size_t size, char quote, size_t *length);
+
+#endif

@@ -1,0 +1,86 @@
+/* Every chunk runs exactly once, whatever the threads and however quickly loops follow each other. */
+#include "check.h"
+#include "failing_malloc.h"
+
+#include "base/pool.h"
+#include "pellicle/parallel.h"
+
+#include <time.h>
+
+enum { CHUNK_LIMIT = 300 };
+
+typedef struct counted {
+    int runs[CHUNK_LIMIT];
+    int base;
+} counted;
+
+static void count_chunk(void *context, int32_t chunk)
+{
+    counted *c = context;
+    c->runs[chunk] += 1 + c->base;
+}
+
+static void check_loops(pel_pool *pool, int loop_count)
+{
+    counted c;
+    for (int loop = 0; loop < loop_count; loop++) {
+        int32_t chunk_count = loop % CHUNK_LIMIT;
+        memset(&c, 0, sizeof c);
+        c.base = loop;
+        pel_pool_run(pool, chunk_count, count_chunk, &c);
+        for (int32_t chunk = 0; chunk < CHUNK_LIMIT; chunk++)
+            assert_int_equal(c.runs[chunk], chunk < chunk_count ? 1 + loop : 0);
+    }
+}
+
+static void test_each_chunk_once(void **unused)
+{
+    (void)unused;
+    check_loops(NULL, 20);
+    for (int threads = 1; threads <= 8; threads *= 2) {
+        pel_pool *pool;
+        assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
+        check_loops(pool, 3000);
+        pel_pool_destroy(pool);
+    }
+}
+
+/* helpers that went to sleep between loops wake again */
+static void test_after_sleep(void **unused)
+{
+    (void)unused;
+    pel_pool *pool;
+    assert_int_equal(pel_pool_create(3, &pool, NULL), PEL_OK);
+    for (int n = 0; n < 20; n++) {
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+        check_loops(pool, 5);
+    }
+    pel_pool_destroy(pool);
+}
+
+static pel_status create_pool(const void *data, pel_error *error)
+{
+    (void)data;
+    pel_pool *pool;
+    pel_status status = pel_pool_create(1, &pool, error);
+    assert_true((pool == NULL) == (status != PEL_OK));
+    pel_pool_destroy(pool);
+    return status;
+}
+
+static void test_allocation_failure(void **unused)
+{
+    (void)unused;
+    assert_int_equal(for_every_allocation_failure(create_pool, NULL), 1);
+    assert_true(pel_thread_limit() >= 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_each_chunk_once),
+        cmocka_unit_test(test_after_sleep),
+        cmocka_unit_test(test_allocation_failure),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
