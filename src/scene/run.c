@@ -102,19 +102,11 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
     return pel_sim_create(&def, &run->sim, error);
 }
 
-static bool refines(const pel_scene *scene)
-{
-    for (int32_t b = 0; b < scene->model.body_count; b++)
-        if (scene->model.bodies[b].refine.levels > 0)
-            return true;
-    return false;
-}
-
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
     if (status == PEL_OK)
-        status = pel_run_surface_create(run->sim, &run->scene->output, refines(run->scene), &run->surface, error);
+        status = pel_run_surface_create(run->sim, &run->scene->output, &run->surface, error);
     if (status != PEL_OK)
         return status;
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
@@ -389,6 +381,10 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     pel_run_folder_release(run->def->folder);
     pel_sim_measure(run->sim, &run->measures);
     pel_status later = write_results(run, status == PEL_OK ? error : NULL);
+    status = status == PEL_OK ? later : status;
+    later = pel_run_surface_intersections(&run->surface, run->sim, &run->intersection_count,
+                                          status == PEL_OK ? error : NULL);
+    run->intersection_count = later == PEL_OK ? run->intersection_count : -1;
     status = status == PEL_OK ? later : status;
     bool over = run->settled || pel_sim_step_count(run->sim) >= run->plan.step_total;
     later = settle_checkpoint(run, status == PEL_OK && over, status == PEL_OK ? error : NULL);

@@ -35,12 +35,13 @@ typedef struct pel_run_state {
     size_t checkpoint_size;
     char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
     int64_t checkpoint_step;
-    double start;              /* wall clock at the beginning of this call */
-    int64_t start_step;        /* step at the beginning of this call */
-    int64_t listed_count;      /* frames in frames.pvd */
-    double listed_at;          /* wall clock when it was written */
-    bool settled;              /* everything came to rest */
-    pel_sim_measures measures; /* of the last frame, at last of the end */
+    double start;               /* wall clock at the beginning of this call */
+    int64_t start_step;         /* step at the beginning of this call */
+    int64_t listed_count;       /* frames in frames.pvd */
+    double listed_at;           /* wall clock when it was written */
+    bool settled;               /* everything came to rest */
+    pel_sim_measures measures;  /* of the last frame, at last of the end */
+    int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
 } pel_run_state;
 
 /* s, from some fixed moment */

@@ -40,6 +40,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .residual_displacement = run->measures.max_displacement,
         .vertices_final = run->measures.vertex_count,
         .triangles_final = run->measures.triangle_count,
+        .self_intersections_final = run->intersection_count,
         .state_hash = pel_sim_hash(sim),
         .alpha = pel_sim_alpha(sim),
         .alpha_limit = pel_sim_alpha_limit(sim),
@@ -127,8 +128,12 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
     number_entry(writer, "residual_displacement", s->residual_displacement);
     count_entry(writer, "vertices_final", s->vertices_final);
     count_entry(writer, "triangles_final", s->triangles_final);
-    begin(writer, "self_intersections_final");
-    pel_file_writer_printf(writer, "null");
+    if (s->self_intersections_final >= 0) {
+        count_entry(writer, "self_intersections_final", s->self_intersections_final);
+    } else {
+        begin(writer, "self_intersections_final");
+        pel_file_writer_printf(writer, "null");
+    }
     begin(writer, "state_hash");
     pel_file_writer_printf(writer, "\"%016" PRIx64 "\"", s->state_hash);
     number_entry(writer, "alpha", s->alpha);

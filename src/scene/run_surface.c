@@ -3,30 +3,16 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "pellicle/intersect.h"
+#include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
+#include "scene/run_fields.h"
 
 #include <math.h>
 #include <string.h>
 
-typedef enum field_source {
-    SOURCE_DISPLACEMENT,
-    SOURCE_VELOCITY,
-    SOURCE_FORCE,
-    SOURCE_ENERGY,
-    SOURCE_SPRING_ENERGY,
-    SOURCE_VOLUMETRIC_ENERGY,
-    SOURCE_CONTACT,
-    SOURCE_COUNT,               /* of those that change in every step */
-    SOURCE_MESH = SOURCE_COUNT, /* these change with the surface alone */
-    SOURCE_BODY,
-    SOURCE_LEVEL,
-    SOURCE_MESH_TRIANGLE,
-    SOURCE_MESH_WEIGHTS
-} field_source;
-
-static const char *const source_names[SOURCE_COUNT] = {"displacement",  "velocity",          "force",  "energy",
-                                                       "spring_energy", "volumetric_energy", "contact"};
-static const int32_t source_components[SOURCE_COUNT] = {3, 3, 3, 1, 1, 1, 1};
+/* sources of fields that change with the surface alone */
+enum { SOURCE_MESH = PEL_RUN_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_TRIANGLE, SOURCE_MESH_WEIGHTS };
 
 /* ---- fields ---- */
 
@@ -42,12 +28,15 @@ static const pel_field *find_mesh_field(const pel_model *model, const char *name
 
 static pel_status refuse_field(const char *name, pel_error *error)
 {
-    const char *nearest = pel_nearest_name(name, source_names, SOURCE_COUNT);
+    const char *names[PEL_RUN_FIELD_COUNT];
+    for (int f = 0; f < PEL_RUN_FIELD_COUNT; f++)
+        names[f] = pel_run_fields[f].name;
+    const char *nearest = pel_nearest_name(name, names, PEL_RUN_FIELD_COUNT);
     pel_fail(error, PEL_BAD_SCENE, "output field '%s' is neither one of the simulation nor of a mesh", name);
     if (nearest != NULL)
         pel_fail_remedy(error, "did you mean '%s'?", nearest);
     else
-        pel_fail_remedy(error, "use displacement, velocity, force, energy, contact or the name of a mesh field");
+        pel_fail_remedy(error, "use the name of a mesh field or one that `pellicle reference` lists");
     return PEL_BAD_SCENE;
 }
 
@@ -158,18 +147,21 @@ static pel_status add_field(pel_run_surface *surface, const pel_sim *sim, const 
 
 static pel_status add_named_field(pel_run_surface *surface, const pel_sim *sim, const char *name, pel_error *error)
 {
-    for (int s = 0; s < SOURCE_COUNT; s++)
-        if (strcmp(source_names[s], name) == 0)
-            return add_field(surface, sim, name, s, source_components[s], error);
+    int source = pel_run_field_find(name);
+    if (source < PEL_RUN_FIELD_COUNT)
+        return add_field(surface, sim, name, source, pel_run_fields[source].component_count, error);
     const pel_field *part = find_mesh_field(pel_sim_model(sim), name);
     if (part == NULL)
         return refuse_field(name, error);
     return add_field(surface, sim, part->name, SOURCE_MESH, part->component_count, error);
 }
 
-static pel_status add_fields(pel_run_surface *surface, const pel_sim *sim, const pel_output_def *output, bool refines,
+static pel_status add_fields(pel_run_surface *surface, const pel_sim *sim, const pel_output_def *output,
                              pel_error *error)
 {
+    bool refines = false;
+    for (int32_t b = 0; b < surface->body_count; b++)
+        refines |= pel_sim_refines(sim, b);
     pel_status status = PEL_OK;
     for (int32_t f = 0; status == PEL_OK && f < output->field_count; f++)
         status = add_named_field(surface, sim, output->fields[f], error);
@@ -247,6 +239,52 @@ static pel_status make_buffers(const pel_sim *sim, pel_run_surface *surface, pel
     return PEL_OK;
 }
 
+static bool is_measured(const pel_run_surface *surface)
+{
+    for (int32_t f = 0; f < surface->field_count; f++)
+        if (surface->sources[f] >= PEL_RUN_AREA && surface->sources[f] < PEL_RUN_FIELD_COUNT)
+            return true;
+    return false;
+}
+
+static void free_topologies(pel_run_surface *surface)
+{
+    for (int32_t b = 0; surface->topologies != NULL && b < surface->body_count; b++)
+        pel_topology_destroy(surface->topologies[b]);
+    pel_free(surface->topologies);
+    surface->topologies = NULL;
+}
+
+static pel_status make_topology(const pel_run_surface *surface, const pel_sim *sim, int32_t body,
+                                pel_topology **topology, pel_error *error)
+{
+    pel_mesh mesh = {.vertex_count = pel_sim_vertex_count(sim, body),
+                     .triangle_count = pel_sim_triangle_count(sim, body),
+                     .positions = (double(*)[3])(surface->rest + 3 * (size_t)surface->begin[body])};
+    mesh.triangles = pel_allocate((size_t)mesh.triangle_count, sizeof *mesh.triangles);
+    if (mesh.triangles == NULL)
+        return pel_fail_memory(error);
+    pel_sim_get_triangles(sim, body, mesh.triangles[0]);
+    pel_status status = pel_topology_create(&mesh, topology, error);
+    pel_free(mesh.triangles);
+    return status;
+}
+
+/* for the fields that are measured on the surface */
+static pel_status make_topologies(pel_run_surface *surface, const pel_sim *sim, pel_error *error)
+{
+    free_topologies(surface);
+    if (!is_measured(surface))
+        return PEL_OK;
+    surface->topologies = pel_allocate((size_t)surface->body_count, sizeof *surface->topologies);
+    if (surface->topologies == NULL)
+        return pel_fail_memory(error);
+    pel_status status = PEL_OK;
+    for (int32_t b = 0; status == PEL_OK && b < surface->body_count; b++)
+        status = make_topology(surface, sim, b, &surface->topologies[b], error);
+    return status;
+}
+
 /* brings the buffers after the surface when a body has refined or coarsened */
 static pel_status refresh(pel_run_surface *surface, const pel_sim *sim, pel_error *error)
 {
@@ -258,13 +296,15 @@ static pel_status refresh(pel_run_surface *surface, const pel_sim *sim, pel_erro
     pel_status status = make_buffers(sim, surface, error);
     for (int32_t f = 0; status == PEL_OK && f < surface->field_count; f++)
         status = make_values(surface, sim, surface->sources[f], &surface->fields[f], error);
+    if (status == PEL_OK)
+        status = make_topologies(surface, sim, error);
     if (status != PEL_OK)
         surface->revision = -1;
     return status;
 }
 
-pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, bool refines,
-                                  pel_run_surface *surface, pel_error *error)
+pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, pel_run_surface *surface,
+                                  pel_error *error)
 {
     *surface = (pel_run_surface){.body_count = pel_model_body_count(pel_sim_model(sim))};
     size_t field_room = (size_t)output->field_count + 4;
@@ -274,13 +314,16 @@ pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *outp
     if (surface->begin == NULL || surface->fields == NULL || surface->sources == NULL)
         return pel_fail_memory(error);
     pel_status status = make_buffers(sim, surface, error);
-    return status == PEL_OK ? add_fields(surface, sim, output, refines, error) : status;
+    if (status == PEL_OK)
+        status = add_fields(surface, sim, output, error);
+    return status == PEL_OK ? make_topologies(surface, sim, error) : status;
 }
 
 void pel_run_surface_destroy(pel_run_surface *surface)
 {
     for (int32_t f = 0; f < surface->field_count; f++)
         pel_free(field_values(&surface->fields[f]));
+    free_topologies(surface);
     pel_free(surface->sources);
     pel_free(surface->fields);
     free_buffers(surface);
@@ -303,8 +346,8 @@ static void read_energies(pel_run_surface *surface, const pel_sim *sim, int32_t 
     double *spring = surface->scratch, *volumetric = surface->scratch + count;
     pel_sim_get_energies(sim, body, spring, volumetric);
     for (int32_t v = 0; v < count; v++)
-        values[v] =
-            (source == SOURCE_VOLUMETRIC_ENERGY ? 0 : spring[v]) + (source == SOURCE_SPRING_ENERGY ? 0 : volumetric[v]);
+        values[v] = (source == PEL_RUN_VOLUMETRIC_ENERGY ? 0 : spring[v]) +
+                    (source == PEL_RUN_SPRING_ENERGY ? 0 : volumetric[v]);
 }
 
 static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_t body)
@@ -313,27 +356,73 @@ static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_
     size_t first = (size_t)surface->begin[body];
     double *values = field_values(&surface->fields[f]) + first * (size_t)surface->fields[f].component_count;
     switch (source) {
-    case SOURCE_DISPLACEMENT:
+    case PEL_RUN_DISPLACEMENT:
         for (size_t i = 3 * first; i < 3 * (size_t)surface->begin[body + 1]; i++)
             values[i - 3 * first] = surface->positions[i] - surface->rest[i];
         break;
-    case SOURCE_VELOCITY:
+    case PEL_RUN_VELOCITY:
         pel_sim_get_velocities(sim, body, values);
         break;
-    case SOURCE_FORCE:
+    case PEL_RUN_FORCE:
         pel_sim_get_forces(sim, body, values);
         break;
-    case SOURCE_CONTACT:
+    case PEL_RUN_CONTACT:
         pel_sim_get_contacts(sim, body, values);
         break;
-    case SOURCE_ENERGY:
-    case SOURCE_SPRING_ENERGY:
-    case SOURCE_VOLUMETRIC_ENERGY:
+    case PEL_RUN_ENERGY:
+    case PEL_RUN_SPRING_ENERGY:
+    case PEL_RUN_VOLUMETRIC_ENERGY:
         read_energies(surface, sim, body, source, values);
+        break;
+    case PEL_RUN_STRESS:
+        pel_sim_get_spring_virials(sim, body, values);
         break;
     default:
         break;
     }
+}
+
+/* one measured number or vector of vertex v; a stress holds the virial so far */
+static void put_measure(int source, const pel_vertex_measure *measure, int32_t v, double *values)
+{
+    if (source == PEL_RUN_AREA)
+        values[v] = measure->area;
+    else if (source == PEL_RUN_NORMAL)
+        memcpy(values + 3 * (size_t)v, measure->normal, sizeof measure->normal);
+    else if (source == PEL_RUN_MEAN_CURVATURE)
+        values[v] = measure->mean_curvature;
+    else if (source == PEL_RUN_GAUSSIAN_CURVATURE)
+        values[v] = measure->gaussian_curvature;
+    else if (source == PEL_RUN_STRESS)
+        values[v] = measure->area > 0 ? values[v] / (2 * measure->area) : 0;
+}
+
+/* the fields that are measured on the surface, all in one pass over the vertices of each body */
+static void read_measures(pel_run_surface *surface)
+{
+    for (int32_t b = 0; b < surface->body_count; b++) {
+        int32_t first = surface->begin[b];
+        for (int32_t v = first; v < surface->begin[b + 1]; v++) {
+            pel_vertex_measure measure;
+            pel_vertex_measure_fill(surface->topologies[b], surface->positions + 3 * (size_t)first, v - first,
+                                    &measure);
+            for (int32_t f = 0; f < surface->field_count; f++)
+                put_measure(surface->sources[f], &measure, v, field_values(&surface->fields[f]));
+        }
+    }
+}
+
+pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count, pel_error *error)
+{
+    pel_status status = refresh(surface, sim, error);
+    if (status != PEL_OK)
+        return status;
+    read_positions(surface, sim);
+    const pel_mesh mesh = {.vertex_count = surface->vertex_count,
+                           .triangle_count = surface->triangle_count,
+                           .positions = (double(*)[3])surface->positions,
+                           .triangles = (int32_t(*)[3])surface->triangles};
+    return pel_mesh_self_intersections(&mesh, NULL, 0, count, error);
 }
 
 double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim)
@@ -363,6 +452,8 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
     for (int32_t f = 0; f < surface->field_count; f++)
         for (int32_t b = 0; b < surface->body_count; b++)
             read_field(surface, sim, f, b);
+    if (surface->topologies != NULL)
+        read_measures(surface);
     const pel_vtp vtp = {
         .vertex_count = surface->vertex_count,
         .triangle_count = surface->triangle_count,

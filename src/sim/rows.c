@@ -70,6 +70,11 @@ int32_t pel_sim_triangle_count(const pel_sim *sim, int32_t body)
     return pel_surface_count(sim->model, body);
 }
 
+bool pel_sim_refines(const pel_sim *sim, int32_t body)
+{
+    return sim->model->bodies[body].detail != NULL;
+}
+
 int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body)
 {
     return sim->refine != NULL ? sim->refine[body].revision : 0;

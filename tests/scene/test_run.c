@@ -343,7 +343,8 @@ static void test_files(void **unused)
                    "vertices,triangles,contacts,step_ms,probe_force,probe_force_x,probe_force_y,probe_force_z,"
                    "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,clamp_force,");
     check_contains(test.run, "summary.json", "{\n  \"status\": \"done\",\n  \"frames\": 10,\n  \"steps\": 60,\n");
-    check_contains(test.run, "summary.json", "\"self_intersections_final\": null");
+    check_contains(test.run, "summary.json", "\"self_intersections_final\": 0,");
+    assert_int_equal(test.summary.self_intersections_final, 0);
     check_contains(test.run, "summary.json", "{\"name\": \"probe\", \"max_force\": ");
     check_contains(test.run, "scene.yaml", "# state_hash: ");
 
@@ -451,8 +452,9 @@ static void test_refinement(void **unused)
 {
     (void)unused;
     const char *overrides[] = {"bodies.ball.refine.above=4", "bodies.ball.refine.levels=2",
-                               "bodies.ball.refine.dwell=5", "bodies.ball.refine.interval=3"};
-    pel_scene *scene = load_scene(busy, overrides, 4);
+                               "bodies.ball.refine.dwell=5", "bodies.ball.refine.interval=3",
+                               "output.fields.6=area",       "output.fields.7=stress"};
+    pel_scene *scene = load_scene(busy, overrides, 6);
     const pel_refine_def *refine = &scene->model.bodies[0].refine;
     assert_true(refine->levels == 2 && refine->above == 4 && refine->below == 2 && refine->dwell == 5 &&
                 refine->interval == 3 && refine->rings == 2 && !refine->everywhere);
