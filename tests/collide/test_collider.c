@@ -265,7 +265,7 @@ static void test_refusals(void **unused)
     def = pel_collider_def_default();
     assert_int_equal(pel_collider_create(&def, &collider, &error), PEL_BAD_ARGUMENT);
     def.mesh = &mesh;
-    def.margin = NAN;
+    def.margin = nan("");
     assert_int_equal(pel_collider_create(&def, &collider, &error), PEL_BAD_ARGUMENT);
     def.margin = -1;
     m.triangles[3][1] = m.triangles[3][0];
@@ -282,12 +282,12 @@ static void test_refusals(void **unused)
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "more than 10 pairs"));
     query = make_query(&m, 0);
-    query.tolerance = NAN;
+    query.tolerance = nan("");
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     query = make_query(&m, 0);
     query.end = NULL;
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
-    m.end[5][0] = INFINITY;
+    m.end[5][0] = HUGE_VAL;
     query = make_query(&m, 0);
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     assert_int_equal(error.element, 5);
