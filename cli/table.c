@@ -16,6 +16,13 @@
                "off; left out, the file's ending decides"                                                              \
     }
 
+#define EXPORT_OPTION                                                                                                  \
+    {                                                                                                                  \
+        .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_export_names,                              \
+        .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, off, " \
+               "glb or, of a run, pc2; left out, the file's ending decides"                                            \
+    }
+
 const cli_option cli_help_option = {.name = "help", .letter = 'h', .kind = CLI_FLAG, .doc = "print this page"};
 
 static const cli_command commands[] = {
@@ -102,6 +109,33 @@ static const cli_command commands[] = {
         .run = cli_info,
     },
     {
+        .name = "measure",
+        .summary = "measure area, volume, mean and Gaussian curvature of a mesh",
+        .text = "Prints the area, the volume, and of both curvatures the least, the mean by area and the greatest. The "
+                "mean curvature is that of the cotangent Laplacian over mixed areas, positive on a sphere; the "
+                "Gaussian curvature is the angle defect over the same areas, and its total is compared with 2 pi times "
+                "the Euler number, which it has to be. Numbers are in the units of the file.\n\n"
+                "Vertices on a boundary are left out, but for the total, where their turning counts.",
+        .slots = {{.name = "MESH", .kind = CLI_FILE}},
+        .options =
+            {{.name = "output",
+              .letter = 'o',
+              .kind = CLI_FILE,
+              .value = "OUT",
+              .doc = "write the mesh with the vertex fields area, normal, mean_curvature and gaussian_curvature: .vtp "
+                     "or .ply"},
+             {.name = "pressure",
+              .kind = CLI_LENGTH,
+              .value = "PASCAL",
+              .doc = "with -o: add what this outside pressure does, as in paper B's figure 2: the fields "
+                     "pressure_force, pressure_magnitude and pressure_direction, the cosine of its angle to +y"},
+             JSON_OPTION},
+        .examples = "pellicle measure liver.obj\n"
+                    "pellicle measure liver.obj --json | jq .mean_curvature_max\n"
+                    "pellicle measure head.ply --pressure 100 -o head.vtp",
+        .run = cli_measure,
+    },
+    {
         .name = "shape",
         .summary = "make a mesh: sphere, grid, cylinder, torus, capsule, lens capsule",
         .text = "Writes a generated mesh. Lengths are metres.",
@@ -126,15 +160,167 @@ static const cli_command commands[] = {
         .run = cli_shape,
     },
     {
+        .name = "subdivide",
+        .summary = "make a mesh finer and smooth (modified butterfly)",
+        .text = "Cuts each triangle into four, LEVELS times. Vertices stay where they are; those new on the edges are "
+                "placed by the modified butterfly scheme (Zorin, Schroeder, Sweldens 1996), so that the surface "
+                "becomes smooth. Vertex fields are interpolated alike.",
+        .slots = {{.name = "MESH", .kind = CLI_FILE}},
+        .options = {{.name = "levels",
+                     .letter = 'n',
+                     .kind = CLI_COUNT,
+                     .value = "LEVELS",
+                     .doc = "how often; each level has four times as many triangles"},
+                    {.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FILE,
+                     .value = "OUT",
+                     .doc = "the file to write: .obj, .ply, .stl or .off"},
+                    {.name = "no-clamp",
+                     .kind = CLI_FLAG,
+                     .doc =
+                         "let fields go beyond their least and greatest values; left out: a thickness stays positive"},
+                    FORMAT_OPTION,
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle subdivide liver.obj -n 1 -o liver-fine.ply",
+        .run = cli_subdivide,
+    },
+    {
         .name = "convert",
-        .summary = "turn one mesh format into another",
+        .summary = "turn one mesh format into another; export a run",
         .text = "Reads any mesh (OBJ, PLY, STL and OFF with own readers that keep the order of vertices and custom "
-                "fields; glTF, FBX, 3MF, COLLADA and others through assimp) and writes OBJ, PLY, STL or OFF. What was "
-                "changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.",
+                "fields; glTF, FBX, 3MF, COLLADA and others through assimp) and writes OBJ, PLY, STL, OFF or GLB. What "
+                "was changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.\n\n"
+                "When IN is the folder of a run, all its frames are written: to a .pc2 point cache (Blender, Maya), to "
+                "a .glb with one morph target for each frame and an animation, or to numbered mesh files: out.obj "
+                "gives out_00000.obj, out_00001.obj, ...",
         .slots = {{.name = "IN", .kind = CLI_FILE}, {.name = "OUT", .kind = CLI_FILE}},
-        .options = {FORMAT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
-        .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off",
+        .options = {EXPORT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"
+                    "pellicle convert results/sphere-press press.glb\n"
+                    "pellicle convert results/sphere-press frames/press.obj",
         .run = cli_convert,
+    },
+    {
+        .name = "render",
+        .summary = "draw pictures and films of runs and meshes",
+        .text =
+            "Draws the frames of one or more runs (folders that 'pellicle run' wrote, .pvd or .vtp files) or a mesh, "
+            "without a display. Colors show a vertex field. The camera is placed so that everything is seen in all "
+            "frames, and colors have one range for all of them, so that nothing flickers. Tools are drawn where they "
+            "are. Several runs stand side by side under the same camera and colors.\n\n"
+            "OUT decides what is made: FILE.png is one picture (of the last frame, or a contact sheet when --frames "
+            "or several RUNs give more), FILE.mp4 a film (needs ffmpeg), anything else a folder with a picture of each "
+            "frame.",
+        .slots = {{.name = "RUN", .kind = CLI_FILE, .repeated = true}},
+        .options = {{.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FILE,
+                     .value = "OUT",
+                     .doc = "a folder, FILE.png or FILE.mp4; left out: the folder pictures in the run, or a .png named "
+                            "after the mesh"},
+                    {.name = "field",
+                     .kind = CLI_TEXT,
+                     .value = "NAME",
+                     .doc = "color by this vertex field; left out: displacement where there is one. none: plain"},
+                    {.name = "component",
+                     .kind = CLI_TEXT,
+                     .value = "C",
+                     .doc = "show x, y, z or a number from 0 of a vector field; left out: its magnitude"},
+                    {.name = "colors",
+                     .kind = CLI_WORD,
+                     .value = "MAP",
+                     .words = cli_color_map_names,
+                     .doc = "viridis, cividis or cool-warm; left out: viridis, or cool-warm for values of both signs"},
+                    {.name = "range",
+                     .kind = CLI_TEXT,
+                     .value = "LOW:HIGH",
+                     .doc = "range of the colors; left out: what all frames drawn need"},
+                    {.name = "unit",
+                     .kind = CLI_TEXT,
+                     .value = "TEXT",
+                     .doc = "unit of the field; left out: the SI unit of known quantities"},
+                    {.name = "frames",
+                     .kind = CLI_TEXT,
+                     .value = "A:B:STEP",
+                     .doc = "draw these frames: 50, 0:100, 0:100:10, or several as 0,50,-1; -1 is the last"},
+                    {.name = "view",
+                     .kind = CLI_TEXT,
+                     .value = "VIEW",
+                     .doc = "iso, front, back, left, right, top or bottom, or AZIMUTH,ELEVATION[,ZOOM] in degrees: "
+                            "around the body from the front, and above its horizon"},
+                    {.name = "up",
+                     .kind = CLI_WORD,
+                     .value = "AXIS",
+                     .words = cli_axis_names,
+                     .doc = "axis that points up: x, y or z; left out: z"},
+                    {.name = "size", .kind = CLI_TEXT, .value = "WxH", .doc = "pixels of the whole picture"},
+                    {.name = "sheet",
+                     .kind = CLI_TEXT,
+                     .value = "COLSxROWS",
+                     .doc = "lay pictures out in columns and rows; left out: a row for each run"},
+                    {.name = "arrows",
+                     .kind = CLI_TEXT,
+                     .value = "FIELD",
+                     .doc = "draw this vector field as arrows, such as force; those into the surface end on it"},
+                    {.name = "edges", .kind = CLI_FLAG, .doc = "draw the edges of the triangles"},
+                    {.name = "flat", .kind = CLI_FLAG, .doc = "shade each triangle evenly"},
+                    {.name = "background",
+                     .kind = CLI_WORD,
+                     .value = "COLOR",
+                     .words = cli_background_names,
+                     .doc = "white, dark or transparent; left out: white"},
+                    {.name = "title", .kind = CLI_TEXT, .value = "TEXT", .doc = "write this above the picture"},
+                    {.name = "label",
+                     .kind = CLI_TEXT,
+                     .repeated = true,
+                     .value = "TEXT",
+                     .doc = "call a run this, in the order of the runs; left out: names of the folders"},
+                    {.name = "no-labels", .kind = CLI_FLAG, .doc = "leave times and names out"},
+                    {.name = "no-bar", .kind = CLI_FLAG, .doc = "leave the color bar out"},
+                    {.name = "no-tools", .kind = CLI_FLAG, .doc = "leave tools out"},
+                    {.name = "fps",
+                     .kind = CLI_LENGTH,
+                     .value = "N",
+                     .doc = "pictures per second of a film; left out: real time, between 10 and 60"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
+                    JSON_OPTION},
+        .examples = "pellicle render results/sphere-press -o press.png --edges --frames 50\n"
+                    "pellicle render results/sphere-press -o press.mp4\n"
+                    "pellicle render results/soft results/stiff -o both.png --frames 0,25,50 --field force\n"
+                    "pellicle render liver.obj -o liver.png --view 20,10 --up y",
+        .run = cli_render,
+    },
+    {
+        .name = "report",
+        .summary = "make one HTML page of one or several runs",
+        .text =
+            "Writes one file that any browser opens, without a network: the body to turn in the hand, play, scrub and "
+            "colour by any field, a vertex to pick and read, plots linked to the frame, and the scene. Several runs "
+            "stand side by side under the same camera. Numbers are rounded to 1/65535 of their range; a run "
+            "that is too long is thinned, and the page says how.",
+        .slots = {{.name = "DIR", .kind = CLI_FOLDER, .repeated = true}},
+        .options =
+            {{.name = "output",
+              .letter = 'o',
+              .kind = CLI_FILE,
+              .value = "FILE",
+              .doc = "the page to write; left out: report.html in the first folder"},
+             {.name = "field",
+              .kind = CLI_TEXT,
+              .repeated = true,
+              .value = "NAME",
+              .doc = "take only this field along, the first is shown first; left out: all of the run"},
+             {.name = "limit", .kind = CLI_COUNT, .value = "MB", .doc = "thin what is larger than this; left out: 25"},
+             {.name = "page",
+              .kind = CLI_FILE,
+              .value = "FILE",
+              .doc = "the empty page that is filled; left out: the one that 'make web' built"},
+             {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle report results/sphere-press\n"
+                    "pellicle report results/sphere-press results/sphere-press-hollow -o compare.html\n"
+                    "pellicle report results/sphere-press --field force --limit 5",
+        .run = cli_report_page,
     },
     {
         .name = "bench",

@@ -1,5 +1,5 @@
 # cmake --install: library, headers, program, scenes, CMake package and pkg-config files.
-# The scene library has an export of its own, so that the core is usable where libfyaml and assimp are not installed.
+# The scene and view libraries have exports of their own, so that the core is usable where what they need is not installed.
 include(CMakePackageConfigHelpers)
 set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
 
@@ -9,6 +9,9 @@ install(EXPORT pellicleTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
 install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL FILES_MATCHING PATTERN *.yaml)
+
+# the page that `pellicle report` fills; made by `make web`, which this does not wait for
+install(FILES ${PROJECT_SOURCE_DIR}/build/web/report.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL)
 
 # CMake package
 configure_package_config_file(cmake/pellicle-config.cmake.in pellicle-config.cmake INSTALL_DESTINATION ${PACKAGE_DIR})
@@ -32,6 +35,25 @@ if(TARGET pellicle_scene)
     configure_file(cmake/pellicle-scene.pc.in pellicle-scene.pc @ONLY)
     install(FILES ${PROJECT_BINARY_DIR}/pellicle-scene.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endif()
+if(TARGET pellicle_view)
+    set_target_properties(pellicle_view PROPERTIES EXPORT_NAME view)
+    install(TARGETS pellicle_view EXPORT pellicleViewTargets)
+    install(EXPORT pellicleViewTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
+    configure_file(cmake/pellicle-view.pc.in pellicle-view.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/pellicle-view.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
 if(TARGET pellicle_program)
     install(TARGETS pellicle_program)
+endif()
+
+# what the program prints about itself: completion for bash, schema for editors
+if(TARGET pellicle_program AND NOT CMAKE_CROSSCOMPILING)
+    set(PRINTED ${PROJECT_BINARY_DIR}/printed)
+    install(CODE "file(MAKE_DIRECTORY \"${PRINTED}\")
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" completion bash OUTPUT_FILE \"${PRINTED}/pellicle\"
+                        COMMAND_ERROR_IS_FATAL ANY)
+        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" schema OUTPUT_FILE \"${PRINTED}/scene.schema.json\"
+                        COMMAND_ERROR_IS_FATAL ANY)")
+    install(FILES ${PRINTED}/pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle)
 endif()

@@ -5,11 +5,13 @@ enable_language(CXX)
 add_test(NAME house/layers COMMAND ${PYTHON3} ${HOUSE}/layers.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/layers_self_test COMMAND ${PYTHON3} ${HOUSE}/layers.py --self-test ${PROJECT_SOURCE_DIR})
 add_test(NAME house/text COMMAND ${PYTHON3} ${HOUSE}/text.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house/allocations COMMAND ${PYTHON3} ${HOUSE}/allocations.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/flags COMMAND ${PYTHON3} ${HOUSE}/flags.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
 
 # clang-format 14 is pinned: other versions format differently
 find_program(CLANG_FORMAT clang-format-14 REQUIRED)
 file(GLOB_RECURSE FORMATTED CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.[ch] ${PROJECT_SOURCE_DIR}/cli/*.[ch]
+     ${PROJECT_SOURCE_DIR}/view/*.[ch]
      ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/tests/*.[ch] ${PROJECT_SOURCE_DIR}/tests/*.cpp
      ${PROJECT_SOURCE_DIR}/bench/*.[ch] ${PROJECT_SOURCE_DIR}/examples/*.[ch])
 add_test(NAME house/format COMMAND ${CLANG_FORMAT} --dry-run -Werror ${FORMATTED})
@@ -28,4 +30,12 @@ endforeach()
 if(NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
     add_test(NAME house/install COMMAND bash ${HOUSE}/install.sh ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}
                                         ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
+endif()
+
+# docs/reference is what the program says (make docs writes it)
+if(TARGET pellicle_program)
+    add_test(NAME house/reference COMMAND bash -c "\
+        '$<TARGET_FILE:pellicle_program>' reference | diff '${PROJECT_SOURCE_DIR}/docs/reference/scene.md' - && \
+        '$<TARGET_FILE:pellicle_program>' schema | diff '${PROJECT_SOURCE_DIR}/docs/reference/scene.schema.json' - || \
+        { echo 'docs/reference is not current: run make docs'; exit 1; }")
 endif()

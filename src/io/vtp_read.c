@@ -331,6 +331,7 @@ static pel_status take_mesh(vtp_reader *reader, pel_mesh **mesh)
         if (reader->error != NULL)
             reader->error->status = status;
         pel_fail_place(reader->error, reader->path, 0, 0);
+        pel_fail_remedy(reader->error, "write the file again from a mesh without such values");
     }
     pel_free(triangles);
     pel_free(positions);
@@ -367,17 +368,13 @@ static pel_status take_time(vtp_reader *reader, double *time)
     return status;
 }
 
-pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error)
+pel_status pel_vtp_parse(const char *name, const void *bytes, size_t size, pel_mesh **mesh, double *time,
+                         pel_error *error)
 {
-    char *bytes;
-    size_t size;
     double unused;
+    vtp_reader reader = {.path = name, .error = error, .start = bytes, .end = (const char *)bytes + size};
     *mesh = NULL;
-    pel_status status = pel_file_read(path, &bytes, &size, error);
-    if (status != PEL_OK)
-        return status;
-    vtp_reader reader = {.path = path, .error = error, .start = bytes, .end = bytes + size};
-    status = read_head(&reader);
+    pel_status status = read_head(&reader);
     if (status == PEL_OK)
         status = take_mesh(&reader, mesh);
     if (status == PEL_OK)
@@ -389,6 +386,17 @@ pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_err
         *mesh = NULL;
     }
     pel_free(reader.arrays);
+    return status;
+}
+
+pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error)
+{
+    char *bytes;
+    size_t size;
+    *mesh = NULL;
+    pel_status status = pel_file_read(path, &bytes, &size, error);
+    if (status == PEL_OK)
+        status = pel_vtp_parse(path, bytes, size, mesh, time, error);
     pel_free(bytes);
     return status;
 }

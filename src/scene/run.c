@@ -185,6 +185,15 @@ static bool list_is_due(const pel_run_state *run)
     return unlisted > LIST_GROWTH * (double)run->listed_count || pel_run_clock() - run->listed_at > LIST_SECONDS;
 }
 
+/* about the bytes of checkpoint, final.ply, frames.pvd and summary.json */
+static size_t last_files_size(const pel_run_state *run)
+{
+    const size_t list_entry = 100, others = 1 << 16;
+    size_t mesh = 48 * (size_t)run->surface.vertex_count + 16 * (size_t)run->surface.triangle_count;
+    int64_t listed = run->plan.frame_end < 100000 ? run->plan.frame_end : 100000;
+    return run->checkpoint_size + mesh + list_entry * (size_t)listed + others;
+}
+
 static pel_status open_folder(pel_run_state *run, pel_error *error)
 {
     const char *folder = run->def->folder;
@@ -204,6 +213,8 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
         status = write_scene(run, false, error);
     if (status == PEL_OK && !resume)
         status = pel_run_series_create(&run->series, run->series_path, run->sim, error);
+    if (status == PEL_OK)
+        pel_run_folder_reserve(folder, last_files_size(run));
     return status;
 }
 
@@ -279,6 +290,22 @@ static bool is_settled(pel_run_state *run)
            pel_run_surface_speed(&run->surface, run->sim) <= speed;
 }
 
+/* the frame and the checkpoint that the present step has to give; a frame may be due still when a run is resumed */
+static pel_status write_due(pel_run_state *run, pel_error *error)
+{
+    const pel_run_plan *plan = &run->plan;
+    int64_t step = pel_sim_step_count(run->sim), frame = run->totals.frame_count;
+    pel_status status = PEL_OK;
+    if (frame <= plan->frame_total && step == pel_run_plan_step(plan, frame)) {
+        status = write_frame(run, error);
+        run->settled = status == PEL_OK && is_settled(run);
+    }
+    if (status == PEL_OK && !run->settled && plan->checkpoint_steps > 0 && step > 0 &&
+        step % plan->checkpoint_steps == 0)
+        status = pel_run_checkpoint_write(run, true, error);
+    return status;
+}
+
 /* one step and what belongs to it */
 static pel_status advance(pel_run_state *run, pel_error *error)
 {
@@ -290,22 +317,13 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
-    int64_t step = pel_sim_step_count(run->sim);
-    if (step == pel_run_plan_step(&run->plan, run->totals.frame_count)) {
-        status = write_frame(run, error);
-        run->settled = status == PEL_OK && is_settled(run);
-    }
-    if (status == PEL_OK && !run->settled && run->plan.checkpoint_steps > 0 && step % run->plan.checkpoint_steps == 0)
-        status = pel_run_checkpoint_write(run, true, error);
-    return status;
+    return write_due(run, error);
 }
 
 static pel_status simulate(pel_run_state *run, pel_error *error)
 {
-    pel_status status = PEL_OK;
     int64_t end = pel_run_plan_step(&run->plan, run->plan.frame_end);
-    if (run->totals.frame_count == 0)
-        status = write_frame(run, error);
+    pel_status status = write_due(run, error);
     bool wanted = report(run);
     while (status == PEL_OK && wanted && !run->settled && pel_sim_step_count(run->sim) < end) {
         status = advance(run, error);
@@ -360,6 +378,7 @@ static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *er
 /* error holds what ended the run when status is a failure; a later failure does not replace an earlier one */
 static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary *summary, pel_error *error)
 {
+    pel_run_folder_release(run->def->folder);
     pel_sim_measure(run->sim, &run->measures);
     pel_status later = write_results(run, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;

@@ -4,6 +4,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -138,4 +139,26 @@ pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool re
     if (status == PEL_OK)
         status = clear_folder(pel_run_path(path, folder, "frames"), true, first_frame, resume, removed, error);
     return status;
+}
+
+/* a name that pel_run_folder_clear takes for a left-over */
+static const char reserve_name[] = ".pellicle-reserve.tmp";
+
+bool pel_run_folder_reserve(const char *folder, size_t size)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    int descriptor = open(pel_run_path(path, folder, reserve_name), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+        return false;
+    bool reserved = posix_fallocate(descriptor, 0, (off_t)size) == 0;
+    close(descriptor);
+    if (!reserved)
+        unlink(path);
+    return reserved;
+}
+
+void pel_run_folder_release(const char *folder)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    unlink(pel_run_path(path, folder, reserve_name));
 }

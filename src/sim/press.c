@@ -2,8 +2,8 @@
    deepest point p = sum b_i x_i by x_i += w_i b_i / (sum w b^2) depth n, triangle after triangle until none is deeper
    than the tolerance. Vertices come first, which settles most of it.
 
-   A quasi-static step may spring back farther than a small tool is thick; so each triangle that touched the tool stays,
-   for one step, on the side of the plane where it touched. */
+   A quasi-static step may spring back farther than a small tool is thick, and the triangle would come out on the other
+   side. So the half space of each contact is kept for one step: what has gone deep behind it is brought back. */
 #include "sim/tool.h"
 
 /* sweeps over the near triangles at most */
@@ -25,8 +25,24 @@ static void world_half_box(const pel_tool *tool, double half[3])
     }
 }
 
+/* Shell's sort, in place */
+static void sort_triangles(int32_t *triangles, int32_t count)
+{
+    int32_t gap = 1;
+    while (gap < count / 3)
+        gap = 3 * gap + 1;
+    for (; gap > 0; gap /= 3)
+        for (int32_t i = gap; i < count; i++) {
+            int32_t t = triangles[i], j = i;
+            for (; j >= gap && triangles[j - gap] > t; j -= gap)
+                triangles[j] = triangles[j - gap];
+            triangles[j] = t;
+        }
+}
+
 /* lists the triangles with a vertex within `reach` of the tool's box; a triangle that overlaps the tool has all its
-   vertices within its longest edge of it */
+   vertices within its longest edge of it. In rising order: the sweeps depend on the order, which must not change when a
+   triangle that does not touch comes near or goes */
 static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double reach)
 {
     const pel_model *model = sim->model;
@@ -52,6 +68,7 @@ static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel
     }
     for (int32_t i = 0; i < count; i++)
         sim->triangle_marks[sim->near_triangles[i]] = 0;
+    sort_triangles(sim->near_triangles, count);
     return count;
 }
 
@@ -114,17 +131,16 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
     return true;
 }
 
-static bool press_vertex(pel_sim *sim, pel_tool *tool, int32_t v, double tolerance)
+/* point of a triangle in the tool's frame */
+static void local_point(const pel_sim *sim, const pel_tool *tool, int32_t t, const double weights[3], double point[3])
 {
-    double x[3], local[3], normal[3];
-    pel_vertex_position(sim->state->position_next, v, x);
-    pel_pose_to_local(&tool->pose, x, local);
-    double depth = -pel_solid_distance(&tool->solid, local, normal);
-    if (depth <= tolerance)
-        return false;
-    pel_rotate(tool->pose.rotation, normal, normal);
-    const double whole = 1;
-    return push_point(sim, tool, &(surface_point){&v, &whole, 1}, depth, normal);
+    double x[3];
+    pel_vec3_set(point, 0, 0, 0);
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], x);
+        pel_vec3_along(point, weights[c], x, point);
+    }
+    pel_pose_to_local(&tool->pose, point, point);
 }
 
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_record *positions, int32_t t,
@@ -138,89 +154,100 @@ double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const p
     return pel_solid_depth(&tool->solid, corner[0], corner[1], corner[2], weights, normal);
 }
 
-/* point of a triangle in the tool's frame */
-static void local_point(const pel_sim *sim, const pel_tool *tool, int32_t t, const double weights[3], double point[3])
+/* keeps the half space in which a triangle has to stay; the latest one of a triangle counts */
+static void remember_plane(const pel_sim *sim, pel_tool *tool, const pel_plane *plane)
 {
-    double x[3];
-    pel_vec3_set(point, 0, 0, 0);
-    for (int c = 0; c < 3; c++) {
-        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], x);
-        pel_vec3_along(point, weights[c], x, point);
-    }
-    pel_pose_to_local(&tool->pose, point, point);
-}
-
-/* the plane through the tool's surface where the triangle will touch it; the latest one of a triangle counts */
-static void remember_plane(const pel_sim *sim, pel_tool *tool, int32_t t, const double weights[3],
-                           const double normal[3], double depth)
-{
-    int32_t place = sim->plane_of_triangle[t] - 1;
+    int32_t place = sim->plane_of_triangle[plane->triangle] - 1;
     if (place < 0) {
         if (tool->plane_count == PEL_PLANE_LIMIT)
             return;
         place = tool->plane_count++;
-        sim->plane_of_triangle[t] = place + 1;
+        sim->plane_of_triangle[plane->triangle] = place + 1;
     }
-    pel_plane *plane = &tool->planes[place];
-    double point[3];
-    local_point(sim, tool, t, weights, point);
-    plane->triangle = t;
-    plane->offset = pel_vec3_dot(normal, point) + depth;
-    pel_vec3_copy(weights, plane->weights);
-    pel_vec3_copy(normal, plane->normal);
+    tool->planes[place] = *plane;
 }
 
-/* holds last step's touching triangles on their side; a plane that had to act is kept, turned to where the tool's
-   surface is nearest now */
-static bool press_planes(pel_sim *sim, pel_tool *tool)
+/* pushes a point of a triangle that is `depth` in the tool out along the normal, given in the tool's frame */
+static bool push_triangle(pel_sim *sim, pel_tool *tool, int32_t t, const double weights[3], double depth,
+                          const double normal[3])
 {
-    int32_t kept = 0;
-    for (int32_t p = 0; p < tool->plane_count; p++) {
-        pel_plane *plane = &tool->planes[p];
-        int32_t t = (int32_t)plane->triangle;
-        double point[3], normal[3];
-        local_point(sim, tool, t, plane->weights, point);
-        double depth = plane->offset - pel_vec3_dot(plane->normal, point);
-        if (depth <= 0)
-            continue;
-        pel_rotate(tool->pose.rotation, plane->normal, normal);
-        push_point(sim, tool, &(surface_point){sim->model->triangles[t], plane->weights, 3}, depth, normal);
-        local_point(sim, tool, t, plane->weights, point);
-        double distance = pel_solid_distance(&tool->solid, point, plane->normal);
-        plane->offset = pel_vec3_dot(plane->normal, point) - distance;
-        tool->planes[kept] = *plane;
-        sim->plane_of_triangle[t] = ++kept;
-    }
-    tool->plane_count = kept;
-    return kept > 0;
+    double point[3], way[3];
+    local_point(sim, tool, t, weights, point);
+    pel_plane plane = {.triangle = t, .offset = pel_vec3_dot(normal, point) + depth};
+    pel_vec3_copy(weights, plane.weights);
+    pel_vec3_copy(normal, plane.normal);
+    remember_plane(sim, tool, &plane);
+    pel_rotate(tool->pose.rotation, normal, way);
+    return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights, 3}, depth, way);
+}
+
+static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, double tolerance)
+{
+    double x[3], local[3], normal[3];
+    pel_vertex_position(sim->state->position_next, sim->model->triangles[t][corner], x);
+    pel_pose_to_local(&tool->pose, x, local);
+    double depth = -pel_solid_distance(&tool->solid, local, normal);
+    if (depth <= tolerance)
+        return false;
+    const double weights[3] = {corner == 0, corner == 1, corner == 2};
+    return push_triangle(sim, tool, t, weights, depth, normal);
 }
 
 static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
 {
     double weights[3], normal[3];
     double depth = pel_tool_triangle_depth(sim, tool, sim->state->position_next, t, weights, normal);
-    if (depth <= tolerance)
-        return false;
-    remember_plane(sim, tool, t, weights, normal, depth);
-    pel_rotate(tool->pose.rotation, normal, normal);
-    return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights, 3}, depth, normal);
+    return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
 }
 
-bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
+/* corners first, then whole triangles until none is deep */
+static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
 {
-    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, 1.25 * longest);
     double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
-    bool moved = press_planes(sim, tool);
+    bool moved = false, again = true;
     for (int32_t i = 0; i < near_count; i++)
         for (int c = 0; c < 3; c++)
-            moved |= press_vertex(sim, tool, sim->model->triangles[sim->near_triangles[i]][c], tolerance);
-    bool again = true;
+            moved |= press_corner(sim, tool, sim->near_triangles[i], c, tolerance);
     for (int sweep = 0; again && sweep < SWEEP_LIMIT; sweep++) {
         again = false;
         for (int32_t i = 0; i < near_count; i++)
             again |= press_triangle(sim, tool, sim->near_triangles[i], tolerance);
         moved |= again;
     }
+    return moved;
+}
+
+/* brings back what has gone through the tool since the last step: a point that lies behind its plane by more than half
+   the thickness of the tool was pushed out on the wrong side */
+static bool bring_back(pel_sim *sim, pel_tool *tool)
+{
+    double half[3];
+    pel_solid_half_box(&tool->solid, half);
+    double limit = 0.5 * fmin(half[0], fmin(half[1], half[2]));
+    bool moved = false;
+    for (int32_t p = 0; p < tool->plane_before_count; p++) {
+        const pel_plane *plane = &tool->planes_before[p];
+        double point[3], way[3];
+        local_point(sim, tool, (int32_t)plane->triangle, plane->weights, point);
+        double depth = plane->offset - pel_vec3_dot(plane->normal, point);
+        if (depth <= limit)
+            continue;
+        pel_rotate(tool->pose.rotation, plane->normal, way);
+        remember_plane(sim, tool, plane);
+        moved |= push_point(sim, tool, &(surface_point){sim->model->triangles[plane->triangle], plane->weights, 3},
+                            depth, way);
+    }
+    return moved;
+}
+
+bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
+{
+    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, 1.25 * longest);
+    for (int32_t p = 0; p < tool->plane_count; p++)
+        sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
+    bool moved = press_out(sim, tool, near_count);
+    if (bring_back(sim, tool))
+        moved |= press_out(sim, tool, near_count);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = 0;
     return moved;

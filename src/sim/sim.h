@@ -64,8 +64,9 @@ typedef struct pel_tool {
     double force[3], torque[3];
     int32_t contact_count;
 
-    pel_plane *planes; /* (plane_count) of the last step; up to PEL_PLANE_LIMIT */
-    int32_t plane_count;
+    /* contacts of this step and of the one before, up to PEL_PLANE_LIMIT each */
+    pel_plane *planes, *planes_before;
+    int32_t plane_count, plane_before_count;
     pel_touch *touches; /* (touch_count) of this step */
     int32_t touch_count;
     int32_t *touch_of_vertex; /* (vertex_count) its touch plus 1, 0 = none */

@@ -97,14 +97,15 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->reach = def->reach;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
+    tool->planes_before = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes_before);
     tool->touches = pel_allocate(vertex_count, sizeof *tool->touches);
     tool->touch_of_vertex = pel_allocate(vertex_count, sizeof *tool->touch_of_vertex);
     if (def->grasp) {
         tool->held = pel_allocate(vertex_count, sizeof *tool->held);
         tool->anchors = pel_allocate(vertex_count, sizeof *tool->anchors);
     }
-    if (tool->keys == NULL || tool->planes == NULL || tool->touches == NULL || tool->touch_of_vertex == NULL ||
-        (def->grasp && (tool->held == NULL || tool->anchors == NULL)))
+    if (tool->keys == NULL || tool->planes == NULL || tool->planes_before == NULL || tool->touches == NULL ||
+        tool->touch_of_vertex == NULL || (def->grasp && (tool->held == NULL || tool->anchors == NULL)))
         return pel_fail_memory(error);
     memcpy(tool->keys, def->keys, (size_t)def->key_count * sizeof *tool->keys);
     tool->key_count = def->key_count;
@@ -144,7 +145,8 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys, tool->planes, tool->touches, tool->touch_of_vertex, tool->held, tool->anchors};
+        void *arrays[] = {tool->keys, tool->planes, tool->planes_before, tool->touches, tool->touch_of_vertex,
+                          tool->held, tool->anchors};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
     }
@@ -274,6 +276,11 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     tool->touch_count = 0;
     pel_vec3_set(tool->force, 0, 0, 0);
     pel_vec3_set(tool->torque, 0, 0, 0);
+    pel_plane *oldest = tool->planes_before;
+    tool->planes_before = tool->planes;
+    tool->plane_before_count = tool->plane_count;
+    tool->planes = oldest;
+    tool->plane_count = 0;
     tool->pose_before = tool->pose;
     tool->pose = pel_tool_pose_at(tool, time);
     update_grasp(sim, tool, time);

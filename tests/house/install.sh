@@ -48,4 +48,10 @@ if [ -f "$PKG_CONFIG_PATH/pellicle-scene.pc" ]; then
     "$CXX" "$source/tests/house/outside/scene.cpp" $(pkg-config --cflags --libs pellicle-scene) -o "$place/scene-cxx"
     "$place/scene-cxx"
 fi
-[ ! -x "$place/prefix/bin/pellicle" ] || "$place/prefix/bin/pellicle" --version
+if [ -x "$place/prefix/bin/pellicle" ]; then
+    "$place/prefix/bin/pellicle" --version
+    for scene in "$place"/prefix/share/pellicle/scenes/*.yaml; do
+        quietly "$place/prefix/bin/pellicle" check "$scene"
+    done
+    bash -n "$place/prefix/share/bash-completion/completions/pellicle"
+fi

@@ -1,5 +1,6 @@
 #include "check.h"
 
+#include "../fuzz/fuzz_vtp.h"
 #include "base/memory.h"
 #include "failing_malloc.h"
 #include "io/blocks.h"
@@ -8,6 +9,7 @@
 #include "pellicle/shape.h"
 #include "random.h"
 
+#include <dirent.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -124,6 +126,39 @@ static void test_cut_off(void **unused)
     unlink(PATH);
 }
 
+/* every file of the fuzz target's corpus, whole and cut off */
+static void test_corpus(void **unused)
+{
+    (void)unused;
+    const char *folder = PEL_SOURCE_DIR "/tests/fuzz/corpus/vtp";
+    DIR *stream = opendir(folder);
+    int count = 0;
+    assert_non_null(stream);
+    for (struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
+        char path[1000], *bytes;
+        size_t size;
+        if (entry->d_name[0] == '.')
+            continue;
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
+        pel_mesh *mesh;
+        bool sound = strstr(path, "/raw_") != NULL || strstr(path, "/zlib_") != NULL || strstr(path, "/other_") != NULL;
+        assert_int_equal(pel_vtp_read(path, &mesh, NULL, NULL), sound ? PEL_OK : PEL_BAD_FORMAT);
+        pel_mesh_destroy(mesh);
+        for (size_t length = 0; length <= size; length++) {
+            /* a block of just this size shows every read beyond its end */
+            uint8_t *cut = pel_allocate(length, 1);
+            memcpy(cut, bytes, length);
+            fuzz_parse_vtp(cut, length);
+            pel_free(cut);
+        }
+        pel_free(bytes);
+        count++;
+    }
+    closedir(stream);
+    assert_true(count >= 8);
+}
+
 /* changed bytes give an error or a mesh, never a crash */
 static void test_damaged(void **unused)
 {
@@ -173,6 +208,35 @@ static void test_lying_head(void **unused)
     unlink(PATH);
 }
 
+/* arrays that claim the same bytes could ask for far more memory than the file has */
+static void test_shared_bytes(void **unused)
+{
+    (void)unused;
+    sample_data sample;
+    make_sample(&sample, 1);
+    char *bytes;
+    size_t size;
+    pel_mesh *mesh;
+    pel_error error;
+    assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+    assert_int_equal(pel_file_read(PATH, &bytes, &size, NULL), PEL_OK);
+    const char *place = strstr(bytes, "</PointData>");
+    for (int copies = 0; copies < 20; copies += 19) {
+        FILE *stream = fopen(PATH, "wb");
+        assert_non_null(stream);
+        fwrite(bytes, 1, (size_t)(place - bytes), stream);
+        for (int i = 0; i < copies; i++)
+            fprintf(stream, "<DataArray type=\"Float32\" Name=\"copy %d\" format=\"appended\" offset=\"16\"/>\n", i);
+        fwrite(place, 1, size - (size_t)(place - bytes), stream);
+        fclose(stream);
+        assert_int_equal(pel_vtp_read(PATH, &mesh, NULL, &error), copies > 0 ? PEL_BAD_FORMAT : PEL_OK);
+        pel_mesh_destroy(mesh);
+    }
+    pel_free(bytes);
+    free_sample(&sample);
+    unlink(PATH);
+}
+
 static void test_refuses(void **unused)
 {
     (void)unused;
@@ -201,6 +265,21 @@ static pel_status write_and_read(const void *data, pel_error *error)
     return status;
 }
 
+typedef struct file_bytes {
+    char *bytes;
+    size_t size;
+} file_bytes;
+
+static pel_status parse(const void *data, pel_error *error)
+{
+    const file_bytes *file = data;
+    pel_mesh *mesh;
+    pel_status status = pel_vtp_parse("a.vtp", file->bytes, file->size, &mesh, NULL, error);
+    assert_true((mesh == NULL) == (status != PEL_OK));
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
 static void test_allocation_failures(void **unused)
 {
     (void)unused;
@@ -209,6 +288,10 @@ static void test_allocation_failures(void **unused)
         make_sample(&sample, 1);
         sample.vtp.compress = compress != 0;
         assert_true(for_every_allocation_failure(write_and_read, &sample.vtp) > 10);
+        file_bytes file;
+        assert_int_equal(pel_file_read(PATH, &file.bytes, &file.size, NULL), PEL_OK);
+        assert_true(for_every_allocation_failure(parse, &file) > 5);
+        pel_free(file.bytes);
         free_sample(&sample);
     }
     unlink(PATH);
@@ -273,8 +356,10 @@ static void test_blocks(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_cut_off), cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_refuses), cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_cut_off),
+        cmocka_unit_test(test_corpus),       cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_shared_bytes),
+        cmocka_unit_test(test_refuses),      cmocka_unit_test(test_allocation_failures),
         cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

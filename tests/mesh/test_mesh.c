@@ -1,4 +1,5 @@
 #include "check.h"
+#include "failing_malloc.h"
 
 #include "pellicle/mesh.h"
 
@@ -111,6 +112,39 @@ static void test_transform_refuses(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+static pel_status make_mesh(const void *unused, pel_error *error)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    pel_status status = pel_mesh_create(square, 4, halves, 2, &mesh, error);
+    if (status != PEL_OK)
+        assert_null(mesh);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+static pel_status add_fields(const void *unused, pel_error *error)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    pel_status status = pel_mesh_create(square, 4, halves, 2, &mesh, error);
+    if (status == PEL_OK)
+        status = pel_mesh_add_field(mesh, "weight", 1, NULL, error);
+    if (status == PEL_OK)
+        status = pel_mesh_add_field(mesh, "direction", 3, square, error);
+    if (status == PEL_OK)
+        status = pel_mesh_add_field(mesh, "weight", 1, square, error);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    assert_int_equal(for_every_allocation_failure(make_mesh, NULL), 3);
+    assert_int_equal(for_every_allocation_failure(add_fields, NULL), 8);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -120,6 +154,7 @@ int main(void)
         cmocka_unit_test(test_transform),
         cmocka_unit_test(test_mirror_turns_triangles),
         cmocka_unit_test(test_transform_refuses),
+        cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -126,7 +126,7 @@ static void test_refusals(void **unused)
     body.spring_stiffness.value = -1;
     refuse(body, "spring stiffness", PEL_BAD_ARGUMENT);
     body = good;
-    body.volumetric_damping.value = NAN;
+    body.volumetric_damping.value = nan("");
     refuse(body, "volumetric damping", PEL_BAD_ARGUMENT);
     const int32_t pinned = 42;
     body = good;

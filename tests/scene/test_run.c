@@ -122,12 +122,29 @@ typedef struct run_case {
     const char *resume; /* checkpoint in it, nullable */
     int64_t stop_at;    /* step, 0 = no */
     int64_t kill_at;    /* step, 0 = no */
+    int64_t fill_at;    /* step from which on files can have file_size bytes only, 0 = no */
+    rlim_t file_size;
     int64_t max_frames;
     int32_t threads;
     pel_run_summary summary;
     pel_error error;
     int64_t calls;
 } run_case;
+
+static void limit_files(rlim_t size)
+{
+    struct rlimit limit;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit.rlim_cur = size;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+}
+
+static void unlimit_files(void)
+{
+    struct rlimit limit;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit_files(limit.rlim_max);
+}
 
 static bool watch(void *user, const pel_run_progress *progress)
 {
@@ -136,6 +153,8 @@ static bool watch(void *user, const pel_run_progress *progress)
     assert_true(progress->step <= progress->step_total && progress->frame <= progress->frame_total);
     if (test->kill_at > 0 && progress->step >= test->kill_at)
         raise(SIGKILL);
+    if (test->fill_at > 0 && progress->step == test->fill_at)
+        limit_files(test->file_size);
     return test->stop_at == 0 || progress->step < test->stop_at;
 }
 
@@ -282,6 +301,22 @@ static void check_same_results(const char *a, const char *b, int64_t frames)
     }
 }
 
+/* the largest number in a column of the series, from 0 */
+static double largest_in_series(const char *run, int column)
+{
+    char *bytes;
+    double largest = 0;
+    read_text(run, "series.csv", &bytes, NULL);
+    for (char *line = strchr(bytes, '\n') + 1; *line != '\0'; line = strchr(line, '\n') + 1) {
+        char *at = line;
+        for (int i = 0; i < column; i++)
+            at = strchr(at, ',') + 1;
+        largest = fmax(largest, strtod(at, NULL));
+    }
+    pel_free(bytes);
+    return largest;
+}
+
 /* ---- tests ---- */
 
 static void test_files(void **unused)
@@ -296,7 +331,10 @@ static void test_files(void **unused)
     assert_int_equal(test.summary.frames, 10);
     assert_int_equal(test.summary.steps, 60);
     assert_near(test.summary.time_simulated, 0.6, 1e-12);
-    assert_true(test.summary.max_tool_force > 0);
+    enum { MAX_DISPLACEMENT = 6, PROBE_FORCE = 12, PROBE_FORCE_MAX = 20 };
+    assert_true(test.summary.max_displacement == largest_in_series(test.run, MAX_DISPLACEMENT));
+    assert_true(test.summary.max_tool_force == largest_in_series(test.run, PROBE_FORCE_MAX));
+    assert_true(test.summary.max_tool_force > largest_in_series(test.run, PROBE_FORCE));
     check_whole(test.run);
     assert_int_equal(check_list(test.run), 10);
     check_contains(test.run, "series.csv",
@@ -431,6 +469,23 @@ static void test_kill(void **unused)
         check_run(scene, &rest, PEL_OK);
         check_same_results("kill-whole", "killed", whole.summary.frames);
     }
+    pel_scene_destroy(scene);
+}
+
+/* a run that is over stays as it is */
+static void test_resume_at_end(void **unused)
+{
+    (void)unused;
+    const char *const override = "output.checkpoint=0.1";
+    pel_scene *scene = load_scene(busy, &override, 1);
+    run_case whole = {.run = "end-whole"}, test = {.run = "end"};
+    check_run(scene, &whole, PEL_OK);
+    check_run(scene, &test, PEL_OK);
+    test.resume = "checkpoint-60.pel";
+    check_run(scene, &test, PEL_OK);
+    assert_int_equal(test.summary.frames, 10);
+    check_same_results("end-whole", "end", whole.summary.frames);
+    check_whole("end");
     pel_scene_destroy(scene);
 }
 
@@ -607,17 +662,14 @@ static void test_full_disk(void **unused)
     const char *const kinds[KIND_COUNT] = {"scene.yaml", ".vtp", "series.csv", "checkpoint"};
     const char *const checkpoints[2] = {"output.checkpoint=0.1", "output.checkpoint=0"};
     int seen[KIND_COUNT] = {0}, done = 0;
-    struct rlimit before;
     signal(SIGXFSZ, SIG_IGN);
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
     for (int i = 0; i < 60; i++) {
         rlim_t size = i / 2 < 20 ? 150 * (rlim_t)(i / 2 + 1) : 3000 * (rlim_t)(i / 2 - 18);
         pel_scene *scene = load_scene(small, &checkpoints[i % 2], 1);
-        struct rlimit limit = {size, before.rlim_max};
         run_case test = {.run = "full"};
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+        limit_files(size);
         pel_status status = do_run(scene, &test);
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+        unlimit_files();
         if (status == PEL_OK) {
             done++;
             pel_scene_destroy(scene);
@@ -635,6 +687,35 @@ static void test_full_disk(void **unused)
         assert_true(seen[k] > 0);
     assert_true(done > 0);
     signal(SIGXFSZ, SIG_DFL);
+}
+
+/* a frame does not fit, the checkpoint does: the run goes on with this very frame */
+static void test_full_disk_at_frame(void **unused)
+{
+    (void)unused;
+    const char *const overrides[] = {"output.compress=false", "output.precision=double", "output.checkpoint=0"};
+    pel_scene *scene = load_scene(busy, overrides, 3);
+    run_case whole = {.run = "frame-whole"};
+    run_case test = {.run = "frame", .fill_at = 30};
+    char path[256];
+    struct stat frame, checkpoint;
+    check_run(scene, &whole, PEL_OK);
+    assert_int_equal(stat(in_folder(path, "frame-whole", "frames/f00005.vtp"), &frame), 0);
+    test.file_size = (rlim_t)frame.st_size - 1;
+    signal(SIGXFSZ, SIG_IGN);
+    check_run(scene, &test, PEL_BAD_FILE);
+    unlimit_files();
+    signal(SIGXFSZ, SIG_DFL);
+    assert_int_equal(stat(in_folder(path, "frame", "checkpoint"), &checkpoint), 0);
+    assert_true(checkpoint.st_size < frame.st_size);
+    assert_non_null(strstr(test.error.file, "f00005.vtp"));
+    assert_non_null(strstr(test.error.remedy, "of step 35, is in"));
+    assert_int_equal(test.summary.steps, 35);
+    check_whole("frame");
+    run_case rest = {.run = "frame", .resume = "checkpoint"};
+    check_run(scene, &rest, PEL_OK);
+    check_same_results("frame-whole", "frame", whole.summary.frames);
+    pel_scene_destroy(scene);
 }
 
 static void test_at_rest(void **unused)
@@ -677,6 +758,7 @@ int main(void)
         cmocka_unit_test(test_frame_fields),
         cmocka_unit_test(test_resume_after_stop),
         cmocka_unit_test(test_resume_from_older),
+        cmocka_unit_test(test_resume_at_end),
         cmocka_unit_test(test_kill),
         cmocka_unit_test(test_takes_over_folder),
         cmocka_unit_test(test_refuses_checkpoints),
@@ -685,6 +767,7 @@ int main(void)
         cmocka_unit_test(test_own_scene),
         cmocka_unit_test(test_divergence),
         cmocka_unit_test(test_full_disk),
+        cmocka_unit_test(test_full_disk_at_frame),
         cmocka_unit_test(test_at_rest),
         cmocka_unit_test(test_allocation_failures),
     };

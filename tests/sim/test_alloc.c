@@ -95,13 +95,18 @@ static void test_steps_do_not_allocate(void **unused)
         def.solver.dt = 2e-3;
         pel_sim *sim = make_sim(&def);
         pel_sim_measures measures;
+        pel_tool_reading reading;
+        int touching = 0;
         failing_malloc_begin(0);
-        for (int n = 0; n < 500; n++)
+        for (int n = 0; n < 500; n++) {
             assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+            pel_sim_get_tool(sim, 0, &reading);
+            touching += reading.contact_count > 0;
+        }
         pel_sim_measure(sim, &measures);
         allocation_count count = failing_malloc_end();
         assert_int_equal(count.calls, 0);
-        assert_true(measures.contact_count > 0);
+        assert_true(touching > 10);
         pel_sim_destroy(sim);
     }
     pel_model_destroy(model);

@@ -1,6 +1,6 @@
 /* Real surfaces under a ball: it goes in, its force rises, it is withdrawn, its force falls to nothing, and the surface
-   comes back. Scales from edges of 0.3 mm to busts of 0.5 m in millimetres. Runs where the shared meshes are; a sphere of
-   uneven triangles stands in elsewhere. */
+   comes back. Scales from edges of 0.3 mm to busts of 0.5 m in millimetres. Runs where the shared meshes are; a sphere
+   of uneven triangles stands in elsewhere. */
 #include "sim/fixture.h"
 
 #include "pellicle/mesh_io.h"
@@ -77,8 +77,8 @@ static void press(pel_mesh *mesh, double radius, double depth)
 static void test_real_meshes(void **unused)
 {
     (void)unused;
-    const organ organs[] = {{"liver", 0.01, 0.01}, {"gallbladder", 0.004, 0.002}, {"spot", 0.15, 0.1},
-                            {"nefertiti-head", 40, 20}};
+    const organ organs[] = {
+        {"liver", 0.01, 0.01}, {"gallbladder", 0.004, 0.002}, {"spot", 0.15, 0.1}, {"nefertiti-head", 40, 20}};
     int found = 0;
     for (size_t i = 0; i < sizeof organs / sizeof *organs; i++) {
         char path[600];

@@ -146,6 +146,39 @@ static void test_force_balances_at_rest(void **unused)
     end_stage(&s);
 }
 
+/* a tool held still comes to rest for good, also where the press was lopsided: no contact flips */
+static void test_settles(void **unused)
+{
+    (void)unused;
+    const pel_pose_key press_keys[2] = {{0, {0, 0, 1.35}, {0, 0, 0, 1}}, {0.3, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    const pel_pose_key pull_keys[2] = {{0, {0, -1.2, 0}, {0, 0, 0, 1}}, {0.6, {0, -1.4, 0}, {0, 0, 0, 1}}};
+    pel_tool_def tools[2] = {pel_tool_def_default(), pel_tool_def_default()};
+    tools[0].name = "probe";
+    tools[0].radius = 0.3;
+    tools[0].keys = press_keys;
+    tools[0].key_count = 2;
+    tools[1].name = "clamp";
+    tools[1].radius = 0.2;
+    tools[1].press = false;
+    tools[1].grasp = true;
+    tools[1].grasp_from = 0.1;
+    tools[1].grasp_until = 0.5;
+    tools[1].reach = 0.2;
+    tools[1].keys = pull_keys;
+    tools[1].key_count = 2;
+    stage s = make_stage(4, tools, 2, PEL_METHOD_QUASI_STATIC);
+    run_steps(s.sim, 1500);
+    double still = sizeof(pel_real) == 8 ? 1e-20 : 1e-5;
+    for (int n = 0; n < 3000; n++) {
+        run_steps(s.sim, 1);
+        pel_sim_measures measures;
+        pel_sim_measure(s.sim, &measures);
+        assert_true(measures.kinetic_energy < still);
+        assert_true(measures.contact_count >= 3);
+    }
+    end_stage(&s);
+}
+
 /* grasp at the top, pull up by 0.2, let go: the held vertices follow exactly, the force points down while pulling, and
    the body comes back */
 static void check_grasp(pel_method method)
@@ -274,7 +307,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_press),       cmocka_unit_test(test_force_balances_at_rest),
         cmocka_unit_test(test_grasp),       cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_driven_tool),
+        cmocka_unit_test(test_driven_tool), cmocka_unit_test(test_settles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -63,6 +63,11 @@ static void test_limits_of_the_theory(void **unused)
     pel_model_destroy(model);
 }
 
+/* size of the kick, far above rounding and far below what bends the springs, and what rounding leaves of a decayed one
+ */
+#define KICK (sizeof(pel_real) == 8 ? 1e-9 : 1e-4)
+#define ROUNDING (sizeof(pel_real) == 8 ? 1e-12 : 1e-5)
+
 /* largest displacement after steps from a small kick; infinite when the step reports divergence */
 static double growth(const pel_model *model, const pel_solver_def *solver, int steps)
 {
@@ -74,7 +79,7 @@ static double growth(const pel_model *model, const pel_solver_def *solver, int s
     const pel_mesh *mesh = pel_model_mesh(model, 0);
     double *x = malloc(sizeof *mesh->positions * (size_t)mesh->vertex_count);
     for (int i = 0; i < 3 * mesh->vertex_count; i++)
-        x[i] = mesh->positions[0][i] + 1e-9 * sin(1.7 * i * i);
+        x[i] = mesh->positions[i / 3][i % 3] + KICK * sin(1.7 * i * i);
     assert_int_equal(pel_sim_set_positions(sim, 0, x, NULL), PEL_OK);
     free(x);
     pel_sim_measures measures = {.max_displacement = HUGE_VAL};
@@ -105,13 +110,13 @@ static void test_alpha_is_refused_at_the_limit_and_stable_below(void **unused)
     (void)unused;
     pel_model *model = paper_sphere(3, 0.5, 1.5, 0.5);
     pel_solver_def solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 1040};
-    assert_true(growth(model, &solver, 3000) < 1e-8);
+    assert_true(growth(model, &solver, 3000) < 10 * KICK);
     solver.alpha = 1060;
     check_refused(model, &solver, "alpha");
     solver.alpha = 0;
-    assert_true(growth(model, &solver, 3000) < 1e-12);
+    assert_true(growth(model, &solver, 3000) < ROUNDING);
     solver.keep_velocity = true;
-    assert_true(growth(model, &solver, 3000) < 1e-12);
+    assert_true(growth(model, &solver, 3000) < ROUNDING);
     pel_model_destroy(model);
 }
 
@@ -124,7 +129,7 @@ static void test_kept_velocity_limit_is_real(void **unused)
     double limit = pel_stability_alpha(&s, s.stiffness, 0.01, true);
     pel_solver_def solver = {
         .method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 0.99 * limit, .keep_velocity = true};
-    assert_true(growth(model, &solver, 5000) < 1e-8);
+    assert_true(growth(model, &solver, 5000) < 10 * KICK);
     solver.alpha = 1.01 * limit;
     check_refused(model, &solver, "alpha");
     pel_model_destroy(model);
@@ -140,7 +145,7 @@ static void test_explicit_limits(void **unused)
         double limit = pel_stability_dt(&s, s.stiffness, symplectic);
         solver.symplectic = symplectic;
         solver.dt = 0.98 * limit;
-        assert_true(growth(model, &solver, 4000) < 1e-7);
+        assert_true(growth(model, &solver, 4000) < 100 * KICK);
         solver.dt = 1.02 * limit;
         check_refused(model, &solver, "dt");
     }
