@@ -164,7 +164,8 @@ static void check_motion(moving m, double separation, bool expect_some)
             assert_int_equal(pel_collider_detect(collider, &query, &result, NULL), PEL_OK);
             pel_collision_result copy = result;
             pel_collision *collisions = malloc((size_t)(result.collision_count + 1) * sizeof *collisions);
-            memcpy(collisions, result.collisions, (size_t)result.collision_count * sizeof *collisions);
+            if (result.collision_count > 0)
+                memcpy(collisions, result.collisions, (size_t)result.collision_count * sizeof *collisions);
             copy.collisions = collisions;
             assert_int_equal(pel_collider_candidates(collider, &query, &candidates, NULL), PEL_OK);
             int64_t count = check_against_all_pairs(&m, &candidates, &copy, separation);
