@@ -100,6 +100,33 @@ static const cli_command commands[] = {
         .run = cli_info,
     },
     {
+        .name = "measure",
+        .summary = "measure area, volume, mean and Gaussian curvature of a mesh",
+        .text = "Prints the area, the volume, and of both curvatures the least, the mean by area and the greatest. The "
+                "mean curvature is that of the cotangent Laplacian over mixed areas, positive on a sphere; the "
+                "Gaussian curvature is the angle defect over the same areas, and its total is compared with 2 pi times "
+                "the Euler number, which it has to be. Numbers are in the units of the file.\n\n"
+                "Vertices on a boundary are left out, but for the total, where their turning counts.",
+        .slots = {{.name = "MESH", .kind = CLI_FILE}},
+        .options =
+            {{.name = "output",
+              .letter = 'o',
+              .kind = CLI_FILE,
+              .value = "OUT",
+              .doc = "write the mesh with the vertex fields area, normal, mean_curvature and gaussian_curvature: .vtp "
+                     "or .ply"},
+             {.name = "pressure",
+              .kind = CLI_LENGTH,
+              .value = "PASCAL",
+              .doc = "with -o: add what this outside pressure does, as in paper B's figure 2: the fields "
+                     "pressure_force, pressure_magnitude and pressure_direction, the cosine of its angle to +y"},
+             JSON_OPTION},
+        .examples = "pellicle measure liver.obj\n"
+                    "pellicle measure liver.obj --json | jq .mean_curvature_max\n"
+                    "pellicle measure head.ply --pressure 100 -o head.vtp",
+        .run = cli_measure,
+    },
+    {
         .name = "shape",
         .summary = "make a mesh: sphere, grid, cylinder, torus, capsule, lens capsule",
         .text = "Writes a generated mesh. Lengths are metres.",
@@ -122,6 +149,32 @@ static const cli_command commands[] = {
                     "pellicle shape lens-capsule --set age=29 -o lens.ply\n"
                     "pellicle shape --list",
         .run = cli_shape,
+    },
+    {
+        .name = "subdivide",
+        .summary = "make a mesh finer and smooth (modified butterfly)",
+        .text = "Cuts each triangle into four, LEVELS times. Vertices stay where they are; those new on the edges are "
+                "placed by the modified butterfly scheme (Zorin, Schroeder, Sweldens 1996), so that the surface "
+                "becomes smooth. Vertex fields are interpolated alike.",
+        .slots = {{.name = "MESH", .kind = CLI_FILE}},
+        .options = {{.name = "levels",
+                     .letter = 'n',
+                     .kind = CLI_COUNT,
+                     .value = "LEVELS",
+                     .doc = "how often; each level has four times as many triangles"},
+                    {.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FILE,
+                     .value = "OUT",
+                     .doc = "the file to write: .obj, .ply, .stl or .off"},
+                    {.name = "no-clamp",
+                     .kind = CLI_FLAG,
+                     .doc =
+                         "let fields go beyond their least and greatest values; left out: a thickness stays positive"},
+                    FORMAT_OPTION,
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle subdivide liver.obj -n 1 -o liver-fine.ply",
+        .run = cli_subdivide,
     },
     {
         .name = "convert",

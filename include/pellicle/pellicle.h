@@ -8,6 +8,7 @@
 #include "element.h"
 #include "geometry.h"
 #include "material.h"
+#include "measure.h"
 #include "mesh.h"
 #include "mesh_check.h"
 #include "mesh_io.h"

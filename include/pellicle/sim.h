@@ -121,6 +121,10 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
 /* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
+/* Virial of the springs on each vertex (vertex_count) [J]: half of tension times length of each spring at it. Over
+   twice the vertex's area this is the mean tension of the net [N/m], positive where it is stretched; the sum over all
+   vertices is the derivative of the spring energy by the logarithm of the body's size. */
+void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
 /* 1 where a tool touches or holds the vertex, else 0 (vertex_count). */
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
 

@@ -85,4 +85,23 @@ static inline void pel_vec3_triangle_normal(const double a[3], const double b[3]
     pel_vec3_cross(ab, ac, normal);
 }
 
+static inline double pel_vec3_triangle_area(const double a[3], const double b[3], const double c[3])
+{
+    double normal[3];
+    pel_vec3_triangle_normal(a, b, c, normal);
+    return pel_vec3_length(normal) / 2;
+}
+
+/* volume of the tetrahedron from a point to a triangle, positive when the point is behind it */
+static inline double pel_vec3_cone_volume(const double origin[3], const double a[3], const double b[3],
+                                          const double c[3])
+{
+    double oa[3], ob[3], oc[3], product[3];
+    pel_vec3_subtract(a, origin, oa);
+    pel_vec3_subtract(b, origin, ob);
+    pel_vec3_subtract(c, origin, oc);
+    pel_vec3_cross(ob, oc, product);
+    return pel_vec3_dot(oa, product) / 6;
+}
+
 #endif

@@ -21,24 +21,6 @@ static void fill_bounds(const pel_mesh *mesh, const uint8_t *not_finite, pel_mes
     }
 }
 
-/* volume of the tetrahedron from a point to a triangle */
-static double cone_volume(const double origin[3], const double a[3], const double b[3], const double c[3])
-{
-    double oa[3], ob[3], oc[3], product[3];
-    pel_vec3_subtract(a, origin, oa);
-    pel_vec3_subtract(b, origin, ob);
-    pel_vec3_subtract(c, origin, oc);
-    pel_vec3_cross(ob, oc, product);
-    return pel_vec3_dot(oa, product) / 6;
-}
-
-static double triangle_area(const double a[3], const double b[3], const double c[3])
-{
-    double normal[3];
-    pel_vec3_triangle_normal(a, b, c, normal);
-    return pel_vec3_length(normal) / 2;
-}
-
 /* 4 sqrt(3) area / (sum of squared edges) */
 static double shape_quality(const double a[3], const double b[3], const double c[3], double area)
 {
@@ -58,10 +40,11 @@ static void fill_triangle_figures(const pel_mesh *mesh, const uint8_t *not_finit
             continue;
         pel_mesh_component *component = &report->components[component_of_triangle[t]];
         const double *a = mesh->positions[v[0]], *b = mesh->positions[v[1]], *c = mesh->positions[v[2]];
-        double area = triangle_area(a, b, c), quality = shape_quality(a, b, c, area);
+        double area = pel_vec3_triangle_area(a, b, c), quality = shape_quality(a, b, c, area);
         component->area += area;
         if (component->closed && component->oriented)
-            component->volume += cone_volume(mesh->positions[mesh->triangles[component->first_triangle][0]], a, b, c);
+            component->volume +=
+                pel_vec3_cone_volume(mesh->positions[mesh->triangles[component->first_triangle][0]], a, b, c);
         if (report->worst_triangle < 0 || quality < report->quality_min) {
             report->worst_triangle = t;
             report->quality_min = quality;

@@ -3,6 +3,7 @@
 #include "scene/check.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
+#include "scene/run_fields.h"
 #include "scene/table.h"
 
 #include <math.h>
@@ -186,8 +187,10 @@ static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
 /* a field that every run has, or one of a mesh */
 static pel_status check_field(pel_scene_reader *reader, const pel_scene_value *field, const pel_model_def *model)
 {
-    const char *names[MOST_NAMES] = {"displacement", "velocity", "force", "energy", "contact"};
-    size_t count = 5;
+    const char *names[MOST_NAMES];
+    size_t count = 0;
+    for (; count < PEL_RUN_FIELD_COUNT; count++)
+        names[count] = pel_run_fields[count].name;
     for (int32_t b = 0; b < model->body_count; b++)
         for (int32_t f = 0; f < model->bodies[b].mesh->field_count; f++)
             if (count < MOST_NAMES)

@@ -145,7 +145,7 @@ static pel_status fail_missing(pel_scene_reader *reader, const pel_scene_value *
 static pel_status fail_missing_key(pel_scene_reader *reader, const pel_scene_value *map, const char *key,
                                    const char *doc)
 {
-    char quoted[100];
+    char quoted[212];
     snprintf(quoted, sizeof quoted, "'%s'", key);
     fail_missing(reader, map, quoted);
     pel_fail_remedy(reader->error, "add '%s:': %s", key, doc);

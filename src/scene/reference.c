@@ -1,5 +1,6 @@
 /* The table as the reference page of scenes (Markdown) and as the list of parameter paths. */
 #include "scene/documents.h"
+#include "scene/run_fields.h"
 
 #include <string.h>
 
@@ -110,6 +111,19 @@ static void write_section(FILE *file, const pel_scene_table *table, const pel_sc
     }
 }
 
+static void write_fields(FILE *file)
+{
+    fputs("\n## fields\n\n"
+          "What `output.fields` may name, beside the fields of the meshes, which these hide where names are equal.\n"
+          "[measures](../measures.md) says how the last five are computed.\n\n"
+          "| field | numbers | unit | meaning |\n|---|---|---|---|\n",
+          file);
+    for (int f = 0; f < PEL_RUN_FIELD_COUNT; f++) {
+        const pel_run_field_info *field = &pel_run_fields[f];
+        fprintf(file, "| `%s` | %d | %s | %s |\n", field->name, (int)field->component_count, field->unit, field->doc);
+    }
+}
+
 void pel_scene_put_reference(FILE *file, const pel_scene_table *table)
 {
     fputs("# Scene files\n\n"
@@ -121,6 +135,7 @@ void pel_scene_put_reference(FILE *file, const pel_scene_table *table)
     for (size_t i = 0; i < table->row_count; i++)
         if ((table->rows[i].forms & PEL_FORM_MAP) != 0 && table->rows[i].like == NULL)
             write_section(file, table, &table->rows[i]);
+    write_fields(file);
 }
 
 /* path: that of the parent as --set takes it, with the number 0 for list elements */

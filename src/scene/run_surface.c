@@ -3,26 +3,15 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
+#include "scene/run_fields.h"
 
 #include <math.h>
 #include <string.h>
 
-typedef enum field_source {
-    SOURCE_DISPLACEMENT,
-    SOURCE_VELOCITY,
-    SOURCE_FORCE,
-    SOURCE_ENERGY,
-    SOURCE_SPRING_ENERGY,
-    SOURCE_VOLUMETRIC_ENERGY,
-    SOURCE_CONTACT,
-    SOURCE_COUNT,              /* of those that change */
-    SOURCE_MESH = SOURCE_COUNT /* does not change: filled in at the beginning */
-} field_source;
-
-static const char *const source_names[SOURCE_COUNT] = {"displacement",  "velocity",          "force",  "energy",
-                                                       "spring_energy", "volumetric_energy", "contact"};
-static const int32_t source_components[SOURCE_COUNT] = {3, 3, 3, 1, 1, 1, 1};
+/* the source of a field that does not change: it is filled in at the beginning */
+enum { CONSTANT = PEL_RUN_FIELD_COUNT };
 
 /* ---- fields ---- */
 
@@ -38,12 +27,15 @@ static const pel_field *find_mesh_field(const pel_model *model, const char *name
 
 static pel_status refuse_field(const char *name, pel_error *error)
 {
-    const char *nearest = pel_nearest_name(name, source_names, SOURCE_COUNT);
+    const char *names[PEL_RUN_FIELD_COUNT];
+    for (int f = 0; f < PEL_RUN_FIELD_COUNT; f++)
+        names[f] = pel_run_fields[f].name;
+    const char *nearest = pel_nearest_name(name, names, PEL_RUN_FIELD_COUNT);
     pel_fail(error, PEL_BAD_SCENE, "output field '%s' is neither one of the simulation nor of a mesh", name);
     if (nearest != NULL)
         pel_fail_remedy(error, "did you mean '%s'?", nearest);
     else
-        pel_fail_remedy(error, "use displacement, velocity, force, energy, contact or the name of a mesh field");
+        pel_fail_remedy(error, "use the name of a mesh field or one that `pellicle reference` lists");
     return PEL_BAD_SCENE;
 }
 
@@ -86,13 +78,13 @@ static pel_status add_named_field(pel_run_surface *surface, const pel_model *mod
     for (int32_t f = 0; f < surface->field_count; f++)
         if (strcmp(surface->fields[f].name, name) == 0)
             return PEL_OK;
-    for (int s = 0; s < SOURCE_COUNT; s++)
-        if (strcmp(source_names[s], name) == 0)
-            return add_field(surface, name, s, source_components[s], &values, error);
+    int source = pel_run_field_find(name);
+    if (source < PEL_RUN_FIELD_COUNT)
+        return add_field(surface, name, source, pel_run_fields[source].component_count, &values, error);
     const pel_field *part = find_mesh_field(model, name);
     if (part == NULL)
         return refuse_field(name, error);
-    pel_status status = add_field(surface, part->name, SOURCE_MESH, part->component_count, &values, error);
+    pel_status status = add_field(surface, part->name, CONSTANT, part->component_count, &values, error);
     if (status == PEL_OK)
         fill_mesh_field(surface, model, &surface->fields[surface->field_count - 1], values);
     return status;
@@ -110,7 +102,7 @@ static pel_status add_fields(pel_run_surface *surface, const pel_model *model, c
     for (int32_t f = 0; f < surface->field_count; f++)
         if (strcmp(surface->fields[f].name, "body") == 0)
             return PEL_OK;
-    status = add_field(surface, "body", SOURCE_MESH, 1, &values, error);
+    status = add_field(surface, "body", CONSTANT, 1, &values, error);
     if (status == PEL_OK)
         fill_body_numbers(surface, values);
     return status;
@@ -146,6 +138,25 @@ static void join_bodies(const pel_model *model, pel_run_surface *surface)
     }
 }
 
+static bool is_measured(const pel_run_surface *surface)
+{
+    for (int32_t f = 0; f < surface->field_count; f++)
+        if (surface->sources[f] >= PEL_RUN_AREA && surface->sources[f] != CONSTANT)
+            return true;
+    return false;
+}
+
+static pel_status add_topologies(pel_run_surface *surface, const pel_model *model, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    surface->topologies = pel_allocate((size_t)surface->body_count, sizeof *surface->topologies);
+    if (surface->topologies == NULL)
+        return pel_fail_memory(error);
+    for (int32_t b = 0; status == PEL_OK && b < surface->body_count; b++)
+        status = pel_topology_create(pel_model_mesh(model, b), &surface->topologies[b], error);
+    return status;
+}
+
 pel_status pel_run_surface_create(const pel_model *model, const pel_output_def *output, pel_run_surface *surface,
                                   pel_error *error)
 {
@@ -165,7 +176,8 @@ pel_status pel_run_surface_create(const pel_model *model, const pel_output_def *
         surface->scratch == NULL || surface->fields == NULL || surface->sources == NULL)
         return pel_fail_memory(error);
     join_bodies(model, surface);
-    return add_fields(surface, model, output, error);
+    status = add_fields(surface, model, output, error);
+    return status == PEL_OK && is_measured(surface) ? add_topologies(surface, model, error) : status;
 }
 
 static double *field_values(const pel_vtp_field *field)
@@ -178,6 +190,9 @@ void pel_run_surface_destroy(pel_run_surface *surface)
 {
     for (int32_t f = 0; f < surface->field_count; f++)
         pel_free(field_values(&surface->fields[f]));
+    for (int32_t b = 0; surface->topologies != NULL && b < surface->body_count; b++)
+        pel_topology_destroy(surface->topologies[b]);
+    pel_free(surface->topologies);
     pel_free(surface->sources);
     pel_free(surface->fields);
     pel_free(surface->scratch);
@@ -203,8 +218,8 @@ static void read_energies(pel_run_surface *surface, const pel_sim *sim, int32_t 
     double *spring = surface->scratch, *volumetric = surface->scratch + count;
     pel_sim_get_energies(sim, body, spring, volumetric);
     for (int32_t v = 0; v < count; v++)
-        values[v] =
-            (source == SOURCE_VOLUMETRIC_ENERGY ? 0 : spring[v]) + (source == SOURCE_SPRING_ENERGY ? 0 : volumetric[v]);
+        values[v] = (source == PEL_RUN_VOLUMETRIC_ENERGY ? 0 : spring[v]) +
+                    (source == PEL_RUN_SPRING_ENERGY ? 0 : volumetric[v]);
 }
 
 static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_t body)
@@ -213,26 +228,59 @@ static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_
     size_t first = (size_t)surface->begin[body];
     double *values = field_values(&surface->fields[f]) + first * (size_t)surface->fields[f].component_count;
     switch (source) {
-    case SOURCE_DISPLACEMENT:
+    case PEL_RUN_DISPLACEMENT:
         for (size_t i = 3 * first; i < 3 * (size_t)surface->begin[body + 1]; i++)
             values[i - 3 * first] = surface->positions[i] - surface->rest[i];
         break;
-    case SOURCE_VELOCITY:
+    case PEL_RUN_VELOCITY:
         pel_sim_get_velocities(sim, body, values);
         break;
-    case SOURCE_FORCE:
+    case PEL_RUN_FORCE:
         pel_sim_get_forces(sim, body, values);
         break;
-    case SOURCE_CONTACT:
+    case PEL_RUN_CONTACT:
         pel_sim_get_contacts(sim, body, values);
         break;
-    case SOURCE_ENERGY:
-    case SOURCE_SPRING_ENERGY:
-    case SOURCE_VOLUMETRIC_ENERGY:
+    case PEL_RUN_ENERGY:
+    case PEL_RUN_SPRING_ENERGY:
+    case PEL_RUN_VOLUMETRIC_ENERGY:
         read_energies(surface, sim, body, source, values);
+        break;
+    case PEL_RUN_STRESS:
+        pel_sim_get_spring_virials(sim, body, values);
         break;
     default:
         break;
+    }
+}
+
+/* one measured number or vector of vertex v; a stress holds the virial so far */
+static void put_measure(int source, const pel_vertex_measure *measure, int32_t v, double *values)
+{
+    if (source == PEL_RUN_AREA)
+        values[v] = measure->area;
+    else if (source == PEL_RUN_NORMAL)
+        memcpy(values + 3 * (size_t)v, measure->normal, sizeof measure->normal);
+    else if (source == PEL_RUN_MEAN_CURVATURE)
+        values[v] = measure->mean_curvature;
+    else if (source == PEL_RUN_GAUSSIAN_CURVATURE)
+        values[v] = measure->gaussian_curvature;
+    else if (source == PEL_RUN_STRESS)
+        values[v] = measure->area > 0 ? values[v] / (2 * measure->area) : 0;
+}
+
+/* the fields that are measured on the surface, all in one pass over the vertices of each body */
+static void read_measures(pel_run_surface *surface)
+{
+    for (int32_t b = 0; b < surface->body_count; b++) {
+        int32_t first = surface->begin[b];
+        for (int32_t v = first; v < surface->begin[b + 1]; v++) {
+            pel_vertex_measure measure;
+            pel_vertex_measure_fill(surface->topologies[b], surface->positions + 3 * (size_t)first, v - first,
+                                    &measure);
+            for (int32_t f = 0; f < surface->field_count; f++)
+                put_measure(surface->sources[f], &measure, v, field_values(&surface->fields[f]));
+        }
     }
 }
 
@@ -258,6 +306,8 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
     for (int32_t f = 0; f < surface->field_count; f++)
         for (int32_t b = 0; b < surface->body_count; b++)
             read_field(surface, sim, f, b);
+    if (surface->topologies != NULL)
+        read_measures(surface);
     const pel_vtp vtp = {
         .vertex_count = surface->vertex_count,
         .triangle_count = surface->triangle_count,

@@ -4,21 +4,23 @@
 
 #include "pellicle/results.h"
 #include "pellicle/scene.h"
+#include "pellicle/topology.h"
 
 /* All buffers are made once, so that writing a frame takes no memory of its own but the file's. */
 typedef struct pel_run_surface {
     int32_t vertex_count, triangle_count, body_count, field_count;
-    int32_t *begin;        /* (body_count + 1) first vertex of each body */
-    int32_t *triangles;    /* (triangle_count x 3) */
-    double *rest;          /* (vertex_count x 3) */
-    double *positions;     /* (vertex_count x 3) */
-    double *scratch;       /* (vertex_count x 3) */
-    pel_vtp_field *fields; /* (field_count), with values of their own */
-    int *sources;          /* (field_count) where the values come from */
+    int32_t *begin;            /* (body_count + 1) first vertex of each body */
+    int32_t *triangles;        /* (triangle_count x 3) */
+    double *rest;              /* (vertex_count x 3) */
+    double *positions;         /* (vertex_count x 3) */
+    double *scratch;           /* (vertex_count x 3) */
+    pel_vtp_field *fields;     /* (field_count), with values of their own */
+    int *sources;              /* (field_count) a pel_run_field, or PEL_RUN_FIELD_COUNT for what does not change */
+    pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
 } pel_run_surface;
 
-/* Fields: displacement, velocity, force, energy, spring_energy, volumetric_energy, contact, those of the meshes, and
-   with several bodies always `body` (its number). PEL_BAD_SCENE names an unknown one. Destroy also on failure. */
+/* Fields: those of run_fields.h, those of the meshes, and with several bodies always `body` (its number). PEL_BAD_SCENE
+   names an unknown one. Destroy also on failure. */
 pel_status pel_run_surface_create(const pel_model *model, const pel_output_def *output, pel_run_surface *surface,
                                   pel_error *error);
 void pel_run_surface_destroy(pel_run_surface *surface);

@@ -151,7 +151,7 @@ static const pel_scene_row rows[] = {
      .doc = "simulated time between frames"},
     {"output.every_frame", INTEGER, COUNT_FROM(1), ALTERNATIVE, .doc = "steps between frames"},
     {"output.fields", LIST, .preset = "[\"displacement\", \"force\"]",
-     .doc = "vertex fields of the frames: displacement, velocity, force, energy, contact or a field of a mesh"},
+     .doc = "vertex fields of the frames: those of the list of fields and those of the meshes"},
     {"output.fields[]", NAME, .doc = "name of a field"},
     {"output.compress", BOOLEAN, .preset = "true", .doc = "compresses the .vtp files"},
     {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},

@@ -14,7 +14,7 @@ static double area(const double (*p)[3], const int32_t *t)
 /* the triangles keep the winding and fill the polygon exactly: no triangle turned over, areas add up */
 static void check_cut(const double (*positions)[3], int32_t count)
 {
-    int32_t corners[256], triangles[256][3];
+    int32_t corners[256] = {0}, triangles[256][3];
     double whole = 0, sum = 0;
     for (int32_t i = 0; i < count; i++)
         corners[i] = i;

@@ -119,6 +119,8 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:7:5: error: the load does not say on which body it acts. add `body: body1` or another name"},
     {BALL "output: {fields: [displacment]}\n", NULL,
      "a.yaml:5:19: error: unknown field 'displacment'. did you mean 'displacement'?"},
+    {BALL "output: {fields: [area, gausian_curvature]}\n", NULL,
+     "a.yaml:5:25: error: unknown field 'gausian_curvature'. did you mean 'gaussian_curvature'?"},
     {BALL "    springs: {damping: {field: thickness}}\n", NULL,
      "a.yaml:5:32: error: unknown scalar field of the mesh 'thickness'. there is none"},
     {BALL "    pinned: {sphere: {center: [9, 9, 9], radius: 1}}\n", NULL,
