@@ -1,5 +1,6 @@
 #include "commands.h"
 #include "common.h"
+#include "intersections.h"
 #include "json.h"
 
 #include <pellicle/mesh_check.h>
@@ -88,6 +89,27 @@ static void print_issues(const char *path, const pel_mesh *mesh, const pel_mesh_
     }
 }
 
+/* what is found in a mesh */
+typedef struct findings {
+    pel_mesh_report *report;
+    cli_intersections intersections;
+} findings;
+
+static pel_status find_all(const pel_mesh *mesh, bool with_intersections, findings *found, pel_error *error)
+{
+    *found = (findings){0};
+    pel_status status = pel_mesh_check(mesh, &found->report, error);
+    if (status == PEL_OK && with_intersections)
+        status = cli_find_intersections(mesh, found->report, &found->intersections, error);
+    return status;
+}
+
+static void print_findings(const char *path, const pel_mesh *mesh, const findings *found)
+{
+    print_issues(path, mesh, found->report);
+    cli_print_intersections(path, mesh, &found->intersections, SHOWN_MAX);
+}
+
 /* the two vertices of each edge */
 static void write_edges(cli_json *json, const pel_issue *issue)
 {
@@ -117,27 +139,34 @@ static void write_issue(cli_json *json, const pel_issue_info *info, const pel_is
     cli_json_close(json, '}');
 }
 
-static void write_issues(cli_json *json, const pel_mesh_report *report)
+static void write_issues(cli_json *json, const pel_mesh_report *report, const cli_intersections *found)
 {
-    cli_json_bool(json, "ok", report->error_count == 0 && report->warning_count == 0);
+    int64_t warning_count = report->warning_count + found->count;
+    cli_json_bool(json, "ok", report->error_count == 0 && warning_count == 0);
     cli_json_integer(json, "error_count", report->error_count);
-    cli_json_integer(json, "warning_count", report->warning_count);
+    cli_json_integer(json, "warning_count", warning_count);
+    if (found->looked)
+        cli_json_integer(json, "self_intersections", found->count);
+    else
+        cli_json_text(json, "self_intersections", NULL);
     cli_json_open(json, "issues", '[');
     for (int kind = 0; kind < PEL_ISSUE_COUNT; ++kind) {
         if (report->issues[kind].count > 0)
             write_issue(json, pel_issue_info_of((pel_issue_kind)kind), &report->issues[kind]);
     }
+    cli_write_intersections(json, found);
     cli_json_close(json, ']');
 }
 
-static void print_verdict(const char *path, const pel_mesh_report *report)
+static void print_verdict(const char *path, const pel_mesh_report *report, const cli_intersections *found)
 {
+    int64_t warning_count = report->warning_count + found->count;
     printf("%s: %d vertices, %d triangles: ", path, (int)report->vertex_count, (int)report->triangle_count);
-    if (report->error_count + report->warning_count == 0)
+    if (report->error_count + warning_count == 0)
         printf("fine, %s\n", report->closed ? "closed" : "open");
     else
         printf("%lld %s, %lld %s\n", (long long)report->error_count, report->error_count == 1 ? "error" : "errors",
-               (long long)report->warning_count, report->warning_count == 1 ? "warning" : "warnings");
+               (long long)warning_count, warning_count == 1 ? "warning" : "warnings");
 }
 
 /* what the repair did: JSON key and how it is said */
@@ -172,18 +201,21 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
 }
 
 /* writes the repaired mesh unless it still has errors */
-static int write_repaired(const char *out, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
+static int write_repaired(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
 {
+    const char *out = cli_value(call, "fix");
     pel_error error;
-    pel_mesh_report *report = NULL;
-    if (pel_mesh_check(mesh, &report, &error) != PEL_OK)
+    findings found;
+    if (find_all(mesh, !cli_has(call, "no-intersections"), &found, &error) != PEL_OK) {
+        pel_mesh_report_destroy(found.report);
         return cli_report(&error);
-    bool good = report->error_count == 0;
-    print_issues(out, mesh, report);
+    }
+    bool good = found.report->error_count == 0;
+    print_findings(out, mesh, &found);
     if (!good)
         cli_complain("'%s' is not written: the repaired mesh still cannot be simulated. edit the elements named above",
                      out);
-    pel_mesh_report_destroy(report);
+    pel_mesh_report_destroy(found.report);
     int status = good ? cli_write_mesh(out, format, mesh, &cli_notes, json != NULL) : CLI_BAD_INPUT;
     if (json != NULL)
         cli_json_text(json, "written", status == CLI_DONE ? out : NULL);
@@ -202,7 +234,7 @@ static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh
     if (pel_mesh_repair(mesh, &options, &repaired, &summary, &error) != PEL_OK)
         return cli_report(&error);
     tell_repair(json, out, &summary);
-    int status = write_repaired(out, format, repaired, json);
+    int status = write_repaired(call, format, repaired, json);
     pel_mesh_destroy(repaired);
     return status;
 }
@@ -213,44 +245,47 @@ static int check_mesh(const cli_call *call, const char *path, pel_mesh_format fo
     pel_mesh *mesh = cli_read_mesh(path, &cli_notes, json, &status);
     if (mesh == NULL)
         return status;
-    pel_mesh_report *report = NULL;
+    findings found;
     pel_error error;
-    if (pel_mesh_check(mesh, &report, &error) != PEL_OK) {
+    bool fix = cli_has(call, "fix");
+    if (find_all(mesh, !fix && !cli_has(call, "no-intersections"), &found, &error) != PEL_OK) {
         status = cli_report(&error);
     } else {
         /* with --fix it is the rest after the repair that matters */
-        if (!cli_has(call, "fix"))
-            print_issues(path, mesh, report);
+        if (!fix)
+            print_findings(path, mesh, &found);
         if (json != NULL)
-            write_issues(json, report);
+            write_issues(json, found.report, &found.intersections);
         else
-            print_verdict(path, report);
-        status = report->error_count + report->warning_count == 0 ? CLI_DONE : CLI_BAD_INPUT;
-        if (cli_has(call, "fix"))
+            print_verdict(path, found.report, &found.intersections);
+        int64_t count = found.report->error_count + found.report->warning_count + found.intersections.count;
+        status = count == 0 ? CLI_DONE : CLI_BAD_INPUT;
+        if (fix)
             status = fix_mesh(call, format, mesh, json);
     }
-    pel_mesh_report_destroy(report);
+    pel_mesh_report_destroy(found.report);
     pel_mesh_destroy(mesh);
     return status;
 }
 
 /* prints what is wrong with the meshes of the scene's bodies; false when one cannot be simulated */
-static bool check_bodies(const char *path, const pel_scene *scene, cli_json *json)
+static bool check_bodies(const cli_call *call, const pel_scene *scene, cli_json *json)
 {
     bool good = true;
     for (int32_t i = 0; i < scene->model.body_count; ++i) {
         const pel_body_def *body = &scene->model.bodies[i];
         char place[PEL_NAME_SIZE + 300];
-        snprintf(place, sizeof place, "%.256s: body %s", path, body->name);
-        pel_mesh_report *report = NULL;
+        snprintf(place, sizeof place, "%.256s: body %s", call->arguments[0], body->name);
+        findings found;
         pel_error error;
-        if (pel_mesh_check(body->mesh, &report, &error) != PEL_OK) {
+        if (find_all(body->mesh, !cli_has(call, "no-intersections"), &found, &error) != PEL_OK) {
+            pel_mesh_report_destroy(found.report);
             cli_report_to(&error, json);
             return false;
         }
-        print_issues(place, body->mesh, report);
-        good = good && report->error_count == 0;
-        pel_mesh_report_destroy(report);
+        print_findings(place, body->mesh, &found);
+        good = good && found.report->error_count == 0;
+        pel_mesh_report_destroy(found.report);
     }
     if (!good && json != NULL)
         cli_json_bool(json, "ok", false);
@@ -273,14 +308,15 @@ static pel_status try_scene(const pel_scene *scene, pel_error *error)
     return status;
 }
 
-static int check_scene(const char *path, cli_json *json)
+static int check_scene(const cli_call *call, cli_json *json)
 {
+    const char *path = call->arguments[0];
     pel_scene *scene = NULL;
     pel_error error;
     if (pel_scene_load(path, NULL, 0, &cli_notes, &scene, &error) != PEL_OK)
         return cli_report_to(&error, json);
     int status = CLI_BAD_INPUT;
-    if (check_bodies(path, scene, json)) {
+    if (check_bodies(call, scene, json)) {
         if (try_scene(scene, &error) != PEL_OK) {
             pel_scene_locate(scene, &error);
             status = cli_report_to(&error, json);
@@ -301,7 +337,7 @@ static int check_scene(const char *path, cli_json *json)
 static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, cli_json *json)
 {
     const char *path = call->arguments[0];
-    return is_scene ? check_scene(path, json) : check_mesh(call, path, format, json);
+    return is_scene ? check_scene(call, json) : check_mesh(call, path, format, json);
 }
 
 int cli_check(const cli_call *call)

@@ -33,6 +33,7 @@ static void print_reply(FILE *file, cli_kind kind, cli_words *words, void (*prin
         fputs("' -- \"$word\"))", file);
         break;
     case CLI_FLAG:
+    case CLI_TEXT:
     case CLI_LENGTH:
     case CLI_COUNT:
         fputs("COMPREPLY=()", file);

@@ -33,25 +33,28 @@ void cli_print_wrapped(FILE *file, const char *text, int column, int indent)
     fputc('\n', file);
 }
 
-/* "[-o DIR]" */
-static void print_option_usage(FILE *file, const cli_option *option)
+/* "[-o DIR]", on a new line where the one that has `column` letters would be too long; returns the new column */
+static int print_option_usage(FILE *file, const cli_option *option, int column, int indent)
 {
-    fputs(" [", file);
-    if (option->letter != 0)
-        fprintf(file, "-%c", option->letter);
-    else
-        fprintf(file, "--%s", option->name);
-    fprintf(file, "%s%s]%s", option->value != NULL ? " " : "", option->value != NULL ? option->value : "",
-            option->repeated ? "..." : "");
+    char text[160], letter[2] = {option->letter, '\0'};
+    int length = snprintf(text, sizeof text, "[%s%s%s%s]%s", option->letter != 0 ? "-" : "--",
+                          option->letter != 0 ? letter : option->name, option->value != NULL ? " " : "",
+                          option->value != NULL ? option->value : "", option->repeated ? "..." : "");
+    if (column + 1 + length > PAGE_WIDTH) {
+        fprintf(file, "\n%*s", indent - 1, "");
+        column = indent - 1;
+    }
+    return column + fprintf(file, " %s", text);
 }
 
 static void print_usage(FILE *file, const cli_command *command)
 {
-    fprintf(file, "usage: pellicle %s", command->name);
+    int indent = fprintf(file, "usage: pellicle %s", command->name), column = indent;
     for (int i = 0; i < CLI_SLOTS && command->slots[i].name != NULL; ++i)
-        fprintf(file, command->slots[i].optional ? " [%s]" : " %s", command->slots[i].name);
+        column += fprintf(file, command->slots[i].optional ? " [%s]%s" : " %s%s", command->slots[i].name,
+                          command->slots[i].repeated ? "..." : "");
     for (int i = 0; i < CLI_OPTIONS && command->options[i].name != NULL; ++i)
-        print_option_usage(file, &command->options[i]);
+        column = print_option_usage(file, &command->options[i], column, indent + 1);
     fputs("\n", file);
 }
 

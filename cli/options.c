@@ -164,11 +164,12 @@ static bool take_short(parser *p, const char *letters)
 
 static bool take_argument(parser *p, const char *text)
 {
-    for (int i = 0; i < CLI_SLOTS && p->command->slots[i].name != NULL; ++i) {
-        const cli_slot *slot = &p->command->slots[i];
-        if (p->call->arguments[i] != NULL)
-            continue;
-        p->call->arguments[i] = text;
+    int count = p->call->argument_count, i = count < CLI_SLOTS ? count : CLI_SLOTS - 1;
+    while (i > 0 && p->command->slots[i].name == NULL)
+        --i;
+    const cli_slot *slot = &p->command->slots[i];
+    if (slot->name != NULL && (i == count || slot->repeated) && count < CLI_ARGUMENTS) {
+        p->call->arguments[p->call->argument_count++] = text;
         return check_value(slot->name, slot->noun, slot->kind, text, slot->words);
     }
     cli_complain("too many arguments: '%s'. see 'pellicle %s --help'", text, p->command->name);

@@ -14,6 +14,7 @@ typedef enum cli_kind {
     CLI_COUNT,   /* whole number from 1 */
     CLI_LENGTH,  /* number from 0 */
     CLI_SETTING, /* key=value */
+    CLI_TEXT,    /* any text but none */
     CLI_WORD,    /* one of `words` */
     CLI_FILE,
     CLI_SCENE, /* a file, .yaml .yml .json first */
@@ -39,11 +40,12 @@ typedef struct cli_slot {
     const char *name;
     cli_kind kind;
     bool optional;
+    bool repeated;    /* the last slot may take any number of arguments */
     const char *noun; /* what a CLI_WORD is called in errors */
     cli_words *words;
 } cli_slot;
 
-enum { CLI_SLOTS = 2, CLI_OPTIONS = 10, CLI_WORDS = 256 };
+enum { CLI_SLOTS = 2, CLI_OPTIONS = 24, CLI_WORDS = 256, CLI_ARGUMENTS = 64 };
 
 typedef struct cli_call cli_call;
 
@@ -67,8 +69,9 @@ typedef struct cli_given {
 /* a parsed command line; the strings are those of main */
 struct cli_call {
     const cli_command *command;
-    const char *arguments[CLI_SLOTS]; /* null = not given */
-    const cli_given *given;           /* (given_count) in the order of the command line */
+    const char *arguments[CLI_ARGUMENTS]; /* null = not given */
+    int argument_count;
+    const cli_given *given; /* (given_count) in the order of the command line */
     int given_count;
 };
 

@@ -1,5 +1,5 @@
 # cmake --install: library, headers, program, scenes, CMake package and pkg-config files.
-# The scene library has an export of its own, so that the core is usable where libfyaml and assimp are not installed.
+# The scene and view libraries have exports of their own, so that the core is usable where what they need is not installed.
 include(CMakePackageConfigHelpers)
 set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
 
@@ -31,6 +31,13 @@ if(TARGET pellicle_scene)
     install(EXPORT pellicleSceneTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
     configure_file(cmake/pellicle-scene.pc.in pellicle-scene.pc @ONLY)
     install(FILES ${PROJECT_BINARY_DIR}/pellicle-scene.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
+if(TARGET pellicle_view)
+    set_target_properties(pellicle_view PROPERTIES EXPORT_NAME view)
+    install(TARGETS pellicle_view EXPORT pellicleViewTargets)
+    install(EXPORT pellicleViewTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
+    configure_file(cmake/pellicle-view.pc.in pellicle-view.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/pellicle-view.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endif()
 if(TARGET pellicle_program)
     install(TARGETS pellicle_program)

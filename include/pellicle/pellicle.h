@@ -5,8 +5,10 @@
 
 #include "base.h"
 #include "bending.h"
+#include "collide.h"
 #include "element.h"
 #include "geometry.h"
+#include "intersect.h"
 #include "material.h"
 #include "measure.h"
 #include "mesh.h"
@@ -15,6 +17,7 @@
 #include "model.h"
 #include "parallel.h"
 #include "region.h"
+#include "render.h"
 #include "results.h"
 #include "shape.h"
 #include "sim.h"

@@ -63,6 +63,9 @@ typedef struct pel_run_summary {
     double residual_displacement; /* m, largest at the end */
     double max_tool_force;        /* N, largest over all tools and steps */
     int64_t vertices_final, triangles_final;
+    int64_t
+        self_intersections_final; /* pairs of triangles, of all bodies, that cut or touch each other at the end, within
+                                     a body and between bodies (pel_mesh_self_intersections); -1 = not known */
     uint64_t state_hash;
     double alpha, alpha_limit;
     int32_t threads;

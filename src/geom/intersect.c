@@ -98,10 +98,13 @@ static void triangle_set(triangle *t, const double corners[3][3])
     t->axis = find_axis(corners[0], corners[1], corners[2]);
 }
 
-/* sides of the corners of a against the plane of b, which has area; false when all are on one side */
-static bool find_sides(const triangle *a, const triangle *b, int sides[3])
+/* sides of the corners of a against the plane of b, which has area and the first shared_count corners of a too; false
+   when all are on one side */
+static bool find_sides(const triangle *a, const triangle *b, int shared_count, int sides[3])
 {
     for (int i = 0; i < 3; i++)
+        sides[i] = 0;
+    for (int i = shared_count; i < 3; i++)
         sides[i] = pel_orient3d(b->corner[0], b->corner[1], b->corner[2], a->corner[i]);
     return !(sides[0] > 0 && sides[1] > 0 && sides[2] > 0) && !(sides[0] < 0 && sides[1] < 0 && sides[2] < 0);
 }
@@ -160,12 +163,12 @@ bool pel_triangles_intersect(const double a[3][3], const double b[3][3])
     triangle_set(&tb, b);
     if (ta.axis < 0 && tb.axis < 0)
         return flat_triangles_meet(&ta, &tb);
-    if (tb.axis >= 0 && !find_sides(&ta, &tb, a_sides))
+    if (tb.axis >= 0 && !find_sides(&ta, &tb, 0, a_sides))
         return false;
     bool one_plane = tb.axis >= 0 && a_sides[0] == 0 && a_sides[1] == 0 && a_sides[2] == 0;
     if (one_plane)
         memset(b_sides, 0, sizeof b_sides);
-    else if (ta.axis >= 0 && !find_sides(&tb, &ta, b_sides))
+    else if (ta.axis >= 0 && !find_sides(&tb, &ta, 0, b_sides))
         return false;
     return (tb.axis >= 0 && any_edge_meets(&ta, a_sides, &tb)) || (ta.axis >= 0 && any_edge_meets(&tb, b_sides, &ta));
 }
@@ -176,7 +179,7 @@ static bool meet_beyond_vertex(const triangle *a, const triangle *b)
     int a_sides[3], b_sides[3];
     if (a->axis < 0 || b->axis < 0)
         return true;
-    if (!find_sides(a, b, a_sides) || !find_sides(b, a, b_sides))
+    if (!find_sides(a, b, 1, a_sides) || !find_sides(b, a, 1, b_sides))
         return false;
     return edge_meets(a, 1, a_sides, b) || edge_meets(b, 1, b_sides, a);
 }
@@ -186,10 +189,10 @@ static bool meet_beyond_edge(const triangle *a, const triangle *b)
 {
     if (a->axis < 0 || b->axis < 0)
         return true;
-    if (pel_orient3d(a->corner[0], a->corner[1], a->corner[2], b->corner[2]) != 0)
-        return false;
+    /* the cheap test first: in a flat mesh the other one needs exact numbers */
     return orient_dropping(a->axis, a->corner[0], a->corner[1], a->corner[2]) ==
-           orient_dropping(a->axis, b->corner[0], b->corner[1], b->corner[2]);
+               orient_dropping(a->axis, b->corner[0], b->corner[1], b->corner[2]) &&
+           pel_orient3d(a->corner[0], a->corner[1], a->corner[2], b->corner[2]) == 0;
 }
 
 bool pel_triangles_intersect_beyond(const double a[3][3], const double b[3][3], int shared_count)

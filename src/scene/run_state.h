@@ -57,7 +57,7 @@ pel_status pel_run_checkpoint_read(pel_run_state *run, const char *path, pel_err
 
 /* ---- run_summary.c ---- */
 
-void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary);
+void pel_run_summary_fill(pel_run_state *run, pel_status status, pel_run_summary *summary);
 /* error is what ended the run, null when it is done */
 pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
                                  pel_error *error);

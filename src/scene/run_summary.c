@@ -22,7 +22,7 @@ static const char *status_word(pel_status status)
     }
 }
 
-void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary)
+void pel_run_summary_fill(pel_run_state *run, pel_status status, pel_run_summary *summary)
 {
     const pel_sim *sim = run->sim;
     const pel_run_totals *totals = &run->totals;
@@ -47,6 +47,8 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
     };
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
+    if (pel_run_surface_intersections(&run->surface, sim, &summary->self_intersections_final, NULL) != PEL_OK)
+        summary->self_intersections_final = -1;
     memcpy(summary->checkpoint, run->checkpoint_path, sizeof summary->checkpoint);
 }
 
@@ -127,8 +129,12 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
     number_entry(writer, "residual_displacement", s->residual_displacement);
     count_entry(writer, "vertices_final", s->vertices_final);
     count_entry(writer, "triangles_final", s->triangles_final);
-    begin(writer, "self_intersections_final");
-    pel_file_writer_printf(writer, "null");
+    if (s->self_intersections_final >= 0) {
+        count_entry(writer, "self_intersections_final", s->self_intersections_final);
+    } else {
+        begin(writer, "self_intersections_final");
+        pel_file_writer_printf(writer, "null");
+    }
     begin(writer, "state_hash");
     pel_file_writer_printf(writer, "\"%016" PRIx64 "\"", s->state_hash);
     number_entry(writer, "alpha", s->alpha);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "pellicle/intersect.h"
 #include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
 #include "scene/run_fields.h"
@@ -282,6 +283,16 @@ static void read_measures(pel_run_surface *surface)
                 put_measure(surface->sources[f], &measure, v, field_values(&surface->fields[f]));
         }
     }
+}
+
+pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count, pel_error *error)
+{
+    read_positions(surface, sim);
+    const pel_mesh mesh = {.vertex_count = surface->vertex_count,
+                           .triangle_count = surface->triangle_count,
+                           .positions = (double(*)[3])surface->positions,
+                           .triangles = (int32_t(*)[3])surface->triangles};
+    return pel_mesh_self_intersections(&mesh, NULL, 0, count, error);
 }
 
 double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim)

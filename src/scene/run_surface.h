@@ -33,6 +33,10 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
 pel_status pel_run_surface_write_final(pel_run_surface *surface, const pel_sim *sim, const char *path,
                                        pel_error *error);
 
+/* Pairs of triangles that cut or touch each other, within and between bodies. PEL_OUT_OF_MEMORY. */
+pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count,
+                                         pel_error *error);
+
 /* m/s, of the fastest vertex */
 double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim);
 

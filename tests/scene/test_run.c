@@ -342,7 +342,8 @@ static void test_files(void **unused)
                    "vertices,triangles,contacts,step_ms,probe_force,probe_force_x,probe_force_y,probe_force_z,"
                    "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,clamp_force,");
     check_contains(test.run, "summary.json", "{\n  \"status\": \"done\",\n  \"frames\": 10,\n  \"steps\": 60,\n");
-    check_contains(test.run, "summary.json", "\"self_intersections_final\": null");
+    check_contains(test.run, "summary.json", "\"self_intersections_final\": 0,");
+    assert_int_equal(test.summary.self_intersections_final, 0);
     check_contains(test.run, "summary.json", "{\"name\": \"probe\", \"max_force\": ");
     check_contains(test.run, "scene.yaml", "# state_hash: ");
 

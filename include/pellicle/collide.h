@@ -1,0 +1,95 @@
+/* Pellicle: collisions of a moving surface with itself. A collider knows the triangles of a surface and is asked, step
+   by step, what may touch between two sets of positions:
+
+       pel_collider_def def = pel_collider_def_default();
+       def.mesh = mesh;
+       pel_collider_create(&def, &collider, &error);
+       pel_collision_query query = pel_collision_query_default();
+       query.start = x, query.end = x_next, query.min_separation = thickness;
+       pel_collider_detect(collider, &query, &result, &error);
+
+   Nothing is moved: what to do about a collision is the caller's business. One collider is used by one thread at a time
+   (it uses threads of its own inside). It remembers pairs from call to call, which changes the time it takes and, for
+   candidates, their order and those that boxes do not tell apart, but not what it detects. */
+#ifndef PELLICLE_COLLIDE_H
+#define PELLICLE_COLLIDE_H
+
+#include "geometry.h"
+#include "intersect.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pel_collider pel_collider;
+
+typedef struct pel_collider_def {
+    const pel_mesh *mesh; /* copied. Several bodies may be one mesh: pairs are found within and between them */
+    double margin; /* m, motion of the surface's parts against each other for which pairs are kept from step to step; 0
+                      = search anew each time; negative = a fifth of the mean edge length */
+    int64_t candidate_limit; /* the most candidates of a step; 0 = 1000 per triangle, at least a million */
+    int thread_count;        /* 0 = as many as the machine has; the results do not depend on it */
+    uint32_t cookie;         /* set by pel_collider_def_default */
+} pel_collider_def;
+
+/* No mesh yet, margin -1, one thread. */
+pel_collider_def pel_collider_def_default(void);
+
+/* PEL_BAD_ARGUMENT (numbers out of range, a position that is not finite), PEL_BAD_MESH with the triangle (a bad index
+   or a repeated vertex), PEL_OUT_OF_MEMORY. Free with pel_collider_destroy. */
+pel_status pel_collider_create(const pel_collider_def *def, pel_collider **collider, pel_error *error);
+void pel_collider_destroy(pel_collider *collider);
+
+/* One step: all vertices move on straight lines. */
+typedef struct pel_collision_query {
+    const double *start, *end; /* (vertex_count x 3), finite; the same array: a surface at rest */
+    double min_separation;     /* m, >= 0: nearer than this is a collision */
+    double tolerance;          /* m, >= 0, see pellicle/geometry.h; beyond min_separation */
+    pel_ccd_method method;
+} pel_collision_query;
+
+/* Separation 0, tolerance 0, PEL_CCD_CONSERVATIVE. */
+pel_collision_query pel_collision_query_default(void);
+
+/* What may touch: all pairs without a common vertex whose boxes around their ways, grown by min_separation + tolerance,
+   overlap, and none twice. Lives until the next call with this collider. */
+typedef struct pel_collision_candidates {
+    const pel_pair *vertex_face; /* (vertex_face_count) vertex, triangle */
+    int64_t vertex_face_count;
+    const pel_pair *edge_edge; /* (edge_edge_count) edges, first < second */
+    int64_t edge_edge_count;
+    const int32_t (*edges)[2]; /* (edge_count x 2) the vertices of the edges of this collider */
+    int32_t edge_count;
+    int64_t searches; /* of the tree, since the collider was made; the other steps were served from kept pairs */
+    int64_t kept;     /* pairs that were looked through */
+} pel_collision_candidates;
+
+/* The broad phase alone. No memory is allocated unless there are more candidates than ever before.
+   PEL_BAD_ARGUMENT (a position that is not finite, with its vertex; numbers out of range; more candidates than the
+   limit), PEL_OUT_OF_MEMORY. */
+pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_query *query,
+                                   pel_collision_candidates *candidates, pel_error *error);
+
+/* A vertex and a triangle, or two edges, that come too near. */
+typedef struct pel_collision {
+    bool edge_edge;
+    int32_t first, second; /* vertex and triangle, or edges, as in the candidates */
+    int32_t vertices[4];   /* vertex and corners, or the ends of both edges */
+    pel_ccd_hit hit;       /* when and where; weights in the order of `vertices` */
+} pel_collision;
+
+typedef struct pel_collision_result {
+    const pel_collision *collisions; /* vertex-face first, each kind by rising numbers; lives until the next call */
+    int64_t collision_count;
+    pel_ccd_statistics vertex_face, edge_edge; /* queries are the candidates */
+} pel_collision_result;
+
+/* Broad and narrow phase: every pair without a common vertex that comes within min_separation during the step is found
+   (see pellicle/geometry.h for what a hit means). Failures as above. */
+pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query, pel_collision_result *result,
+                               pel_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

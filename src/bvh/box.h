@@ -1,0 +1,144 @@
+/* Boxes along the axes, in float, always rounded outward: a box holds what it stands for, so that two things whose
+   boxes are apart are apart. Float halves the memory and doubles the lanes; coordinates are taken relative to an origin
+   in double before they are rounded (pel_frame), so that the place in the world costs no resolution. */
+#ifndef PEL_BVH_BOX_H
+#define PEL_BVH_BOX_H
+
+#include "pellicle/base.h"
+
+#include <float.h>
+#include <math.h>
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+/* x, y, z and 0 */
+typedef float pel_corner __attribute__((vector_size(16)));
+
+typedef struct pel_box {
+    pel_corner low, high;
+} pel_box;
+
+/* eight boxes, lane by lane; an empty lane overlaps nothing */
+enum { PEL_LANES = 8 };
+typedef float pel_lanes __attribute__((vector_size(32)));
+typedef int32_t pel_lanes_mask __attribute__((vector_size(32)));
+
+typedef struct pel_box_group {
+    pel_lanes low[3], high[3];
+} pel_box_group;
+
+static inline pel_corner pel_corner_min(pel_corner a, pel_corner b)
+{
+#if defined(__SSE2__)
+    return _mm_min_ps(a, b);
+#else
+    return (pel_corner){fminf(a[0], b[0]), fminf(a[1], b[1]), fminf(a[2], b[2]), 0};
+#endif
+}
+
+static inline pel_corner pel_corner_max(pel_corner a, pel_corner b)
+{
+#if defined(__SSE2__)
+    return _mm_max_ps(a, b);
+#else
+    return (pel_corner){fmaxf(a[0], b[0]), fmaxf(a[1], b[1]), fmaxf(a[2], b[2]), 0};
+#endif
+}
+
+/* every coordinate of a is at most that of b */
+static inline bool pel_corner_below(pel_corner a, pel_corner b)
+{
+#if defined(__SSE2__)
+    return _mm_movemask_ps(_mm_cmple_ps(a, b)) == 15;
+#else
+    return a[0] <= b[0] && a[1] <= b[1] && a[2] <= b[2];
+#endif
+}
+
+/* overlaps nothing, and joined with another box gives that box */
+static inline pel_box pel_box_empty(void)
+{
+    const float infinite = HUGE_VALF;
+    return (pel_box){{infinite, infinite, infinite, 0}, {-infinite, -infinite, -infinite, 0}};
+}
+
+static inline pel_box pel_box_join(pel_box a, pel_box b)
+{
+    return (pel_box){pel_corner_min(a.low, b.low), pel_corner_max(a.high, b.high)};
+}
+
+/* touching counts */
+static inline bool pel_box_overlaps(const pel_box *a, const pel_box *b)
+{
+#if defined(__SSE2__)
+    __m128 both = _mm_and_ps(_mm_cmple_ps(a->low, b->high), _mm_cmple_ps(b->low, a->high));
+    return _mm_movemask_ps(both) == 15;
+#else
+    return pel_corner_below(a->low, b->high) && pel_corner_below(b->low, a->high);
+#endif
+}
+
+static inline bool pel_box_contains(const pel_box *outer, const pel_box *inner)
+{
+    return pel_corner_below(outer->low, inner->low) && pel_corner_below(inner->high, outer->high);
+}
+
+/* half the surface; 0 for an empty box */
+static inline double pel_box_area(const pel_box *box)
+{
+    double x = (double)box->high[0] - (double)box->low[0], y = (double)box->high[1] - (double)box->low[1];
+    double z = (double)box->high[2] - (double)box->low[2];
+    return x >= 0 ? x * y + y * z + z * x : 0;
+}
+
+static inline pel_lanes pel_lanes_splat(float x)
+{
+    return (pel_lanes){x, x, x, x, x, x, x, x};
+}
+
+static inline pel_box pel_box_group_get(const pel_box_group *group, int lane)
+{
+    return (pel_box){{group->low[0][lane], group->low[1][lane], group->low[2][lane], 0},
+                     {group->high[0][lane], group->high[1][lane], group->high[2][lane], 0}};
+}
+
+static inline void pel_box_group_set(pel_box_group *group, int lane, pel_box box)
+{
+    for (int k = 0; k < 3; k++) {
+        group->low[k][lane] = box.low[k];
+        group->high[k][lane] = box.high[k];
+    }
+}
+
+/* bit i: lane i is set */
+static inline unsigned pel_lanes_bits(pel_lanes_mask mask)
+{
+#if defined(__AVX__)
+    return (unsigned)_mm256_movemask_ps((__m256)mask);
+#else
+    unsigned bits = 0;
+    for (int lane = 0; lane < PEL_LANES; lane++)
+        bits |= (unsigned)(mask[lane] & 1) << lane;
+    return bits;
+#endif
+}
+
+static inline pel_lanes_mask pel_lanes_equal(pel_lanes_mask lanes, int32_t x)
+{
+    return (pel_lanes_mask)(lanes == (pel_lanes_mask){x, x, x, x, x, x, x, x});
+}
+
+/* lanes that overlap the box with these corners */
+static inline pel_lanes_mask pel_box_group_overlaps(const pel_box_group *group, const float low[3], const float high[3])
+{
+    pel_lanes_mask hit = (pel_lanes_mask)(group->low[0] <= pel_lanes_splat(high[0]));
+    hit &= (pel_lanes_mask)(group->high[0] >= pel_lanes_splat(low[0]));
+    for (int k = 1; k < 3; k++) {
+        hit &= (pel_lanes_mask)(group->low[k] <= pel_lanes_splat(high[k]));
+        hit &= (pel_lanes_mask)(group->high[k] >= pel_lanes_splat(low[k]));
+    }
+    return hit;
+}
+
+#endif

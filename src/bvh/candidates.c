@@ -1,0 +1,236 @@
+#include "bvh/candidates.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <string.h>
+
+/* a tree whose boxes cover this much more area than when it was built is built anew */
+static const double cost_growth = 1.3;
+/* updates that kept pairs must serve to be worth it, and the longest pause without */
+enum { WORTH_KEEPING = 2, PAUSE_LIMIT = 32 };
+
+/* ---- creation ---- */
+
+static pel_status allocate_boxes(pel_candidates *c)
+{
+    const pel_tree *tree = c->tree;
+    size_t vertex_count = (size_t)tree->vertex_count;
+    c->vertex_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
+    c->kept_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
+    c->edge_boxes = pel_allocate_aligned((size_t)tree->edge_count, sizeof(pel_box));
+    c->triangle_boxes = pel_allocate_aligned((size_t)tree->triangle_count, sizeof(pel_box));
+    c->kept_positions = pel_allocate(vertex_count, sizeof *c->kept_positions);
+    bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->edge_boxes != NULL &&
+                c->triangle_boxes != NULL && c->kept_positions != NULL;
+    return made ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+                                 int32_t triangle_count, double margin, int64_t limit, pel_candidates **candidates,
+                                 pel_error *error)
+{
+    *candidates = NULL;
+    pel_candidates *c = pel_allocate(1, sizeof *c);
+    if (c == NULL)
+        return pel_fail_memory(error);
+    c->margin = margin;
+    pel_pair_search_begin(&c->search, limit);
+    pel_status status =
+        pel_tree_create(positions, vertex_count, triangles, triangle_count, PEL_TREE_FEATURES, &c->tree, error);
+    if (status == PEL_OK && allocate_boxes(c) != PEL_OK)
+        status = pel_fail_memory(error);
+    if (status == PEL_OK)
+        *candidates = c;
+    else
+        pel_candidates_destroy(c);
+    return status;
+}
+
+void pel_candidates_destroy(pel_candidates *c)
+{
+    if (c == NULL)
+        return;
+    pel_tree_destroy(c->tree);
+    pel_pair_search_clear(&c->search);
+    pel_free(c->vertex_face);
+    pel_free(c->edge_edge);
+    pel_free(c->vertex_boxes);
+    pel_free(c->edge_boxes);
+    pel_free(c->triangle_boxes);
+    pel_free(c->kept_boxes);
+    pel_free(c->kept_positions);
+    pel_free(c);
+}
+
+/* ---- search ---- */
+
+/* whether this search is to be done with the margin */
+static bool choose_margin(pel_candidates *c)
+{
+    if (c->has_kept && c->kept_uses < WORTH_KEEPING) {
+        c->pause_length = c->pause_length == 0 ? 2 : 2 * c->pause_length;
+        c->pause_length = c->pause_length < PAUSE_LIMIT ? c->pause_length : PAUSE_LIMIT;
+        c->pause = c->pause_length;
+    } else if (c->has_kept) {
+        c->pause_length = 0;
+    }
+    if (c->pause > 0) {
+        c->pause--;
+        return false;
+    }
+    return c->margin > 0;
+}
+
+static void keep_positions(pel_candidates *c, const pel_frame *frame, const pel_motion *motion)
+{
+    for (int32_t v = 0; v < motion->vertex_count; v++)
+        pel_frame_middle(frame, motion, v, c->kept_positions[v]);
+    c->kept_uses = 0;
+}
+
+/* fits the tree, building it anew when it has become bad */
+static void fit_tree(pel_candidates *c, const pel_motion *motion, const pel_box *boxes)
+{
+    pel_tree_refit(c->tree, boxes);
+    if (pel_tree_cost(c->tree) <= cost_growth * c->tree->built_cost)
+        return;
+    pel_tree_rebuild(c->tree, motion->start);
+    pel_tree_refit(c->tree, boxes);
+    c->counts.rebuilds++;
+}
+
+static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, pel_pool *pool,
+                              pel_error *error)
+{
+    const unsigned kinds = 1u << PEL_PAIR_VERTEX_FACE | 1u << PEL_PAIR_EDGE_EDGE;
+    bool with_margin = choose_margin(c);
+    c->has_kept = false;
+    if (with_margin)
+        pel_boxes_grow(c->vertex_boxes, c->tree->vertex_count, 0.5 * c->margin, c->kept_boxes);
+    fit_tree(c, motion, with_margin ? c->kept_boxes : c->vertex_boxes);
+    c->counts.searches++;
+    pel_status status = pel_find_pairs(c->tree, c->tree, kinds, pool, &c->search, error);
+    if (status == PEL_OK && with_margin) {
+        keep_positions(c, frame, motion);
+        c->has_kept = true;
+    }
+    return status;
+}
+
+/* ---- candidates among the pairs that were found ---- */
+
+/* one kind of pairs: where they come from and go to */
+typedef struct sieve {
+    const pel_pair_search *search;
+    pel_pair_kind kind;
+    const pel_box *first_boxes, *second_boxes;
+    pel_pair *kept; /* room for all pairs of the chunks, one after the other */
+    size_t offset[PEL_SEARCH_CHUNKS], kept_count[PEL_SEARCH_CHUNKS];
+} sieve;
+
+static void sieve_chunk(void *context, int32_t chunk)
+{
+    sieve *s = context;
+    const pel_pair_list *list = &s->search->chunks[chunk].lists[s->kind];
+    pel_pair *begin = s->kept + s->offset[chunk], *out = begin;
+    for (size_t i = 0; i < list->count; i++) {
+        pel_pair pair = list->pairs[i];
+        *out = pair;
+        out += pel_box_overlaps(&s->first_boxes[pair.first], &s->second_boxes[pair.second]);
+    }
+    s->kept_count[chunk] = (size_t)(out - begin);
+}
+
+static pel_status sieve_pairs(pel_candidates *c, pel_pair_kind kind, pel_pool *pool, pel_pair **pairs, size_t *count,
+                              size_t *capacity)
+{
+    bool edges = kind == PEL_PAIR_EDGE_EDGE;
+    sieve s = {.search = &c->search, .kind = kind};
+    s.first_boxes = edges ? c->edge_boxes : c->vertex_boxes;
+    s.second_boxes = edges ? c->edge_boxes : c->triangle_boxes;
+    size_t total = 0;
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
+        s.offset[chunk] = total;
+        total += c->search.chunks[chunk].lists[kind].count;
+    }
+    if (!pel_reserve((void **)pairs, capacity, total, sizeof **pairs))
+        return PEL_OUT_OF_MEMORY;
+    s.kept = *pairs;
+    pel_pool_run(pool, PEL_SEARCH_CHUNKS, sieve_chunk, &s);
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
+        memmove(*pairs + *count, *pairs + s.offset[chunk], s.kept_count[chunk] * sizeof **pairs);
+        *count += s.kept_count[chunk];
+    }
+    c->counts.kept += (int64_t)total;
+    return PEL_OK;
+}
+
+static pel_status sieve_all(pel_candidates *c, pel_pool *pool, pel_error *error)
+{
+    pel_tree_feature_boxes(c->tree, c->vertex_boxes, c->edge_boxes, c->triangle_boxes);
+    c->counts.kept = 0;
+    if (sieve_pairs(c, PEL_PAIR_VERTEX_FACE, pool, &c->vertex_face, &c->vertex_face_count, &c->vertex_face_capacity) !=
+            PEL_OK ||
+        sieve_pairs(c, PEL_PAIR_EDGE_EDGE, pool, &c->edge_edge, &c->edge_edge_count, &c->edge_edge_capacity) != PEL_OK)
+        return pel_fail_memory(error);
+    return PEL_OK;
+}
+
+/* ---- update ---- */
+
+static pel_status make_boxes(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, double thickness,
+                             pel_error *error)
+{
+    int32_t bad = pel_boxes_of_motion(frame, motion, thickness, c->vertex_boxes);
+    if (bad < 0)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "the position of a vertex is not finite");
+    pel_fail_element(error, "vertex", bad);
+    return PEL_BAD_ARGUMENT;
+}
+
+/* every vertex box lies in the box that the kept pairs allow for */
+static bool kept_pairs_hold(const pel_candidates *c)
+{
+    for (int32_t v = 0; v < c->tree->vertex_count; v++)
+        if (!pel_box_contains(&c->kept_boxes[v], &c->vertex_boxes[v]))
+            return false;
+    return true;
+}
+
+static pel_status update(pel_candidates *c, const pel_motion *motion, double thickness, pel_pool *pool,
+                         pel_error *error)
+{
+    pel_frame frame;
+    pel_status status;
+    if (c->has_kept) {
+        frame = pel_frame_follow(motion, (const double(*)[3])c->kept_positions);
+        status = make_boxes(c, &frame, motion, thickness, error);
+        if (status != PEL_OK)
+            return status;
+        if (kept_pairs_hold(c)) {
+            c->kept_uses++;
+            return sieve_all(c, pool, error);
+        }
+    }
+    frame = pel_frame_centre(motion);
+    status = make_boxes(c, &frame, motion, thickness, error);
+    if (status == PEL_OK)
+        status = search_tree(c, &frame, motion, pool, error);
+    return status == PEL_OK ? sieve_all(c, pool, error) : status;
+}
+
+pel_status pel_candidates_update(pel_candidates *c, const double (*start)[3], const double (*end)[3], double thickness,
+                                 pel_pool *pool, pel_error *error)
+{
+    pel_motion motion = {start, end, c->tree->vertex_count};
+    c->vertex_face_count = c->edge_edge_count = 0;
+    c->counts.updates++;
+    pel_status status = update(c, &motion, thickness, pool, error);
+    if (status != PEL_OK) {
+        c->has_kept = false;
+        c->vertex_face_count = c->edge_edge_count = 0;
+    }
+    return status;
+}

@@ -1,0 +1,56 @@
+/* What may touch during a step within one surface: pairs of a vertex and a triangle, and pairs of edges, whose boxes,
+   swept over the step and grown by the thickness, overlap. All of them, each once.
+
+   Most steps do not search the tree. The tree is fitted to boxes that are larger by a margin, and the pairs found with
+   these are kept. As long as the swept box of every vertex lies within its larger box, every pair of features that
+   overlap is among the kept ones: it is enough to look through those. Before the comparison the common motion of the
+   surface (translation, rotation, stretch) is taken out by a frame that follows it (bvh/frame.h), so that only the
+   motion of its parts against each other uses up the margin.
+
+   When the margin is used up in a single step, it pays to keep nothing: the search then runs with the boxes as they are
+   for some steps, twice as many each time, before a margin is tried again. All decisions are taken from positions, none
+   from clocks: the list does not depend on the machine. Its order depends on when the tree was searched last. */
+#ifndef PEL_BVH_CANDIDATES_H
+#define PEL_BVH_CANDIDATES_H
+
+#include "bvh/frame.h"
+#include "bvh/search.h"
+
+/* what happened since the beginning */
+typedef struct pel_candidate_counts {
+    int64_t updates, searches, rebuilds;
+    int64_t kept; /* pairs that are kept at present */
+} pel_candidate_counts;
+
+typedef struct pel_candidates {
+    pel_tree *tree; /* own */
+    double margin;  /* m; 0 = keep nothing */
+
+    pel_pair *vertex_face, *edge_edge; /* of the last update: vertex and triangle, edge and edge */
+    size_t vertex_face_count, edge_edge_count;
+    size_t vertex_face_capacity, edge_edge_capacity;
+
+    pel_box *vertex_boxes, *edge_boxes, *triangle_boxes; /* of the last update */
+    pel_box *kept_boxes;                                 /* (vertex_count) that the kept pairs allow for */
+    double (*kept_positions)[3];                         /* (vertex_count x 3) what the frame follows */
+    bool has_kept;
+    int32_t kept_uses;           /* updates served by the kept pairs */
+    int32_t pause, pause_length; /* updates to go without a margin; length of the last such pause */
+    pel_pair_search search;
+    pel_candidate_counts counts;
+} pel_candidates;
+
+/* A surface as for pel_tree_create. margin [m] >= 0; limit: the most pairs. Free with pel_candidates_destroy. */
+pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+                                 int32_t triangle_count, double margin, int64_t limit, pel_candidates **candidates,
+                                 pel_error *error);
+void pel_candidates_destroy(pel_candidates *candidates);
+
+/* The candidates of a step from start to end (vertex_count x 3) that come within `thickness` (>= 0). Allocates only
+   where there are more candidates than ever before. pool is nullable; the result does not depend on it.
+   PEL_BAD_ARGUMENT with the vertex when a position is not finite, or beyond the limit; PEL_OUT_OF_MEMORY. After a
+   failure there are no candidates, and the next update starts anew. */
+pel_status pel_candidates_update(pel_candidates *candidates, const double (*start)[3], const double (*end)[3],
+                                 double thickness, pel_pool *pool, pel_error *error);
+
+#endif

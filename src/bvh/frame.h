@@ -1,0 +1,47 @@
+/* Coordinates in which boxes are made, and the boxes of moving points in them.
+
+   Whether two things touch at a time t does not change when all points go through one and the same affine map
+       y = matrix (x - origin(t)),
+   so boxes may be compared in any such frame as long as all of them are in it. The origin moves on a straight line
+   during the step, as the points do; so y does too, and its way is in the box around both ends. Two points at most d
+   apart in x are at most d |row k of matrix| apart in y[k]. A frame that follows the body (translation, rotation,
+   stretch) leaves only the motion of its parts against each other, which is what a cached list of pairs has to allow
+   for. */
+#ifndef PEL_BVH_FRAME_H
+#define PEL_BVH_FRAME_H
+
+#include "bvh/box.h"
+
+typedef struct pel_frame {
+    double origin[2][3]; /* at the start and at the end */
+    double matrix[3][3];
+} pel_frame;
+
+/* An origin at rest, no turning and no stretch. */
+pel_frame pel_frame_at(const double origin[3]);
+
+/* points at both ends of a step */
+typedef struct pel_motion {
+    const double (*start)[3], (*end)[3]; /* (vertex_count x 3); the same array: nothing moves */
+    int32_t vertex_count;
+} pel_motion;
+
+/* The frame that moves with the mean of the points (of every n-th point of large sets), no turning and no stretch. */
+pel_frame pel_frame_centre(const pel_motion *motion);
+
+/* The frame in which the points at mid-step are nearest to `before` (vertex_count x 3): what pel_frame_centre made of
+   the points of an earlier step, at its middle (least squares). pel_frame_centre where the map would be too distorted.
+ */
+pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3]);
+
+/* A point at mid-step in a frame without turning and stretch. */
+void pel_frame_middle(const pel_frame *frame, const pel_motion *motion, int32_t v, double place[3]);
+
+/* The box of each point on its way from start to end, grown so that boxes of points that come within `reach` of each
+   other overlap. Returns the first point that is not finite, -1 when all are. boxes (vertex_count). */
+int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, double reach, pel_box *boxes);
+
+/* Boxes grown by `growth` on every side. */
+void pel_boxes_grow(const pel_box *boxes, int32_t count, double growth, pel_box *grown);
+
+#endif

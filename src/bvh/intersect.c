@@ -1,0 +1,166 @@
+#include "pellicle/intersect.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "bvh/frame.h"
+#include "bvh/search.h"
+#include "pellicle/geometry.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* what the search works on: the triangles that can be used */
+typedef struct certificate {
+    const pel_mesh *mesh;
+    int32_t usable_count;
+    int32_t (*triangles)[3]; /* (usable_count x 3) */
+    int32_t *numbers;        /* (usable_count) in the mesh */
+    double (*positions)[3];  /* (vertex_count x 3), zero where they are not finite */
+    pel_box *boxes;          /* (vertex_count) */
+    pel_tree *tree;
+    pel_pair_search search;
+    int32_t pair_limit;
+    int64_t counts[PEL_SEARCH_CHUNKS]; /* pairs that intersect, of each chunk */
+} certificate;
+
+static bool is_usable(const pel_mesh *mesh, const int32_t v[3])
+{
+    for (int i = 0; i < 3; i++) {
+        if (v[i] < 0 || v[i] >= mesh->vertex_count || v[i] == v[(i + 1) % 3])
+            return false;
+        const double *x = mesh->positions[v[i]];
+        if (!isfinite(fabs(x[0]) + fabs(x[1]) + fabs(x[2])))
+            return false;
+    }
+    return true;
+}
+
+static pel_status collect_triangles(certificate *it)
+{
+    const pel_mesh *mesh = it->mesh;
+    it->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *it->triangles);
+    it->numbers = pel_allocate((size_t)mesh->triangle_count, sizeof *it->numbers);
+    it->positions = pel_allocate((size_t)mesh->vertex_count, sizeof *it->positions);
+    it->boxes = pel_allocate_aligned((size_t)mesh->vertex_count, sizeof *it->boxes);
+    if (it->triangles == NULL || it->numbers == NULL || it->positions == NULL || it->boxes == NULL)
+        return PEL_OUT_OF_MEMORY;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        if (!is_usable(mesh, v))
+            continue;
+        for (int i = 0; i < 3; i++)
+            memcpy(it->positions[v[i]], mesh->positions[v[i]], sizeof it->positions[v[i]]);
+        memcpy(it->triangles[it->usable_count], v, sizeof it->triangles[0]);
+        it->numbers[it->usable_count++] = t;
+    }
+    return PEL_OK;
+}
+
+static bool has_corner(const int32_t v[3], int32_t corner)
+{
+    return v[0] == corner || v[1] == corner || v[2] == corner;
+}
+
+/* the corners of both, common ones first and in the same order; returns how many are common */
+static int common_first(const int32_t a[3], const int32_t b[3], int32_t a_order[3], int32_t b_order[3])
+{
+    int shared = 0, a_rest = 2, b_rest = 2;
+    for (int i = 0; i < 3; i++) {
+        if (has_corner(b, a[i])) {
+            a_order[shared] = b_order[shared] = a[i];
+            shared++;
+        } else {
+            a_order[a_rest--] = a[i];
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        if (!has_corner(a, b[i]))
+            b_order[b_rest--] = b[i];
+    return shared;
+}
+
+static bool triangles_intersect(const certificate *it, pel_pair pair)
+{
+    int32_t a[3], b[3];
+    double a_corners[3][3], b_corners[3][3];
+    int shared = common_first(it->triangles[pair.first], it->triangles[pair.second], a, b);
+    for (int i = 0; i < 3; i++) {
+        memcpy(a_corners[i], it->positions[a[i]], sizeof a_corners[i]);
+        memcpy(b_corners[i], it->positions[b[i]], sizeof b_corners[i]);
+    }
+    return pel_triangles_intersect_beyond((const double(*)[3])a_corners, (const double(*)[3])b_corners, shared);
+}
+
+/* counts the pair when its triangles intersect; no chunk keeps more than can be listed */
+static bool keep_pair(void *context, int32_t chunk, pel_pair pair)
+{
+    certificate *it = context;
+    return triangles_intersect(it, pair) && ++it->counts[chunk] <= it->pair_limit;
+}
+
+static pel_status find_pairs(certificate *it, pel_error *error)
+{
+    const double(*positions)[3] = (const double(*)[3])it->positions;
+    pel_status status = pel_tree_create(positions, it->mesh->vertex_count, (const int32_t(*)[3])it->triangles,
+                                        it->usable_count, PEL_TREE_TRIANGLES, &it->tree, error);
+    if (status != PEL_OK)
+        return status;
+    pel_motion rest = {positions, positions, it->mesh->vertex_count};
+    pel_frame frame = pel_frame_centre(&rest);
+    pel_boxes_of_motion(&frame, &rest, 0, it->boxes);
+    pel_tree_refit(it->tree, it->boxes);
+    it->search.keep = keep_pair;
+    it->search.context = it;
+    return pel_find_pairs(it->tree, it->tree, 1u << PEL_PAIR_FACE_FACE, NULL, &it->search, error);
+}
+
+static int compare_pairs(const void *a, const void *b)
+{
+    const pel_pair *p = a, *q = b;
+    if (p->first != q->first)
+        return p->first < q->first ? -1 : 1;
+    return (p->second > q->second) - (p->second < q->second);
+}
+
+/* counts and lists what was found, by the numbers of the mesh (which rise as those of the usable triangles do) */
+static void list_pairs(const certificate *it, pel_pair *pairs, int64_t *count)
+{
+    int32_t listed = 0;
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
+        const pel_pair_list *list = &it->search.chunks[chunk].lists[PEL_PAIR_FACE_FACE];
+        *count += it->counts[chunk];
+        for (size_t i = 0; i < list->count && listed < it->pair_limit; i++)
+            pairs[listed++] = (pel_pair){it->numbers[list->pairs[i].first], it->numbers[list->pairs[i].second]};
+    }
+    if (listed > 1)
+        qsort(pairs, (size_t)listed, sizeof *pairs, compare_pairs);
+}
+
+static void clear(certificate *it)
+{
+    pel_free(it->triangles);
+    pel_free(it->numbers);
+    pel_free(it->positions);
+    pel_free(it->boxes);
+    pel_tree_destroy(it->tree);
+    pel_pair_search_clear(&it->search);
+}
+
+pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit, int64_t *count,
+                                       pel_error *error)
+{
+    *count = 0;
+    if (mesh->vertex_count < 0 || mesh->triangle_count < 0 || pair_limit < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
+    certificate it = {.mesh = mesh, .pair_limit = pair_limit};
+    pel_pair_search_begin(&it.search, INT64_MAX);
+    pel_status status = collect_triangles(&it);
+    if (status != PEL_OK)
+        pel_fail_memory(error);
+    if (status == PEL_OK && it.usable_count > 1)
+        status = find_pairs(&it, error);
+    if (status == PEL_OK)
+        list_pairs(&it, pairs, count);
+    clear(&it);
+    return status;
+}

@@ -1,0 +1,424 @@
+#include "bvh/search.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdatomic.h>
+
+enum {
+    TASK_LIMIT = 1024,        /* pairs of subtrees */
+    TASK_GROWTH = 3,          /* the most that one is cut into */
+    LEAF_MEMBERS = 24,        /* vertices or edges of a leaf, at most */
+    DEPTH_LIMIT = 64,         /* of a tree: the logarithm of its leaves is below 32 */
+    REPORT_INTERVAL = 1 << 14 /* pairs after which a chunk adds to the common count */
+};
+
+/* a node with the leaves below it */
+typedef struct subtree {
+    int32_t node, begin, end;
+} subtree;
+
+/* two subtrees whose pairs are to be found; equal ones in one tree: the pairs within */
+typedef struct task {
+    subtree a, b;
+} task;
+
+typedef struct search_plan {
+    const pel_tree *a, *b;
+    unsigned kinds;
+    bool within; /* a and b are one surface */
+    pel_pair_search *search;
+    atomic_llong found; /* pairs so far, for the limit */
+    task tasks[TASK_LIMIT];
+    int32_t task_count;
+} search_plan;
+
+/* a thread's way through its tasks */
+typedef struct walk {
+    search_plan *plan;
+    pel_pair_chunk *chunk;
+    size_t reported; /* pairs of this chunk that are in plan->found */
+} walk;
+
+/* ---- lists ---- */
+
+void pel_pair_search_begin(pel_pair_search *search, int64_t limit)
+{
+    *search = (pel_pair_search){.limit = limit};
+}
+
+void pel_pair_search_clear(pel_pair_search *search)
+{
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++)
+        for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
+            pel_free(search->chunks[chunk].lists[kind].pairs);
+    *search = (pel_pair_search){0};
+}
+
+size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind)
+{
+    size_t count = 0;
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++)
+        count += search->chunks[chunk].lists[kind].count;
+    return count;
+}
+
+/* where the next `count` pairs can be written */
+static pel_pair *make_room(pel_pair_list *list, size_t count)
+{
+    if (!pel_reserve((void **)&list->pairs, &list->capacity, list->count + count, sizeof *list->pairs))
+        return NULL;
+    return list->pairs + list->count;
+}
+
+/* adds what the chunk found since the last time to the common count; false beyond the limit */
+static bool report(walk *w, size_t interval)
+{
+    size_t count = 0;
+    for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
+        count += w->chunk->lists[kind].count;
+    if (count - w->reported < interval)
+        return true;
+    long long more = (long long)(count - w->reported);
+    w->reported = count;
+    return atomic_fetch_add(&w->plan->found, more) + more <= w->plan->search->limit;
+}
+
+/* ---- pairs of leaves ---- */
+
+/* one element with its box, to be held against the lanes of the other leaf */
+typedef struct probe {
+    int32_t element, vertices[3];
+    float low[3], high[3];
+} probe;
+
+static probe get_probe(const pel_tree *tree, int32_t group, int lane)
+{
+    const pel_box_group *boxes = &tree->groups[group];
+    const pel_member_group *members = &tree->members[group];
+    return (probe){members->element[lane],
+                   {members->vertices[0][lane], members->vertices[1][lane], members->vertices[2][lane]},
+                   {boxes->low[0][lane], boxes->low[1][lane], boxes->low[2][lane]},
+                   {boxes->high[0][lane], boxes->high[1][lane], boxes->high[2][lane]}};
+}
+
+/* bit i: lane i of the group overlaps */
+static unsigned touching(const pel_tree *tree, int32_t group, const pel_box *box)
+{
+    return pel_lanes_bits(
+        pel_box_group_overlaps(&tree->groups[group], (const float *)&box->low, (const float *)&box->high));
+}
+
+static unsigned touched(const pel_tree *tree, int32_t group, const probe *p)
+{
+    return pel_lanes_bits(pel_box_group_overlaps(&tree->groups[group], p->low, p->high));
+}
+
+/* bit i: lane i of the group, of edges or triangles, has a vertex of the probe, of which it has vertex_count; most of
+   what overlaps within a surface are such neighbours */
+static unsigned neighbours(const pel_tree *tree, int32_t group, const probe *p, int vertex_count)
+{
+    const pel_member_group *members = &tree->members[group];
+    pel_lanes_mask shared = {0};
+    for (int i = 0; i < vertex_count; i++)
+        for (int corner = 0; corner < 3; corner++)
+            shared |= pel_lanes_equal(members->vertices[corner], p->vertices[i]);
+    return pel_lanes_bits(shared);
+}
+
+/* takes the lowest set bit away and returns its number */
+static int next_lane(unsigned *lanes)
+{
+    int lane = __builtin_ctz(*lanes);
+    *lanes &= *lanes - 1;
+    return lane;
+}
+
+/* vertices of leaf p (of tree a) against the triangles of leaf q (of tree b, with this box) */
+static bool vertices_with_faces(const walk *w, const pel_tree *a, const pel_leaf *p, const pel_tree *b,
+                                const pel_leaf *q, const pel_box *q_box, bool swapped)
+{
+    pel_pair_list *list = &w->chunk->lists[swapped && !w->plan->within ? PEL_PAIR_FACE_VERTEX : PEL_PAIR_VERTEX_FACE];
+    pel_pair *pairs = make_room(list, LEAF_MEMBERS * PEL_LANES);
+    if (pairs == NULL)
+        return false;
+    bool within = w->plan->within, face_first = swapped && !within;
+    for (int32_t g = p->group + 1; g < p->edge_group; g++)
+        for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
+            probe vertex = get_probe(a, g, next_lane(&lanes));
+            unsigned faces = touched(b, q->group, &vertex);
+            if (within && faces != 0)
+                faces &= ~neighbours(b, q->group, &vertex, 1);
+            while (faces != 0) {
+                int32_t t = b->members[q->group].element[next_lane(&faces)];
+                *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
+            }
+        }
+    list->count = (size_t)(pairs - list->pairs);
+    return true;
+}
+
+static pel_pair ordered(int32_t first, int32_t second)
+{
+    return first < second ? (pel_pair){first, second} : (pel_pair){second, first};
+}
+
+/* lanes of group g that come after lane `lane` of group `of` */
+static unsigned later_lanes(int32_t g, int32_t of, int lane)
+{
+    return g > of ? ~0u : ~0u << (lane + 1);
+}
+
+static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
+{
+    const pel_tree *a = w->plan->a, *b = w->plan->b;
+    bool within = w->plan->within, same = within && p == q;
+    pel_pair_list *list = &w->chunk->lists[PEL_PAIR_EDGE_EDGE];
+    pel_pair *pairs = make_room(list, LEAF_MEMBERS * LEAF_MEMBERS);
+    if (pairs == NULL)
+        return false;
+    for (int32_t g = p->edge_group; g < p->group_end; g++)
+        for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
+            int lane = next_lane(&lanes);
+            probe edge = get_probe(a, g, lane);
+            for (int32_t h = same ? g : q->edge_group; h < q->group_end; h++) {
+                unsigned others = touched(b, h, &edge) & (same ? later_lanes(h, g, lane) : ~0u);
+                if (within && others != 0)
+                    others &= ~neighbours(b, h, &edge, 2);
+                while (others != 0) {
+                    int32_t e = b->members[h].element[next_lane(&others)];
+                    *pairs++ = within ? ordered(edge.element, e) : (pel_pair){edge.element, e};
+                }
+            }
+        }
+    list->count = (size_t)(pairs - list->pairs);
+    return true;
+}
+
+static bool faces_with_faces(const walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
+{
+    const pel_pair_search *search = w->plan->search;
+    int32_t chunk = (int32_t)(w->chunk - search->chunks);
+    const pel_tree *a = w->plan->a, *b = w->plan->b;
+    bool within = w->plan->within, same = within && p == q;
+    pel_pair_list *list = &w->chunk->lists[PEL_PAIR_FACE_FACE];
+    pel_pair *pairs = make_room(list, PEL_LANES * PEL_LANES);
+    if (pairs == NULL)
+        return false;
+    for (unsigned lanes = touching(a, p->group, q_box); lanes != 0;) {
+        int lane = next_lane(&lanes);
+        probe face = get_probe(a, p->group, lane);
+        unsigned others = touched(b, q->group, &face) & (same ? later_lanes(0, 0, lane) : ~0u);
+        while (others != 0) {
+            int32_t t = b->members[q->group].element[next_lane(&others)];
+            pel_pair pair = within ? ordered(face.element, t) : (pel_pair){face.element, t};
+            *pairs = pair;
+            pairs += search->keep == NULL || search->keep(search->context, chunk, pair);
+        }
+    }
+    list->count = (size_t)(pairs - list->pairs);
+    return true;
+}
+
+static bool search_leaves(walk *w, const task *t)
+{
+    const search_plan *plan = w->plan;
+    const pel_tree *a = plan->a, *b = plan->b;
+    const pel_leaf *p = &a->leaves[t->a.begin], *q = &b->leaves[t->b.begin];
+    const pel_box *p_box = &a->nodes[t->a.node], *q_box = &b->nodes[t->b.node];
+    bool fine = true;
+    if (plan->kinds & 1u << PEL_PAIR_VERTEX_FACE)
+        fine = vertices_with_faces(w, a, p, b, q, q_box, false);
+    if (fine && plan->kinds & 1u << PEL_PAIR_FACE_VERTEX && !(plan->within && p == q))
+        fine = vertices_with_faces(w, b, q, a, p, p_box, true);
+    if (fine && plan->kinds & 1u << PEL_PAIR_EDGE_EDGE)
+        fine = edges_with_edges(w, p, q, q_box);
+    if (fine && plan->kinds & 1u << PEL_PAIR_FACE_FACE)
+        fine = faces_with_faces(w, p, q, q_box);
+    if (!fine)
+        w->chunk->status = PEL_OUT_OF_MEMORY;
+    else if (!report(w, REPORT_INTERVAL))
+        w->chunk->status = PEL_BAD_ARGUMENT;
+    return w->chunk->status == PEL_OK;
+}
+
+/* ---- pairs of subtrees ---- */
+
+static subtree whole_tree(const pel_tree *tree)
+{
+    return (subtree){0, 0, tree->leaf_count};
+}
+
+static bool is_leaf(subtree s)
+{
+    return s.end - s.begin == 1;
+}
+
+static subtree left_of(subtree s)
+{
+    return (subtree){s.node + 1, s.begin, pel_tree_middle(s.begin, s.end)};
+}
+
+static subtree right_of(subtree s)
+{
+    int32_t middle = pel_tree_middle(s.begin, s.end);
+    return (subtree){s.node + 2 * (middle - s.begin), middle, s.end};
+}
+
+static bool is_single(const search_plan *plan, const task *t)
+{
+    return plan->within && t->a.node == t->b.node;
+}
+
+static bool is_cut_up(const task *t)
+{
+    return is_leaf(t->a) && is_leaf(t->b);
+}
+
+static bool may_touch(const search_plan *plan, const task *t)
+{
+    return pel_box_overlaps(&plan->a->nodes[t->a.node], &plan->b->nodes[t->b.node]);
+}
+
+/* the parts of a task (at least one side is no leaf) that may hold pairs, in order; returns how many */
+static int cut(const search_plan *plan, const task *t, task parts[TASK_GROWTH])
+{
+    int count = 0;
+    if (is_single(plan, t)) {
+        subtree left = left_of(t->a), right = right_of(t->a);
+        parts[count++] = (task){left, left};
+        parts[count] = (task){left, right};
+        count += may_touch(plan, &parts[count]);
+        parts[count++] = (task){right, right};
+        return count;
+    }
+    bool cut_a = t->a.end - t->a.begin >= t->b.end - t->b.begin;
+    parts[count] = cut_a ? (task){left_of(t->a), t->b} : (task){t->a, left_of(t->b)};
+    count += may_touch(plan, &parts[count]);
+    parts[count] = cut_a ? (task){right_of(t->a), t->b} : (task){t->a, right_of(t->b)};
+    count += may_touch(plan, &parts[count]);
+    return count;
+}
+
+static bool search_task(walk *w, const task *whole)
+{
+    task stack[2 * DEPTH_LIMIT * TASK_GROWTH];
+    int depth = 0;
+    stack[depth++] = *whole;
+    while (depth > 0) {
+        task t = stack[--depth], parts[TASK_GROWTH];
+        if (is_cut_up(&t)) {
+            if (!search_leaves(w, &t))
+                return false;
+            continue;
+        }
+        for (int i = cut(w->plan, &t, parts); i > 0; i--)
+            stack[depth++] = parts[i - 1];
+    }
+    return true;
+}
+
+/* cuts all tasks once, keeping their order; false when there is nothing left to cut, or no room */
+static bool cut_tasks(search_plan *plan)
+{
+    if (plan->task_count * TASK_GROWTH > TASK_LIMIT)
+        return false;
+    task old[TASK_LIMIT / TASK_GROWTH + 1];
+    int32_t old_count = plan->task_count, cut_count = 0;
+    for (int32_t i = 0; i < old_count; i++)
+        old[i] = plan->tasks[i];
+    plan->task_count = 0;
+    for (int32_t i = 0; i < old_count; i++) {
+        if (is_cut_up(&old[i])) {
+            plan->tasks[plan->task_count++] = old[i];
+            continue;
+        }
+        plan->task_count += cut(plan, &old[i], &plan->tasks[plan->task_count]);
+        cut_count++;
+    }
+    return cut_count > 0;
+}
+
+static void search_chunk(void *context, int32_t chunk)
+{
+    search_plan *plan = context;
+    walk w = {plan, &plan->search->chunks[chunk], 0};
+    for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
+        w.chunk->lists[kind].count = 0;
+    w.chunk->status = PEL_OK;
+    int64_t count = plan->task_count;
+    int32_t begin = (int32_t)(count * chunk / PEL_SEARCH_CHUNKS);
+    int32_t end = (int32_t)(count * (chunk + 1) / PEL_SEARCH_CHUNKS);
+    for (int32_t i = begin; i < end; i++)
+        if (!search_task(&w, &plan->tasks[i]))
+            return;
+    if (!report(&w, 1))
+        w.chunk->status = PEL_BAD_ARGUMENT;
+}
+
+pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigned kinds, pel_pool *pool,
+                          pel_pair_search *search, pel_error *error)
+{
+    search_plan plan = {.a = first, .b = second, .kinds = kinds, .within = first == second, .search = search};
+    if (plan.within && kinds & 1u << PEL_PAIR_VERTEX_FACE)
+        plan.kinds |= 1u << PEL_PAIR_FACE_VERTEX; /* both go into one list */
+    plan.tasks[0] = (task){whole_tree(first), whole_tree(second)};
+    plan.task_count = is_single(&plan, &plan.tasks[0]) || may_touch(&plan, &plan.tasks[0]);
+    while (cut_tasks(&plan))
+        ;
+    pel_pool_run(pool, PEL_SEARCH_CHUNKS, search_chunk, &plan);
+    pel_status status = PEL_OK;
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS && status != PEL_OUT_OF_MEMORY; chunk++)
+        status = search->chunks[chunk].status != PEL_OK ? search->chunks[chunk].status : status;
+    if (status == PEL_OUT_OF_MEMORY)
+        return pel_fail_memory(error);
+    if (status != PEL_OK) {
+        pel_fail(error, status, "more than %lld pairs are near each other", (long long)search->limit);
+        pel_fail_remedy(error, "make the thickness or the motion in a step smaller than the triangles");
+    }
+    return status;
+}
+
+/* ---- box ---- */
+
+static bool add_lanes(const pel_tree *tree, int32_t group, unsigned lanes, pel_element_list *list)
+{
+    if (!pel_reserve((void **)&list->elements, &list->capacity, list->count + PEL_LANES, sizeof *list->elements))
+        return false;
+    while (lanes != 0)
+        list->elements[list->count++] = tree->members[group].element[next_lane(&lanes)];
+    return true;
+}
+
+static bool find_in_leaf(const pel_tree *tree, const pel_leaf *leaf, const pel_box *box, pel_element_kind kind,
+                         pel_element_list *list)
+{
+    int32_t begin = kind == PEL_ELEMENT_TRIANGLE ? leaf->group : leaf->group + 1;
+    int32_t end = kind == PEL_ELEMENT_TRIANGLE ? leaf->group + 1 : leaf->edge_group;
+    for (int32_t g = begin; g < end; g++)
+        if (!add_lanes(tree, g, touching(tree, g, box), list))
+            return false;
+    return true;
+}
+
+pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_kind kind, pel_element_list *list,
+                           pel_error *error)
+{
+    subtree stack[DEPTH_LIMIT];
+    int depth = 0;
+    list->count = 0;
+    stack[depth++] = whole_tree(tree);
+    while (depth > 0) {
+        subtree s = stack[--depth];
+        if (!pel_box_overlaps(&tree->nodes[s.node], box))
+            continue;
+        if (is_leaf(s)) {
+            if (!find_in_leaf(tree, &tree->leaves[s.begin], box, kind, list))
+                return pel_fail_memory(error);
+            continue;
+        }
+        stack[depth++] = right_of(s);
+        stack[depth++] = left_of(s);
+    }
+    return PEL_OK;
+}

@@ -1,0 +1,68 @@
+/* Searches of a tree: pairs of features whose boxes overlap, within one surface or between two, and features in a box.
+
+   A search over pairs is cut into many pairs of subtrees, from the trees alone; each of a fixed number of chunks takes
+   its share of them and writes lists of its own. So the lists, read chunk after chunk, are the same for any number of
+   threads. Lists keep their memory from search to search: once they are large enough nothing is allocated. */
+#ifndef PEL_BVH_SEARCH_H
+#define PEL_BVH_SEARCH_H
+
+#include "base/pool.h"
+#include "bvh/tree.h"
+#include "pellicle/intersect.h"
+
+/* What a pair consists of. Pairs of neighbours (a common vertex) are left out, but for those of triangles; in one
+   surface no pair comes twice. */
+typedef enum pel_pair_kind {
+    PEL_PAIR_VERTEX_FACE, /* vertex of the first surface, triangle of the second */
+    PEL_PAIR_FACE_VERTEX, /* triangle of the first, vertex of the second; two surfaces only */
+    PEL_PAIR_EDGE_EDGE,   /* in one surface first < second */
+    PEL_PAIR_FACE_FACE,   /* in one surface first < second; neighbours too */
+    PEL_PAIR_KIND_COUNT
+} pel_pair_kind;
+
+typedef struct pel_pair_list {
+    pel_pair *pairs;
+    size_t count, capacity;
+} pel_pair_list;
+
+/* lists of one chunk */
+typedef struct pel_pair_chunk {
+    pel_pair_list lists[PEL_PAIR_KIND_COUNT];
+    pel_status status;
+} pel_pair_chunk;
+
+enum { PEL_SEARCH_CHUNKS = 64 };
+
+typedef struct pel_pair_search {
+    pel_pair_chunk chunks[PEL_SEARCH_CHUNKS];
+    int64_t limit; /* the most pairs that may be found, of all kinds; beyond it the search is given up */
+    /* false = the pair of triangles is not put on the list of this chunk; called from several threads; nullable */
+    bool (*keep)(void *context, int32_t chunk, pel_pair pair);
+    void *context;
+} pel_pair_search;
+
+/* With empty lists. */
+void pel_pair_search_begin(pel_pair_search *search, int64_t limit);
+void pel_pair_search_clear(pel_pair_search *search);
+
+/* Finds the pairs of the kinds asked for (bits 1 << kind) between two trees, or within one when both are the same.
+   PEL_OUT_OF_MEMORY when memory is out, PEL_BAD_ARGUMENT beyond the limit. pool is nullable. */
+pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigned kinds, pel_pool *pool,
+                          pel_pair_search *search, pel_error *error);
+
+/* pairs of one kind in all chunks */
+size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind);
+
+/* Numbers of triangles, or of vertices, whose boxes overlap a box, in the order of the tree. */
+typedef struct pel_element_list {
+    int32_t *elements;
+    size_t count, capacity;
+} pel_element_list;
+
+typedef enum pel_element_kind { PEL_ELEMENT_TRIANGLE, PEL_ELEMENT_VERTEX } pel_element_kind;
+
+/* Fills the list anew. PEL_OUT_OF_MEMORY. */
+pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_kind kind, pel_element_list *list,
+                           pel_error *error);
+
+#endif

@@ -1,0 +1,365 @@
+#include "bvh/tree.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "mesh/edge_table.h"
+
+#include <string.h>
+
+enum { GROUPS_PER_LEAF = 7 }; /* at most: triangles 1, vertices 3, edges 3 */
+
+/* ---- creation ---- */
+
+static pel_status find_edges(pel_tree *tree)
+{
+    pel_edge_table table;
+    if (pel_edge_table_build((const int32_t(*)[3])tree->triangles, tree->triangle_count, tree->vertex_count, NULL,
+                             &table) != PEL_OK)
+        return PEL_OUT_OF_MEMORY;
+    tree->edge_count = table.edge_count;
+    tree->edges = pel_allocate((size_t)table.edge_count, sizeof *tree->edges);
+    tree->triangle_edges = pel_allocate((size_t)tree->triangle_count, sizeof *tree->triangle_edges);
+    bool made = tree->edges != NULL && tree->triangle_edges != NULL;
+    if (made) {
+        memcpy(tree->triangle_edges, table.edge_of_half_edge, (size_t)tree->triangle_count * sizeof(int32_t[3]));
+        for (int32_t e = 0; e < table.edge_count; e++) {
+            int32_t h = table.half_edge_of_edge[e];
+            tree->edges[e][0] = tree->triangles[h / 3][h % 3];
+            tree->edges[e][1] = tree->triangles[h / 3][(h + 1) % 3];
+        }
+    }
+    pel_edge_table_clear(&table);
+    return made ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+static pel_status allocate_tree(pel_tree *tree, pel_tree_content content)
+{
+    size_t leaf_count = (size_t)tree->leaf_count, triangle_count = (size_t)tree->triangle_count;
+    size_t group_count = leaf_count * (content == PEL_TREE_FEATURES ? GROUPS_PER_LEAF : 1);
+    int32_t most = tree->vertex_count > tree->edge_count ? tree->vertex_count : tree->edge_count;
+    tree->nodes = pel_allocate_aligned((size_t)tree->node_count, sizeof *tree->nodes);
+    tree->leaves = pel_allocate(leaf_count, sizeof *tree->leaves);
+    tree->groups = pel_allocate_aligned(group_count, sizeof *tree->groups);
+    tree->members = pel_allocate_aligned(group_count, sizeof *tree->members);
+    tree->keys = pel_allocate(triangle_count, sizeof *tree->keys);
+    tree->centroids = pel_allocate(triangle_count, sizeof *tree->centroids);
+    tree->seen = pel_allocate((size_t)most, sizeof *tree->seen);
+    bool made = tree->nodes != NULL && tree->leaves != NULL && tree->groups != NULL && tree->members != NULL &&
+                tree->keys != NULL && tree->centroids != NULL && tree->seen != NULL;
+    return made ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+static pel_status fill_tree(pel_tree *tree, const int32_t (*triangles)[3], pel_tree_content content)
+{
+    tree->triangles = pel_allocate((size_t)tree->triangle_count, sizeof *tree->triangles);
+    if (tree->triangles == NULL)
+        return PEL_OUT_OF_MEMORY;
+    memcpy(tree->triangles, triangles, (size_t)tree->triangle_count * sizeof *triangles);
+    if (content == PEL_TREE_FEATURES && find_edges(tree) != PEL_OK)
+        return PEL_OUT_OF_MEMORY;
+    return allocate_tree(tree, content);
+}
+
+pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+                           int32_t triangle_count, pel_tree_content content, pel_tree **result, pel_error *error)
+{
+    *result = NULL;
+    if (triangle_count < 1 || triangle_count > INT32_MAX / GROUPS_PER_LEAF)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a tree over %d triangles cannot be made", (int)triangle_count);
+    pel_tree *tree = pel_allocate(1, sizeof *tree);
+    if (tree == NULL)
+        return pel_fail_memory(error);
+    tree->vertex_count = vertex_count;
+    tree->triangle_count = triangle_count;
+    tree->leaf_count = (triangle_count + PEL_LANES - 1) / PEL_LANES;
+    tree->node_count = 2 * tree->leaf_count - 1;
+    if (fill_tree(tree, triangles, content) != PEL_OK) {
+        pel_tree_destroy(tree);
+        return pel_fail_memory(error);
+    }
+    pel_tree_rebuild(tree, positions);
+    *result = tree;
+    return PEL_OK;
+}
+
+void pel_tree_destroy(pel_tree *tree)
+{
+    if (tree == NULL)
+        return;
+    pel_free(tree->triangles);
+    pel_free(tree->edges);
+    pel_free(tree->triangle_edges);
+    pel_free(tree->nodes);
+    pel_free(tree->leaves);
+    pel_free(tree->groups);
+    pel_free(tree->members);
+    pel_free(tree->keys);
+    pel_free(tree->centroids);
+    pel_free(tree->seen);
+    pel_free(tree);
+}
+
+/* ---- order of the triangles ---- */
+
+static void find_centroids(pel_tree *tree, const double (*positions)[3])
+{
+    const double *origin = positions[tree->triangles[0][0]];
+    for (int32_t t = 0; t < tree->triangle_count; t++) {
+        const int32_t *v = tree->triangles[t];
+        for (int k = 0; k < 3; k++) {
+            double sum = (positions[v[0]][k] - origin[k]) + (positions[v[1]][k] - origin[k]);
+            sum += positions[v[2]][k] - origin[k];
+            tree->centroids[t][k] = isfinite(sum) ? (float)sum : 0;
+        }
+    }
+}
+
+/* keys rise as the coordinate does, equal ones by triangle: the order is the same whatever sorted them */
+static uint64_t make_key(float coordinate, int32_t triangle)
+{
+    uint32_t bits;
+    memcpy(&bits, &coordinate, sizeof bits);
+    bits = bits >> 31 ? ~bits : bits | 0x80000000u;
+    return (uint64_t)bits << 32 | (uint32_t)triangle;
+}
+
+static int longest_axis(const pel_tree *tree, int32_t begin, int32_t end)
+{
+    float low[3], high[3];
+    for (int k = 0; k < 3; k++)
+        low[k] = high[k] = tree->centroids[(uint32_t)tree->keys[begin]][k];
+    for (int32_t i = begin + 1; i < end; i++)
+        for (int k = 0; k < 3; k++) {
+            float x = tree->centroids[(uint32_t)tree->keys[i]][k];
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
+        }
+    int axis = high[1] - low[1] > high[0] - low[0] ? 1 : 0;
+    return high[2] - low[2] > high[axis] - low[axis] ? 2 : axis;
+}
+
+static void exchange(uint64_t *a, uint64_t *b)
+{
+    uint64_t c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* moves the keys smaller than that of rank `nth` before it and the larger ones behind it (Hoare) */
+static void select_key(uint64_t *keys, int32_t begin, int32_t end, int32_t nth)
+{
+    int32_t low = begin, high = end - 1;
+    while (low < high) {
+        int32_t middle = low + (high - low) / 2;
+        if (keys[middle] < keys[low])
+            exchange(&keys[middle], &keys[low]);
+        if (keys[high] < keys[low])
+            exchange(&keys[high], &keys[low]);
+        if (keys[high] < keys[middle])
+            exchange(&keys[high], &keys[middle]);
+        uint64_t pivot = keys[middle];
+        int32_t i = low, j = high;
+        while (i <= j) {
+            while (keys[i] < pivot)
+                i++;
+            while (keys[j] > pivot)
+                j--;
+            if (i <= j)
+                exchange(&keys[i++], &keys[j--]);
+        }
+        if (nth <= j)
+            high = j;
+        else if (nth >= i)
+            low = i;
+        else
+            return;
+    }
+}
+
+/* leaves begin..end; depth is the logarithm of their number */
+static void sort_triangles(pel_tree *tree, int32_t begin, int32_t end)
+{
+    if (end - begin < 2)
+        return;
+    int32_t first = PEL_LANES * begin, middle = pel_tree_middle(begin, end);
+    int32_t last = end == tree->leaf_count ? tree->triangle_count : PEL_LANES * end;
+    int axis = longest_axis(tree, first, last);
+    for (int32_t i = first; i < last; i++) {
+        uint32_t t = (uint32_t)tree->keys[i];
+        tree->keys[i] = make_key(tree->centroids[t][axis], (int32_t)t);
+    }
+    select_key(tree->keys, first, last, PEL_LANES * middle);
+    sort_triangles(tree, begin, middle);
+    sort_triangles(tree, middle, end);
+}
+
+/* ---- content of the leaves ---- */
+
+/* puts an element into the next lane of the groups from `first` on; returns the new number of elements */
+static int32_t add_member(pel_tree *tree, int32_t first, int32_t count, int32_t element)
+{
+    pel_lanes_mask *lanes = &tree->members[first + count / PEL_LANES].element;
+    if (count % PEL_LANES == 0)
+        *lanes = (pel_lanes_mask){-1, -1, -1, -1, -1, -1, -1, -1};
+    (*lanes)[count % PEL_LANES] = element;
+    return count + 1;
+}
+
+/* elements of a leaf's triangles that no earlier triangle has; returns the group after the last */
+static int32_t add_new(pel_tree *tree, int32_t triangle_group, int32_t group, const int32_t (*elements)[3])
+{
+    int32_t count = 0;
+    for (int lane = 0; lane < PEL_LANES; lane++) {
+        int32_t t = tree->members[triangle_group].element[lane];
+        for (int i = 0; i < 3 && t >= 0; i++)
+            if (!tree->seen[elements[t][i]]) {
+                tree->seen[elements[t][i]] = 1;
+                count = add_member(tree, group, count, elements[t][i]);
+            }
+    }
+    return group + (count + PEL_LANES - 1) / PEL_LANES;
+}
+
+static void add_triangles(pel_tree *tree, int32_t leaf, int32_t group)
+{
+    int32_t end = PEL_LANES * (leaf + 1) < tree->triangle_count ? PEL_LANES * (leaf + 1) : tree->triangle_count;
+    for (int32_t i = PEL_LANES * leaf, count = 0; i < end; i++)
+        count = add_member(tree, group, count, (int32_t)(uint32_t)tree->keys[i]);
+}
+
+/* each leaf at first has room for all its groups; vertices and edges in passes of their own, which share the marks */
+static void fill_leaves(pel_tree *tree)
+{
+    bool features = tree->edges != NULL;
+    int32_t stride = features ? GROUPS_PER_LEAF : 1;
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
+        int32_t group = stride * leaf;
+        add_triangles(tree, leaf, group);
+        tree->leaves[leaf] = (pel_leaf){group, group + 1, group + 1};
+    }
+    if (!features)
+        return;
+    memset(tree->seen, 0, (size_t)tree->vertex_count);
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
+        pel_leaf *at = &tree->leaves[leaf];
+        at->edge_group = add_new(tree, at->group, at->group + 1, (const int32_t(*)[3])tree->triangles);
+    }
+    memset(tree->seen, 0, (size_t)tree->edge_count);
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
+        pel_leaf *at = &tree->leaves[leaf];
+        at->group_end = add_new(tree, at->group, at->edge_group, (const int32_t(*)[3])tree->triangle_edges);
+    }
+}
+
+/* moves the groups of all leaves together */
+static void pack_leaves(pel_tree *tree)
+{
+    int32_t next = 0;
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
+        pel_leaf *at = &tree->leaves[leaf];
+        int32_t count = at->group_end - at->group, edge_offset = at->edge_group - at->group;
+        memmove(&tree->members[next], &tree->members[at->group], (size_t)count * sizeof *tree->members);
+        *at = (pel_leaf){next, next + edge_offset, next + count};
+        next += count;
+    }
+}
+
+static void set_vertices(pel_tree *tree, int32_t leaf)
+{
+    const pel_leaf *at = &tree->leaves[leaf];
+    for (int32_t g = at->group; g < at->group_end; g++)
+        for (int lane = 0; lane < PEL_LANES; lane++) {
+            pel_member_group *members = &tree->members[g];
+            int32_t i = members->element[lane];
+            for (int corner = 0; corner < 3; corner++) {
+                int32_t v = i;
+                if (i >= 0 && g == at->group)
+                    v = tree->triangles[i][corner];
+                else if (i >= 0 && g >= at->edge_group)
+                    v = tree->edges[i][corner < 2 ? corner : 1];
+                members->vertices[corner][lane] = v;
+            }
+        }
+}
+
+void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
+{
+    find_centroids(tree, positions);
+    for (int32_t t = 0; t < tree->triangle_count; t++)
+        tree->keys[t] = (uint64_t)t;
+    sort_triangles(tree, 0, tree->leaf_count);
+    fill_leaves(tree);
+    pack_leaves(tree);
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
+        set_vertices(tree, leaf);
+    for (int32_t n = 0; n < tree->node_count; n++)
+        tree->nodes[n] = pel_box_empty();
+    for (int32_t g = 0; g < tree->leaves[tree->leaf_count - 1].group_end; g++)
+        for (int lane = 0; lane < PEL_LANES; lane++)
+            pel_box_group_set(&tree->groups[g], lane, pel_box_empty());
+    tree->built_cost = 0;
+}
+
+/* ---- boxes ---- */
+
+static pel_box box_of_edge(const pel_tree *tree, const pel_box *boxes, int32_t e)
+{
+    return pel_box_join(boxes[tree->edges[e][0]], boxes[tree->edges[e][1]]);
+}
+
+static pel_box box_of_triangle(const pel_tree *tree, const pel_box *boxes, int32_t t)
+{
+    const int32_t *v = tree->triangles[t];
+    return pel_box_join(pel_box_join(boxes[v[0]], boxes[v[1]]), boxes[v[2]]);
+}
+
+static pel_box refit_leaf(pel_tree *tree, const pel_leaf *leaf, const pel_box *boxes)
+{
+    pel_box whole = pel_box_empty();
+    for (int lane = 0; lane < PEL_LANES && tree->members[leaf->group].element[lane] >= 0; lane++) {
+        pel_box box = box_of_triangle(tree, boxes, tree->members[leaf->group].element[lane]);
+        pel_box_group_set(&tree->groups[leaf->group], lane, box);
+        whole = pel_box_join(whole, box);
+    }
+    for (int32_t g = leaf->group + 1; g < leaf->edge_group; g++)
+        for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
+            pel_box_group_set(&tree->groups[g], lane, boxes[tree->members[g].element[lane]]);
+    for (int32_t g = leaf->edge_group; g < leaf->group_end; g++)
+        for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
+            pel_box_group_set(&tree->groups[g], lane, box_of_edge(tree, boxes, tree->members[g].element[lane]));
+    return whole;
+}
+
+static pel_box refit_node(pel_tree *tree, int32_t node, int32_t begin, int32_t end, const pel_box *boxes)
+{
+    if (end - begin == 1)
+        return tree->nodes[node] = refit_leaf(tree, &tree->leaves[begin], boxes);
+    int32_t middle = pel_tree_middle(begin, end);
+    pel_box left = refit_node(tree, node + 1, begin, middle, boxes);
+    pel_box right = refit_node(tree, node + 2 * (middle - begin), middle, end, boxes);
+    return tree->nodes[node] = pel_box_join(left, right);
+}
+
+void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes)
+{
+    refit_node(tree, 0, 0, tree->leaf_count, vertex_boxes);
+    if (!(tree->built_cost > 0))
+        tree->built_cost = pel_tree_cost(tree);
+}
+
+double pel_tree_cost(const pel_tree *tree)
+{
+    double sum = 0;
+    for (int32_t n = 0; n < tree->node_count; n++)
+        sum += pel_box_area(&tree->nodes[n]);
+    return sum / fmax(pel_box_area(&tree->nodes[0]), 1e-300);
+}
+
+void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_box *edge_boxes,
+                            pel_box *triangle_boxes)
+{
+    for (int32_t e = 0; e < tree->edge_count; e++)
+        edge_boxes[e] = box_of_edge(tree, vertex_boxes, e);
+    for (int32_t t = 0; t < tree->triangle_count; t++)
+        triangle_boxes[t] = box_of_triangle(tree, vertex_boxes, t);
+}

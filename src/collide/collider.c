@@ -1,0 +1,333 @@
+#include "pellicle/collide.h"
+
+#include "base/memory.h"
+#include "base/pool.h"
+#include "base/status.h"
+#include "bvh/candidates.h"
+#include "pellicle/parallel.h"
+
+#include <string.h>
+
+enum {
+    DEF_COOKIE = 0x434f4c4c,
+    BLOCK = 256, /* candidates that are solved together */
+    PARTS = 64   /* lists of collisions that threads fill */
+};
+
+typedef struct collision_list {
+    pel_collision *collisions;
+    size_t count, capacity;
+} collision_list;
+
+/* what one part of the candidates of one kind gave */
+typedef struct part {
+    collision_list list;
+    pel_ccd_statistics statistics;
+    pel_status status;
+} part;
+
+struct pel_collider {
+    pel_candidates *candidates;
+    pel_pool *pool;
+    part parts[PARTS];
+    collision_list collisions;
+};
+
+/* ---- creation ---- */
+
+pel_collider_def pel_collider_def_default(void)
+{
+    return (pel_collider_def){.margin = -1, .thread_count = 1, .cookie = DEF_COOKIE};
+}
+
+pel_collision_query pel_collision_query_default(void)
+{
+    return (pel_collision_query){.method = PEL_CCD_CONSERVATIVE};
+}
+
+static pel_status check_mesh(const pel_mesh *mesh, pel_error *error)
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            if (!isfinite(mesh->positions[v][k])) {
+                pel_fail(error, PEL_BAD_ARGUMENT, "the position of a vertex is not finite");
+                pel_fail_element(error, "vertex", v);
+                return PEL_BAD_ARGUMENT;
+            }
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        bool in_range = true;
+        for (int i = 0; i < 3; i++)
+            in_range = in_range && v[i] >= 0 && v[i] < mesh->vertex_count && v[i] != v[(i + 1) % 3];
+        if (in_range)
+            continue;
+        pel_fail(error, PEL_BAD_MESH, "a triangle needs three different vertices of the mesh, not %d, %d, %d",
+                 (int)v[0], (int)v[1], (int)v[2]);
+        pel_fail_remedy(error, "repair the mesh (pel_mesh_repair)");
+        pel_fail_element(error, "triangle", t);
+        return PEL_BAD_MESH;
+    }
+    return PEL_OK;
+}
+
+static pel_status check_def(const pel_collider_def *def, pel_error *error)
+{
+    if (def->cookie != DEF_COOKIE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's def was not made by pel_collider_def_default");
+    if (def->mesh == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's def has no mesh");
+    if (!isfinite(def->margin))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's margin is not finite");
+    if (def->candidate_limit < 0 || def->thread_count < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a count in the collider's def is below 0");
+    return check_mesh(def->mesh, error);
+}
+
+static double mean_edge(const pel_mesh *mesh)
+{
+    double sum = 0;
+    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
+        const double *a = mesh->positions[mesh->triangles[h / 3][h % 3]];
+        const double *b = mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]];
+        sum += hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
+    }
+    return isfinite(sum) ? sum / (3.0 * mesh->triangle_count) : 0;
+}
+
+static pel_status fill_collider(pel_collider *collider, const pel_collider_def *def, pel_error *error)
+{
+    const pel_mesh *mesh = def->mesh;
+    const int64_t least_limit = 1000000, per_triangle = 1000;
+    int64_t limit = def->candidate_limit;
+    if (limit == 0)
+        limit = per_triangle * mesh->triangle_count > least_limit ? per_triangle * mesh->triangle_count : least_limit;
+    double margin = def->margin >= 0 ? def->margin : 0.2 * mean_edge(mesh);
+    pel_status status = pel_candidates_create((const double(*)[3])mesh->positions, mesh->vertex_count,
+                                              (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, margin, limit,
+                                              &collider->candidates, error);
+    int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
+    if (status == PEL_OK && threads > 1)
+        status = pel_pool_create(threads, &collider->pool, error);
+    return status;
+}
+
+pel_status pel_collider_create(const pel_collider_def *def, pel_collider **result, pel_error *error)
+{
+    *result = NULL;
+    pel_status status = check_def(def, error);
+    if (status != PEL_OK)
+        return status;
+    pel_collider *collider = pel_allocate(1, sizeof *collider);
+    if (collider == NULL)
+        return pel_fail_memory(error);
+    status = fill_collider(collider, def, error);
+    if (status == PEL_OK)
+        *result = collider;
+    else
+        pel_collider_destroy(collider);
+    return status;
+}
+
+void pel_collider_destroy(pel_collider *collider)
+{
+    if (collider == NULL)
+        return;
+    pel_candidates_destroy(collider->candidates);
+    pel_pool_destroy(collider->pool);
+    for (int i = 0; i < PARTS; i++)
+        pel_free(collider->parts[i].list.collisions);
+    pel_free(collider->collisions.collisions);
+    pel_free(collider);
+}
+
+/* ---- broad phase ---- */
+
+static pel_status check_query(const pel_collision_query *query, pel_error *error)
+{
+    if (query->start == NULL || query->end == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the positions of a collision query are missing");
+    if (!(query->min_separation >= 0 && isfinite(query->min_separation)))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "min_separation must be at least 0, not %g", query->min_separation);
+    if (!(query->tolerance >= 0 && isfinite(query->tolerance)))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "tolerance must be at least 0, not %g", query->tolerance);
+    return PEL_OK;
+}
+
+static pel_status update(pel_collider *collider, const pel_collision_query *query, pel_error *error)
+{
+    pel_status status = check_query(query, error);
+    if (status != PEL_OK)
+        return status;
+    return pel_candidates_update(collider->candidates, (const double(*)[3])query->start, (const double(*)[3])query->end,
+                                 query->min_separation + query->tolerance, collider->pool, error);
+}
+
+pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_query *query,
+                                   pel_collision_candidates *candidates, pel_error *error)
+{
+    const pel_candidates *c = collider->candidates;
+    *candidates = (pel_collision_candidates){0};
+    pel_status status = update(collider, query, error);
+    if (status == PEL_OK)
+        *candidates = (pel_collision_candidates){
+            .vertex_face = c->vertex_face,
+            .vertex_face_count = (int64_t)c->vertex_face_count,
+            .edge_edge = c->edge_edge,
+            .edge_edge_count = (int64_t)c->edge_edge_count,
+            .edges = (const int32_t(*)[2])c->tree->edges,
+            .edge_count = c->tree->edge_count,
+            .searches = c->counts.searches,
+            .kept = c->counts.kept,
+        };
+    return status;
+}
+
+/* ---- narrow phase ---- */
+
+/* candidates of one kind on their way through the narrow phase */
+typedef struct narrow {
+    const pel_tree *tree;
+    const pel_collision_query *query;
+    bool edge_edge;
+    const pel_pair *pairs;
+    size_t pair_count;
+    part *parts; /* (PARTS) */
+} narrow;
+
+static void set_points(const narrow *n, pel_pair pair, int32_t points[4])
+{
+    if (n->edge_edge) {
+        memcpy(points, n->tree->edges[pair.first], sizeof(int32_t[2]));
+        memcpy(points + 2, n->tree->edges[pair.second], sizeof(int32_t[2]));
+    } else {
+        points[0] = pair.first;
+        memcpy(points + 1, n->tree->triangles[pair.second], sizeof(int32_t[3]));
+    }
+}
+
+/* at most BLOCK pairs */
+static pel_status solve_block(const narrow *n, const pel_pair *pairs, int32_t count, part *p)
+{
+    int32_t points[BLOCK][4], queries[BLOCK];
+    pel_ccd_hit hits[BLOCK];
+    for (int32_t i = 0; i < count; i++)
+        set_points(n, pairs[i], points[i]);
+    const pel_ccd_batch batch = {.start = n->query->start,
+                                 .end = n->query->end,
+                                 .points = points[0],
+                                 .query_count = count,
+                                 .edge_edge = n->edge_edge,
+                                 .method = n->query->method,
+                                 .min_separation = n->query->min_separation,
+                                 .tolerance = n->query->tolerance};
+    int32_t hit_count = pel_ccd_solve_batch(&batch, queries, hits, &p->statistics);
+    collision_list *list = &p->list;
+    if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)hit_count,
+                     sizeof *list->collisions))
+        return PEL_OUT_OF_MEMORY;
+    for (int32_t i = 0; i < hit_count; i++) {
+        pel_collision *c = &list->collisions[list->count++];
+        const pel_pair *pair = &pairs[queries[i]];
+        *c = (pel_collision){.edge_edge = n->edge_edge, .first = pair->first, .second = pair->second, .hit = hits[i]};
+        memcpy(c->vertices, points[queries[i]], sizeof c->vertices);
+    }
+    return PEL_OK;
+}
+
+static void solve_part(void *context, int32_t number)
+{
+    narrow *n = context;
+    part *p = &n->parts[number];
+    size_t begin = n->pair_count * (size_t)number / PARTS, end = n->pair_count * ((size_t)number + 1) / PARTS;
+    p->list.count = 0;
+    p->status = PEL_OK;
+    p->statistics = (pel_ccd_statistics){0};
+    for (size_t i = begin; i < end && p->status == PEL_OK; i += BLOCK)
+        p->status = solve_block(n, n->pairs + i, (int32_t)(end - i < BLOCK ? end - i : BLOCK), p);
+}
+
+static bool comes_before(const pel_collision *a, const pel_collision *b)
+{
+    if (a->edge_edge != b->edge_edge)
+        return b->edge_edge;
+    return a->first != b->first ? a->first < b->first : a->second < b->second;
+}
+
+static void sift_down(pel_collision *heap, size_t root, size_t count)
+{
+    pel_collision moving = heap[root];
+    for (size_t child; (child = 2 * root + 1) < count; root = child) {
+        if (child + 1 < count && comes_before(&heap[child], &heap[child + 1]))
+            child++;
+        if (!comes_before(&moving, &heap[child]))
+            break;
+        heap[root] = heap[child];
+    }
+    heap[root] = moving;
+}
+
+/* heap sort: no memory of its own, and the order of candidates does not show */
+static void sort_collisions(pel_collision *collisions, size_t count)
+{
+    for (size_t i = count / 2; i > 0; i--)
+        sift_down(collisions, i - 1, count);
+    for (size_t i = count; i > 1; i--) {
+        pel_collision last = collisions[i - 1];
+        collisions[i - 1] = collisions[0];
+        collisions[0] = last;
+        sift_down(collisions, 0, i - 1);
+    }
+}
+
+static void add_statistics(pel_ccd_statistics *sum, const pel_ccd_statistics *more)
+{
+    sum->queries += more->queries;
+    sum->passed_filter += more->passed_filter;
+    sum->passed_hull += more->passed_hull;
+    sum->hits += more->hits;
+    sum->intervals += more->intervals;
+    sum->fall_backs += more->fall_backs;
+}
+
+/* solves the candidates of one kind and adds what is found */
+static pel_status solve_kind(pel_collider *collider, const pel_collision_query *query, bool edge_edge,
+                             pel_ccd_statistics *statistics)
+{
+    const pel_candidates *c = collider->candidates;
+    collision_list *all = &collider->collisions;
+    narrow n = {.tree = c->tree, .query = query, .edge_edge = edge_edge, .parts = collider->parts};
+    n.pairs = edge_edge ? c->edge_edge : c->vertex_face;
+    n.pair_count = edge_edge ? c->edge_edge_count : c->vertex_face_count;
+    pel_pool_run(collider->pool, PARTS, solve_part, &n);
+    size_t before = all->count;
+    for (int i = 0; i < PARTS; i++) {
+        const part *p = &collider->parts[i];
+        if (p->status != PEL_OK || !pel_reserve((void **)&all->collisions, &all->capacity, all->count + p->list.count,
+                                                sizeof *all->collisions))
+            return PEL_OUT_OF_MEMORY;
+        if (p->list.count > 0)
+            memcpy(all->collisions + all->count, p->list.collisions, p->list.count * sizeof *all->collisions);
+        all->count += p->list.count;
+        add_statistics(statistics, &p->statistics);
+    }
+    sort_collisions(all->collisions + before, all->count - before);
+    return PEL_OK;
+}
+
+pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query, pel_collision_result *result,
+                               pel_error *error)
+{
+    *result = (pel_collision_result){0};
+    collider->collisions.count = 0;
+    pel_status status = update(collider, query, error);
+    if (status != PEL_OK)
+        return status;
+    if (solve_kind(collider, query, false, &result->vertex_face) != PEL_OK ||
+        solve_kind(collider, query, true, &result->edge_edge) != PEL_OK) {
+        *result = (pel_collision_result){0};
+        return pel_fail_memory(error);
+    }
+    result->collisions = collider->collisions.collisions;
+    result->collision_count = (int64_t)collider->collisions.count;
+    return PEL_OK;
+}

@@ -1,0 +1,273 @@
+/* Candidates that are kept from step to step: nothing that touches is lost, nothing comes twice, memory settles. */
+#include "check.h"
+#include "failing_malloc.h"
+
+#include "bvh/candidates.h"
+#include "pellicle/geometry.h"
+#include "sample.h"
+
+static pel_candidates *make_candidates(const surface *s, double margin)
+{
+    pel_candidates *c;
+    assert_int_equal(pel_candidates_create((const double(*)[3])s->start, s->vertex_count,
+                                           (const int32_t(*)[3])s->triangles, s->triangle_count, margin, INT64_MAX, &c,
+                                           NULL),
+                     PEL_OK);
+    return c;
+}
+
+static void update(pel_candidates *c, const surface *s, double thickness, pel_pool *pool)
+{
+    assert_int_equal(
+        pel_candidates_update(c, (const double(*)[3])s->start, (const double(*)[3])s->end, thickness, pool, NULL),
+        PEL_OK);
+}
+
+static bool same_list(const pel_pair *pairs, size_t count, pair_set *expected)
+{
+    pair_set found = {0};
+    for (size_t i = 0; i < count; i++)
+        add_pair(&found, pairs[i]);
+    bool same = pairs_equal(&found, expected);
+    clear_pairs(&found);
+    clear_pairs(expected);
+    return same;
+}
+
+/* the list is exactly what all pairs of boxes give, kept or not */
+static void check_lists(const pel_candidates *c)
+{
+    feature_boxes boxes = {c->vertex_boxes, c->edge_boxes, c->triangle_boxes};
+    pair_set vertex_face = brute_vertex_face(c->tree, &boxes), edge_edge = brute_edge_edge(c->tree, &boxes);
+    assert_true(same_list(c->vertex_face, c->vertex_face_count, &vertex_face));
+    assert_true(same_list(c->edge_edge, c->edge_edge_count, &edge_edge));
+}
+
+/* every pair that comes within the thickness at some time is on the list: checked by distances, without any box */
+static void check_near_pairs(const pel_candidates *c, const surface *s, double thickness)
+{
+    pair_set list = {0};
+    for (size_t i = 0; i < c->edge_edge_count; i++)
+        add_pair(&list, c->edge_edge[i]);
+    if (list.count > 0)
+        qsort(list.pairs, list.count, sizeof *list.pairs, compare_pairs);
+    for (int32_t e = 0; e < c->tree->edge_count; e++)
+        for (int32_t f = e + 1; f < c->tree->edge_count; f++) {
+            const int32_t *a = c->tree->edges[e], *b = c->tree->edges[f];
+            if (shares_vertex(a, 2, b, 2))
+                continue;
+            bool near = false;
+            for (int i = 0; i <= 4 && !near; i++) {
+                double p[4][3], weights[4];
+                for (int corner = 0; corner < 4; corner++)
+                    for (int k = 0; k < 3; k++) {
+                        int32_t v = corner < 2 ? a[corner] : b[corner - 2];
+                        p[corner][k] = (1 - 0.25 * i) * s->start[v][k] + 0.25 * i * s->end[v][k];
+                    }
+                near = pel_closest_segment_segment(p[0], p[1], p[2], p[3], weights) < 0.999 * thickness * thickness;
+            }
+            pel_pair pair = {e, f};
+            if (near)
+                assert_true(list.count > 0 &&
+                            bsearch(&pair, list.pairs, list.count, sizeof pair, compare_pairs) != NULL);
+        }
+    clear_pairs(&list);
+}
+
+/* the sphere turns, shrinks and wobbles at once; the end of a step is the start of the next */
+static void move(surface *s, const double (*rest)[3], int step, double wobble)
+{
+    random_state random = {(uint64_t)step};
+    double angle = 0.1 * step, scale = pow(0.95, step), c = cos(angle), d = sin(angle);
+    for (int32_t v = 0; v < s->vertex_count; v++) {
+        const double *x = rest[v];
+        memcpy(s->start[v], s->end[v], sizeof s->end[v]);
+        double place[3] = {scale * (c * x[0] - d * x[1]) + step, scale * (d * x[0] + c * x[1]), scale * x[2]};
+        for (int k = 0; k < 3; k++)
+            s->end[v][k] = place[k] + wobble * random_between(&random, -1, 1);
+    }
+}
+
+static void check_motion(surface s, double margin, double wobble, double thickness, int64_t most_searches)
+{
+    double(*rest)[3] = malloc((size_t)s.vertex_count * sizeof *rest);
+    memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
+    memcpy(s.end, s.start, (size_t)s.vertex_count * sizeof *rest);
+    pel_candidates *c = make_candidates(&s, margin);
+    for (int step = 0; step < 30; step++) {
+        move(&s, (const double(*)[3])rest, step, wobble);
+        update(c, &s, thickness, NULL);
+        check_lists(c);
+        if (step % 5 == 0)
+            check_near_pairs(c, &s, thickness);
+    }
+    assert_true(c->counts.searches <= most_searches);
+    pel_candidates_destroy(c);
+    free(rest);
+    free_surface(&s);
+}
+
+static void test_motion(void **unused)
+{
+    (void)unused;
+    check_motion(make_sphere(5, 0), 0, 0.01, 0.01, 30);
+    /* a common motion does not use the margin up; that of the parts does now and then; too much, and nothing is kept */
+    check_motion(make_sphere(5, 0), 0.1, 0.002, 0.01, 5);
+    check_motion(make_sphere(5, 0), 0.05, 0.02, 0.01, 30);
+    check_motion(make_sphere(5, 0), 0.02, 0.1, 0.05, 30);
+    check_motion(make_folded_sheet(10, 0), 0.05, 0.005, 0.02, 20);
+    check_motion(make_soup(120, 0.2, 4), 0.05, 0.01, 0.03, 30);
+}
+
+/* a search that kept nothing useful is not repeated every time */
+static void test_pause(void **unused)
+{
+    (void)unused;
+    surface s = make_sphere(6, 0);
+    double(*rest)[3] = malloc((size_t)s.vertex_count * sizeof *rest);
+    memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
+    pel_candidates *c = make_candidates(&s, 1e-3);
+    int kept = 0;
+    for (int step = 0; step < 60; step++) {
+        random_state random = {(uint64_t)step};
+        for (int32_t v = 0; v < s.vertex_count; v++)
+            s.end[v][0] = rest[v][0] + 0.1 * random_between(&random, -1, 1);
+        update(c, &s, 0, NULL);
+        kept += c->has_kept;
+    }
+    assert_true(kept > 0 && kept < 12);
+    pel_candidates_destroy(c);
+    free(rest);
+    free_surface(&s);
+}
+
+static void test_threads(void **unused)
+{
+    (void)unused;
+    surface s = make_folded_sheet(24, 0.01);
+    pel_candidates *one = make_candidates(&s, 0.03);
+    for (int threads = 2; threads <= 4; threads++) {
+        pel_pool *pool;
+        pel_candidates *many = make_candidates(&s, 0.03);
+        assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
+        for (int step = 0; step < 3; step++) {
+            update(one, &s, 0.02, NULL);
+            update(many, &s, 0.02, pool);
+            assert_true(one->edge_edge_count > 0);
+            if (threads == 2) {
+                assert_int_equal(one->vertex_face_count, many->vertex_face_count);
+                assert_int_equal(one->edge_edge_count, many->edge_edge_count);
+                assert_memory_equal(one->vertex_face, many->vertex_face, one->vertex_face_count * sizeof(pel_pair));
+                assert_memory_equal(one->edge_edge, many->edge_edge, one->edge_edge_count * sizeof(pel_pair));
+            }
+        }
+        pel_candidates_destroy(many);
+        pel_candidates_destroy(one);
+        one = make_candidates(&s, 0.03);
+        pel_pool_destroy(pool);
+    }
+    pel_candidates_destroy(one);
+    free_surface(&s);
+}
+
+/* a surface that crumples gets a new tree */
+static void test_rebuild(void **unused)
+{
+    (void)unused;
+    random_state random = {8};
+    surface s = make_sphere(12, 0);
+    pel_candidates *c = make_candidates(&s, 0);
+    update(c, &s, 0, NULL);
+    assert_int_equal(c->counts.rebuilds, 0);
+    /* opposite points change places: the old order is no good */
+    for (int32_t v = 0; v < s.vertex_count; v++) {
+        double side = s.start[v][0] > 0 ? 1 : -1, turn = 3 * random_between(&random, 0.9, 1) * s.start[v][2];
+        double x = s.start[v][0], y = s.start[v][1];
+        s.end[v][0] = side * (cos(turn) * x - sin(turn) * y);
+        s.end[v][1] = sin(turn) * x + cos(turn) * y;
+        memcpy(s.start[v], s.end[v], sizeof s.end[v]);
+    }
+    update(c, &s, 0, NULL);
+    assert_int_equal(c->counts.rebuilds, 1);
+    check_lists(c);
+    pel_candidates_destroy(c);
+    free_surface(&s);
+}
+
+static void test_no_allocation(void **unused)
+{
+    (void)unused;
+    surface s = make_folded_sheet(16, 0.01);
+    pel_candidates *c = make_candidates(&s, 0.02);
+    update(c, &s, 0.03, NULL);
+    failing_malloc_begin(0);
+    for (int step = 0; step < 20; step++)
+        update(c, &s, step % 3 == 0 ? 0.03 : 0.01, NULL);
+    assert_int_equal(failing_malloc_end().calls, 0);
+    pel_candidates_destroy(c);
+    free_surface(&s);
+}
+
+static void test_refusals(void **unused)
+{
+    (void)unused;
+    surface s = make_folded_sheet(8, 0.01);
+    pel_error error;
+    pel_candidates *c = make_candidates(&s, 0.02);
+    update(c, &s, 0.01, NULL);
+    size_t before = c->edge_edge_count;
+    double x = s.end[7][1];
+    s.end[7][1] = NAN;
+    assert_int_equal(
+        pel_candidates_update(c, (const double(*)[3])s.start, (const double(*)[3])s.end, 0.01, NULL, &error),
+        PEL_BAD_ARGUMENT);
+    assert_int_equal(error.element, 7);
+    assert_int_equal(c->edge_edge_count, 0);
+    s.end[7][1] = x;
+    /* thicker than everything is large: too many pairs, said and bounded */
+    c->search.limit = 5000;
+    assert_int_equal(pel_candidates_update(c, (const double(*)[3])s.start, (const double(*)[3])s.end, 10, NULL, &error),
+                     PEL_BAD_ARGUMENT);
+    assert_int_equal(c->edge_edge_count, 0);
+    c->search.limit = INT64_MAX;
+    update(c, &s, 0.01, NULL);
+    assert_int_equal(c->edge_edge_count, before);
+    pel_candidates_destroy(c);
+    free_surface(&s);
+}
+
+static pel_status update_case(const void *data, pel_error *error)
+{
+    const surface *s = data;
+    pel_candidates *c;
+    pel_status status =
+        pel_candidates_create((const double(*)[3])s->start, s->vertex_count, (const int32_t(*)[3])s->triangles,
+                              s->triangle_count, 0.01, INT64_MAX, &c, error);
+    if (status != PEL_OK) {
+        assert_null(c);
+        return status;
+    }
+    status = pel_candidates_update(c, (const double(*)[3])s->start, (const double(*)[3])s->end, 0.02, NULL, error);
+    if (status != PEL_OK)
+        assert_true(c->vertex_face_count == 0 && c->edge_edge_count == 0);
+    pel_candidates_destroy(c);
+    return status;
+}
+
+static void test_allocations(void **unused)
+{
+    (void)unused;
+    surface s = make_folded_sheet(6, 0.01);
+    assert_true(for_every_allocation_failure(update_case, &s) > 20);
+    free_surface(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_motion),      cmocka_unit_test(test_pause),         cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_rebuild),     cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,420 @@
+/* Trees and searches against brute force. */
+#include "check.h"
+#include "failing_malloc.h"
+#include "random.h"
+
+#include "base/memory.h"
+#include "bvh/candidates.h"
+#include "sample.h"
+
+#include <stdlib.h>
+
+/* ---- structure ---- */
+
+static pel_tree *make_tree(const surface *s, pel_tree_content content)
+{
+    pel_tree *tree;
+    assert_int_equal(pel_tree_create((const double(*)[3])s->start, s->vertex_count, (const int32_t(*)[3])s->triangles,
+                                     s->triangle_count, content, &tree, NULL),
+                     PEL_OK);
+    return tree;
+}
+
+/* every element is in exactly one lane; groups and leaves follow each other */
+static void check_members(const pel_tree *tree)
+{
+    int32_t *seen = calloc((size_t)(tree->triangle_count + tree->vertex_count + tree->edge_count), sizeof *seen);
+    int32_t next = 0;
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
+        const pel_leaf *at = &tree->leaves[leaf];
+        assert_int_equal(at->group, next);
+        for (int32_t g = at->group; g < at->group_end; g++) {
+            int32_t offset = g == at->group       ? 0
+                             : g < at->edge_group ? tree->triangle_count
+                                                  : tree->triangle_count + tree->vertex_count;
+            for (int lane = 0; lane < PEL_LANES; lane++)
+                if (tree->members[g].element[lane] >= 0)
+                    seen[offset + tree->members[g].element[lane]]++;
+        }
+        next = at->group_end;
+    }
+    for (int32_t i = 0; i < tree->triangle_count; i++)
+        assert_int_equal(seen[i], 1);
+    uint8_t *used = calloc((size_t)tree->vertex_count, 1);
+    for (int32_t h = 0; h < 3 * tree->triangle_count; h++)
+        used[tree->triangles[h / 3][h % 3]] = 1;
+    for (int32_t v = 0; v < tree->vertex_count && tree->edges != NULL; v++)
+        assert_int_equal(seen[tree->triangle_count + v], used[v]);
+    for (int32_t e = 0; e < tree->edge_count; e++)
+        assert_int_equal(seen[tree->triangle_count + tree->vertex_count + e], 1);
+    free(used);
+    free(seen);
+}
+
+static void test_members(void **unused)
+{
+    (void)unused;
+    for (int32_t count = 1; count < 60; count++) {
+        surface s = make_soup(count, 0.3, (uint64_t)count);
+        pel_tree *tree = make_tree(&s, PEL_TREE_FEATURES);
+        check_members(tree);
+        pel_tree_rebuild(tree, (const double(*)[3])s.end);
+        check_members(tree);
+        pel_tree_destroy(tree);
+        tree = make_tree(&s, PEL_TREE_TRIANGLES);
+        check_members(tree);
+        pel_tree_destroy(tree);
+        free_surface(&s);
+    }
+}
+
+/* ---- frames and boxes ---- */
+
+static void random_frame(random_state *random, pel_frame *frame)
+{
+    for (int k = 0; k < 3; k++) {
+        frame->origin[0][k] = random_between(random, -1, 1);
+        frame->origin[1][k] = random_between(random, -1, 1);
+        for (int j = 0; j < 3; j++)
+            frame->matrix[k][j] = random_between(random, -1.5, 1.5);
+    }
+}
+
+/* points on the way, in long double, and points at most reach away from each other */
+static void test_boxes_hold_points(void **unused)
+{
+    (void)unused;
+    random_state random = {7};
+    const double scales[] = {1e-30, 1e-6, 1, 1e6, 1e30};
+    for (int trial = 0; trial < 20000; trial++) {
+        double scale = scales[trial % 5], place[2][2][3];
+        pel_frame frame;
+        random_frame(&random, &frame);
+        for (int k = 0; k < 3; k++)
+            frame.origin[0][k] *= scale, frame.origin[1][k] *= scale;
+        for (int i = 0; i < 12; i++)
+            (&place[0][0][0])[i] = scale * random_between(&random, -1, 1);
+        /* the second point comes within reach of the first at the end of the step */
+        double direction[3], length = 0, reach = scale * random_between(&random, 0, 0.5);
+        for (int k = 0; k < 3; k++) {
+            direction[k] = random_normal(&random);
+            length += direction[k] * direction[k];
+        }
+        for (int k = 0; k < 3; k++)
+            place[1][1][k] = place[1][0][k] + 0.999999 * reach * direction[k] / sqrt(length);
+        pel_motion motion = {(const double(*)[3])place[0], (const double(*)[3])place[1], 2};
+        pel_box boxes[2];
+        assert_int_equal(pel_boxes_of_motion(&frame, &motion, reach, boxes), -1);
+        assert_true(pel_box_overlaps(&boxes[0], &boxes[1]));
+        for (int i = 0; i < 2; i++) {
+            double t = random_between(&random, 0, 1);
+            for (int k = 0; k < 3; k++) {
+                long double y = 0;
+                for (int j = 0; j < 3; j++)
+                    y += (long double)frame.matrix[k][j] *
+                         ((1 - (long double)t) * ((long double)place[0][i][j] - frame.origin[0][j]) +
+                          (long double)t * ((long double)place[1][i][j] - frame.origin[1][j]));
+                assert_true((long double)boxes[i].low[k] <= y && y <= (long double)boxes[i].high[k]);
+            }
+        }
+        pel_box grown;
+        pel_boxes_grow(boxes, 1, 0.1 * scale, &grown);
+        assert_true(pel_box_contains(&grown, &boxes[0]));
+        for (int k = 0; k < 3; k++)
+            assert_true((double)grown.low[k] <= (double)boxes[0].low[k] - 0.1 * scale &&
+                        (double)grown.high[k] >= (double)boxes[0].high[k] + 0.1 * scale);
+    }
+}
+
+static void test_not_finite(void **unused)
+{
+    (void)unused;
+    double points[3][3] = {{0, 0, 0}, {1, 1, 1}, {0, NAN, 0}};
+    pel_motion motion = {(const double(*)[3])points, (const double(*)[3])points, 3};
+    pel_box boxes[3];
+    pel_frame frame = pel_frame_at((double[3]){0, 0, 0});
+    assert_int_equal(pel_boxes_of_motion(&frame, &motion, 0, boxes), 2);
+    points[1][0] = INFINITY;
+    assert_int_equal(pel_boxes_of_motion(&frame, &motion, 0, boxes), 1);
+}
+
+/* an affine motion is followed: in the frame the points are where they were */
+static void test_follow(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    surface s = make_soup(100, 0.2, 5);
+    double(*before)[3] = malloc((size_t)s.vertex_count * sizeof *before);
+    pel_motion rest = {(const double(*)[3])s.start, (const double(*)[3])s.start, s.vertex_count};
+    pel_motion now = {(const double(*)[3])s.end, (const double(*)[3])s.end, s.vertex_count};
+    pel_frame frame = pel_frame_centre(&rest);
+    for (int32_t v = 0; v < s.vertex_count; v++)
+        pel_frame_middle(&frame, &rest, v, before[v]);
+    for (int trial = 0; trial < 20; trial++) {
+        double rotation[9], scale = random_between(&random, 0.2, 3);
+        random_rotation(&random, rotation);
+        for (int32_t v = 0; v < s.vertex_count; v++)
+            for (int k = 0; k < 3; k++) {
+                const double *x = s.start[v];
+                s.end[v][k] =
+                    scale * (rotation[3 * k] * x[0] + rotation[3 * k + 1] * x[1] + rotation[3 * k + 2] * x[2]) + 10;
+            }
+        frame = pel_frame_follow(&now, (const double(*)[3])before);
+        for (int32_t v = 0; v < s.vertex_count; v++)
+            for (int k = 0; k < 3; k++) {
+                double y = 0;
+                for (int j = 0; j < 3; j++)
+                    y += frame.matrix[k][j] * (s.end[v][j] - frame.origin[0][j]);
+                assert_near(y, before[v][k], 1e-2);
+            }
+    }
+    /* a flat sheet and a point can be followed too */
+    for (int32_t v = 0; v < s.vertex_count; v++)
+        before[v][2] = s.end[v][2] = 0;
+    frame = pel_frame_follow(&now, (const double(*)[3])before);
+    for (int i = 0; i < 9; i++)
+        assert_true(isfinite(frame.matrix[i / 3][i % 3]));
+    now.vertex_count = 1;
+    memset(before[0], 0, sizeof before[0]);
+    frame = pel_frame_follow(&now, (const double(*)[3])before);
+    assert_true(frame.matrix[0][0] == 1 && frame.matrix[0][1] == 0);
+    free(before);
+    free_surface(&s);
+}
+
+/* ---- searches ---- */
+
+static void fit(pel_tree *tree, const surface *s, double reach, pel_box *boxes)
+{
+    pel_motion motion = {(const double(*)[3])s->start, (const double(*)[3])s->end, s->vertex_count};
+    pel_frame frame = pel_frame_at((double[3]){0.5, 0.5, 0.5});
+    assert_int_equal(pel_boxes_of_motion(&frame, &motion, reach, boxes), -1);
+    pel_tree_refit(tree, boxes);
+}
+
+static bool list_equals(const pel_pair_search *search, pel_pair_kind kind, pair_set *expected)
+{
+    pair_set found = {0};
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++)
+        for (size_t i = 0; i < search->chunks[chunk].lists[kind].count; i++)
+            add_pair(&found, search->chunks[chunk].lists[kind].pairs[i]);
+    bool same = pairs_equal(&found, expected);
+    clear_pairs(&found);
+    clear_pairs(expected);
+    return same;
+}
+
+static void check_within(const surface *s, double reach)
+{
+    pel_tree *tree = make_tree(s, PEL_TREE_FEATURES);
+    feature_boxes boxes = make_feature_boxes(tree);
+    pel_pair_search search;
+    pel_pair_search_begin(&search, INT64_MAX);
+    for (int rebuilt = 0; rebuilt < 2; rebuilt++) {
+        if (rebuilt)
+            pel_tree_rebuild(tree, (const double(*)[3])s->end);
+        fit(tree, s, reach, boxes.vertices);
+        pel_tree_feature_boxes(tree, boxes.vertices, boxes.edges, boxes.triangles);
+        assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, NULL), PEL_OK);
+        pair_set vertex_face = brute_vertex_face(tree, &boxes), edge_edge = brute_edge_edge(tree, &boxes);
+        pair_set face_face = brute_face_face(tree, &boxes);
+        assert_true(vertex_face.count + edge_edge.count + face_face.count > 0 || s->triangle_count < 4);
+        assert_true(list_equals(&search, PEL_PAIR_VERTEX_FACE, &vertex_face));
+        assert_true(list_equals(&search, PEL_PAIR_EDGE_EDGE, &edge_edge));
+        assert_true(list_equals(&search, PEL_PAIR_FACE_FACE, &face_face));
+        assert_int_equal(pel_pair_search_count(&search, PEL_PAIR_FACE_VERTEX), 0);
+    }
+    pel_pair_search_clear(&search);
+    free_feature_boxes(&boxes);
+    pel_tree_destroy(tree);
+}
+
+static void test_pairs_within(void **unused)
+{
+    (void)unused;
+    for (int32_t count = 1; count < 400; count = 1 + count * 3 / 2) {
+        surface soup = make_soup(count, 0.3, (uint64_t)count);
+        check_within(&soup, 0);
+        check_within(&soup, 0.05);
+        free_surface(&soup);
+    }
+    surface sheet = make_folded_sheet(16, 0.02);
+    check_within(&sheet, 0);
+    check_within(&sheet, 0.1);
+    free_surface(&sheet);
+    surface sphere = make_sphere(8, 0.02);
+    check_within(&sphere, 0.001);
+    free_surface(&sphere);
+}
+
+static void test_pairs_between(void **unused)
+{
+    (void)unused;
+    for (int32_t count = 1; count < 300; count = 2 + count * 2) {
+        surface a = make_soup(count, 0.3, (uint64_t)count), b = make_soup(301 - count, 0.3, 99);
+        pel_tree *first = make_tree(&a, PEL_TREE_FEATURES), *second = make_tree(&b, PEL_TREE_FEATURES);
+        feature_boxes x = make_feature_boxes(first), y = make_feature_boxes(second);
+        fit(first, &a, 0.01, x.vertices);
+        fit(second, &b, 0.01, y.vertices);
+        pel_tree_feature_boxes(first, x.vertices, x.edges, x.triangles);
+        pel_tree_feature_boxes(second, y.vertices, y.edges, y.triangles);
+        pel_pair_search search;
+        pel_pair_search_begin(&search, INT64_MAX);
+        assert_int_equal(pel_find_pairs(first, second, 15u, NULL, &search, NULL), PEL_OK);
+        pair_set vf = brute_between(x.vertices, a.vertex_count, y.triangles, b.triangle_count);
+        pair_set fv = brute_between(x.triangles, a.triangle_count, y.vertices, b.vertex_count);
+        pair_set ee = brute_between(x.edges, first->edge_count, y.edges, second->edge_count);
+        pair_set ff = brute_between(x.triangles, a.triangle_count, y.triangles, b.triangle_count);
+        assert_true(ff.count > 0);
+        assert_true(list_equals(&search, PEL_PAIR_VERTEX_FACE, &vf));
+        assert_true(list_equals(&search, PEL_PAIR_FACE_VERTEX, &fv));
+        assert_true(list_equals(&search, PEL_PAIR_EDGE_EDGE, &ee));
+        assert_true(list_equals(&search, PEL_PAIR_FACE_FACE, &ff));
+        pel_pair_search_clear(&search);
+        free_feature_boxes(&x);
+        free_feature_boxes(&y);
+        pel_tree_destroy(first);
+        pel_tree_destroy(second);
+        free_surface(&a);
+        free_surface(&b);
+    }
+}
+
+static void test_in_box(void **unused)
+{
+    (void)unused;
+    surface s = make_sphere(8, 0.02);
+    pel_tree *tree = make_tree(&s, PEL_TREE_FEATURES);
+    feature_boxes boxes = make_feature_boxes(tree);
+    fit(tree, &s, 0, boxes.vertices);
+    pel_tree_feature_boxes(tree, boxes.vertices, boxes.edges, boxes.triangles);
+    random_state random = {11};
+    pel_element_list list = {0};
+    for (int trial = 0; trial < 200; trial++) {
+        pel_box box = pel_box_empty();
+        for (int corner = 0; corner < 2; corner++)
+            for (int k = 0; k < 3; k++) {
+                float x = (float)random_between(&random, -1.5, 1.5);
+                box.low[k] = x < box.low[k] ? x : box.low[k];
+                box.high[k] = x > box.high[k] ? x : box.high[k];
+            }
+        for (int kind = 0; kind < 2; kind++) {
+            const pel_box *of = kind == PEL_ELEMENT_TRIANGLE ? boxes.triangles : boxes.vertices;
+            int32_t count = kind == PEL_ELEMENT_TRIANGLE ? s.triangle_count : s.vertex_count;
+            size_t expected = 0;
+            for (int32_t i = 0; i < count; i++)
+                expected += pel_box_overlaps(&of[i], &box);
+            assert_int_equal(pel_find_in_box(tree, &box, (pel_element_kind)kind, &list, NULL), PEL_OK);
+            assert_int_equal(list.count, expected);
+            for (size_t i = 0; i < list.count; i++)
+                assert_true(pel_box_overlaps(&of[list.elements[i]], &box));
+        }
+    }
+    pel_free(list.elements);
+    free_feature_boxes(&boxes);
+    pel_tree_destroy(tree);
+    free_surface(&s);
+}
+
+/* the same lists, in the same order */
+static void test_threads(void **unused)
+{
+    (void)unused;
+    surface s = make_soup(700, 0.2, 17);
+    pel_tree *tree = make_tree(&s, PEL_TREE_FEATURES);
+    feature_boxes boxes = make_feature_boxes(tree);
+    fit(tree, &s, 0.01, boxes.vertices);
+    pel_pair_search one, many;
+    pel_pair_search_begin(&one, INT64_MAX);
+    pel_pair_search_begin(&many, INT64_MAX);
+    assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &one, NULL), PEL_OK);
+    for (int threads = 1; threads <= 4; threads++) {
+        pel_pool *pool;
+        assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
+        assert_int_equal(pel_find_pairs(tree, tree, 15u, pool, &many, NULL), PEL_OK);
+        for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++)
+            for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++) {
+                const pel_pair_list *a = &one.chunks[chunk].lists[kind], *b = &many.chunks[chunk].lists[kind];
+                assert_int_equal(a->count, b->count);
+                assert_true(a->count == 0 || memcmp(a->pairs, b->pairs, a->count * sizeof *a->pairs) == 0);
+            }
+        pel_pool_destroy(pool);
+    }
+    pel_pair_search_clear(&one);
+    pel_pair_search_clear(&many);
+    free_feature_boxes(&boxes);
+    pel_tree_destroy(tree);
+    free_surface(&s);
+}
+
+static void test_limit(void **unused)
+{
+    (void)unused;
+    surface s = make_soup(700, 0.5, 17);
+    pel_tree *tree = make_tree(&s, PEL_TREE_FEATURES);
+    feature_boxes boxes = make_feature_boxes(tree);
+    fit(tree, &s, 0.01, boxes.vertices);
+    pel_pair_search search;
+    pel_error error;
+    pel_pair_search_begin(&search, INT64_MAX);
+    assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, NULL), PEL_OK);
+    int64_t count = 0;
+    for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
+        count += (int64_t)pel_pair_search_count(&search, (pel_pair_kind)kind);
+    search.limit = count;
+    assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, NULL), PEL_OK);
+    search.limit = count - 1;
+    assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "pairs are near each other"));
+    pel_pair_search_clear(&search);
+    free_feature_boxes(&boxes);
+    pel_tree_destroy(tree);
+    free_surface(&s);
+}
+
+static pel_status search_case(const void *data, pel_error *error)
+{
+    const surface *s = data;
+    pel_tree *tree;
+    pel_status status =
+        pel_tree_create((const double(*)[3])s->start, s->vertex_count, (const int32_t(*)[3])s->triangles,
+                        s->triangle_count, PEL_TREE_FEATURES, &tree, error);
+    if (status != PEL_OK) {
+        assert_null(tree);
+        return status;
+    }
+    pel_box boxes[300], all = {{-9, -9, -9, 0}, {9, 9, 9, 0}};
+    pel_pair_search search;
+    pel_element_list list = {0};
+    fit(tree, s, 0, boxes);
+    pel_pair_search_begin(&search, INT64_MAX);
+    status = pel_find_pairs(tree, tree, 15u, NULL, &search, error);
+    if (status == PEL_OK)
+        status = pel_find_in_box(tree, &all, PEL_ELEMENT_VERTEX, &list, error);
+    pel_pair_search_clear(&search);
+    pel_free(list.elements);
+    pel_tree_destroy(tree);
+    return status;
+}
+
+static void test_allocations(void **unused)
+{
+    (void)unused;
+    surface s = make_soup(40, 0.3, 2);
+    assert_true(for_every_allocation_failure(search_case, &s) > 10);
+    free_surface(&s);
+    pel_tree *tree;
+    assert_int_equal(pel_tree_create(NULL, 0, NULL, 0, PEL_TREE_TRIANGLES, &tree, NULL), PEL_BAD_ARGUMENT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_members),      cmocka_unit_test(test_boxes_hold_points),
+        cmocka_unit_test(test_not_finite),   cmocka_unit_test(test_follow),
+        cmocka_unit_test(test_pairs_within), cmocka_unit_test(test_pairs_between),
+        cmocka_unit_test(test_in_box),       cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_limit),        cmocka_unit_test(test_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

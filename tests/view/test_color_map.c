@@ -1,0 +1,86 @@
+#include "check.h"
+
+#include "pellicle/render.h"
+
+/* the formulas are fits; the published tables are met within this, of 255 */
+enum { FIT_ERROR = 5 };
+
+static void check_color(pel_color_map map, double at, int red, int green, int blue)
+{
+    uint8_t rgb[3];
+    pel_color_map_sample(map, at, rgb);
+    assert_near(rgb[0], red, FIT_ERROR);
+    assert_near(rgb[1], green, FIT_ERROR);
+    assert_near(rgb[2], blue, FIT_ERROR);
+}
+
+/* colors of the published maps */
+static void test_known_colors(void **unused)
+{
+    (void)unused;
+    check_color(PEL_COLORS_VIRIDIS, 0, 68, 1, 84);
+    check_color(PEL_COLORS_VIRIDIS, 0.5, 33, 145, 140);
+    check_color(PEL_COLORS_VIRIDIS, 1, 253, 231, 37);
+    check_color(PEL_COLORS_CIVIDIS, 0, 0, 34, 78);
+    check_color(PEL_COLORS_CIVIDIS, 0.5, 124, 123, 120);
+    check_color(PEL_COLORS_COOL_WARM, 0, 59, 76, 192);
+    check_color(PEL_COLORS_COOL_WARM, 0.5, 221, 221, 221);
+    check_color(PEL_COLORS_COOL_WARM, 1, 180, 4, 38);
+}
+
+static double brightness(pel_color_map map, double at)
+{
+    uint8_t rgb[3];
+    pel_color_map_sample(map, at, rgb);
+    return 0.2126 * pow(rgb[0] / 255.0, 2.2) + 0.7152 * pow(rgb[1] / 255.0, 2.2) + 0.0722 * pow(rgb[2] / 255.0, 2.2);
+}
+
+/* viridis and cividis grow brighter all the way, cool-warm up to the middle and darker from there */
+static void test_brightness(void **unused)
+{
+    (void)unused;
+    const double rounding = 0.004;
+    for (int i = 0; i < 100; ++i) {
+        double at = i / 100.0, next = at + 0.01;
+        assert_true(brightness(PEL_COLORS_VIRIDIS, next) > brightness(PEL_COLORS_VIRIDIS, at) - rounding);
+        assert_true(brightness(PEL_COLORS_CIVIDIS, next) > brightness(PEL_COLORS_CIVIDIS, at) - rounding);
+        double rise = brightness(PEL_COLORS_COOL_WARM, next) - brightness(PEL_COLORS_COOL_WARM, at);
+        assert_true((at < 0.5 ? rise : -rise) > -rounding);
+    }
+}
+
+static void test_odd_values(void **unused)
+{
+    (void)unused;
+    uint8_t rgb[3], end[3];
+    for (int map = 0; map < PEL_COLORS_COUNT; ++map) {
+        pel_color_map_sample((pel_color_map)map, 1, end);
+        pel_color_map_sample((pel_color_map)map, 7, rgb);
+        assert_memory_equal(rgb, end, 3);
+        pel_color_map_sample((pel_color_map)map, 0, end);
+        pel_color_map_sample((pel_color_map)map, -INFINITY, rgb);
+        assert_memory_equal(rgb, end, 3);
+        pel_color_map_sample((pel_color_map)map, (double)NAN, rgb);
+        assert_true(rgb[0] == 128 && rgb[1] == 128 && rgb[2] == 128);
+    }
+}
+
+static void test_names(void **unused)
+{
+    (void)unused;
+    pel_color_map map;
+    for (int i = 0; i < PEL_COLORS_COUNT; ++i) {
+        assert_true(pel_color_map_find(pel_color_map_name(i), &map));
+        assert_int_equal(map, i);
+    }
+    assert_null(pel_color_map_name(PEL_COLORS_COUNT));
+    assert_null(pel_color_map_name(-1));
+    assert_false(pel_color_map_find("jet", &map));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_known_colors), cmocka_unit_test(test_brightness),
+                                       cmocka_unit_test(test_odd_values), cmocka_unit_test(test_names)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

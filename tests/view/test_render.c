@@ -1,0 +1,297 @@
+/* Whole pictures. The golden ones in tests/view/golden were looked at; PELLICLE_UPDATE_GOLDEN=1 writes them anew.
+   Skipped where there is no OpenGL. */
+#include "check.h"
+
+#include "pellicle/mesh_io.h"
+#include "pellicle/render.h"
+#include "pellicle/results.h"
+#include "pellicle/shape.h"
+
+#include <png.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* other versions of Mesa and FreeType round differently: mean difference of a byte, and share of bytes that may differ
+   by more than a quarter of the range (borders of triangles and letters) */
+static const double mean_tolerance = 1.5, share_tolerance = 0.01;
+enum { WIDTH = 160, HEIGHT = 120, FRAMES = 3, FAR_OFF = 64 };
+
+static bool can_draw;
+
+/* three frames of a ball that is pressed, with a tool above it; made in the folder of the tests */
+static void make_run(void)
+{
+    static const char scene[] =
+        "version: 1\n"
+        "bodies:\n"
+        "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 3 }, springs: { stiffness: "
+        "3 } }\n"
+        "tools:\n"
+        "  - name: probe\n"
+        "    shape: sphere\n"
+        "    radius: 0.4\n"
+        "    motion: [{ time: 0, position: [0, 0, 1.5] }]\n"
+                                "duration: 1\n";
+    const char *names[FRAMES] = {"f0.vtp", "f1.vtp", "f2.vtp"};
+    const double times[FRAMES] = {0, 0.5, 1};
+    pel_mesh *mesh;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    mkdir("render-run", 0777);
+    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+    size_t count = (size_t)mesh->vertex_count;
+    double(*move)[3] = calloc(count, sizeof *move), (*moved)[3] = calloc(count, sizeof *moved);
+    for (int f = 0; f < FRAMES; ++f) {
+        char path[64];
+        for (size_t v = 0; v < count; ++v) {
+            const double *at = mesh->positions[v];
+            move[v][2] = -0.2 * f * exp(-4 * (at[0] * at[0] + at[1] * at[1])) * (at[2] > 0);
+            for (int i = 0; i < 3; ++i)
+                moved[v][i] = at[i] + move[v][i];
+        }
+        pel_vtp_field field = {"displacement", 3, move[0]};
+        pel_vtp vtp = {.vertex_count = mesh->vertex_count,
+                       .triangle_count = mesh->triangle_count,
+                       .positions = moved[0],
+                       .triangles = mesh->triangles[0],
+                       .fields = &field,
+                       .field_count = 1,
+                       .time = times[f]};
+        snprintf(path, sizeof path, "render-run/%s", names[f]);
+        assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
+    }
+    assert_int_equal(pel_pvd_write("render-run/frames.pvd", names, times, FRAMES, NULL), PEL_OK);
+    FILE *file = fopen("render-run/scene.yaml", "w");
+    fputs(scene, file);
+    fclose(file);
+    file = fopen("render-run/series.csv", "w");
+    fputs("frame,time,probe_x,probe_y,probe_z\n0,0,0,0,1.5\n1,0.5,0,0,1.3\n2,1,0,0,1.1\n", file);
+    fclose(file);
+    assert_int_equal(pel_mesh_write("render-ball.ply", PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
+    free(move);
+    free(moved);
+    pel_mesh_destroy(mesh);
+}
+
+static pel_render_def make_def(const char *const *inputs, int32_t input_count, const char *output)
+{
+    pel_render_def def = pel_render_def_default();
+    def.inputs = inputs;
+    def.input_count = input_count;
+    def.output = output;
+    def.width = WIDTH;
+    def.height = HEIGHT;
+    return def;
+}
+
+static uint8_t *read_png(const char *path, size_t *size)
+{
+    png_image png = {.version = PNG_IMAGE_VERSION};
+    if (!png_image_begin_read_from_file(&png, path))
+        return NULL;
+    png.format = PNG_FORMAT_RGBA;
+    *size = PNG_IMAGE_SIZE(png);
+    uint8_t *pixels = malloc(*size);
+    assert_true(png_image_finish_read(&png, NULL, pixels, 0, NULL));
+    return pixels;
+}
+
+static void check_golden(const char *drawn, const char *name)
+{
+    char path[512];
+    size_t size = 0, golden_size = 0, far = 0;
+    uint64_t sum = 0;
+    uint8_t *pixels = read_png(drawn, &size);
+    assert_non_null(pixels);
+    snprintf(path, sizeof path, PEL_SOURCE_DIR "/tests/view/golden/%s.png", name);
+    if (getenv("PELLICLE_UPDATE_GOLDEN") != NULL) {
+        char command[1200];
+        snprintf(command, sizeof command, "cp '%s' '%s'", drawn, path);
+        assert_int_equal(system(command), 0);
+    }
+    uint8_t *golden = read_png(path, &golden_size);
+    assert_non_null(golden);
+    assert_int_equal(size, golden_size);
+    for (size_t i = 0; i < size; ++i) {
+        unsigned difference = (unsigned)abs(pixels[i] - golden[i]);
+        sum += difference;
+        far += difference > FAR_OFF;
+    }
+    assert_near((double)sum / (double)size, 0, mean_tolerance);
+    assert_near((double)far / (double)size, 0, share_tolerance);
+    free(pixels);
+    free(golden);
+}
+
+static void draw(const pel_render_def *def)
+{
+    pel_error error;
+    char text[1200];
+    if (pel_render(def, NULL, NULL, &error) != PEL_OK)
+        fail_msg("%s", pel_error_text(&error, text, sizeof text));
+}
+
+static void test_golden(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *run = "render-run", *ball = "render-ball.ply", *two[] = {"render-run", "render-run/"};
+    pel_render_def def = make_def(&run, 1, "render-plain.png");
+    draw(&def);
+    check_golden("render-plain.png", "run");
+    def = make_def(&ball, 1, "render-ball.png");
+    def.edges = def.flat = true;
+    def.background = PEL_BACKGROUND_TRANSPARENT;
+    draw(&def);
+    check_golden("render-ball.png", "ball");
+    const pel_frame_range frames = {0, 2, 2};
+    def = make_def(two, 2, "render-sheet.png");
+    def.width = 2 * WIDTH;
+    def.height = 2 * HEIGHT;
+    def.frames = &frames;
+    def.frame_range_count = 1;
+    def.component = 2;
+    def.arrows = "displacement";
+    def.background = PEL_BACKGROUND_DARK;
+    def.title = "two runs";
+    draw(&def);
+    check_golden("render-sheet.png", "sheet");
+}
+
+/* the same bits again, whatever the number of threads that draw */
+static void test_deterministic(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *run = "render-run";
+    size_t size, other_size;
+    pel_render_def def = make_def(&run, 1, "render-first.png");
+    draw(&def);
+    uint8_t *first = read_png("render-first.png", &size);
+    for (int threads = 0; threads < 3; ++threads) {
+        char number[16];
+        snprintf(number, sizeof number, "%d", threads);
+        setenv("LP_NUM_THREADS", number, 1);
+        draw(&def);
+        uint8_t *other = read_png("render-first.png", &other_size);
+        assert_int_equal(size, other_size);
+        assert_memory_equal(first, other, size);
+        free(other);
+    }
+    unsetenv("LP_NUM_THREADS");
+    free(first);
+}
+
+/* the camera and the colors are those of all frames, so what does not move looks the same in each */
+static void test_folder(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *run = "render-run";
+    pel_render_summary summary;
+    pel_render_def def = make_def(&run, 1, "render-out/deep");
+    def.hide_tools = true;
+    assert_int_equal(pel_render(&def, NULL, &summary, NULL), PEL_OK);
+    assert_int_equal(summary.picture_count, FRAMES);
+    assert_int_equal(summary.width, WIDTH);
+    assert_string_equal(summary.field, "displacement");
+    assert_near(summary.range[0], 0, 0);
+    assert_near(summary.range[1], 0.4, 0.03);
+    size_t size[2] = {0};
+    uint8_t *pixels[2] = {read_png("render-out/deep/f00000.png", &size[0]),
+                          read_png("render-out/deep/f00002.png", &size[1])};
+    size_t row = 4 * WIDTH;
+    assert_memory_equal(pixels[0] + 91 * row, pixels[1] + 91 * row, 11 * row);
+    assert_true(memcmp(pixels[0], pixels[1], 60 * row) != 0);
+    free(pixels[0]);
+    free(pixels[1]);
+}
+
+static void check_refused(const pel_render_def *def, pel_status expected, const char *what)
+{
+    pel_error error;
+    assert_int_equal(pel_render(def, NULL, NULL, &error), expected);
+    if (strstr(error.what, what) == NULL)
+        fail_msg("'%s' is not in '%s'", what, error.what);
+    assert_true(error.remedy[0] != '\0');
+    assert_true(access(def->output, F_OK) != 0);
+}
+
+static void test_bad_defs(void **unused)
+{
+    (void)unused;
+    const char *run = "render-run";
+    pel_render_def def = make_def(&run, 1, "render-bad.png"), bad = def;
+    bad.cookie = 0;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "was not made by");
+    bad = def;
+    bad.input_count = 0;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "number of runs");
+    bad = def;
+    bad.angle.elevation = (double)NAN;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "angle");
+    bad = def;
+    bad.fixed_range = true;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "range");
+    bad = def;
+    bad.width = 0;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "size");
+    bad = def;
+    bad.width = bad.height = 12;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "no room");
+    bad = def;
+    bad.field = "displacment";
+    check_refused(&bad, PEL_BAD_ARGUMENT, "there is no field");
+    if (!can_draw)
+        return;
+    bad = def;
+    bad.output = "render-bad.mp4";
+    bad.program = "./no-such-ffmpeg";
+    check_refused(&bad, PEL_BAD_ARGUMENT, "no-such-ffmpeg does not start");
+    /* a program that goes away */
+    bad.program = "true";
+    check_refused(&bad, PEL_BAD_FILE, "cannot write the film");
+    bad.program = "false";
+    check_refused(&bad, PEL_BAD_FILE, "cannot write the film");
+}
+
+static bool has_ffmpeg(void)
+{
+    return system("ffmpeg -version >/dev/null 2>&1") == 0;
+}
+
+static void test_film(void **unused)
+{
+    (void)unused;
+    if (!can_draw || !has_ffmpeg())
+        skip();
+    const char *run = "render-run";
+    pel_render_def def = make_def(&run, 1, "render-film.mp4");
+    def.width = WIDTH + 1;
+    draw(&def);
+    FILE *probe = popen("ffprobe -v error -count_frames -select_streams v -show_entries "
+                        "stream=width,height,nb_read_frames,r_frame_rate -of csv=p=0 render-film.mp4",
+                        "r");
+    char line[80] = "";
+    assert_non_null(fgets(line, sizeof line, probe));
+    pclose(probe);
+    assert_string_equal(line, "162,120,10/1,3\n");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden), cmocka_unit_test(test_deterministic),
+                                       cmocka_unit_test(test_folder), cmocka_unit_test(test_bad_defs),
+                                       cmocka_unit_test(test_film)};
+    make_run();
+    const char *ball = "render-ball.ply";
+    pel_render_def def = make_def(&ball, 1, "render-probe.png");
+    pel_error error;
+    can_draw = pel_render(&def, NULL, NULL, &error) == PEL_OK;
+    if (!can_draw)
+        print_message("skipped: %s\n", error.what);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

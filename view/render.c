@@ -1,0 +1,615 @@
+/* The whole job, in two passes over the frames: the first finds the range of the colors and where the camera has to
+   stand, so that all pictures agree; the second draws. Only one frame is in memory at a time, and nothing is written
+   before all frames were read once without an error. */
+#include "pellicle/render.h"
+
+#include "view/canvas.h"
+#include "view/field.h"
+#include "view/film.h"
+#include "view/page.h"
+#include "view/run.h"
+#include "view/shots.h"
+#include "view/support.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { PATH_SIZE = 4096, MOST_INPUTS = 64, MOST_ARROWS = 1500 };
+static const uint32_t cookie = 0x52454e44;
+
+typedef struct job {
+    pel_render_def def;
+    const pel_log *log;
+    view_run *runs; /* (def.input_count) */
+    view_shots shots;
+    view_page page;
+    view_canvas *canvas;
+    view_camera camera;
+    view_image image;
+    view_scale scale;
+    view_soup soup;
+    const char *field; /* null = plain */
+    char field_name[PEL_NAME_SIZE];
+    int32_t component_count;
+    double range[2];
+    pel_color_map color_map;
+    double bounds[2][3]; /* of the surfaces of all frames */
+    double longest;      /* arrow, in the unit of its field */
+    int time_decimals;
+    double *values; /* (value_count) numbers of one frame */
+    int32_t value_count;
+    pel_render_summary summary;
+} job;
+
+pel_render_def pel_render_def_default(void)
+{
+    pel_render_def def = {.component = -1, .color_map = PEL_COLORS_AUTO, .up = 2, .cookie = cookie};
+    pel_camera_preset_find("iso", &def.angle);
+    return def;
+}
+
+/* ---- the def ---- */
+
+static pel_status refuse(const char *what, const char *remedy, pel_error *error)
+{
+    view_fail(error, PEL_BAD_ARGUMENT, NULL, "%s", what);
+    view_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_numbers(const pel_render_def *def, pel_error *error)
+{
+    const pel_camera_angle *angle = &def->angle;
+    if (!isfinite(angle->azimuth) || !(fabs(angle->elevation) <= 90) || !(angle->zoom >= 0.01 && angle->zoom <= 100))
+        return refuse("the camera's angle is out of range", "give an elevation of -90 to 90 and a zoom of 0.01 to 100",
+                      error);
+    if (def->fixed_range && !(isfinite(def->range[0]) && isfinite(def->range[1]) && def->range[0] < def->range[1]))
+        return refuse("the range of the colors is empty", "give its lower end first", error);
+    if (def->width < 0 || def->height < 0 || (def->width == 0) != (def->height == 0))
+        return refuse("the size of the picture is out of range", "give width and height from 1", error);
+    if (def->columns < 0 || def->rows < 0 || def->columns > 1000 || def->rows > 1000 ||
+        (def->columns == 0) != (def->rows == 0))
+        return refuse("the sheet's columns and rows are out of range", "give both from 1", error);
+    if (!(def->frame_rate >= 0 && def->frame_rate <= 1000))
+        return refuse("the frame rate is out of range", "give up to 1000 pictures a second", error);
+    if (def->component < -1 || def->up < 0 || def->up > 2 || (unsigned)def->color_map > PEL_COLORS_AUTO ||
+        (unsigned)def->background > PEL_BACKGROUND_TRANSPARENT)
+        return refuse("a choice is out of range", "begin with pel_render_def_default", error);
+    return PEL_OK;
+}
+
+static pel_status check_def(const pel_render_def *def, pel_error *error)
+{
+    if (def == NULL || def->cookie != cookie)
+        return refuse("the def was not made by pel_render_def_default", "begin with that function", error);
+    if (def->inputs == NULL || def->input_count < 1 || def->input_count > MOST_INPUTS)
+        return refuse("the number of runs is out of range", "draw 1 to 64 at a time", error);
+    if (def->output == NULL || def->output[0] == '\0' || strlen(def->output) > PATH_SIZE - 64)
+        return refuse("the output has no name or a very long one", "name a folder, a .png or an .mp4 file", error);
+    if (view_output_kind(def->output) == VIEW_FILM && def->background == PEL_BACKGROUND_TRANSPARENT)
+        return refuse("a film cannot be transparent", "choose a white or dark background, or write pictures", error);
+    return check_numbers(def, error);
+}
+
+/* ---- reading ---- */
+
+static const char *frame_path(const job *j, view_shot shot)
+{
+    const view_run *run = &j->runs[shot.run];
+    return run->frames != NULL ? run->frames->paths[shot.frame] : run->path;
+}
+
+static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *error)
+{
+    double start = view_clock();
+    pel_status status = view_run_read(&j->runs[shot.run], shot.frame, mesh, error);
+    if (status == PEL_OK && (*mesh)->vertex_count > j->value_count) {
+        double *grown = realloc(j->values, (size_t)(*mesh)->vertex_count * sizeof *grown);
+        if (grown != NULL) {
+            j->values = grown;
+            j->value_count = (*mesh)->vertex_count;
+        } else {
+            status = view_fail_memory(error);
+        }
+    }
+    j->summary.read_s += view_clock() - start;
+    if (status != PEL_OK) {
+        pel_mesh_destroy(*mesh);
+        *mesh = NULL;
+    }
+    return status;
+}
+
+static pel_status open_runs(job *j, pel_error *error)
+{
+    j->runs = view_allocate((size_t)j->def.input_count, sizeof *j->runs);
+    pel_status status = j->runs != NULL ? PEL_OK : view_fail_memory(error);
+    for (int32_t r = 0; status == PEL_OK && r < j->def.input_count; ++r)
+        status = view_run_open(&j->runs[r], j->def.inputs[r], !j->def.hide_tools, j->log, error);
+    return status;
+}
+
+/* the field that is asked for, or displacement where there is one */
+static pel_status choose_field(job *j, pel_error *error)
+{
+    if (j->def.field != NULL && strcmp(j->def.field, "none") == 0)
+        return PEL_OK;
+    const char *name = j->def.field != NULL ? j->def.field : "displacement";
+    pel_mesh *mesh;
+    const pel_field *field;
+    pel_status status = read_shot(j, j->shots.shots[0], &mesh, error);
+    if (status != PEL_OK)
+        return status;
+    status = view_field_find(mesh, name, frame_path(j, j->shots.shots[0]), &field, error);
+    if (status == PEL_OK) {
+        snprintf(j->field_name, sizeof j->field_name, "%s", name);
+        j->field = j->field_name;
+        j->component_count = field->component_count;
+    } else if (j->def.field == NULL) {
+        status = PEL_OK;
+    }
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* ---- first pass ---- */
+
+static pel_status survey_arrows(job *j, const pel_mesh *mesh, const char *place, pel_error *error)
+{
+    double range[2] = {0, 0};
+    const pel_field *field;
+    pel_status status = view_field_find(mesh, j->def.arrows, place, &field, error);
+    if (status == PEL_OK && field->component_count != 3) {
+        view_fail(error, PEL_BAD_ARGUMENT, place, "field '%s' is no vector, so it has no arrows", j->def.arrows);
+        view_remedy(error, "choose a field of 3 numbers, such as force or displacement");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (status == PEL_OK)
+        status = view_field_take(mesh, j->def.arrows, -1, place, j->values, range, error);
+    j->longest = fmax(j->longest, range[1]);
+    return status;
+}
+
+static void survey_points(job *j, const pel_mesh *mesh)
+{
+    for (int32_t v = 0; v < mesh->vertex_count; ++v) {
+        view_camera_see(&j->camera, mesh->positions[v], 0);
+        for (int i = 0; i < 3; ++i) {
+            j->bounds[0][i] = fmin(j->bounds[0][i], mesh->positions[v][i]);
+            j->bounds[1][i] = fmax(j->bounds[1][i], mesh->positions[v][i]);
+        }
+    }
+}
+
+static double body_size(const job *j)
+{
+    double size = 0;
+    for (int i = 0; i < 3; ++i)
+        size = hypot(size, j->bounds[1][i] - j->bounds[0][i]);
+    return size;
+}
+
+static double tool_radius(const pel_tool_def *tool)
+{
+    const double *half = tool->half_extents;
+    return tool->shape == PEL_TOOL_BOX ? sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
+                                       : tool->radius + (tool->shape == PEL_TOOL_CAPSULE ? tool->half_length : 0);
+}
+
+/* tools smaller than the body belong into the picture; larger ones may reach out of it */
+static void survey_tools(job *j, view_shot shot)
+{
+    const view_run *run = &j->runs[shot.run];
+    for (int32_t t = 0; t < view_run_tool_count(run); ++t) {
+        double position[3], rotation[4];
+        const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
+        double radius = tool_radius(tool);
+        if (radius < 0.35 * body_size(j))
+            view_camera_see(&j->camera, position, radius);
+        else
+            view_camera_reach(&j->camera, position, radius);
+    }
+}
+
+static pel_status survey_shot(job *j, view_shot shot, pel_error *error)
+{
+    pel_mesh *mesh;
+    const char *place = frame_path(j, shot);
+    pel_status status = read_shot(j, shot, &mesh, error);
+    if (status != PEL_OK)
+        return status;
+    if (j->field != NULL)
+        status = view_field_take(mesh, j->field, j->def.component, place, j->values, j->range, error);
+    if (status == PEL_OK && j->def.arrows != NULL)
+        status = survey_arrows(j, mesh, place, error);
+    if (status == PEL_OK)
+        survey_points(j, mesh);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* makes the range fit for a color bar: not empty, from 0 where that is near, symmetric for two colors */
+static void settle_range(job *j)
+{
+    double *range = j->range;
+    bool both = range[0] < 0 && range[1] > 0;
+    j->color_map = j->def.color_map != PEL_COLORS_AUTO                                  ? j->def.color_map
+                   : both && -range[0] > 0.05 * range[1] && range[1] > -0.05 * range[0] ? PEL_COLORS_COOL_WARM
+                                                                                        : PEL_COLORS_VIRIDIS;
+    if (j->def.fixed_range) {
+        memcpy(range, j->def.range, sizeof j->range);
+        return;
+    }
+    if (both && j->color_map == PEL_COLORS_COOL_WARM) {
+        range[1] = fmax(range[1], -range[0]);
+        range[0] = -range[1];
+    } else if (range[0] > 0 && range[0] < 0.1 * range[1]) {
+        range[0] = 0;
+    }
+    double size = fmax(fabs(range[0]), fabs(range[1]));
+    if (size == 0) {
+        range[1] = 1;
+    } else if (range[1] - range[0] < 1e-9 * size) {
+        range[0] -= 0.05 * size;
+        range[1] += 0.05 * size;
+    }
+}
+
+/* how many decimals tell the times apart, at most 4 */
+static int count_decimals(const job *j)
+{
+    int decimals = 0;
+    for (int32_t i = 0; i < j->shots.page_count * j->shots.cell_count; ++i) {
+        view_shot shot = j->shots.shots[i];
+        double time = shot.run >= 0 ? view_run_time(&j->runs[shot.run], shot.frame) : 0;
+        for (double scale = pow(10, decimals); decimals < 4; scale *= 10, ++decimals) {
+            if (fabs(time * scale - round(time * scale)) < 1e-3)
+                break;
+        }
+    }
+    return decimals;
+}
+
+static pel_status survey(job *j, pel_error *error)
+{
+    for (int i = 0; i < 2; ++i) {
+        j->range[i] = i == 0 ? INFINITY : -INFINITY;
+        for (int k = 0; k < 3; ++k)
+            j->bounds[i][k] = j->range[i];
+    }
+    int32_t count = j->shots.page_count * j->shots.cell_count;
+    view_camera_begin(&j->camera, &j->def.angle, j->def.up, j->page.cell_width, j->page.cell_height);
+    pel_status status = PEL_OK;
+    for (int32_t i = 0; status == PEL_OK && i < count; ++i) {
+        if (j->shots.shots[i].run >= 0)
+            status = survey_shot(j, j->shots.shots[i], error);
+    }
+    if (status != PEL_OK)
+        return status;
+    for (int32_t i = 0; i < count; ++i) {
+        if (j->shots.shots[i].run >= 0)
+            survey_tools(j, j->shots.shots[i]);
+    }
+    view_camera_fit(&j->camera, j->def.angle.zoom);
+    j->time_decimals = count_decimals(j);
+    if (j->field != NULL) {
+        settle_range(j);
+        view_scale_make(&j->scale, j->field, j->def.component, j->component_count, j->def.unit, j->range);
+    }
+    return PEL_OK;
+}
+
+/* ---- second pass ---- */
+
+static pel_status draw_surface(job *j, const pel_mesh *mesh, const char *place, pel_error *error)
+{
+    view_look look = {.colored = j->field != NULL,
+                      .plain = {{217, 180, 160, 255}},
+                      .edge_width = j->def.edges ? fmax(0.9, j->page.text_size / 18.0) : 0,
+                      .edge_strength = 0.4,
+                      .highlight = j->field != NULL ? 0.015 : 0.05};
+    double unused[2] = {0, 0};
+    if (j->field != NULL) {
+        pel_status status = view_field_take(mesh, j->field, j->def.component, place, j->values, unused, error);
+        if (status != PEL_OK)
+            return status;
+        for (int32_t v = 0; v < mesh->vertex_count; ++v)
+            j->values[v] = fmin(fmax((j->values[v] - j->range[0]) / (j->range[1] - j->range[0]), 0), 1);
+    }
+    j->soup.count = 0;
+    pel_status status =
+        view_soup_add_mesh(&j->soup, &j->camera, mesh, j->field != NULL ? j->values : NULL, j->def.flat, error);
+    if (status == PEL_OK)
+        view_canvas_draw(j->canvas, &j->soup, &look);
+    return status;
+}
+
+/* the vectors worth drawing, every stride-th of them when they are many */
+static bool is_drawn(const double vector[3], double least)
+{
+    return vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2] > least * least;
+}
+
+static pel_status add_arrows(job *j, const pel_mesh *mesh, const double (*vectors)[3], const double (*normals)[3],
+                             pel_error *error)
+{
+    double least = 0.02 * j->longest, size = body_size(j), scale = 0.2 * size / j->longest;
+    int32_t count = 0, next = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; ++v)
+        count += is_drawn(vectors[v], least);
+    int32_t stride = (count + MOST_ARROWS - 1) / MOST_ARROWS;
+    for (int32_t v = 0; v < mesh->vertex_count; ++v) {
+        if (!is_drawn(vectors[v], least) || next++ % stride != 0)
+            continue;
+        const double *at = mesh->positions[v];
+        double along = 0, ends[2][3];
+        for (int i = 0; i < 3; ++i)
+            along += vectors[v][i] * normals[v][i];
+        for (int i = 0; i < 3; ++i) {
+            ends[0][i] = at[i] - (along < 0 ? scale * vectors[v][i] : 0);
+            ends[1][i] = at[i] + (along < 0 ? 0 : scale * vectors[v][i]);
+        }
+        pel_status status = view_soup_add_arrow(&j->soup, &j->camera, ends[0], ends[1], 0.006 * size, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    return PEL_OK;
+}
+
+static pel_status draw_arrows(job *j, const pel_mesh *mesh, pel_error *error)
+{
+    const view_look look = {.plain = {{196, 44, 56, 255}}, .highlight = 0.1};
+    if (!(j->longest > 0))
+        return PEL_OK;
+    const pel_field *field = pel_mesh_field(mesh, j->def.arrows);
+    double(*normals)[3] = view_mesh_normals(mesh);
+    if (normals == NULL)
+        return view_fail_memory(error);
+    j->soup.count = 0;
+    pel_status status = add_arrows(j, mesh, (const double(*)[3])field->values, (const double(*)[3])normals, error);
+    if (status == PEL_OK)
+        view_canvas_draw(j->canvas, &j->soup, &look);
+    free(normals);
+    return status;
+}
+
+static pel_status draw_tools(job *j, view_shot shot, pel_error *error)
+{
+    const view_look look = {.plain = {{120, 132, 148, 165}}, .highlight = 0.25};
+    const view_run *run = &j->runs[shot.run];
+    for (int32_t t = 0; t < view_run_tool_count(run); ++t) {
+        double position[3], rotation[4];
+        const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
+        j->soup.count = 0;
+        pel_status status = view_soup_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
+        if (status != PEL_OK)
+            return status;
+        view_canvas_draw(j->canvas, &j->soup, &look);
+    }
+    return PEL_OK;
+}
+
+/* "soft, t = 0.50 s" */
+static void draw_label(job *j, view_shot shot, int32_t cell)
+{
+    const view_run *run = &j->runs[shot.run];
+    char text[512] = "";
+    size_t length = 0;
+    if (j->def.labels != NULL && j->def.labels[shot.run] != NULL) {
+        length = (size_t)snprintf(text, sizeof text, "%s", j->def.labels[shot.run]);
+    } else if (j->def.input_count > 1) {
+        /* the last part of the path, slashes behind it left out */
+        const char *end = run->path + strlen(run->path);
+        while (end > run->path + 1 && end[-1] == '/')
+            --end;
+        const char *begin = end;
+        while (begin > run->path && begin[-1] != '/')
+            --begin;
+        length = (size_t)snprintf(text, sizeof text, "%.*s", (int)(end - begin), begin);
+    }
+    if (run->has_times && length < sizeof text)
+        snprintf(text + length, sizeof text - length, "%st = %.*f s", length > 0 ? ", " : "", j->time_decimals,
+                 view_run_time(run, shot.frame));
+    view_page_label(&j->page, &j->image, cell, text);
+}
+
+static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *error)
+{
+    pel_mesh *mesh;
+    pel_status status = read_shot(j, shot, &mesh, error);
+    if (status != PEL_OK)
+        return status;
+    double start = view_clock();
+    view_canvas_begin(j->canvas, &j->camera, j->page.background);
+    status = draw_surface(j, mesh, frame_path(j, shot), error);
+    if (status == PEL_OK && j->def.arrows != NULL)
+        status = draw_arrows(j, mesh, error);
+    if (status == PEL_OK)
+        status = draw_tools(j, shot, error);
+    int32_t x, y;
+    view_page_cell(&j->page, cell, &x, &y);
+    if (status == PEL_OK)
+        status = view_canvas_read(j->canvas, &j->image, x, y, error);
+    if (status == PEL_OK && !j->def.hide_labels)
+        draw_label(j, shot, cell);
+    j->summary.draw_s += view_clock() - start;
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+static pel_status draw_page(job *j, int32_t page, pel_error *error)
+{
+    const view_shot *shots = j->shots.shots + (size_t)page * (size_t)j->shots.cell_count;
+    double start = view_clock();
+    double before = j->summary.draw_s;
+    view_page_begin(&j->page, &j->image);
+    if (j->field != NULL && !j->def.hide_bar)
+        view_page_bar(&j->page, &j->image, j->color_map, &j->scale);
+    j->summary.draw_s += view_clock() - start;
+    pel_status status = PEL_OK;
+    for (int32_t cell = 0; status == PEL_OK && cell < j->shots.cell_count; ++cell) {
+        if (shots[cell].run >= 0)
+            status = draw_cell(j, shots[cell], cell, error);
+    }
+    double taken = j->summary.draw_s - before, *least = &j->summary.least_s;
+    *least = *least == 0 || taken < *least ? taken : *least;
+    return status;
+}
+
+/* ---- output ---- */
+
+static pel_status make_folder(const char *path, pel_error *error)
+{
+    char part[PATH_SIZE];
+    for (const char *slash = path; slash != NULL && *slash != '\0';) {
+        slash = strchr(slash + 1, '/');
+        snprintf(part, sizeof part, "%.*s", slash != NULL ? (int)(slash - path) : (int)strlen(path), path);
+        if (mkdir(part, 0777) != 0 && errno != EEXIST && errno != EISDIR) {
+            view_fail(error, PEL_BAD_FILE, part, "cannot make the folder: %s", strerror(errno));
+            view_remedy(error, "choose another folder for the pictures");
+            return PEL_BAD_FILE;
+        }
+    }
+    return PEL_OK;
+}
+
+static pel_status write_pictures(job *j, bool folder, pel_error *error)
+{
+    pel_status status = folder ? make_folder(j->def.output, error) : PEL_OK;
+    for (int32_t p = 0; status == PEL_OK && p < j->shots.page_count; ++p) {
+        char path[PATH_SIZE];
+        int frame = (int)j->shots.shots[(size_t)p * (size_t)j->shots.cell_count].frame;
+        if (folder)
+            snprintf(path, sizeof path, "%s/f%05d.png", j->def.output, frame);
+        else
+            snprintf(path, sizeof path, "%s", j->def.output);
+        status = draw_page(j, p, error);
+        double start = view_clock();
+        if (status == PEL_OK)
+            status = view_image_write(&j->image, path, folder, error);
+        j->summary.write_s += view_clock() - start;
+        j->summary.picture_count += status == PEL_OK;
+    }
+    return status;
+}
+
+/* real time, within what looks like a film */
+static double film_rate(const job *j)
+{
+    const view_shots *shots = &j->shots;
+    if (j->def.frame_rate > 0 || shots->page_count < 2)
+        return j->def.frame_rate > 0 ? j->def.frame_rate : 10;
+    view_shot first = shots->shots[0], last = shots->shots[(size_t)(shots->page_count - 1) * (size_t)shots->cell_count];
+    const view_run *run = &j->runs[first.run];
+    double time = view_run_time(run, last.frame) - view_run_time(run, first.frame);
+    return time > 0 ? fmin(fmax((shots->page_count - 1) / time, 10), 60) : 25;
+}
+
+static pel_status write_film(job *j, pel_error *error)
+{
+    view_film *film;
+    pel_status status =
+        view_film_create(j->def.output, j->page.width, j->page.height, film_rate(j), j->def.program, &film, error);
+    if (status != PEL_OK)
+        return status;
+    for (int32_t p = 0; status == PEL_OK && p < j->shots.page_count; ++p) {
+        status = draw_page(j, p, error);
+        double start = view_clock();
+        if (status == PEL_OK)
+            status = view_film_add(film, &j->image, error);
+        j->summary.write_s += view_clock() - start;
+        j->summary.picture_count += status == PEL_OK;
+    }
+    pel_status ended = view_film_close(film, status == PEL_OK, status == PEL_OK ? error : NULL);
+    return status == PEL_OK ? ended : status;
+}
+
+/* ---- all of it ---- */
+
+static pel_status make_page(job *j, pel_error *error)
+{
+    view_scale scale = {.count = 0};
+    const double some[2] = {0, 1};
+    if (j->field != NULL)
+        view_scale_make(&scale, j->field, j->def.component, j->component_count, j->def.unit, some);
+    bool labels = j->def.labels != NULL || j->def.input_count > 1 || j->runs[0].has_times;
+    view_page_def def = {.columns = j->shots.columns,
+                         .rows = j->shots.rows,
+                         .width = j->def.width,
+                         .height = j->def.height,
+                         .background = j->def.background,
+                         .title = j->def.title,
+                         .bar_title = j->field != NULL && !j->def.hide_bar ? scale.title : NULL,
+                         .labels = labels && !j->def.hide_labels};
+    return view_page_create(&j->page, &def, error);
+}
+
+static pel_status prepare(job *j, pel_error *error)
+{
+    pel_status status = open_runs(j, error);
+    if (status == PEL_OK)
+        status = view_shots_create(&j->shots, &j->def, j->runs, error);
+    if (status == PEL_OK)
+        status = choose_field(j, error);
+    if (status == PEL_OK)
+        status = make_page(j, error);
+    if (status == PEL_OK)
+        status = survey(j, error);
+    if (status == PEL_OK)
+        status = view_image_create(&j->image, j->page.width, j->page.height, error);
+    if (status == PEL_OK)
+        status = view_canvas_create(j->page.cell_width, j->page.cell_height, &j->canvas, error);
+    if (status == PEL_OK)
+        view_canvas_set_color_map(j->canvas, j->color_map);
+    return status;
+}
+
+static void summarize(job *j)
+{
+    pel_render_summary *summary = &j->summary;
+    summary->width = j->page.width;
+    summary->height = j->page.height;
+    snprintf(summary->field, sizeof summary->field, "%s", j->field_name);
+    memcpy(summary->range, j->range, sizeof summary->range);
+    snprintf(summary->renderer, sizeof summary->renderer, "%s", view_canvas_renderer(j->canvas));
+}
+
+static void clean(job *j)
+{
+    for (int32_t r = 0; j->runs != NULL && r < j->def.input_count; ++r)
+        view_run_close(&j->runs[r]);
+    free(j->runs);
+    free(j->values);
+    view_soup_destroy(&j->soup);
+    view_shots_destroy(&j->shots);
+    view_canvas_destroy(j->canvas);
+    view_image_destroy(&j->image);
+    view_page_destroy(&j->page);
+}
+
+pel_status pel_render(const pel_render_def *def, const pel_log *log, pel_render_summary *summary, pel_error *error)
+{
+    if (summary != NULL)
+        *summary = (pel_render_summary){0};
+    pel_status status = check_def(def, error);
+    if (status != PEL_OK)
+        return status;
+    job j = {.def = *def, .log = log};
+    status = prepare(&j, error);
+    view_output kind = view_output_kind(def->output);
+    if (status == PEL_OK && kind == VIEW_FILM)
+        status = write_film(&j, error);
+    else if (status == PEL_OK)
+        status = write_pictures(&j, kind == VIEW_FOLDER, error);
+    if (status == PEL_OK) {
+        summarize(&j);
+        if (summary != NULL)
+            *summary = j.summary;
+    }
+    clean(&j);
+    return status;
+}

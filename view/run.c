@@ -1,0 +1,186 @@
+#include "view/run.h"
+
+#include "view/series.h"
+#include "view/support.h"
+
+#include "pellicle/import.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { PATH_SIZE = 4096 };
+
+static bool is_folder(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 && S_ISDIR(found.st_mode);
+}
+
+static bool is_file(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 && !S_ISDIR(found.st_mode);
+}
+
+/* ---- tools ---- */
+
+/* positions out of series.csv; without that file the keys of the scene have to do */
+static pel_status read_positions(view_run *run, const char *path, pel_error *error)
+{
+    int32_t tool_count = run->scene->sim.tool_count, frame_count = run->frames->frame_count;
+    size_t name_count = 3 * (size_t)tool_count;
+    char(*names)[PEL_NAME_SIZE + 4] = view_allocate(name_count, sizeof *names);
+    const char **pointers = view_allocate(name_count, sizeof *pointers);
+    run->tool_positions = view_allocate(name_count * (size_t)frame_count, sizeof *run->tool_positions);
+    pel_status status = PEL_OUT_OF_MEMORY;
+    if (names != NULL && pointers != NULL && run->tool_positions != NULL) {
+        for (size_t i = 0; i < name_count; ++i) {
+            snprintf(names[i], sizeof names[i], "%s_%c", run->scene->sim.tools[i / 3].name, "xyz"[i % 3]);
+            pointers[i] = names[i];
+        }
+        status = view_series_read(path, pointers, (int32_t)name_count, run->tool_positions, frame_count, error);
+    } else {
+        view_fail_memory(error);
+    }
+    free(names);
+    free(pointers);
+    return status;
+}
+
+static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error)
+{
+    char path[PATH_SIZE];
+    pel_error problem;
+    snprintf(path, sizeof path, "%s/scene.yaml", run->path);
+    if (!is_file(path))
+        return PEL_OK;
+    pel_status status = pel_scene_load(path, NULL, 0, NULL, &run->scene, &problem);
+    if (status == PEL_OUT_OF_MEMORY) {
+        if (error != NULL)
+            *error = problem;
+        return status;
+    }
+    if (status != PEL_OK) {
+        char text[800];
+        view_note(log, "tools are not drawn: %s", pel_error_text(&problem, text, sizeof text));
+        return PEL_OK;
+    }
+    if (run->scene->sim.tool_count == 0)
+        return PEL_OK;
+    snprintf(path, sizeof path, "%s/series.csv", run->path);
+    if (!is_file(path))
+        return PEL_OK;
+    return read_positions(run, path, error);
+}
+
+/* a unit quaternion between two, the shorter way round */
+static void turn_between(const double from[4], const double to[4], double part, double rotation[4])
+{
+    double cosine = 0, weights[2] = {1 - part, part}, length = 0;
+    for (int i = 0; i < 4; ++i)
+        cosine += from[i] * to[i];
+    double sign = cosine < 0 ? -1 : 1, angle = acos(fmin(fabs(cosine), 1));
+    if (angle > 1e-6) {
+        weights[0] = sin((1 - part) * angle);
+        weights[1] = sin(part * angle);
+    }
+    for (int i = 0; i < 4; ++i) {
+        rotation[i] = weights[0] * from[i] + sign * weights[1] * to[i];
+        length += rotation[i] * rotation[i];
+    }
+    for (int i = 0; i < 4; ++i)
+        rotation[i] /= sqrt(length);
+}
+
+/* the pose that the keys give */
+static void pose_at(const pel_tool_def *tool, double time, double position[3], double rotation[4])
+{
+    const pel_pose_key *key = tool->keys, *last = key + tool->key_count - 1;
+    while (key < last && key[1].time <= time)
+        ++key;
+    const pel_pose_key *next = key < last ? key + 1 : key;
+    double part = next != key ? (time - key->time) / (next->time - key->time) : 0;
+    part = part > 0 ? part : 0;
+    for (int i = 0; i < 3; ++i)
+        position[i] = key->position[i] + part * (next->position[i] - key->position[i]);
+    turn_between(key->rotation, next->rotation, part, rotation);
+}
+
+int32_t view_run_tool_count(const view_run *run)
+{
+    return run->scene != NULL ? run->scene->sim.tool_count : 0;
+}
+
+const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t frame, double position[3],
+                                  double rotation[4])
+{
+    const pel_tool_def *def = &run->scene->sim.tools[tool];
+    pose_at(def, view_run_time(run, frame), position, rotation);
+    if (run->tool_positions == NULL)
+        return def;
+    const double *row = run->tool_positions + 3 * ((size_t)frame * (size_t)view_run_tool_count(run) + (size_t)tool);
+    if (isfinite(row[0]) && isfinite(row[1]) && isfinite(row[2]))
+        memcpy(position, row, 3 * sizeof *row);
+    return def;
+}
+
+/* ---- frames ---- */
+
+static pel_status open_folder(view_run *run, bool tools, const pel_log *log, pel_error *error)
+{
+    char path[PATH_SIZE];
+    snprintf(path, sizeof path, "%s/frames.pvd", run->path);
+    if (!is_file(path)) {
+        view_fail(error, PEL_BAD_FILE, run->path, "there is no frames.pvd in this folder, so it is no finished run");
+        view_remedy(error, "name a folder that 'pellicle run' wrote");
+        return PEL_BAD_FILE;
+    }
+    pel_status status = pel_pvd_read(path, &run->frames, error);
+    return status == PEL_OK && tools ? open_tools(run, log, error) : status;
+}
+
+pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_log *log, pel_error *error)
+{
+    *run = (view_run){.path = path};
+    pel_status status = PEL_OK;
+    if (strlen(path) + 32 > PATH_SIZE) {
+        status = view_fail(error, PEL_BAD_FILE, path, "the name is too long");
+    } else if (is_folder(path)) {
+        status = open_folder(run, tools, log, error);
+    } else if (view_ends_with(path, ".pvd")) {
+        status = pel_pvd_read(path, &run->frames, error);
+    }
+    if (status != PEL_OK)
+        view_run_close(run);
+    run->has_times = run->frames != NULL;
+    return status;
+}
+
+void view_run_close(view_run *run)
+{
+    pel_pvd_destroy(run->frames);
+    pel_scene_destroy(run->scene);
+    free(run->tool_positions);
+    *run = (view_run){0};
+}
+
+int32_t view_run_frame_count(const view_run *run)
+{
+    return run->frames != NULL ? run->frames->frame_count : 1;
+}
+
+double view_run_time(const view_run *run, int32_t frame)
+{
+    return run->frames != NULL ? run->frames->times[frame] : 0;
+}
+
+pel_status view_run_read(const view_run *run, int32_t frame, pel_mesh **mesh, pel_error *error)
+{
+    const char *path = run->frames != NULL ? run->frames->paths[frame] : run->path;
+    if (run->frames != NULL || view_ends_with(path, ".vtp"))
+        return pel_vtp_read(path, mesh, NULL, error);
+    return pel_mesh_import(path, NULL, mesh, error);
+}

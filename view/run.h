@@ -1,0 +1,33 @@
+/* What is drawn: the frames of a run folder, a .pvd series or one mesh, and the tools of the run. */
+#ifndef PELLICLE_VIEW_RUN_H
+#define PELLICLE_VIEW_RUN_H
+
+#include "pellicle/results.h"
+#include "pellicle/scene.h"
+
+typedef struct view_run {
+    const char *path; /* as the user named it */
+    bool has_times;   /* false for a single mesh */
+    pel_pvd *frames;  /* null for a single mesh */
+    pel_scene *scene; /* of scene.yaml; null = no tools */
+    /* (frames x tools x 3) from series.csv, NaN where it has none; null = the keys of the scene say all */
+    double *tool_positions;
+} view_run;
+
+/* Opens a run; tools tells whether those are wanted, and why they cannot be had goes to log. Errors: PEL_BAD_FILE,
+   PEL_BAD_FORMAT, PEL_OUT_OF_MEMORY; the run is empty then. */
+pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_log *log, pel_error *error);
+void view_run_close(view_run *run);
+
+int32_t view_run_frame_count(const view_run *run);
+double view_run_time(const view_run *run, int32_t frame);
+
+/* Reads a frame; free the mesh with pel_mesh_destroy. */
+pel_status view_run_read(const view_run *run, int32_t frame, pel_mesh **mesh, pel_error *error);
+
+int32_t view_run_tool_count(const view_run *run);
+/* the tool's shape and where it is at a frame */
+const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t frame, double position[3],
+                                  double rotation[4]);
+
+#endif
