@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test demo bench format docs pictures install packages clean
+.PHONY: help build program test demo bench web format docs pictures install packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -29,6 +29,8 @@ bench: program ## run the benchmarks
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
 
+web: build/web/report.html ## build the page that `pellicle report` fills (takes Node.js and the npm registry)
+
 format: packages ## format the sources
 	@git ls-files -co --exclude-standard '*.[ch]' '*.cpp' | xargs clang-format-14 -i
 
@@ -46,6 +48,14 @@ install: program ## install library, headers and program (PREFIX=/usr/local)
 
 clean: ## remove everything that was built (results/ stays)
 	rm -rf build
+
+# Node.js may come from elsewhere than Debian
+build/web/report.html: web/node_modules/.package-lock.json web/index.html web/vite.config.js $(wildcard web/src/*)
+	@cd web && npm run --silent build
+
+web/node_modules/.package-lock.json: web/package-lock.json
+	@command -v npm >/dev/null || tools/install-packages nodejs npm
+	@cd web && npm ci --no-audit --no-fund --loglevel=error
 
 packages:
 	@tools/install-packages

@@ -12,6 +12,7 @@ int cli_shape(const cli_call *call);
 int cli_subdivide(const cli_call *call);
 int cli_convert(const cli_call *call);
 int cli_render(const cli_call *call);
+int cli_report_page(const cli_call *call);
 int cli_bench(const cli_call *call);
 int cli_reference(const cli_call *call);
 int cli_schema(const cli_call *call);
@@ -25,6 +26,7 @@ void cli_bench_help(FILE *file);
 /* names for CLI_WORD values */
 cli_words cli_shape_names;
 cli_words cli_format_names;
+cli_words cli_export_names;
 cli_words cli_bench_names;
 cli_words cli_color_map_names;
 cli_words cli_component_names;

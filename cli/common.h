@@ -16,6 +16,10 @@ int cli_report_to(const pel_error *error, cli_json *json);
 /* names the file of an error that names none */
 void cli_name_file(pel_error *error, const char *path);
 
+/* Finds a file that is installed in share/pellicle, beside the program or, before it is installed, in the build folder.
+   Returns path (size bytes), or null when it is in neither place. */
+const char *cli_share_path(char *path, size_t size, const char *name);
+
 /* seconds of a steady clock */
 double cli_clock(void);
 

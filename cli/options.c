@@ -253,3 +253,4 @@ int cli_values(const cli_call *call, const char *option, const char **values)
     }
     return count;
 }
+

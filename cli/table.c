@@ -16,6 +16,13 @@
                "off; left out, the file's ending decides"                                                              \
     }
 
+#define EXPORT_OPTION                                                                                                  \
+    {                                                                                                                  \
+        .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_export_names,                              \
+        .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, off, " \
+               "glb or, of a run, pc2; left out, the file's ending decides"                                            \
+    }
+
 const cli_option cli_help_option = {.name = "help", .letter = 'h', .kind = CLI_FLAG, .doc = "print this page"};
 
 static const cli_command commands[] = {
@@ -180,13 +187,18 @@ static const cli_command commands[] = {
     },
     {
         .name = "convert",
-        .summary = "turn one mesh format into another",
+        .summary = "turn one mesh format into another; export a run",
         .text = "Reads any mesh (OBJ, PLY, STL and OFF with own readers that keep the order of vertices and custom "
-                "fields; glTF, FBX, 3MF, COLLADA and others through assimp) and writes OBJ, PLY, STL or OFF. What was "
-                "changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.",
+                "fields; glTF, FBX, 3MF, COLLADA and others through assimp) and writes OBJ, PLY, STL, OFF or GLB. What "
+                "was changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.\n\n"
+                "When IN is the folder of a run, all its frames are written: to a .pc2 point cache (Blender, Maya), to "
+                "a .glb with one morph target for each frame and an animation, or to numbered mesh files: out.obj "
+                "gives out_00000.obj, out_00001.obj, ...",
         .slots = {{.name = "IN", .kind = CLI_FILE}, {.name = "OUT", .kind = CLI_FILE}},
-        .options = {FORMAT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
-        .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off",
+        .options = {EXPORT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"
+                    "pellicle convert results/sphere-press press.glb\n"
+                    "pellicle convert results/sphere-press frames/press.obj",
         .run = cli_convert,
     },
     {
@@ -278,6 +290,37 @@ static const cli_command commands[] = {
                     "pellicle render results/soft results/stiff -o both.png --frames 0,25,50 --field force\n"
                     "pellicle render liver.obj -o liver.png --view 20,10 --up y",
         .run = cli_render,
+    },
+    {
+        .name = "report",
+        .summary = "make one HTML page of one or several runs",
+        .text =
+            "Writes one file that any browser opens, without a network: the body to turn in the hand, play, scrub and "
+            "colour by any field, a vertex to pick and read, plots linked to the frame, and the scene. Several runs "
+            "stand side by side under the same camera. Numbers are rounded to 1/65535 of their range; a run "
+            "that is too long is thinned, and the page says how.",
+        .slots = {{.name = "DIR", .kind = CLI_FOLDER, .repeated = true}},
+        .options =
+            {{.name = "output",
+              .letter = 'o',
+              .kind = CLI_FILE,
+              .value = "FILE",
+              .doc = "the page to write; left out: report.html in the first folder"},
+             {.name = "field",
+              .kind = CLI_TEXT,
+              .repeated = true,
+              .value = "NAME",
+              .doc = "take only this field along, the first is shown first; left out: all of the run"},
+             {.name = "limit", .kind = CLI_COUNT, .value = "MB", .doc = "thin what is larger than this; left out: 25"},
+             {.name = "page",
+              .kind = CLI_FILE,
+              .value = "FILE",
+              .doc = "the empty page that is filled; left out: the one that 'make web' built"},
+             {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle report results/sphere-press\n"
+                    "pellicle report results/sphere-press results/sphere-press-hollow -o compare.html\n"
+                    "pellicle report results/sphere-press --field force --limit 5",
+        .run = cli_report_page,
     },
     {
         .name = "bench",

@@ -277,7 +277,7 @@ static int count_decimals(const job *j)
 static pel_status survey(job *j, pel_error *error)
 {
     for (int i = 0; i < 2; ++i) {
-        j->range[i] = i == 0 ? INFINITY : -INFINITY;
+        j->range[i] = i == 0 ? HUGE_VAL : -HUGE_VAL;
         for (int k = 0; k < 3; ++k)
             j->bounds[i][k] = j->range[i];
     }

@@ -79,7 +79,7 @@ pel_status view_series_read(const char *path, const char *const *names, int32_t 
                             int32_t row_count, pel_error *error)
 {
     for (size_t i = 0; i < (size_t)row_count * (size_t)name_count; ++i)
-        values[i] = NAN;
+        values[i] = (double)NAN;
     char *text;
     pel_status status = read_text(path, &text, error);
     if (status != PEL_OK)

@@ -58,7 +58,7 @@ static void test_odd_values(void **unused)
         pel_color_map_sample((pel_color_map)map, 7, rgb);
         assert_memory_equal(rgb, end, 3);
         pel_color_map_sample((pel_color_map)map, 0, end);
-        pel_color_map_sample((pel_color_map)map, -INFINITY, rgb);
+        pel_color_map_sample((pel_color_map)map, -HUGE_VAL, rgb);
         assert_memory_equal(rgb, end, 3);
         pel_color_map_sample((pel_color_map)map, (double)NAN, rgb);
         assert_true(rgb[0] == 128 && rgb[1] == 128 && rgb[2] == 128);

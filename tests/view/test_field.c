@@ -18,7 +18,7 @@ static void test_take(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_mesh();
-    double values[4], range[2] = {INFINITY, -INFINITY};
+    double values[4], range[2] = {HUGE_VAL, -HUGE_VAL};
     assert_int_equal(view_field_take(mesh, "force", -1, "here", values, range, NULL), PEL_OK);
     assert_true(values[0] == 5 && values[1] == 2 && values[2] == 0 && values[3] == 3);
     assert_true(range[0] == 0 && range[1] == 5);

@@ -32,7 +32,7 @@ static void make_run(void)
         "    shape: sphere\n"
         "    radius: 0.4\n"
         "    motion: [{ time: 0, position: [0, 0, 1.5] }]\n"
-                                "duration: 1\n";
+        "duration: 1\n";
     const char *names[FRAMES] = {"f0.vtp", "f1.vtp", "f2.vtp"};
     const double times[FRAMES] = {0, 0.5, 1};
     pel_mesh *mesh;

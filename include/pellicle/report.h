@@ -1,0 +1,41 @@
+/* Pellicle: a report: one HTML file that holds one or several runs and shows them in a browser, without a network. */
+#ifndef PELLICLE_REPORT_H
+#define PELLICLE_REPORT_H
+
+#include "base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pel_report_def {
+    const char *page;           /* the empty page, report.html, that `make web` builds */
+    const char *const *folders; /* (folder_count) of runs */
+    int32_t folder_count;       /* >= 1 */
+    const char *const *fields;  /* (field_count) to take along, the first is shown first; null = all */
+    int32_t field_count;
+    int64_t size_limit; /* bytes that the report may have; what does not fit is thinned */
+    const pel_log *log; /* says what was thinned; nullable */
+    uint32_t cookie;    /* set by pel_report_def_default */
+} pel_report_def;
+
+/* No page and no folders yet, all fields, 25 000 000 bytes. */
+pel_report_def pel_report_def_default(void);
+
+typedef struct pel_report_summary {
+    int64_t size;        /* bytes written */
+    int64_t frame_count; /* of all runs, in the report */
+    int64_t frame_total; /* of all runs, in their folders */
+} pel_report_summary;
+
+/* Writes a report. Positions are rounded to 1/65535 of the box around the run, fields to 1/65535 of their range. When
+   that is too large, vectors lose their directions, then fields are rounded to 1/255 of their range, then frames are
+   left out evenly; the page says which. summary is nullable. Errors: PEL_BAD_ARGUMENT (no folder; a field that a run
+   does not have; a single frame is too large), PEL_BAD_FILE (the page is missing; not writable), PEL_BAD_FORMAT (the
+   page is of another version), and those of pel_frames_open and pel_frames_read. Nothing is written then. */
+pel_status pel_report_write(const char *path, const pel_report_def *def, pel_report_summary *summary, pel_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

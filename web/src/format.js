@@ -1,0 +1,69 @@
+// Numbers and units as people read them.
+const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+function superscript(number) {
+    const digits = [...String(Math.abs(number))].map((digit) => superscripts[digit]).join("");
+    return (number < 0 ? "⁻" : "") + digits;
+}
+
+// three or `digits` significant digits; a power of ten where the number is very small or large
+export function formatNumber(value, digits = 3) {
+    if (!Number.isFinite(value)) return "–";
+    if (value === 0) return "0";
+    const exponent = Math.floor(Math.log10(Math.abs(value)));
+    if (exponent >= -3 && exponent < 6) {
+        const text = value.toPrecision(Math.max(digits, exponent + 1));
+        const plain = text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+        return plain.replace("-", "−");
+    }
+    const [mantissa, power] = value.toExponential(digits - 1).split("e");
+    const short = mantissa.includes(".") ? mantissa.replace(/\.?0+$/, "") : mantissa;
+    return `${short.replace("-", "−")}·10${superscript(Number(power))}`;
+}
+
+// numbers that stand together: one power of ten for all, and digits for their steps, or `digits` of the largest
+export function formatTogether(values, digits = 0) {
+    const largest = Math.max(...values.map(Math.abs));
+    if (!(largest > 0) || !Number.isFinite(largest)) return values.map((value) => formatNumber(value));
+    const exponent = Math.floor(Math.log10(largest) + 1e-9);
+    const power = exponent >= -3 && exponent < 6 ? 0 : exponent;
+    const ordered = values.map((value) => value / 10 ** power).sort((a, b) => a - b);
+    const steps = ordered.slice(1).map((value, i) => value - ordered[i]).filter((step) => step > 1e-9 * largest / 10 ** power);
+    const step = digits > 0 || steps.length === 0 ? 10 ** (exponent - power - Math.max(digits, 3) + 1) : Math.min(...steps);
+    const decimals = Math.min(12, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+    return values.map((value) => {
+        const text = String(Number((value / 10 ** power).toFixed(decimals))).replace("-", "−");
+        return power === 0 || text === "0" ? text : `${text}·10${superscript(power)}`;
+    });
+}
+
+// (1, 2, 3)·10⁻⁶
+export function formatVector(values) {
+    const texts = formatTogether(values, 3);
+    const power = /·10.*$/.exec(texts.find((text) => text.includes("·")) ?? "")?.[0] ?? "";
+    return `(${texts.map((text) => text.replace(/·10.*$/, "")).join(", ")})${power}`;
+}
+
+// the unit of a field or column by its name; empty when it has none or none is known
+const units = [
+    [/(_ratio|level|body|contact|contacts|vertices|triangles|count|frame|quality)$/, ""],
+    [/energy$/, "J"],
+    [/force(_max|_x|_y|_z)?$/, "N"],
+    [/(displacement|thickness|distance|radius)$/, "m"],
+    [/velocity|speed/, "m/s"],
+    [/(pressure|stress|young|modulus)$/, "Pa"],
+    [/gaussian_curvature$/, "1/m²"],
+    [/curvature$/, "1/m"],
+    [/area$/, "m²"],
+    [/volume$/, "m³"],
+    [/_ms$/, "ms"],
+    [/^time$|_s$/, "s"],
+    [/_[xyz]$/, "m"],
+];
+
+export const unitOf = (name) => units.find(([pattern]) => pattern.test(name))?.[1] ?? "";
+
+export const withUnit = (text, unit) => (unit ? `${text} ${unit}` : text);
+
+// step_ms -> step, kinetic_energy -> kinetic energy
+export const plainName = (name) => name.replace(/_ms$/, "").replaceAll("_", " ");

@@ -1,0 +1,412 @@
+// The bodies: one three.js scene a run, drawn side by side on one canvas under one camera.
+import {
+    BufferAttribute,
+    BufferGeometry,
+    ClampToEdgeWrapping,
+    Color,
+    DataTexture,
+    DoubleSide,
+    LineSegments,
+    Mesh,
+    NearestFilter,
+    PerspectiveCamera,
+    RGBAFormat,
+    Scene,
+    ShaderMaterial,
+    Vector2,
+    Vector3,
+    WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { isDiverging, mapBytes } from "./colour.js";
+import { fillPositions, fillValues } from "./data.js";
+
+// Light from above the left shoulder and a weak one from the right, a shine and a bright rim; the inside is darker.
+// x: factor of the colour, y: what is added.
+const lightShader = `
+    vec2 lightOf(vec3 normal, vec3 eye, float inside) {
+        vec3 key = vec3(-0.371, 0.557, 0.743);
+        float facing = max(dot(normal, eye), 0.0), rim = 1.0 - facing;
+        float shine = max(dot(normal, normalize(key + eye)), 0.0);
+        shine *= shine;
+        shine *= shine;
+        shine *= shine;
+        float light = 0.5 + 0.55 * max(dot(normal, key), 0.0) + 0.15 * max(dot(normal, vec3(0.83, -0.21, 0.52)), 0.0);
+        return vec2(light, 0.1 * shine * shine + 0.16 * rim * rim * rim) * inside;
+    }`;
+
+const mapShader = `
+    uniform sampler2D map;
+    uniform vec2 range;
+    uniform vec3 plain;
+    uniform bool coloured;
+    varying float fieldValue;
+    vec3 colourOf() {
+        float place = clamp((fieldValue - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0);
+        return coloured ? texture2D(map, vec2(place, 0.5)).rgb : plain;
+    }`;
+
+// Where the vertices are dense (FINE) they are lit, which costs a software renderer less; else each pixel is.
+const vertexShader = `
+    attribute float value;
+    varying float fieldValue;
+    varying vec3 viewNormal, viewPosition;
+    varying vec4 light;
+    ${lightShader}
+    void main() {
+        vec4 place = modelViewMatrix * vec4(position, 1.0);
+        viewPosition = place.xyz;
+        viewNormal = normalMatrix * normal;
+        #ifdef FINE
+            vec3 eye = normalize(-viewPosition), facing = normalize(viewNormal);
+            light = vec4(lightOf(facing, eye, 1.0), lightOf(-facing, eye, 0.6));
+        #endif
+        fieldValue = value;
+        gl_Position = projectionMatrix * place;
+    }`;
+
+const surfaceShader = `
+    varying vec3 viewNormal, viewPosition;
+    varying vec4 light;
+    ${mapShader}
+    ${lightShader}
+    void main() {
+        #ifdef FINE
+            vec2 lit = gl_FrontFacing ? light.xy : light.zw;
+        #else
+            #ifdef FLAT
+                vec3 normal = normalize(cross(dFdx(viewPosition), dFdy(viewPosition)));
+            #else
+                vec3 normal = normalize(gl_FrontFacing ? viewNormal : -viewNormal);
+            #endif
+            vec2 lit = lightOf(normal, normalize(-viewPosition), gl_FrontFacing ? 1.0 : 0.6);
+        #endif
+        gl_FragColor = vec4(colourOf() * lit.x + lit.y, 1.0);
+    }`;
+
+const lineShader = `
+    uniform float opacity;
+    ${mapShader}
+    void main() {
+        gl_FragColor = vec4(colourOf(), opacity);
+    }`;
+
+// from how many vertices on the light is computed at the vertices
+const FINE_COUNT = 4000;
+
+// every edge once, as pairs of vertices
+function listEdges(corners, vertexCount) {
+    const keys = new Float64Array(corners.length);
+    for (let i = 0; i < corners.length; i++) {
+        const a = corners[i];
+        const b = corners[i % 3 === 2 ? i - 2 : i + 1];
+        keys[i] = Math.min(a, b) * vertexCount + Math.max(a, b);
+    }
+    keys.sort();
+    const pairs = [];
+    for (let i = 0; i < keys.length; i++)
+        if (i === 0 || keys[i] !== keys[i - 1]) pairs.push(Math.floor(keys[i] / vertexCount), keys[i] % vertexCount);
+    return new Uint32Array(pairs);
+}
+
+// vertex normals, weighted by area; the shader makes them unit vectors
+function fillNormals(corners, positions, normals) {
+    normals.fill(0);
+    for (let i = 0; i < corners.length; i += 3) {
+        const a = 3 * corners[i];
+        const b = 3 * corners[i + 1];
+        const c = 3 * corners[i + 2];
+        const ux = positions[b] - positions[a];
+        const uy = positions[b + 1] - positions[a + 1];
+        const uz = positions[b + 2] - positions[a + 2];
+        const wx = positions[c] - positions[a];
+        const wy = positions[c + 1] - positions[a + 1];
+        const wz = positions[c + 2] - positions[a + 2];
+        const nx = uy * wz - uz * wy;
+        const ny = uz * wx - ux * wz;
+        const nz = ux * wy - uy * wx;
+        for (const at of [a, b, c]) {
+            normals[at] += nx;
+            normals[at + 1] += ny;
+            normals[at + 2] += nz;
+        }
+    }
+}
+
+// One run: geometry of the topology at hand. Positions are about the middle of the box, in units of its size, so that
+// a body of any size far from the origin keeps all digits of a float.
+class Body {
+    constructor(run, uniforms, centre, size) {
+        this.run = run;
+        this.centre = centre;
+        this.size = size;
+        this.scene = new Scene();
+        this.shown = "";
+        this.topology = -1;
+        const options = { vertexShader, uniforms, side: DoubleSide };
+        this.surface = new Mesh(
+            new BufferGeometry(),
+            new ShaderMaterial({
+                ...options,
+                fragmentShader: surfaceShader,
+                polygonOffset: true,
+                polygonOffsetFactor: 1,
+                polygonOffsetUnits: 1,
+            }),
+        );
+        this.lines = new LineSegments(
+            new BufferGeometry(),
+            new ShaderMaterial({ ...options, fragmentShader: lineShader, transparent: true }),
+        );
+        this.lines.material.uniforms = { ...uniforms, coloured: { value: false }, plain: { value: new Color() }, opacity: { value: 1 } };
+        this.surface.frustumCulled = this.lines.frustumCulled = false;
+        this.scene.add(this.surface, this.lines);
+    }
+
+    setTopology(topology) {
+        const count = this.run.topologies[topology][0];
+        const corners = this.run.corners[topology];
+        this.topology = topology;
+        this.positions = new Float32Array(3 * count);
+        this.normals = new Float32Array(3 * count);
+        this.values = new Float32Array(count);
+        const attributes = {
+            position: new BufferAttribute(this.positions, 3),
+            normal: new BufferAttribute(this.normals, 3),
+            value: new BufferAttribute(this.values, 1),
+        };
+        for (const object of [this.surface, this.lines]) {
+            object.geometry.dispose();
+            object.geometry = new BufferGeometry();
+            for (const name in attributes) object.geometry.setAttribute(name, attributes[name]);
+        }
+        this.surface.geometry.setIndex(new BufferAttribute(corners, 1));
+        this.edges = null;
+    }
+
+    // index and weight as data.locate gives them; field null = none
+    show(index, weight, field) {
+        const frame = this.run.frames[index];
+        const shown = `${index} ${weight} ${field?.name}`;
+        if (shown === this.shown) return;
+        if (this.topology !== frame.topology) this.setTopology(frame.topology);
+        this.shown = shown;
+        this.index = index;
+        fillPositions(this.run, index, weight, this.positions);
+        const { centre, size, positions } = this;
+        for (let i = 0; i < positions.length; i += 3)
+            for (let c = 0; c < 3; c++) positions[i + c] = (positions[i + c] - centre[c]) / size;
+        fillNormals(this.run.corners[frame.topology], positions, this.normals);
+        if (field) fillValues(this.run, field, index, weight, this.values);
+        const { position, normal, value } = this.surface.geometry.attributes;
+        position.needsUpdate = normal.needsUpdate = true;
+        if (field) value.needsUpdate = true;
+    }
+
+    // farthest vertex from the middle, in the units of the picture
+    radius() {
+        let squared = 0;
+        for (let i = 0; i < this.positions?.length; i += 3)
+            squared = Math.max(squared, this.positions[i] ** 2 + this.positions[i + 1] ** 2 + this.positions[i + 2] ** 2);
+        return Math.sqrt(squared) || 1;
+    }
+
+    // light at the vertices, at the pixels, or one for each triangle
+    setLight(flat) {
+        const fine = this.run.topologies[this.topology][0] >= FINE_COUNT;
+        const kind = flat ? "FLAT" : fine ? "FINE" : "";
+        const { material } = this.surface;
+        if (material.userData.kind === kind) return;
+        material.userData.kind = kind;
+        material.defines = kind ? { [kind]: 1 } : {};
+        material.needsUpdate = true;
+    }
+
+    setStyle(surface, ink) {
+        const wire = surface === "wireframe";
+        this.surface.visible = !wire;
+        this.lines.visible = surface !== "smooth";
+        if (this.lines.visible && !this.edges && this.topology >= 0) {
+            this.edges = listEdges(this.run.corners[this.topology], this.run.topologies[this.topology][0]);
+            this.lines.geometry.setIndex(new BufferAttribute(this.edges, 1));
+        }
+        const uniforms = this.lines.material.uniforms;
+        uniforms.coloured.value = wire && this.surface.material.uniforms.coloured.value;
+        uniforms.opacity.value = wire ? 1 : 0.35;
+        uniforms.plain.value.set(wire ? ink : "#000000").convertLinearToSRGB();
+    }
+
+    // the vertex of the first triangle that the ray hits that is nearest to the hit, or -1
+    hit(origin, direction) {
+        const corners = this.run.corners[this.topology];
+        const [a, u, w, p, q, s] = Array.from({ length: 6 }, () => new Vector3());
+        let best = Infinity;
+        let found = -1;
+        for (let i = 0; i < corners.length; i += 3) {
+            a.fromArray(this.positions, 3 * corners[i]);
+            u.fromArray(this.positions, 3 * corners[i + 1]).sub(a);
+            w.fromArray(this.positions, 3 * corners[i + 2]).sub(a);
+            p.crossVectors(direction, w);
+            const determinant = u.dot(p);
+            if (Math.abs(determinant) < 1e-14) continue;
+            s.subVectors(origin, a);
+            const x = s.dot(p) / determinant;
+            q.crossVectors(s, u);
+            const y = direction.dot(q) / determinant;
+            const distance = w.dot(q) / determinant;
+            if (x < 0 || y < 0 || x + y > 1 || distance <= 0 || distance >= best) continue;
+            best = distance;
+            const weights = [1 - x - y, x, y];
+            found = corners[i + weights.indexOf(Math.max(...weights))];
+        }
+        return found;
+    }
+}
+
+// whether pictures are drawn by the processor: smooth edges would take twice as long there
+function isSoftware() {
+    const context = document.createElement("canvas").getContext("webgl2");
+    const names = context?.getExtension("WEBGL_debug_renderer_info");
+    const name = context?.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER) ?? "";
+    context?.getExtension("WEBGL_lose_context")?.loseContext();
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
+function unionBox(runs) {
+    const low = [0, 1, 2].map((c) => Math.min(...runs.map((run) => run.low[c])));
+    const high = [0, 1, 2].map((c) => Math.max(...runs.map((run) => run.high[c])));
+    const centre = low.map((x, c) => (x + high[c]) / 2);
+    const size = Math.hypot(...low.map((x, c) => high[c] - x)) / 2 || 1;
+    return { centre, size };
+}
+
+export class View {
+    // changed() is called when the picture has to be drawn again
+    constructor(canvas, runs, changed) {
+        this.canvas = canvas;
+        this.pictures = 0;
+        this.software = isSoftware();
+        this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, alpha: true });
+        this.renderer.setClearColor(0x000000, 0);
+        this.renderer.setScissorTest(true);
+        const texture = new DataTexture(mapBytes("viridis"), 256, 1, RGBAFormat);
+        texture.magFilter = texture.minFilter = NearestFilter;
+        texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+        texture.needsUpdate = true;
+        this.uniforms = {
+            map: { value: texture },
+            range: { value: new Vector2(0, 1) },
+            plain: { value: new Vector3(0.82, 0.6, 0.52) },
+            coloured: { value: false },
+        };
+        const { centre, size } = unionBox(runs);
+        this.bodies = runs.map((run) => new Body(run, this.uniforms, centre, size));
+        this.camera = new PerspectiveCamera(28, 1, 0.01, 100);
+        this.camera.up.set(0, 0, 1);
+        this.controls = new OrbitControls(this.camera, canvas);
+        this.controls.enableDamping = false;
+        this.controls.minDistance = 0.05;
+        this.controls.maxDistance = 40;
+        this.controls.addEventListener("change", changed);
+        this.resize();
+    }
+
+    // as near as the body at hand fits its cell, with a little air for what it will do
+    reset() {
+        const { width, height } = this.cells?.[0] ?? { width: 1, height: 1 };
+        const half = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) * Math.min(1, width / height);
+        const radius = 1.15 * Math.max(...this.bodies.map((body) => body.radius()));
+        const distance = Math.max(0.5, radius) / Math.sin(Math.atan(half));
+        this.controls.target.set(0, 0, 0);
+        this.camera.position.set(0.5, -0.75, 0.5).normalize().multiplyScalar(distance);
+        this.controls.update();
+    }
+
+    turn(right, up) {
+        const { camera, controls } = this;
+        const offset = camera.position.clone().sub(controls.target);
+        const elevation = Math.asin(offset.z / offset.length());
+        offset.applyAxisAngle(camera.up, -right);
+        const side = new Vector3().crossVectors(offset, camera.up).normalize();
+        if (Math.abs(elevation + up) < 1.5) offset.applyAxisAngle(side, up);
+        camera.position.copy(controls.target).add(offset);
+        controls.update();
+    }
+
+    zoom(factor) {
+        const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(1 / factor);
+        this.camera.position.copy(this.controls.target).add(offset);
+        this.controls.update();
+    }
+
+    // cells of equal size, as square as the canvas allows
+    resize() {
+        const width = this.canvas.clientWidth;
+        const height = this.canvas.clientHeight;
+        if (width === 0 || height === 0) return;
+        const count = this.bodies.length;
+        let columns = 1;
+        for (let n = 1; n <= count; n++) {
+            const side = (n) => Math.min(width / n, height / Math.ceil(count / n));
+            if (side(n) > side(columns)) columns = n;
+        }
+        const rows = Math.ceil(count / columns);
+        this.cells = this.bodies.map((_, i) => ({
+            x: Math.floor(((i % columns) * width) / columns),
+            y: Math.floor((Math.floor(i / columns) * height) / rows),
+            width: Math.floor(width / columns),
+            height: Math.floor(height / rows),
+        }));
+        this.height = height;
+        this.setFine(false);
+        this.renderer.setSize(width, height, false);
+        this.camera.aspect = this.cells[0].width / this.cells[0].height;
+        this.camera.updateProjectionMatrix();
+    }
+
+    // In software pictures of movement are drawn at single resolution, one that stays at double.
+    setFine(fine) {
+        const ratio = this.software ? (fine ? 2 : 1) : Math.min(window.devicePixelRatio, 2);
+        if (ratio === this.renderer.getPixelRatio()) return false;
+        this.renderer.setPixelRatio(ratio);
+        return true;
+    }
+
+    setMap(name) {
+        this.uniforms.map.value.image.data.set(mapBytes(name));
+        this.uniforms.map.value.needsUpdate = true;
+        this.diverging = isDiverging(name);
+    }
+
+    draw(style) {
+        this.bodies.forEach((body, i) => {
+            const { x, y, width, height } = this.cells[i];
+            body.setLight(style.shading === "flat");
+            body.setStyle(style.surface, style.ink);
+            this.renderer.setViewport(x, this.height - y - height, width, height);
+            this.renderer.setScissor(x, this.height - y - height, width, height);
+            this.renderer.render(body.scene, this.camera);
+        });
+        this.pictures++;
+    }
+
+    // { body, vertex } under a point of the canvas, or null
+    pick(x, y) {
+        const i = this.cells.findIndex((c) => x >= c.x && x < c.x + c.width && y >= c.y && y < c.y + c.height);
+        if (i < 0) return null;
+        const cell = this.cells[i];
+        this.camera.updateMatrixWorld();
+        const point = new Vector3(((x - cell.x) / cell.width) * 2 - 1, 1 - ((y - cell.y) / cell.height) * 2, 0.5);
+        const direction = point.unproject(this.camera).sub(this.camera.position).normalize();
+        const vertex = this.bodies[i].hit(this.camera.position, direction);
+        return vertex < 0 ? null : { body: i, vertex };
+    }
+
+    // where a vertex is on the canvas
+    project(body, vertex) {
+        const cell = this.cells[body];
+        this.camera.updateMatrixWorld();
+        const point = new Vector3().fromArray(this.bodies[body].positions, 3 * vertex).project(this.camera);
+        return { x: cell.x + ((point.x + 1) / 2) * cell.width, y: cell.y + ((1 - point.y) / 2) * cell.height };
+    }
+}

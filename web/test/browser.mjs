@@ -1,0 +1,49 @@
+// Starts Chromium without a display and opens pages in it.
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const flags = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+];
+
+// { open(file, { viewport, dark }), close() }; open gives { page, errors, opened }, opened in milliseconds
+export async function startBrowser() {
+    const profile = mkdtempSync(join(tmpdir(), "pellicle-browser-"));
+    const context = await chromium.launchPersistentContext(profile, {
+        executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+        args: flags,
+        viewport: { width: 1280, height: 800 },
+    });
+    return {
+        async open(file, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {
+            const page = await context.newPage();
+            const errors = [];
+            page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+            page.on("pageerror", (error) => errors.push(String(error)));
+            page.on("request", (request) => !/^(file|data|blob):/.test(request.url()) && errors.push(request.url()));
+            await page.setViewportSize(viewport);
+            await page.emulateMedia({ colorScheme: dark ? "dark" : "light" });
+            const start = performance.now();
+            await page.goto(`file://${file}`);
+            await page.waitForFunction(() => globalThis.pellicle?.view.pictures > 0);
+            const drawn = performance.now() - start;
+            await page.waitForFunction(() => document.body.classList.contains("ready"));
+            return { page, errors, drawn, opened: performance.now() - start };
+        },
+        async close() {
+            await context.close();
+            rmSync(profile, { recursive: true, force: true });
+        },
+    };
+}
