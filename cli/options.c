@@ -253,4 +253,3 @@ int cli_values(const cli_call *call, const char *option, const char **values)
     }
     return count;
 }
-
