@@ -248,7 +248,7 @@ static int check_mesh(const cli_call *call, const char *path, pel_mesh_format fo
     findings found;
     pel_error error;
     bool fix = cli_has(call, "fix");
-    if (find_all(mesh, !fix && !cli_has(call, "no-intersections"), &found, &error) != PEL_OK) {
+    if (find_all(mesh, !cli_has(call, "no-intersections"), &found, &error) != PEL_OK) {
         status = cli_report(&error);
     } else {
         /* with --fix it is the rest after the repair that matters */

@@ -382,6 +382,10 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     pel_sim_measure(run->sim, &run->measures);
     pel_status later = write_results(run, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;
+    later = pel_run_surface_intersections(&run->surface, run->sim, &run->intersection_count,
+                                          status == PEL_OK ? error : NULL);
+    run->intersection_count = later == PEL_OK ? run->intersection_count : -1;
+    status = status == PEL_OK ? later : status;
     bool over = run->settled || pel_sim_step_count(run->sim) >= run->plan.step_total;
     later = settle_checkpoint(run, status == PEL_OK && over, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;

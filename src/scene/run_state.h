@@ -35,12 +35,13 @@ typedef struct pel_run_state {
     size_t checkpoint_size;
     char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
     int64_t checkpoint_step;
-    double start;              /* wall clock at the beginning of this call */
-    int64_t start_step;        /* step at the beginning of this call */
-    int64_t listed_count;      /* frames in frames.pvd */
-    double listed_at;          /* wall clock when it was written */
-    bool settled;              /* everything came to rest */
-    pel_sim_measures measures; /* of the last frame, at last of the end */
+    double start;               /* wall clock at the beginning of this call */
+    int64_t start_step;         /* step at the beginning of this call */
+    int64_t listed_count;       /* frames in frames.pvd */
+    double listed_at;           /* wall clock when it was written */
+    bool settled;               /* everything came to rest */
+    pel_sim_measures measures;  /* of the last frame, at last of the end */
+    int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
 } pel_run_state;
 
 /* s, from some fixed moment */
@@ -57,7 +58,7 @@ pel_status pel_run_checkpoint_read(pel_run_state *run, const char *path, pel_err
 
 /* ---- run_summary.c ---- */
 
-void pel_run_summary_fill(pel_run_state *run, pel_status status, pel_run_summary *summary);
+void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary);
 /* error is what ended the run, null when it is done */
 pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
                                  pel_error *error);

@@ -22,7 +22,7 @@ static const char *status_word(pel_status status)
     }
 }
 
-void pel_run_summary_fill(pel_run_state *run, pel_status status, pel_run_summary *summary)
+void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary)
 {
     const pel_sim *sim = run->sim;
     const pel_run_totals *totals = &run->totals;
@@ -40,6 +40,7 @@ void pel_run_summary_fill(pel_run_state *run, pel_status status, pel_run_summary
         .residual_displacement = run->measures.max_displacement,
         .vertices_final = run->measures.vertex_count,
         .triangles_final = run->measures.triangle_count,
+        .self_intersections_final = run->intersection_count,
         .state_hash = pel_sim_hash(sim),
         .alpha = pel_sim_alpha(sim),
         .alpha_limit = pel_sim_alpha_limit(sim),
@@ -47,8 +48,6 @@ void pel_run_summary_fill(pel_run_state *run, pel_status status, pel_run_summary
     };
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
-    if (pel_run_surface_intersections(&run->surface, sim, &summary->self_intersections_final, NULL) != PEL_OK)
-        summary->self_intersections_final = -1;
     memcpy(summary->checkpoint, run->checkpoint_path, sizeof summary->checkpoint);
 }
 
