@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build test demo bench web format docs pictures install packages clean
+.PHONY: help build program test demo bench web format docs pictures install packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -14,13 +14,17 @@ build: build/$(PRESET)/build.ninja ## build the library, the program and the tes
 help: ## this list
 	@sed -n 's/^\([a-z]*\):[^#]*## /  make \1\t/p' Makefile | expand -t 18
 
-demo: build ## press the human lens capsule; MESH=file presses that mesh, SCENE=file runs that scene
+# the program and its libraries, without the tests
+program: build/$(PRESET)/build.ninja
+	@cmake --build build/$(PRESET) --target pellicle_program $(QUIET)
+
+demo: program ## press the human lens capsule; MESH=file presses that mesh, SCENE=file runs that scene
 	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)"
 
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
 
-bench: build ## run the benchmarks
+bench: program ## run the benchmarks
 	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
@@ -30,15 +34,15 @@ web: build/web/report.html ## build the page that `pellicle report` fills (takes
 format: packages ## format the sources
 	@git ls-files -co --exclude-standard '*.[ch]' '*.cpp' | xargs clang-format-14 -i
 
-docs: build ## write docs/reference from the program's own tables
+docs: program ## write docs/reference from the program's own tables
 	@mkdir -p docs/reference
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
 
-pictures: build ## draw docs/pictures from scenes/
+pictures: program ## draw docs/pictures from scenes/
 	@tools/pictures $(PROGRAM) docs/pictures
 
-install: build ## install library, headers and program (PREFIX=/usr/local)
+install: program ## install library, headers and program (PREFIX=/usr/local)
 	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log
 	@echo "installed into $(PREFIX); build/$(PRESET)/install_manifest.txt lists the files"
 

@@ -205,7 +205,7 @@ static const cli_command commands[] = {
         .name = "render",
         .summary = "draw pictures and films of runs and meshes",
         .text =
-            "Draws the frames of one or more runs (folders that 'pellicle run' wrote, .pvd or .vtp files) or a mesh, "
+            "Draws the frames of one or more runs (folders that 'pellicle run' wrote), .vtp files or meshes, "
             "without a display. Colors show a vertex field. The camera is placed so that everything is seen in all "
             "frames, and colors have one range for all of them, so that nothing flickers. Tools are drawn where they "
             "are. Several runs stand side by side under the same camera and colors.\n\n"

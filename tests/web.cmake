@@ -3,6 +3,6 @@
 if(TARGET pellicle_program AND NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
     foreach(name report exports)
         add_test(NAME web/${name} COMMAND bash ${PROJECT_SOURCE_DIR}/web/test/run ${name} $<TARGET_FILE:pellicle_program>)
-        set_tests_properties(web/${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 120 RUN_SERIAL ON)
+        set_tests_properties(web/${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300 RUN_SERIAL ON)
     endforeach()
 endif()

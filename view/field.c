@@ -93,7 +93,7 @@ static const struct {
     {"force", "N"},
     {"energy", "J"},
     {"pressure", "Pa"},
-    {"stress", "Pa"},
+    {"stress", "N/m"},
     {"stiffness", "N/m"},
     {"mass", "kg"},
     {"area", "m²"},

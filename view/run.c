@@ -4,6 +4,7 @@
 #include "view/support.h"
 
 #include "pellicle/import.h"
+#include "pellicle/results.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -54,7 +55,7 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
 {
     char path[PATH_SIZE];
     pel_error problem;
-    snprintf(path, sizeof path, "%s/scene.yaml", run->path);
+    snprintf(path, sizeof path, "%s/scene.yaml", run->frames->folder);
     if (!is_file(path))
         return PEL_OK;
     pel_status status = pel_scene_load(path, NULL, 0, NULL, &run->scene, &problem);
@@ -70,7 +71,7 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
     }
     if (run->scene->sim.tool_count == 0)
         return PEL_OK;
-    snprintf(path, sizeof path, "%s/series.csv", run->path);
+    snprintf(path, sizeof path, "%s/series.csv", run->frames->folder);
     if (!is_file(path))
         return PEL_OK;
     return read_positions(run, path, error);
@@ -129,30 +130,34 @@ const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t fra
 
 /* ---- frames ---- */
 
-static pel_status open_folder(view_run *run, bool tools, const pel_log *log, pel_error *error)
+/* the folder of a run, which may be named by its frames.pvd; false for anything else */
+static bool find_folder(const char *path, char folder[PATH_SIZE])
 {
-    char path[PATH_SIZE];
-    snprintf(path, sizeof path, "%s/frames.pvd", run->path);
-    if (!is_file(path)) {
-        view_fail(error, PEL_BAD_FILE, run->path, "there is no frames.pvd in this folder, so it is no finished run");
-        view_remedy(error, "name a folder that 'pellicle run' wrote");
-        return PEL_BAD_FILE;
-    }
-    pel_status status = pel_pvd_read(path, &run->frames, error);
-    return status == PEL_OK && tools ? open_tools(run, log, error) : status;
+    static const char list[] = "frames.pvd";
+    size_t length = strlen(path), size = sizeof list - 1;
+    snprintf(folder, PATH_SIZE, "%s", path);
+    if (is_folder(path))
+        return true;
+    if (length < size || strcmp(path + length - size, list) != 0 || (length > size && path[length - size - 1] != '/'))
+        return false;
+    snprintf(folder, PATH_SIZE, "%.*s", length > size ? (int)(length - size) : 1, length > size ? path : ".");
+    return true;
 }
 
 pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_log *log, pel_error *error)
 {
+    char folder[PATH_SIZE];
     *run = (view_run){.path = path};
-    pel_status status = PEL_OK;
     if (strlen(path) + 32 > PATH_SIZE) {
-        status = view_fail(error, PEL_BAD_FILE, path, "the name is too long");
-    } else if (is_folder(path)) {
-        status = open_folder(run, tools, log, error);
-    } else if (view_ends_with(path, ".pvd")) {
-        status = pel_pvd_read(path, &run->frames, error);
+        view_fail(error, PEL_BAD_FILE, path, "the name is too long");
+        view_remedy(error, "name the run from a nearer folder");
+        return PEL_BAD_FILE;
     }
+    if (!find_folder(path, folder))
+        return PEL_OK;
+    pel_status status = pel_frames_open(folder, &run->frames, error);
+    if (status == PEL_OK && tools)
+        status = open_tools(run, log, error);
     if (status != PEL_OK)
         view_run_close(run);
     run->has_times = run->frames != NULL;
@@ -161,7 +166,7 @@ pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_
 
 void view_run_close(view_run *run)
 {
-    pel_pvd_destroy(run->frames);
+    pel_frames_close(run->frames);
     pel_scene_destroy(run->scene);
     free(run->tool_positions);
     *run = (view_run){0};

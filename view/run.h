@@ -1,15 +1,15 @@
-/* What is drawn: the frames of a run folder, a .pvd series or one mesh, and the tools of the run. */
+/* What is drawn: the frames of a run or one mesh, and the tools of the run. */
 #ifndef PELLICLE_VIEW_RUN_H
 #define PELLICLE_VIEW_RUN_H
 
-#include "pellicle/results.h"
+#include "pellicle/frames.h"
 #include "pellicle/scene.h"
 
 typedef struct view_run {
-    const char *path; /* as the user named it */
-    bool has_times;   /* false for a single mesh */
-    pel_pvd *frames;  /* null for a single mesh */
-    pel_scene *scene; /* of scene.yaml; null = no tools */
+    const char *path;   /* as the user named it */
+    bool has_times;     /* false for a single mesh */
+    pel_frames *frames; /* null for a single mesh */
+    pel_scene *scene;   /* of scene.yaml; null = no tools */
     /* (frames x tools x 3) from series.csv, NaN where it has none; null = the keys of the scene say all */
     double *tool_positions;
 } view_run;

@@ -54,7 +54,7 @@ typedef struct pel_frame_range {
 } pel_frame_range;
 
 typedef struct pel_render_def {
-    const char *const *inputs; /* (input_count) run folders, .pvd, .vtp or mesh files */
+    const char *const *inputs; /* (input_count) run folders, .vtp or mesh files */
     int32_t input_count;
     const char *const *labels; /* (input_count) what stands beside each input; null = names of the folders */
     /* a folder (one picture for each frame), FILE.png (one picture; a contact sheet when there are several frames or

@@ -47,19 +47,6 @@ pel_status pel_vtp_parse(const char *name, const void *bytes, size_t size, pel_m
 pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times, int32_t frame_count,
                          pel_error *error);
 
-/* The frames of a series. */
-typedef struct pel_pvd {
-    int32_t frame_count;
-    double *times; /* (frame_count) s */
-    char **paths;  /* (frame_count) the .vtp files, with the folder of the .pvd before relative names */
-} pel_pvd;
-
-/* Reads a collection file as pel_pvd_write and ParaView write it; the frames themselves are not looked at. On failure
-   *pvd is null. Free with pel_pvd_destroy; null is fine there. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT (no collection, no
-   frame in it, a time or a file missing; with the byte offset), PEL_OUT_OF_MEMORY. */
-pel_status pel_pvd_read(const char *path, pel_pvd **pvd, pel_error *error);
-void pel_pvd_destroy(pel_pvd *pvd);
-
 #ifdef __cplusplus
 }
 #endif

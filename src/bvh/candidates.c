@@ -158,7 +158,7 @@ static pel_status sieve_pairs(pel_candidates *c, pel_pair_kind kind, pel_pool *p
         return PEL_OUT_OF_MEMORY;
     s.kept = *pairs;
     pel_pool_run(pool, PEL_SEARCH_CHUNKS, sieve_chunk, &s);
-    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS && total > 0; chunk++) {
         memmove(*pairs + *count, *pairs + s.offset[chunk], s.kept_count[chunk] * sizeof **pairs);
         *count += s.kept_count[chunk];
     }

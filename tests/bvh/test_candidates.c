@@ -217,7 +217,7 @@ static void test_refusals(void **unused)
     update(c, &s, 0.01, NULL);
     size_t before = c->edge_edge_count;
     double x = s.end[7][1];
-    s.end[7][1] = NAN;
+    s.end[7][1] = nan("");
     assert_int_equal(
         pel_candidates_update(c, (const double(*)[3])s.start, (const double(*)[3])s.end, 0.01, NULL, &error),
         PEL_BAD_ARGUMENT);

@@ -105,7 +105,7 @@ static void test_sheet_and_sphere(void **unused)
 static void test_bad_triangles(void **unused)
 {
     (void)unused;
-    double positions[7][3] = {{0, 0, 0},      {1, 0, 0},     {0, 1, 0},    {NAN, 0, 0},
+    double positions[7][3] = {{0, 0, 0},      {1, 0, 0},     {0, 1, 0},    {nan(""), 0, 0},
                               {0.2, 0.2, -1}, {0.2, 0.2, 1}, {0.3, 0.2, 1}};
     int32_t triangles[5][3] = {{0, 1, 2}, {0, 1, 9}, {0, 1, 1}, {0, 1, 3}, {4, 5, 6}};
     pel_mesh mesh = {.vertex_count = 7, .triangle_count = 5, .positions = positions, .triangles = triangles};

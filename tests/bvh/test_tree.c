@@ -112,8 +112,8 @@ static void test_boxes_hold_points(void **unused)
                 long double y = 0;
                 for (int j = 0; j < 3; j++)
                     y += (long double)frame.matrix[k][j] *
-                         ((1 - (long double)t) * ((long double)place[0][i][j] - frame.origin[0][j]) +
-                          (long double)t * ((long double)place[1][i][j] - frame.origin[1][j]));
+                         ((1 - (long double)t) * ((long double)place[0][i][j] - (long double)frame.origin[0][j]) +
+                          (long double)t * ((long double)place[1][i][j] - (long double)frame.origin[1][j]));
                 assert_true((long double)boxes[i].low[k] <= y && y <= (long double)boxes[i].high[k]);
             }
         }
@@ -129,12 +129,12 @@ static void test_boxes_hold_points(void **unused)
 static void test_not_finite(void **unused)
 {
     (void)unused;
-    double points[3][3] = {{0, 0, 0}, {1, 1, 1}, {0, NAN, 0}};
+    double points[3][3] = {{0, 0, 0}, {1, 1, 1}, {0, nan(""), 0}};
     pel_motion motion = {(const double(*)[3])points, (const double(*)[3])points, 3};
     pel_box boxes[3];
     pel_frame frame = pel_frame_at((double[3]){0, 0, 0});
     assert_int_equal(pel_boxes_of_motion(&frame, &motion, 0, boxes), 2);
-    points[1][0] = INFINITY;
+    points[1][0] = HUGE_VAL;
     assert_int_equal(pel_boxes_of_motion(&frame, &motion, 0, boxes), 1);
 }
 

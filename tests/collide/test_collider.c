@@ -164,7 +164,8 @@ static void check_motion(moving m, double separation, bool expect_some)
             assert_int_equal(pel_collider_detect(collider, &query, &result, NULL), PEL_OK);
             pel_collision_result copy = result;
             pel_collision *collisions = malloc((size_t)(result.collision_count + 1) * sizeof *collisions);
-            memcpy(collisions, result.collisions, (size_t)result.collision_count * sizeof *collisions);
+            if (result.collision_count > 0)
+                memcpy(collisions, result.collisions, (size_t)result.collision_count * sizeof *collisions);
             copy.collisions = collisions;
             assert_int_equal(pel_collider_candidates(collider, &query, &candidates, NULL), PEL_OK);
             int64_t count = check_against_all_pairs(&m, &candidates, &copy, separation);
@@ -181,21 +182,21 @@ static void check_motion(moving m, double separation, bool expect_some)
 static void test_no_tunnelling(void **unused)
 {
     (void)unused;
-    check_motion(make_falling_sheet(9, 0, 0.6), 0, true);
-    check_motion(make_falling_sheet(9, 0.05, 0.6), 0, true);
-    check_motion(make_falling_sheet(9, 0.05, 50), 0, true);
-    check_motion(make_falling_sheet(9, 0, 0.29), 0, false);
-    check_motion(make_falling_sheet(9, 0, 0.29), 0.02, true);
-    check_motion(make_random_sphere(5, 1, 0), 0, false);
-    check_motion(make_random_sphere(5, -1, 0.01), 0, true);
-    check_motion(make_random_sphere(5, 0.9, 0.2), 0, true);
+    check_motion(make_falling_sheet(7, 0, 0.6), 0, true);
+    check_motion(make_falling_sheet(7, 0.05, 0.6), 0, true);
+    check_motion(make_falling_sheet(7, 0.05, 50), 0, true);
+    check_motion(make_falling_sheet(7, 0, 0.29), 0, false);
+    check_motion(make_falling_sheet(7, 0, 0.29), 0.02, true);
+    check_motion(make_random_sphere(3, 1, 0), 0, false);
+    check_motion(make_random_sphere(3, -1, 0.01), 0, true);
+    check_motion(make_random_sphere(3, 0.9, 0.2), 0, true);
 }
 
 /* a whole fall in many small steps: the step in which the sheets meet is found, whatever was kept before */
 static void test_kept_over_steps(void **unused)
 {
     (void)unused;
-    moving m = make_falling_sheet(12, 0.01, 0);
+    moving m = make_falling_sheet(9, 0.01, 0);
     pel_collider *kept = make_collider(&m, 0.05, 1), *fresh = make_collider(&m, 0, 1);
     int hits = 0;
     for (int step = 0; step < 60; step++) {
@@ -227,13 +228,13 @@ static void test_kept_over_steps(void **unused)
 static void test_threads(void **unused)
 {
     (void)unused;
-    moving m = make_falling_sheet(20, 0.05, 0.6);
+    moving m = make_falling_sheet(12, 0.01, 0.35);
     pel_collider *one = make_collider(&m, -1, 1), *many = make_collider(&m, -1, 3);
     pel_collision_query query = make_query(&m, 0.001);
     pel_collision_result a, b;
     assert_int_equal(pel_collider_detect(one, &query, &a, NULL), PEL_OK);
     assert_int_equal(pel_collider_detect(many, &query, &b, NULL), PEL_OK);
-    assert_true(a.collision_count > 100);
+    assert_true(a.collision_count > 20);
     assert_int_equal(a.collision_count, b.collision_count);
     for (int64_t i = 0; i < a.collision_count; i++) {
         assert_int_equal(a.collisions[i].first, b.collisions[i].first);
@@ -265,7 +266,7 @@ static void test_refusals(void **unused)
     def = pel_collider_def_default();
     assert_int_equal(pel_collider_create(&def, &collider, &error), PEL_BAD_ARGUMENT);
     def.mesh = &mesh;
-    def.margin = NAN;
+    def.margin = nan("");
     assert_int_equal(pel_collider_create(&def, &collider, &error), PEL_BAD_ARGUMENT);
     def.margin = -1;
     m.triangles[3][1] = m.triangles[3][0];
@@ -282,12 +283,12 @@ static void test_refusals(void **unused)
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "more than 10 pairs"));
     query = make_query(&m, 0);
-    query.tolerance = NAN;
+    query.tolerance = nan("");
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     query = make_query(&m, 0);
     query.end = NULL;
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
-    m.end[5][0] = INFINITY;
+    m.end[5][0] = HUGE_VAL;
     query = make_query(&m, 0);
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     assert_int_equal(error.element, 5);

@@ -1,6 +1,7 @@
 /* Whole pictures. The golden ones in tests/view/golden were looked at; PELLICLE_UPDATE_GOLDEN=1 writes them anew.
    Skipped where there is no OpenGL. */
 #include "check.h"
+#include "failing_malloc.h"
 
 #include "pellicle/mesh_io.h"
 #include "pellicle/render.h"
@@ -258,6 +259,48 @@ static void test_bad_defs(void **unused)
     check_refused(&bad, PEL_BAD_FILE, "cannot write the film");
 }
 
+/* NaN in the field that is drawn is told with its frame and vertex; in another one it does no harm */
+static void test_not_finite(void **unused)
+{
+    (void)unused;
+    const char *path = "render-nan.vtp";
+    const double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, values[3] = {0, (double)NAN, 1}, fine[3] = {0, 1, 2};
+    const int32_t triangle[3] = {0, 1, 2};
+    const pel_vtp_field fields[2] = {{"energy", 1, values}, {"level", 1, fine}};
+    const pel_vtp vtp = {.vertex_count = 3,
+                         .triangle_count = 1,
+                         .positions = positions,
+                         .triangles = triangle,
+                         .fields = fields,
+                         .field_count = 2};
+    assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
+    pel_render_def def = make_def(&path, 1, "render-bad.png");
+    def.field = "energy";
+    check_refused(&def, PEL_BAD_FORMAT, "field 'energy' is not finite at vertex 1");
+    def.output = "render-level.png";
+    def.field = "level";
+    if (can_draw)
+        draw(&def);
+}
+
+static pel_status render_case(const void *data, pel_error *error)
+{
+    pel_render_def def = make_def(data, 1, "render-memory.png");
+    def.width = def.height = 120;
+    def.arrows = "displacement";
+    return pel_render(&def, NULL, NULL, error);
+}
+
+/* also shows that nothing of ours stays behind: Mesa keeps a little, so that a leak checker is no help here */
+static void test_out_of_memory(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *frame = "render-run/f2.vtp";
+    assert_true(for_every_allocation_failure(render_case, &frame) > 20);
+}
+
 static bool has_ffmpeg(void)
 {
     return system("ffmpeg -version >/dev/null 2>&1") == 0;
@@ -283,9 +326,10 @@ static void test_film(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden), cmocka_unit_test(test_deterministic),
-                                       cmocka_unit_test(test_folder), cmocka_unit_test(test_bad_defs),
-                                       cmocka_unit_test(test_film)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),       cmocka_unit_test(test_deterministic),
+                                       cmocka_unit_test(test_folder),       cmocka_unit_test(test_bad_defs),
+                                       cmocka_unit_test(test_film),         cmocka_unit_test(test_not_finite),
+                                       cmocka_unit_test(test_out_of_memory)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");

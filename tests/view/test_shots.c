@@ -6,7 +6,7 @@
 enum { FRAMES = 11 };
 
 typedef struct fixture {
-    pel_pvd frames[2];
+    pel_frames frames[2];
     view_run runs[2];
     pel_render_def def;
 } fixture;

@@ -64,7 +64,7 @@ function tick(now) {
     if (!view) start();
     if (state.playing) {
         advance(now);
-        needs("frames");
+        view.adapt(now - lastTick);
     }
     lastTick = now;
     if (stale.delete("frames") | stale.delete("colour") || state.playing) showFrames();

@@ -286,6 +286,8 @@ export class View {
         this.canvas = canvas;
         this.pictures = 0;
         this.software = isSoftware();
+        this.motionRatio = 1;
+        this.intervals = [];
         this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, alpha: true });
         this.renderer.setClearColor(0x000000, 0);
         this.renderer.setScissorTest(true);
@@ -364,12 +366,22 @@ export class View {
         this.camera.updateProjectionMatrix();
     }
 
-    // In software pictures of movement are drawn at single resolution, one that stays at double.
+    // In software pictures of movement are drawn at a resolution that keeps up, one that stays at double.
     setFine(fine) {
-        const ratio = this.software ? (fine ? 2 : 1) : Math.min(window.devicePixelRatio, 2);
+        const ratio = this.software ? (fine ? 2 : this.motionRatio) : Math.min(window.devicePixelRatio, 2);
         if (ratio === this.renderer.getPixelRatio()) return false;
         this.renderer.setPixelRatio(ratio);
         return true;
+    }
+
+    // milliseconds since the last picture of a movement: lowers or raises the resolution of the next ones
+    adapt(interval) {
+        this.intervals.push(interval);
+        if (this.intervals.length < 6) return;
+        const middle = this.intervals.sort((a, b) => a - b)[3];
+        this.intervals = [];
+        if (middle > 32) this.motionRatio = Math.max(0.5, this.motionRatio * 0.8);
+        else if (middle < 22) this.motionRatio = Math.min(1, this.motionRatio * 1.25);
     }
 
     setMap(name) {
