@@ -44,6 +44,8 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
         return PEL_BAD_ARGUMENT;
     }
+    if (solver->method > PEL_METHOD_EXPLICIT)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
     if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     return PEL_OK;
