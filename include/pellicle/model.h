@@ -91,6 +91,8 @@ int32_t pel_model_body_count(const pel_model *model);
 int32_t pel_model_find_body(const pel_model *model, const char *name);
 /* The mesh of a body as given (rest positions, triangles, fields). Lives as long as the model. */
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
+/* True when the body's mesh has no boundary: it encloses a volume. */
+bool pel_model_is_closed(const pel_model *model, int32_t body);
 const char *pel_model_body_name(const pel_model *model, int32_t body);
 
 #ifdef __cplusplus

@@ -24,6 +24,9 @@ enum { RUN_COOKIE = 0x72756e21 };
 #define LIST_GROWTH 0.125
 #define LIST_SECONDS 2.0
 
+/* changes of the volume ratio below this are rounding */
+#define VOLUME_NOISE 1e-12
+
 pel_run_def pel_run_def_default(void)
 {
     return (pel_run_def){.cookie = RUN_COOKIE};
@@ -102,9 +105,24 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
     return pel_sim_create(&def, &run->sim, error);
 }
 
+/* a volume to stop at needs one */
+static pel_status check_stop(const pel_run_state *run, pel_error *error)
+{
+    bool any = !(run->scene->least_volume_ratio > 0);
+    for (int32_t b = 0; b < pel_model_body_count(run->model); b++)
+        any |= pel_model_is_closed(run->model, b);
+    if (any)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_SCENE, "stop.volume_ratio_below needs a volume, but no body is closed");
+    pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or stop by frames or time");
+    return PEL_BAD_SCENE;
+}
+
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
+    if (status == PEL_OK)
+        status = check_stop(run, error);
     if (status == PEL_OK)
         status = pel_run_surface_create(run->sim, &run->scene->output, &run->surface, error);
     if (status != PEL_OK)
@@ -165,6 +183,9 @@ static pel_status write_list(pel_run_state *run, pel_error *error)
             memcpy(name, path, strlen(path) + 1);
             names[i] = name;
             times[i] = pel_run_plan_time(&run->plan, (int64_t)i);
+            /* a rule may end the run between two frames */
+            if (i + 1 == count)
+                times[i] = (double)run->totals.frame_step * run->plan.dt;
         }
         pel_run_path(path, run->def->folder, "frames.pvd");
         status = pel_pvd_write(path, names, times, (int32_t)count, error);
@@ -218,6 +239,18 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
     return status;
 }
 
+/* jitter: the volume of a shell that is pressed together should fall from frame to frame */
+static void note_volume(pel_run_totals *totals, double ratio)
+{
+    double rise = totals->frame_count > 0 ? ratio - totals->volume_ratio : 0;
+    totals->volume_ratio = ratio;
+    if (!(rise > VOLUME_NOISE))
+        return;
+    totals->rise_count++;
+    totals->rise_sum += rise;
+    totals->rise_max = fmax(totals->rise_max, rise);
+}
+
 static pel_status write_frame(pel_run_state *run, pel_error *error)
 {
     pel_run_totals *totals = &run->totals;
@@ -239,6 +272,7 @@ static pel_status write_frame(pel_run_state *run, pel_error *error)
         unlink(path);
         return status;
     }
+    note_volume(totals, run->measures.volume_ratio);
     totals->frame_count++;
     totals->frame_step = pel_sim_step_count(run->sim);
     totals->frame_seconds = 0;
@@ -290,16 +324,36 @@ static bool is_settled(pel_run_state *run)
            pel_run_surface_speed(&run->surface, run->sim) <= speed;
 }
 
+/* the rule that ends the run at the present step, null when none does; rest is looked for at frames only */
+static const char *find_stop(pel_run_state *run, bool at_frame)
+{
+    const pel_scene *scene = run->scene;
+    int64_t step = pel_sim_step_count(run->sim);
+    if (scene->least_volume_ratio > 0 && pel_sim_volume_ratio(run->sim) < scene->least_volume_ratio)
+        return "volume_ratio_below";
+    if (at_frame && is_settled(run))
+        return "at_rest";
+    if (scene->frame_limit > 0 && step >= scene->frame_limit)
+        return "frames";
+    if (scene->time_limit > 0 && pel_sim_time(run->sim) >= scene->time_limit * (1 - 1e-12))
+        return "time";
+    return NULL;
+}
+
 /* the frame and the checkpoint that the present step has to give; a frame may be due still when a run is resumed */
 static pel_status write_due(pel_run_state *run, pel_error *error)
 {
     const pel_run_plan *plan = &run->plan;
     int64_t step = pel_sim_step_count(run->sim), frame = run->totals.frame_count;
     pel_status status = PEL_OK;
-    if (frame <= plan->frame_total && step == pel_run_plan_step(plan, frame)) {
+    bool is_due = frame <= plan->frame_total && step == pel_run_plan_step(plan, frame);
+    if (is_due)
         status = write_frame(run, error);
-        run->settled = status == PEL_OK && is_settled(run);
-    }
+    if (status == PEL_OK)
+        run->stop_reason = find_stop(run, is_due);
+    run->settled = run->stop_reason != NULL;
+    if (status == PEL_OK && run->settled && !is_due)
+        status = write_frame(run, error);
     if (status == PEL_OK && !run->settled && plan->checkpoint_steps > 0 && step > 0 &&
         step % plan->checkpoint_steps == 0)
         status = pel_run_checkpoint_write(run, true, error);

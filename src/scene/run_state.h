@@ -10,12 +10,15 @@
 
 /* What is summed up on the way; goes into checkpoints as it stands. */
 typedef struct pel_run_totals {
-    int64_t frame_count;     /* frames written */
-    int64_t frame_step;      /* step of the last one */
-    double frame_seconds;    /* wall time of the steps since then */
-    double step_seconds;     /* wall time of all steps */
-    double wall_seconds;     /* of the calls of pel_run before this one */
-    double max_displacement; /* m, over the frames */
+    int64_t frame_count;       /* frames written */
+    int64_t frame_step;        /* step of the last one */
+    double frame_seconds;      /* wall time of the steps since then */
+    double step_seconds;       /* wall time of all steps */
+    double wall_seconds;       /* of the calls of pel_run before this one */
+    double max_displacement;   /* m, over the frames */
+    double volume_ratio;       /* of the last frame */
+    int64_t rise_count;        /* frames whose volume is more than that of the frame before */
+    double rise_sum, rise_max; /* of the volume ratio in these */
 } pel_run_totals;
 
 typedef struct pel_run_state {
@@ -39,7 +42,8 @@ typedef struct pel_run_state {
     int64_t start_step;         /* step at the beginning of this call */
     int64_t listed_count;       /* frames in frames.pvd */
     double listed_at;           /* wall clock when it was written */
-    bool settled;               /* everything came to rest */
+    bool settled;               /* a rule of the scene's `stop` ended the run */
+    const char *stop_reason;    /* which one; null = none */
     pel_sim_measures measures;  /* of the last frame, at last of the end */
     int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
 } pel_run_state;

@@ -37,12 +37,13 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
         vertex_velocity(sim, pel_row_place(sim, body, r), velocities + 3 * (size_t)r);
 }
 
-/* forces of eq. with the loads at the present time, into sim->force */
-static void compute_forces(pel_sim *sim)
+/* forces of eq. and of shells with the loads at the present time, into sim->force */
+static pel_shell_energy compute_forces(pel_sim *sim)
 {
     const pel_state *state = sim->state;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
     pel_loads_add(sim, pel_sim_time(sim), sim->force);
+    return pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
 }
 
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
@@ -216,11 +217,18 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
     measures->volume_ratio = rest_volume != 0 ? volume / rest_volume : 1;
 }
 
+double pel_sim_volume_ratio(const pel_sim *sim)
+{
+    pel_sim_measures measures = {0};
+    measure_surfaces(sim, &measures);
+    return measures.volume_ratio;
+}
+
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
 {
     *measures = (pel_sim_measures){0};
     measure_surfaces(sim, measures);
-    compute_forces(sim);
+    pel_shell_energy shells = compute_forces(sim);
     const pel_model *model = sim->model;
     for (int32_t slice = 0; slice < model->slice_count; slice++) {
         pel_wide spring, volumetric;
@@ -243,5 +251,9 @@ void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
             measures->contact_count += sim->state->contact[i];
         }
     }
-    measures->elastic_energy = measures->spring_energy + measures->volumetric_energy;
+    measures->membrane_energy = shells.membrane;
+    measures->bending_energy = shells.bending;
+    measures->fibre_energy = shells.fibres;
+    measures->elastic_energy =
+        measures->spring_energy + measures->volumetric_energy + shells.membrane + shells.bending + shells.fibres;
 }

@@ -3,6 +3,7 @@
 #define PEL_SIM_SIM_H
 
 #include "force/body_force.h"
+#include "force/shell_force.h"
 #include "geom/solid.h"
 #include "model/active.h"
 #include "pellicle/sim.h"
@@ -109,6 +110,7 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_shell_forces *shells; /* null = no body is a shell */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
@@ -137,6 +139,16 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- shells.c ---- */
+/* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
+pel_status pel_shells_create(pel_sim *sim, pel_error *error);
+void pel_shells_destroy(pel_sim *sim);
+/* Moves the new positions and velocities of a method that goes by forces, after all other forces. False when a vertex
+   leaves the bound. */
+bool pel_shells_apply(pel_sim *sim);
+/* PEL_DIVERGED when a pressure turned a body inside out in this step */
+pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);
