@@ -315,6 +315,8 @@ pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *outp
         return pel_fail_memory(error);
     pel_status status = make_buffers(sim, surface, error);
     if (status == PEL_OK)
+        status = pel_vtp_writer_create(&surface->writer, error);
+    if (status == PEL_OK)
         status = add_fields(surface, sim, output, error);
     return status == PEL_OK ? make_topologies(surface, sim, error) : status;
 }
@@ -324,6 +326,7 @@ void pel_run_surface_destroy(pel_run_surface *surface)
     for (int32_t f = 0; f < surface->field_count; f++)
         pel_free(field_values(&surface->fields[f]));
     free_topologies(surface);
+    pel_vtp_writer_destroy(surface->writer);
     pel_free(surface->sources);
     pel_free(surface->fields);
     free_buffers(surface);
@@ -425,21 +428,6 @@ pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim
     return pel_mesh_self_intersections(&mesh, NULL, 0, count, error);
 }
 
-double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim)
-{
-    double largest = 0;
-    if (refresh(surface, sim, NULL) != PEL_OK)
-        return HUGE_VAL;
-    for (int32_t b = 0; b < surface->body_count; b++) {
-        pel_sim_get_velocities(sim, b, surface->scratch);
-        for (int32_t v = 0; v < surface->begin[b + 1] - surface->begin[b]; v++) {
-            const double *u = surface->scratch + 3 * (size_t)v;
-            largest = fmax(largest, u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-        }
-    }
-    return sqrt(largest);
-}
-
 /* ---- writing ---- */
 
 pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, const pel_output_def *output,
@@ -465,7 +453,7 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
         .compress = output->compress,
         .float64 = output->float64,
     };
-    return pel_vtp_write(path, &vtp, error);
+    return pel_vtp_writer_write(surface->writer, path, &vtp, error);
 }
 
 /* every field of a mesh once, on all bodies */

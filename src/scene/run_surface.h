@@ -19,6 +19,7 @@ typedef struct pel_run_surface {
     pel_vtp_field *fields;     /* (field_count), with values of their own */
     int *sources;              /* (field_count) a pel_run_field, or more for what changes with the surface alone */
     pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
+    pel_vtp_writer *writer;
     int64_t revision;          /* of the bodies' surfaces, summed up */
 } pel_run_surface;
 
@@ -40,8 +41,5 @@ pel_status pel_run_surface_write_final(pel_run_surface *surface, const pel_sim *
 /* Pairs of triangles that cut or touch each other, within and between bodies. PEL_OUT_OF_MEMORY. */
 pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count,
                                          pel_error *error);
-
-/* m/s, of the fastest vertex; infinite when out of memory */
-double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim);
 
 #endif

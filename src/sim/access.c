@@ -37,10 +37,13 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
         vertex_velocity(sim, pel_row_place(sim, body, r), velocities + 3 * (size_t)r);
 }
 
-/* forces of eq. with the loads at the present time, into sim->force */
+/* forces of eq. with the loads at the present time, into sim->force; once for each state */
 static void compute_forces(pel_sim *sim)
 {
     const pel_state *state = sim->state;
+    if (sim->force_is_present)
+        return;
+    sim->force_is_present = true;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
     pel_loads_add(sim, pel_sim_time(sim), sim->force);
 }
@@ -49,6 +52,20 @@ void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
 {
     compute_forces(sim);
     copy_out(sim, body, sim->force, forces);
+}
+
+double pel_sim_max_speed(const pel_sim *sim)
+{
+    double largest = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        int32_t count = pel_row_count(sim, b);
+        for (int32_t r = 0; r < count; r++) {
+            double velocity[3];
+            vertex_velocity(sim, pel_row_place(sim, b, r), velocity);
+            largest = fmax(largest, pel_vec3_squared_length(velocity));
+        }
+    }
+    return sqrt(largest);
 }
 
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric)
@@ -103,6 +120,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
         status = check_values(positions, pel_row_count(sim, body), "position", error);
     if (status != PEL_OK)
         return status;
+    sim->force_is_present = false;
     int32_t count = pel_row_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
@@ -122,6 +140,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
     if (status != PEL_OK)
         return status;
     pel_state *state = sim->state;
+    sim->force_is_present = false;
     int32_t count = pel_row_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
@@ -141,6 +160,7 @@ pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force
         return pel_fail(error, PEL_BAD_ARGUMENT, "load %d does not exist", (int)load);
     if (!isfinite(force[0]) || !isfinite(force[1]) || !isfinite(force[2]))
         return pel_fail(error, PEL_BAD_ARGUMENT, "force of load %d is not finite", (int)load);
+    sim->force_is_present = false;
     memcpy(sim->loads[load].force, force, sizeof sim->loads[load].force);
     return PEL_OK;
 }
