@@ -204,8 +204,7 @@ static bool report(const pel_run_state *run)
 static bool is_settled(const pel_run_state *run)
 {
     double speed = run->scene->rest_speed;
-    return speed > 0 && pel_sim_time(run->sim) >= run->plan.settled_time &&
-           pel_sim_max_speed(run->sim) <= speed;
+    return speed > 0 && pel_sim_time(run->sim) >= run->plan.settled_time && pel_sim_max_speed(run->sim) <= speed;
 }
 
 /* until all frames are written; a failure brings the run back to the frame that could not be */

@@ -37,16 +37,16 @@ typedef struct pel_run_frames {
     pel_run_surface surface;
     pel_run_series series;
     char series_path[PEL_RUN_FILE_SIZE];
-    int64_t frame_count;        /* written */
-    int64_t listed_count;       /* of them in frames.pvd */
-    double listed_at;           /* wall clock when it was written */
-    double max_displacement;    /* m, over the frames of this call */
-    _Atomic(double) max_force;  /* N, at the last frame written; may be read at any time */
-    _Atomic(bool) failed;       /* may be read at any time */
-    int32_t failed_slot;        /* of the frame that could not be written */
-    pel_error error;            /* why */
-    pel_worker *worker;         /* null = one thread does everything */
-    pel_sim *sim;               /* the worker's, to look at snapshots; null as well */
+    int64_t frame_count;       /* written */
+    int64_t listed_count;      /* of them in frames.pvd */
+    double listed_at;          /* wall clock when it was written */
+    double max_displacement;   /* m, over the frames of this call */
+    _Atomic(double) max_force; /* N, at the last frame written; may be read at any time */
+    _Atomic(bool) failed;      /* may be read at any time */
+    int32_t failed_slot;       /* of the frame that could not be written */
+    pel_error error;           /* why */
+    pel_worker *worker;        /* null = one thread does everything */
+    pel_sim *sim;              /* the worker's, to look at snapshots; null as well */
     size_t snapshot_size;
     pel_run_frame slots[PEL_RUN_FRAME_SLOTS];
 } pel_run_frames;
@@ -60,16 +60,17 @@ void pel_run_frames_destroy(pel_run_frames *frames);
 pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int64_t frame_count, bool resume,
                                 pel_error *error);
 
-/* Writes the present state as the frame totals->frame_count, or hands it over, and begins what is summed up from frame to
-   frame anew. Errors: as pel_run_frames_settle, also because of an earlier frame. */
+/* Writes the present state as the frame totals->frame_count, or hands it over, and begins what is summed up from frame
+   to frame anew. Errors: as pel_run_frames_settle, also because of an earlier frame. */
 pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
                               pel_error *error);
 
 /* true when a frame that was handed over could not be written: time to settle */
 bool pel_run_frames_failed(const pel_run_frames *frames);
 
-/* Waits until all frames are written and brings totals->max_displacement up to date. When one could not be written, sim,
-   totals and tool_force go back to what they were when it was added, and its error is returned. error is not null. */
+/* Waits until all frames are written and brings totals->max_displacement up to date. When one could not be written,
+   sim, totals and tool_force go back to what they were when it was added, and its error is returned. error is not null.
+ */
 pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
                                  pel_error *error);
 

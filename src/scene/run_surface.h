@@ -20,7 +20,7 @@ typedef struct pel_run_surface {
     int *sources;              /* (field_count) a pel_run_field, or more for what changes with the surface alone */
     pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
     pel_vtp_writer *writer;
-    int64_t revision;          /* of the bodies' surfaces, summed up */
+    int64_t revision; /* of the bodies' surfaces, summed up */
 } pel_run_surface;
 
 /* Fields: those of run_fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies

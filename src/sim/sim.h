@@ -157,8 +157,9 @@ void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
 int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v);
 int32_t pel_row_count(const pel_sim *sim, int32_t body);
 int32_t pel_row_place(const pel_sim *sim, int32_t body, int32_t row);
-/* number of the i-th triangle of the surface in an order that depends on the surface alone, for sums */
-int32_t pel_surface_in_order(const pel_sim *sim, int32_t body, int32_t i);
+/* the triangles of the surface in an order that depends on the surface alone, for sums; null = those of the mesh in
+   their order */
+const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);
 
 /* ---- tools.c ---- */
 /* Forgets what tools knew of triangles and places that the last event took away. */

@@ -404,11 +404,17 @@ static void test_blocks(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_cut_off),
-        cmocka_unit_test(test_corpus),       cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_shared_bytes),
-        cmocka_unit_test(test_series),       cmocka_unit_test(test_refuses),      cmocka_unit_test(test_allocation_failures),
-        cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_cut_off),
+        cmocka_unit_test(test_corpus),
+        cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_lying_head),
+        cmocka_unit_test(test_shared_bytes),
+        cmocka_unit_test(test_series),
+        cmocka_unit_test(test_refuses),
+        cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_other_reader),
+        cmocka_unit_test(test_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
