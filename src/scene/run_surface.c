@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* sources of fields that change with the surface alone */
-enum { SOURCE_MESH = PEL_RUN_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_TRIANGLE, SOURCE_MESH_WEIGHTS };
+enum { SOURCE_MESH = PEL_RUN_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_VERTICES, SOURCE_MESH_WEIGHTS };
 
 /* ---- fields ---- */
 
@@ -95,15 +95,18 @@ static void fill_levels(const pel_run_surface *surface, const pel_sim *sim, doub
     }
 }
 
+/* the corners of the triangle of the mesh that a vertex lies in, or their weights */
 static void fill_places(const pel_run_surface *surface, const pel_sim *sim, int source, double *values)
 {
     for (int32_t b = 0; b < surface->body_count; b++) {
+        const pel_mesh *mesh = pel_model_mesh(pel_sim_model(sim), b);
         const int32_t *triangles = read_places(surface, sim, b);
         size_t first = (size_t)surface->begin[b], count = (size_t)surface->begin[b + 1] - first;
+        double *out = values + 3 * first;
         if (source == SOURCE_MESH_WEIGHTS)
-            memcpy(values + 3 * first, surface->scratch, 3 * count * sizeof *values);
-        for (size_t r = 0; source == SOURCE_MESH_TRIANGLE && r < count; r++)
-            values[first + r] = triangles[r];
+            memcpy(out, surface->scratch, 3 * count * sizeof *out);
+        for (size_t i = 0; source == SOURCE_MESH_VERTICES && i < 3 * count; i++)
+            out[i] = mesh->triangles[triangles[i / 3]][i % 3];
     }
 }
 
@@ -128,7 +131,7 @@ static pel_status make_values(const pel_run_surface *surface, const pel_sim *sim
         fill_body_numbers(surface, values);
     else if (source == SOURCE_LEVEL)
         fill_levels(surface, sim, values);
-    else if (source == SOURCE_MESH_TRIANGLE || source == SOURCE_MESH_WEIGHTS)
+    else if (source == SOURCE_MESH_VERTICES || source == SOURCE_MESH_WEIGHTS)
         fill_places(surface, sim, source, values);
     return PEL_OK;
 }
@@ -170,7 +173,7 @@ static pel_status add_fields(pel_run_surface *surface, const pel_sim *sim, const
     if (status == PEL_OK && refines)
         status = add_field(surface, sim, "level", SOURCE_LEVEL, 1, error);
     if (status == PEL_OK && refines)
-        status = add_field(surface, sim, "mesh_triangle", SOURCE_MESH_TRIANGLE, 1, error);
+        status = add_field(surface, sim, "mesh_vertices", SOURCE_MESH_VERTICES, 3, error);
     if (status == PEL_OK && refines)
         status = add_field(surface, sim, "mesh_weights", SOURCE_MESH_WEIGHTS, 3, error);
     return status;

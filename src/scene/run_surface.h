@@ -24,8 +24,8 @@ typedef struct pel_run_surface {
 } pel_run_surface;
 
 /* Fields: those of run_fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies
-   that refine `level` and the place of a vertex in the body's mesh, `mesh_triangle` and the `mesh_weights` of its
-   corners. PEL_BAD_SCENE names an unknown one. Destroy also on failure. */
+   that refine `level` and the place of a vertex in the body's mesh: the `mesh_vertices` of a triangle, whose
+   `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on failure. */
 pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, pel_run_surface *surface,
                                   pel_error *error);
 void pel_run_surface_destroy(pel_run_surface *surface);

@@ -444,7 +444,7 @@ static int32_t check_refined_frame(const char *run, int frame)
     assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
     assert_int_equal(topology->boundary_edge_count, 0);
     const pel_field *level = pel_mesh_field(mesh, "level"), *weights = pel_mesh_field(mesh, "mesh_weights");
-    assert_true(level != NULL && weights != NULL && pel_mesh_field(mesh, "mesh_triangle") != NULL);
+    assert_true(level != NULL && weights != NULL && pel_mesh_field(mesh, "mesh_vertices") != NULL);
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         const double *w = weights->values + 3 * (size_t)v;
         finest = level->values[v] > finest ? (int32_t)level->values[v] : finest;
