@@ -205,6 +205,15 @@ static pel_status open_frame(const pel_frames *frames, int32_t frame, pel_mesh *
     return status;
 }
 
+pel_status pel_common_mesh_check(const pel_frames *frames, int32_t frame, pel_error *error)
+{
+    pel_mesh *mesh;
+    frame_view view;
+    pel_status status = open_frame(frames, frame, &mesh, &view, error);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
 /* where a row lies; false when the fields make no sense */
 static bool read_key(const pel_common_mesh *common, const frame_view *view, int32_t row, key *k)
 {

@@ -8,6 +8,9 @@
 
 typedef struct pel_common_mesh pel_common_mesh;
 
+/* Whether the frame says where its vertices lie; PEL_BAD_FORMAT when not. Errors: those of pel_frames_read too. */
+pel_status pel_common_mesh_check(const pel_frames *frames, int32_t frame, pel_error *error);
+
 /* Reads all frames. Errors: those of pel_frames_read; PEL_BAD_FORMAT with the frame when it lacks the fields or its
    triangles are none of a refined mesh; PEL_OUT_OF_MEMORY. On failure *common is null. */
 pel_status pel_common_mesh_create(const pel_frames *frames, pel_common_mesh **common, pel_error *error);

@@ -9,7 +9,9 @@ pel_status pel_export_open(pel_export_source *source, const pel_frames *frames, 
     source->vertex_count = source->outline.vertex_count;
     if (status != PEL_OK || source->outline.changed_frame < 0)
         return status;
-    status = pel_common_mesh_create(frames, &source->common, error);
+    status = pel_common_mesh_check(frames, source->outline.changed_frame, error);
+    if (status == PEL_OK)
+        status = pel_common_mesh_create(frames, &source->common, error);
     if (status == PEL_OK)
         source->vertex_count = pel_common_mesh_vertex_count(source->common);
     return status;
