@@ -137,6 +137,7 @@ static void ask_for_hot(pel_refine_body *refine, pel_front *front, int32_t v, in
 
 static void commit(pel_sim *sim, int32_t body)
 {
+    sim->force_is_present = false;
     pel_active_commit(sim->active, body, sim->state);
     if (sim->active->bodies[body].front->change_count == 0)
         return;

@@ -198,6 +198,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
+    if (status == PEL_OK)
+        sim->fingerprint = pel_sim_fingerprint(sim);
     return status;
 }
 
@@ -300,6 +302,7 @@ static void mark_contacts(pel_sim *sim)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
+    sim->force_is_present = false;
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
         pel_refine_step(sim);

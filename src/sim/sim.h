@@ -109,11 +109,13 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    uint64_t fingerprint; /* of model and solver, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
     pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;      /* it holds the forces of the present state */
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
@@ -138,6 +140,10 @@ void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
 
+/* ---- snapshot.c ---- */
+/* of model, solver, tools and loads: tells whether a snapshot belongs to this sim */
+uint64_t pel_sim_fingerprint(const pel_sim *sim);
+
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);
 void pel_refine_destroy(pel_sim *sim);
@@ -151,8 +157,9 @@ void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
 int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v);
 int32_t pel_row_count(const pel_sim *sim, int32_t body);
 int32_t pel_row_place(const pel_sim *sim, int32_t body, int32_t row);
-/* number of the i-th triangle of the surface in an order that depends on the surface alone, for sums */
-int32_t pel_surface_in_order(const pel_sim *sim, int32_t body, int32_t i);
+/* the triangles of the surface in an order that depends on the surface alone, for sums; null = those of the mesh in
+   their order */
+const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);
 
 /* ---- tools.c ---- */
 /* Forgets what tools knew of triangles and places that the last event took away. */

@@ -44,7 +44,7 @@ uint64_t pel_sim_hash(const pel_sim *sim)
     return hash;
 }
 
-static uint64_t fingerprint(const pel_sim *sim)
+uint64_t pel_sim_fingerprint(const pel_sim *sim)
 {
     const pel_model *model = sim->given;
     uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)model->vertex_count);
@@ -181,7 +181,7 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
         .magic = "PELSNAP",
         .version = SNAPSHOT_VERSION,
         .real_size = sizeof(pel_real),
-        .fingerprint = fingerprint(sim),
+        .fingerprint = sim->fingerprint,
         .step = sim->state->step,
     };
     memcpy(bytes, &head, sizeof head);
@@ -200,10 +200,11 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
         return pel_fail(error, PEL_BAD_FORMAT, "not a snapshot");
     if (head.version != SNAPSHOT_VERSION || head.real_size != sizeof(pel_real))
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another version or precision of the program");
-    if (head.fingerprint != fingerprint(sim) || size != pel_sim_save_size(sim))
+    if (head.fingerprint != sim->fingerprint || size != pel_sim_save_size(sim))
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another model, solver or set of tools");
     /* the bytes are only read: the cursor copies out of them */
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
+    sim->force_is_present = false;
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
