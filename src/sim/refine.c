@@ -157,17 +157,12 @@ void pel_refine_forget(const pel_sim *sim, int32_t body)
 
 static void commit(pel_sim *sim, int32_t body)
 {
-<<<<<<< HEAD
-    sim->force_is_present = false;
-    pel_active_commit(sim->active, body, sim->state);
-    if (sim->active->bodies[body].front->change_count == 0)
-=======
     pel_active *active = sim->active;
     pel_active_body *own = &active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
+    sim->force_is_present = false;
     pel_active_commit(active, body, sim->state);
     if (own->front->change_count == 0)
->>>>>>> refine2
         return;
     refine->revision++;
     int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
