@@ -286,7 +286,7 @@ pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record
     return energy;
 }
 
-/* the direction of the largest stretch; stays where there is none */
+/* the direction of the largest stretch; the first axis where there is none */
 static void principal_direction(const pel_rest_triangle *rest, const double x[3][3], double direction[2])
 {
     double f[6], c11 = 0, c12 = 0, c22 = 0;
@@ -297,9 +297,7 @@ static void principal_direction(const pel_rest_triangle *rest, const double x[3]
         c22 += f[2 * i + 1] * f[2 * i + 1];
     }
     double difference = 0.5 * (c11 - c22), size = hypot(difference, c12);
-    if (!(size > 1e-9 * (c11 + c22)))
-        return;
-    double angle = 0.5 * atan2(c12, difference);
+    double angle = size > 1e-9 * (c11 + c22) ? 0.5 * atan2(c12, difference) : 0;
     direction[0] = cos(angle);
     direction[1] = sin(angle);
 }

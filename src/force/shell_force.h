@@ -32,7 +32,7 @@ typedef struct pel_shell_forces pel_shell_forces;
 pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **forces, pel_error *error);
 void pel_shell_forces_destroy(pel_shell_forces *forces);
 
-/* Sets directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions; once in a step. */
+/* Sets directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions: once for each state. */
 void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *position);
 
 /* Adds the forces of some parts (a sum of pel_shell_part) at a time to force (model vertex_count), which may be null;

@@ -1,11 +1,12 @@
 /* Contacts: plain records, written by the simulation from what `collide` finds, read by the solvers, which never look
    for collisions themselves. A contact asks that
 
-       sum_i weights[i] x_i . normal >= separation,     sum_i weights[i] = 0
+       sum_i weights[i] x_i . normal >= separation
 
-   with weights (1, -a, -b, -c) for a vertex against a triangle, (1 - s, s, t - 1, -t) for edge against edge, (1, 0, 0,
-   0), which do not sum to 0, for a vertex against a tool that stands still in the solve. The normal points to the side
-   on which the first one was in the last free state (paper B, section 4; theory page, section 7). */
+   with weights (1, -a, -b, -c) for a vertex against a triangle and (1 - s, s, t - 1, -t) for edge against edge. Against
+   a tool, whose motion is given, only the body's points stand here: the tool's share of the sum is in `separation`, and
+   what it moved since the start of the step in `drift`. The normal points to the side on which the first one was in the
+   last free state (paper B, section 4; theory page, section 7). */
 #ifndef PEL_MODEL_CONTACT_H
 #define PEL_MODEL_CONTACT_H
 
@@ -20,7 +21,8 @@ typedef struct pel_contact {
     pel_real separation;    /* m */
     pel_real friction;      /* Coulomb's coefficient */
     pel_real push;          /* m: sum of the corrections along the normal so far, for friction and for reports */
-    pel_real tangential[3]; /* m: sum of the corrections across it */
+    pel_real drift[3];      /* m: motion of the tool's share of the sum since the start of the step; else 0 */
+    pel_real tangential[3]; /* m: sum of the corrections across the normal */
 } pel_contact;
 
 /* what a solver sweeps over */

@@ -137,6 +137,7 @@ bool pel_sim_has_shells(const pel_sim *sim)
 
 void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre)
 {
+    pel_shell_forces_follow(sim->shells, sim->state->position);
     pel_shell_vertex_energies(sim->shells, body, pel_row_count(sim, body), sim->state->position, pel_sim_time(sim),
                               membrane, bending, fibre);
 }
@@ -144,6 +145,7 @@ void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membra
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
 {
     int32_t count = pel_row_count(sim, body);
+    sim->force_is_present = false;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_shell_forces_add(sim->shells, sim->state->position, pel_sim_time(sim), PEL_SHELL_PRESSURE, sim->pool,
                          sim->force);
