@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/parallel.h"
+#include "sim/contact.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -21,6 +22,7 @@ pel_sim_def pel_sim_def_default(void)
 {
     return (pel_sim_def){
         .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true},
+        .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
         .cookie = SIM_COOKIE,
     };
 }
@@ -198,6 +200,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
+    if (status == PEL_OK)
+        status = pel_contacts_create(sim, &def->contact, error);
     return status;
 }
 
@@ -222,6 +226,7 @@ void pel_sim_destroy(pel_sim *sim)
 {
     if (sim == NULL)
         return;
+    pel_contacts_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
@@ -285,7 +290,7 @@ static void accept(pel_state *state)
 
 static void mark_contacts(pel_sim *sim)
 {
-    if (sim->tool_count == 0)
+    if (sim->tool_count == 0 && sim->contacts == NULL)
         return;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
@@ -295,6 +300,8 @@ static void mark_contacts(pel_sim *sim)
     for (int32_t i = 0; i < sim->tool_count; i++)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
+    if (sim->contacts != NULL)
+        pel_contacts_mark(sim);
 }
 
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
@@ -313,8 +320,15 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     result.diverged |= !pel_loads_apply(sim);
     if (result.diverged)
         return report_divergence(sim, error);
-    if (sim->tool_count > 0)
-        pel_tools_apply(sim, next, result.longest);
+    if (sim->contacts != NULL) {
+        pel_status status = pel_contacts_apply(sim, next, result.longest, error);
+        if (status != PEL_OK)
+            return status;
+    } else if (sim->tool_count > 0) {
+        pel_tools_move(sim, next);
+        pel_tools_press(sim, result.longest);
+        pel_tools_read(sim, next);
+    }
     mark_contacts(sim);
     accept(state);
     return PEL_OK;

@@ -2,11 +2,12 @@
    for one sim, so that it can be written without allocation. */
 #include "base/hash.h"
 #include "base/status.h"
-#include "sim/sim.h"
+#include "sim/contact.h"
 
+#include <stddef.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 1 };
+enum { SNAPSHOT_VERSION = 2 };
 
 typedef struct header {
     char magic[8];
@@ -63,6 +64,13 @@ static uint64_t fingerprint(const pel_sim *sim)
                                    detail->def.interval, detail->def.budget, (int32_t)detail->def.springs};
         hash = pel_hash_bytes(hash, numbers, sizeof numbers);
     }
+    if (sim->contacts != NULL) {
+        const pel_contact_def *def = &sim->contacts->def;
+        hash = hash_double(hash_double(hash, sim->contacts->thickness), def->friction);
+        hash = pel_hash_word(hash, (uint64_t)def->method * 8 + (uint64_t)def->response * 4 + (uint64_t)def->self * 2 +
+                                       (uint64_t)def->between);
+        hash = pel_hash_word(hash, (uint64_t)def->sweeps << 32 | (uint64_t)(uint32_t)sim->contacts->limit);
+    }
     return pel_hash_word(pel_hash_word(hash, (uint64_t)sim->tool_count), (uint64_t)sim->load_count);
 }
 
@@ -87,6 +95,7 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
     transfer(at, &tool->pose, sizeof tool->pose);
     transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
     transfer(at, &tool->driven, sizeof tool->driven);
+    transfer(at, &tool->blocked, sizeof tool->blocked);
     transfer(at, &tool->phase, sizeof tool->phase);
     transfer(at, &tool->held_count, sizeof tool->held_count);
     transfer(at, &tool->contact_count, sizeof tool->contact_count);
@@ -158,6 +167,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer_tool(at, &sim->tools[t], count);
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
+    if (sim->contacts != NULL)
+        transfer(at, &sim->contacts->statistics, offsetof(pel_contact_statistics, find_seconds));
 }
 
 static void transfer_fronts(cursor *at, const pel_sim *sim)
@@ -210,5 +221,5 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
             return pel_fail(error, PEL_BAD_FORMAT, "snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->state->step = head.step;
-    return PEL_OK;
+    return sim->contacts != NULL ? pel_contacts_restore(sim, error) : PEL_OK;
 }
