@@ -185,6 +185,8 @@ pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t le
 void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions);
 void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities);
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
+/* m/s, of the fastest vertex of all bodies in the last step */
+double pel_sim_max_speed(const pel_sim *sim);
 /* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
 /* Virial of the springs on each vertex (vertex_count) [J]: half of tension times length of each spring at it. Over

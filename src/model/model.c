@@ -95,7 +95,7 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         if (b->pinned[p] < 0 || b->pinned[p] >= b->mesh->vertex_count)
             status = refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
     if (status == PEL_OK)
-        status = pel_refine_check(&b->refine, body, error);
+        status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
     if (status == PEL_OK)
         status = pel_shell_check(b, body, error);
     return status;

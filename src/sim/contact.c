@@ -367,9 +367,6 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
     const pel_state *state = sim->state;
     contacts->list.count = 0;
     pel_contact_points(sim);
-    pel_status status = pel_contact_surface_update(sim, error);
-    if (status != PEL_OK)
-        return status;
     expect_tools(sim);
     for (int32_t p = 0; p < contacts->place_count; p++)
         for (int k = 0; k < 3; k++) {
@@ -378,7 +375,7 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
         }
     double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
     pel_collision_result found;
-    status = search(sim, fmin(reach, 4 * contacts->thickness), &found, error);
+    pel_status status = search(sim, fmin(reach, 4 * contacts->thickness), &found, error);
     return status == PEL_OK ? merge(sim, &found, error) : status;
 }
 
@@ -482,9 +479,7 @@ static pel_status step(pel_sim *sim, double longest, pel_error *error)
     pel_sim_contacts *contacts = sim->contacts;
     pel_tools_press(sim, longest);
     pel_contact_points(sim);
-    pel_status status = pel_contact_surface_update(sim, error);
-    if (status == PEL_OK)
-        status = respond(sim, longest, error);
+    pel_status status = respond(sim, longest, error);
     if (status != PEL_OK)
         return status;
     double began = seconds_now();
@@ -526,11 +521,17 @@ void pel_contacts_mark(const pel_sim *sim)
                 sim->state->contact[list->contacts[c].vertices[i]] = 1;
 }
 
-pel_status pel_contacts_restore(pel_sim *sim, pel_error *error)
+pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
 {
-    pel_contact_points(sim);
+    pel_sim_contacts *contacts = sim->contacts;
+    bool is_new = !pel_contact_surface_is_present(sim);
+    if (!is_new && contacts->tangles.is_known)
+        return PEL_OK;
+    pel_contact_present_points(sim);
     pel_status status = pel_contact_surface_update(sim, error);
-    return status == PEL_OK ? pel_tangles_find(sim, error) : status;
+    if (status == PEL_OK && (!contacts->tangles.is_known || contacts->tangles.count > 0))
+        status = pel_tangles_find(sim, error);
+    return status;
 }
 
 /* ---- questions ---- */

@@ -37,6 +37,7 @@ typedef struct pel_contact_tool {
 
 /* Pairs of triangles that intersect from the start on and are left alone (contact_tangle.c). */
 typedef struct pel_tangles {
+    bool is_known; /* false = to be found anew, before the next step */
     int64_t count;
     pel_pair *pairs; /* (count) triangles of the surface */
     size_t capacity;
@@ -92,15 +93,18 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error);
 pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);
 /* Sets the contact flag of the vertices that were pushed. */
 void pel_contacts_mark(const pel_sim *sim);
-/* What the tangled pairs are, from the present positions: after a snapshot was loaded. */
-pel_status pel_contacts_restore(pel_sim *sim, pel_error *error);
+/* Before the step: brings the surface after refinement, and what is known of tangled pairs after a snapshot. */
+pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
 
 /* ---- contact_surface.c ---- */
 pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error);
+bool pel_contact_surface_is_present(const pel_sim *sim);
 /* after refinement */
 pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error);
 /* start from the present positions and poses before the step, end from the next positions and present poses */
 void pel_contact_points(pel_sim *sim);
+/* start alone, from the present positions and poses */
+void pel_contact_present_points(pel_sim *sim);
 /* the points of one tool at a pose, into points (point_count) */
 void pel_contact_tool_points(const pel_contact_tool *tool, const pel_pose *pose, double (*points)[3]);
 /* the tool of a point, -1 = a vertex of a body */

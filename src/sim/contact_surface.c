@@ -76,6 +76,15 @@ void pel_contact_points(pel_sim *sim)
     }
 }
 
+void pel_contact_present_points(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t p = 0; p < contacts->place_count; p++)
+        pel_vertex_position(sim->state->position, p, contacts->start[p]);
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        pel_contact_tool_points(&contacts->tools[i], &sim->tools[i].pose, contacts->start);
+}
+
 /* ---- triangles ---- */
 
 static void set_triangles(pel_sim *sim)
@@ -85,15 +94,17 @@ static void set_triangles(pel_sim *sim)
     for (int32_t i = 0; i < sim->tool_count; i++)
         add_tool_triangles(contacts, &sim->tools[i], &contacts->tools[i]);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
-        int32_t count = pel_surface_count(sim->model, b);
+        int32_t count = pel_surface_count(sim->model, b), begin = sim->model->triangle_begin[b];
+        const pel_front_triangle *surface = pel_surface_in_order(sim, b);
         for (int32_t i = 0; i < count; i++)
             memcpy(contacts->triangles[contacts->triangle_count++],
-                   sim->model->triangles[pel_surface_in_order(sim, b, i)], sizeof contacts->triangles[0]);
+                   sim->model->triangles[begin + (surface != NULL ? pel_surface_number(&surface[i]) : i)],
+                   sizeof contacts->triangles[0]);
         contacts->revisions[b] = pel_sim_surface_revision(sim, b);
     }
 }
 
-static bool is_up_to_date(const pel_sim *sim)
+bool pel_contact_surface_is_present(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->contacts->revisions[b] != pel_sim_surface_revision(sim, b))
@@ -104,7 +115,7 @@ static bool is_up_to_date(const pel_sim *sim)
 pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    if (is_up_to_date(sim))
+    if (pel_contact_surface_is_present(sim))
         return PEL_OK;
     set_triangles(sim);
     pel_status status =

@@ -102,12 +102,15 @@ pel_status pel_tangles_find(pel_sim *sim, pel_error *error)
 {
     pel_tangles *tangles = &sim->contacts->tangles;
     pel_status status = find_pairs(sim, tangles, error);
+    tangles->is_known = false;
     if (status != PEL_OK) {
         tangles->count = 0;
         return status;
     }
     drop_strangers(sim, tangles);
-    return make_keys(sim->contacts, error);
+    status = make_keys(sim->contacts, error);
+    tangles->is_known = status == PEL_OK;
+    return status;
 }
 
 static bool has_key(const pel_tangles *tangles, uint64_t key)
@@ -215,9 +218,7 @@ pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error)
     if (sim->contacts == NULL)
         return pel_fail(error, PEL_BAD_ARGUMENT, "contact is not enabled");
     pel_tangles tangles = {0};
-    pel_contact_points(sim);
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        pel_contact_tool_points(&sim->contacts->tools[i], &sim->tools[i].pose, sim->contacts->start);
+    pel_contact_present_points(sim);
     pel_status status = pel_contact_surface_update(sim, error);
     if (status == PEL_OK)
         status = find_pairs(sim, &tangles, error);

@@ -156,16 +156,11 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     return status;
 }
 
-/* bodies that are refined everywhere start so */
-static void start_refinement(pel_sim *sim)
+static pel_status start_refinement(pel_sim *sim, pel_error *error)
 {
     double dt = sim->step.dt, factor = pel_sim_is_explicit(sim) ? 0 : sim->step.alpha * dt * dt;
     sim->active->relaxation = (pel_relaxation){factor, dt, sim->solver.keep_velocity};
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body_detail *detail = sim->model->bodies[b].detail;
-        if (detail != NULL && detail->def.everywhere)
-            pel_refine_everywhere(sim, b, true);
-    }
+    return pel_refine_start(sim, error);
 }
 
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -195,13 +190,15 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
     if (status == PEL_OK && sim->active != NULL)
-        start_refinement(sim);
+        status = start_refinement(sim, error);
     if (status == PEL_OK)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK)
+        sim->fingerprint = pel_sim_fingerprint(sim);
     return status;
 }
 
@@ -307,9 +304,15 @@ static void mark_contacts(pel_sim *sim)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
+    sim->force_is_present = false;
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
         pel_refine_step(sim);
+    if (sim->contacts != NULL) {
+        pel_status status = pel_contacts_begin_step(sim, error);
+        if (status != PEL_OK)
+            return status;
+    }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
     update_factors(sim, time);
     pel_step_result result;
