@@ -203,8 +203,7 @@ static const pel_scene_row rows[] = {
      .doc = "simulated time between checkpoints; 0 keeps only the last good one when a run fails or is stopped"},
 
     {"<mesh>", MAP, .doc = "a surface, in metres once scaled: a shape or a file"},
-    {"<mesh>.shape", .forms = PEL_FORM_WORD, ALTERNATIVE,
-     .doc = "a generated surface; its parameters stand beside it"},
+    {"<mesh>.shape", .forms = PEL_FORM_WORD, ALTERNATIVE, .doc = "a generated surface; its parameters stand beside it"},
     {"<mesh>.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
     {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
      .doc = "format of the file; auto looks at extension and content, and knows glTF, FBX, 3MF and more"},
