@@ -129,6 +129,9 @@ struct pel_sim {
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
+    int64_t *looked_at;         /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;          /* (vertex_count) push that moved it last */
+    int64_t push_count;         /* of all steps */
     uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
 };
 
