@@ -99,7 +99,7 @@ typedef struct pel_refine_body {
     int32_t *hot;         /* (same) those that ask, leaving ones included */
     int32_t *hot_place;   /* (same) where they stand in that list */
     int32_t walk, candidate_count, waiting_count, leaving_count, hot_count;
-    int32_t next_slice; /* of the round */
+    int32_t part; /* of the round that comes next, 0 .. interval - 1 */
     int64_t revision;
     double *rest_curvatures; /* (curvature_count) by place, of the present surface at rest, NAN = not known */
     int32_t curvature_count; /* places of the body, 0 = not used */
