@@ -103,7 +103,7 @@ typedef struct pel_refine_body {
     int32_t *hot;         /* (same) those that ask, leaving ones included */
     int32_t *hot_place;   /* (same) where they stand in that list */
     int32_t walk, candidate_count, waiting_count, leaving_count, hot_count;
-    int32_t next_slice; /* of the round */
+    int32_t part; /* of the round that comes next, 0 .. interval - 1 */
     int64_t revision;
     double *rest_curvatures; /* (curvature_count) by place, of the present surface at rest, NAN = not known */
     int32_t curvature_count; /* places of the body, 0 = not used */
@@ -141,6 +141,9 @@ struct pel_sim {
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
+    int64_t *looked_at;         /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;          /* (vertex_count) push that moved it last */
+    int64_t push_count;         /* of all steps */
     uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
 };
 

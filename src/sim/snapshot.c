@@ -49,12 +49,11 @@ static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
 {
     const pel_membrane_material *material = &shell->material;
     const pel_pressure_def *pressure = &shell->pressure;
-    const double numbers[] = {shell->has_membrane,       (double)material->kind, material->young,
-                              material->poisson,         material->thickness,    material->mooney_ratio,
-                              (double)shell->bending,    shell->bending_weight,  (double)pressure->kind,
-                              (double)pressure->form,    pressure->value,        pressure->gamma,
-                              pressure->outside.value,   pressure->target.value, pressure->bulk,
-                              (double)shell->hinge_count};
+    const double numbers[] = {
+        shell->has_membrane,     (double)material->kind, material->young,        material->poisson,
+        material->thickness,     material->mooney_ratio, (double)shell->bending, shell->bending_weight,
+        (double)pressure->kind,  (double)pressure->form, pressure->value,        pressure->gamma,
+        pressure->outside.value, pressure->target.value, pressure->bulk,         (double)shell->hinge_count};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         hash = hash_double(hash, numbers[i]);
     for (int32_t h = 0; h < shell->hinge_count; h++)
@@ -159,7 +158,7 @@ static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
     transfer(at, &refine->waiting_count, sizeof refine->waiting_count);
     transfer(at, &refine->leaving_count, sizeof refine->leaving_count);
     transfer(at, &refine->hot_count, sizeof refine->hot_count);
-    transfer(at, &refine->next_slice, sizeof refine->next_slice);
+    transfer(at, &refine->part, sizeof refine->part);
     transfer(at, &refine->revision, sizeof refine->revision);
     /* loading, the places wait in the scratch of the walks until the front is there */
     size_t places = (size_t)(own->fine_limit - own->fine_begin);
