@@ -120,15 +120,24 @@ static pel_status note_fields(pel_report_run *run, const pel_report_def *def, co
     return PEL_OK;
 }
 
-/* the field of a mesh whose name is most like this one; null */
-static const char *nearest_field(const pel_mesh *mesh, const char *name)
+/* tells which field may be meant, or which there are */
+static void suggest_field(const pel_mesh *mesh, const char *name, pel_error *error)
 {
+    char list[200] = "";
     const char **names = pel_allocate((size_t)mesh->field_count, sizeof *names);
-    for (int32_t f = 0; names != NULL && f < mesh->field_count; f++)
+    for (int32_t f = 0; names != NULL && f < mesh->field_count; f++) {
+        size_t length = strlen(list);
         names[f] = mesh->fields[f].name;
+        snprintf(list + length, sizeof list - length, "%s%s", f > 0 ? ", " : "", names[f]);
+    }
     const char *nearest = names != NULL ? pel_nearest_name(name, names, (size_t)mesh->field_count) : NULL;
+    if (nearest != NULL)
+        pel_fail_remedy(error, "did you mean '%s'?", nearest);
+    else if (list[0] != '\0')
+        pel_fail_remedy(error, "choose one of %s", list);
+    else
+        pel_fail_remedy(error, "it has none; ask for some under output.fields in the scene");
     pel_free(names);
-    return nearest;
 }
 
 /* refuses a field that the user asked for and the frame does not have */
@@ -138,14 +147,8 @@ static pel_status check_wanted(const pel_report_run *run, const pel_report_def *
     for (int32_t i = 0; i < def->field_count; i++) {
         if (pel_mesh_field(mesh, def->fields[i]) != NULL)
             continue;
-        const char *nearest = nearest_field(mesh, def->fields[i]);
         pel_fail(error, PEL_BAD_ARGUMENT, "the run has no field '%s'", def->fields[i]);
-        if (nearest != NULL)
-            pel_fail_remedy(error, "did you mean '%s'?", nearest);
-        else if (mesh->field_count > 0)
-            pel_fail_remedy(error, "it has %s%s", mesh->fields[0].name, mesh->field_count > 1 ? " and others" : "");
-        else
-            pel_fail_remedy(error, "it has none; ask for some under output.fields in the scene");
+        suggest_field(mesh, def->fields[i], error);
         pel_fail_place(error, run->folder, 0, 0);
         return PEL_BAD_ARGUMENT;
     }
