@@ -21,6 +21,7 @@
 #include "region.h"
 #include "results.h"
 #include "shape.h"
+#include "shell.h"
 #include "sim.h"
 #include "subdivide.h"
 #include "topology.h"

@@ -21,7 +21,11 @@ extern "C" {
 
 typedef enum pel_method {
     PEL_METHOD_QUASI_STATIC, /* x += alpha F dt^2 / m (paper A, eq. A-5) */
-    PEL_METHOD_EXPLICIT      /* Euler's method on m a = F (paper A's baseline) */
+    PEL_METHOD_EXPLICIT,     /* Euler's method on m a = F (paper A's baseline); symplectic it is the leapfrog */
+    PEL_METHOD_PBD,          /* paper B: each energy is a constraint, met by `iterations` sweeps of Gauss-Seidel */
+    PEL_METHOD_PBD_DISTANCE, /* position-based dynamics on edge lengths alone */
+    PEL_METHOD_XPBD,         /* extended position-based dynamics, strain form, `substeps` of one iteration each */
+    PEL_METHOD_DESCENT       /* energy minimisation step by step: L-BFGS or gradient descent with backtracking */
 } pel_method;
 
 typedef struct pel_solver_def {
@@ -30,6 +34,11 @@ typedef struct pel_solver_def {
     double alpha;       /* quasi-static: size of a step; 0 = a safe value for this mesh */
     bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
+    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 50 */
+    int32_t substeps;   /* pbd, xpbd: a step of dt is done in this many; 0 = 1 and 16 */
+    bool second_order;  /* xpbd: velocities from three positions instead of two */
+    double drag;        /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
+    bool gradient_only; /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
 } pel_solver_def;
 
 /* What a load's force means. */

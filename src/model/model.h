@@ -33,7 +33,8 @@ typedef struct pel_nodal {
 
 /* Levels of detail of a body (detail.h). */
 typedef struct pel_body_detail {
-    pel_refine_def def;
+    pel_refine_def def; /* its region is the copy below */
+    int32_t *region;
     pel_lod_forest *forest;
     double *areas;        /* (base triangles) rest area */
     pel_nodal *densities; /* (vertices of the finest level) over the area of the triangles around */
@@ -41,6 +42,8 @@ typedef struct pel_body_detail {
     double *moduli;  /* (base edges) stiffness = sum of modulus x area / squared length over the triangles beside */
     uint8_t *pinned; /* (vertices of the finest level) 1 = never moves */
 } pel_body_detail;
+
+typedef struct pel_shell pel_shell;
 
 typedef struct pel_body {
     char name[PEL_NAME_SIZE];
@@ -54,6 +57,7 @@ typedef struct pel_body {
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     pel_curve curves[PEL_PARAMETER_COUNT];
     pel_body_detail *detail; /* null = no refinement */
+    pel_shell *shell;        /* (shell.h) null = no membrane, bending, fibres or pressure */
     const pel_front *front;  /* the surface, in an active model (active.h) of a body with detail; else null */
 } pel_body;
 

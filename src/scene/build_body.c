@@ -142,9 +142,10 @@ static pel_status read_materials(const body_source *source, pel_body_def *body)
     return status;
 }
 
-static pel_status read_pinned(const body_source *source, pel_body_def *body)
+/* the vertices of a region, listed also when it is all of them */
+static pel_status read_vertices(const body_source *source, const pel_scene_value *value, const int32_t **vertices,
+                                int32_t *count)
 {
-    const pel_scene_value *value = pel_scene_value_entry(source->value, "pinned");
     if (value == NULL)
         return PEL_OK;
     pel_scene_region region;
@@ -158,30 +159,79 @@ static pel_status read_pinned(const body_source *source, pel_body_def *body)
         for (int32_t v = 0; v < region.count; v++)
             region.vertices[v] = v;
     }
-    body->pinned = region.vertices;
-    body->pinned_count = region.count;
+    *vertices = region.vertices;
+    *count = region.count;
     return PEL_OK;
 }
 
-static void read_refine(const body_source *source, pel_refine_def *refine)
+/* `above` and `below` of a map; below may be left to half of above, and has to be less */
+static pel_status read_thresholds(const body_source *source, const pel_scene_value *map, double *above, double *below)
+{
+    const pel_scene_value *high = pel_scene_value_entry(map, "above"), *low = pel_scene_value_entry(map, "below");
+    if (high == NULL)
+        return PEL_OK;
+    *above = high->number;
+    *below = low->form == PEL_FORM_WORD ? *above / 2 : low->number;
+    if (*below < *above)
+        return PEL_OK;
+    pel_scene_fail(source->reader, &low->place, "below (%g) is not less than above (%g)", *below, *above);
+    pel_fail_remedy(source->reader->error, "give a smaller one, or leave it out for half of above");
+    return PEL_BAD_SCENE;
+}
+
+/* something says where, and not twice */
+static pel_status check_refine(const body_source *source, const pel_scene_value *value, bool everywhere)
+{
+    static const char *const keys[] = {"above", "curvature", "near_tools", "region"};
+    const pel_scene_value *found = NULL;
+    for (size_t i = 0; found == NULL && i < sizeof keys / sizeof keys[0]; i++)
+        found = pel_scene_value_entry(value, keys[i]);
+    if ((found != NULL) != everywhere)
+        return PEL_OK;
+    if (everywhere) {
+        pel_scene_fail(source->reader, &found->key_place, "'everywhere' and '%s' exclude each other", found->key);
+        pel_fail_remedy(source->reader->error, "remove one of them");
+    } else {
+        pel_scene_fail(source->reader, &value->place, "refine does not say where");
+        pel_fail_remedy(source->reader->error,
+                        "add 'above', 'curvature', 'near_tools' or 'region', or 'everywhere: true'");
+    }
+    return PEL_BAD_SCENE;
+}
+
+static pel_status read_refine(const body_source *source, pel_refine_def *refine)
 {
     const pel_scene_value *value = pel_scene_value_entry(source->value, "refine");
     if (value == NULL)
-        return;
-    const pel_scene_value *above = pel_scene_value_entry(value, "above");
-    const pel_scene_value *everywhere = pel_scene_value_entry(value, "everywhere");
+        return PEL_OK;
+    const pel_scene_value *curvature = pel_scene_value_entry(value, "curvature"),
+                          *near = pel_scene_value_entry(value, "near_tools"),
+                          *region = pel_scene_value_entry(value, "region");
     refine->levels = pel_scene_value_integer(value, "levels");
     refine->rings = pel_scene_value_integer(value, "rings");
     refine->budget = pel_scene_value_integer(value, "budget");
     refine->springs = (pel_refine_springs)pel_scene_value_number(value, "springs");
-    refine->everywhere = everywhere != NULL && everywhere->number != 0;
-    if (above == NULL)
-        return;
-    const pel_scene_value *below = pel_scene_value_entry(value, "below");
-    refine->above = above->number;
-    refine->below = below->form == PEL_FORM_WORD ? refine->above / 2 : below->number;
-    refine->dwell = pel_scene_value_integer(value, "dwell");
-    refine->interval = pel_scene_value_integer(value, "interval");
+    refine->everywhere = pel_scene_value_boolean(value, "everywhere");
+    refine->near_tools = near != NULL ? near->number : 0;
+    if (pel_scene_value_entry(value, "dwell") != NULL) {
+        refine->dwell = pel_scene_value_integer(value, "dwell");
+        refine->interval = pel_scene_value_integer(value, "interval");
+    }
+    pel_status status = check_refine(source, value, refine->everywhere);
+    if (status == PEL_OK)
+        status = read_thresholds(source, value, &refine->above, &refine->below);
+    if (status == PEL_OK && curvature != NULL)
+        status = read_thresholds(source, curvature, &refine->curvature_above, &refine->curvature_below);
+    if (status != PEL_OK || region == NULL)
+        return status;
+    const pel_scene_value *levels = pel_scene_value_entry(value, "region_levels");
+    refine->region_levels = (int32_t)levels->number;
+    if (refine->region_levels <= refine->levels)
+        return read_vertices(source, region, &refine->region, &refine->region_count);
+    pel_scene_fail(source->reader, &levels->place, "region_levels is %d, the body has %d levels",
+                   (int)refine->region_levels, (int)refine->levels);
+    pel_fail_remedy(source->reader->error, "raise levels, or give at most %d", (int)refine->levels);
+    return PEL_BAD_SCENE;
 }
 
 static pel_status read_body(const body_source *source, pel_body_def *body)
@@ -191,9 +241,12 @@ static pel_status read_body(const body_source *source, pel_body_def *body)
     body->mesh = source->mesh;
     body->volumetric_by_area = pel_scene_value_boolean(source->value, "scale_with_area");
     body->reference_count = pel_scene_value_integer(source->value, "reference_count");
-    read_refine(source, &body->refine);
-    pel_status status = read_materials(source, body);
-    return status == PEL_OK ? read_pinned(source, body) : status;
+    pel_status status = read_refine(source, &body->refine);
+    if (status == PEL_OK)
+        status = read_materials(source, body);
+    if (status != PEL_OK)
+        return status;
+    return read_vertices(source, pel_scene_value_entry(source->value, "pinned"), &body->pinned, &body->pinned_count);
 }
 
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,

@@ -84,15 +84,57 @@ static void write_list(schema_writer *out, const pel_scene_row *row, const pel_s
     fputc('}', out->file);
 }
 
-static bool belongs(const pel_scene_row *row, const char *prefix, const schema_variant *variant)
+/* whether one of the keys that a row needs is an alternative: then the object that has it has the row too */
+static bool needs_alternative(const schema_writer *out, const char *prefix, const pel_scene_row *row)
+{
+    const pel_scene_row *other = NULL;
+    while (row->needs != NULL && (other = pel_scene_row_next(out->table, prefix, other)) != NULL)
+        if (other->alternative && pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
+            return true;
+    return false;
+}
+
+static bool belongs(const schema_writer *out, const pel_scene_row *row, const char *prefix,
+                    const schema_variant *variant)
 {
     if (row->alternative)
         return row == variant->chosen;
-    if (row->needs == NULL)
+    if (!needs_alternative(out, prefix, row))
         return true;
     if (variant->chosen == NULL || !pel_scene_row_needs(row, pel_scene_row_name(variant->chosen, prefix)))
         return false;
     return row->needs_word == NULL || (variant->word != NULL && strcmp(row->needs_word, variant->word) == 0);
+}
+
+/* "key": one of those that it needs has to stand beside it */
+static void write_dependency(schema_writer *out, const char *prefix, const pel_scene_row *row)
+{
+    const char *comma = "";
+    write_text(out, pel_scene_row_name(row, prefix));
+    fputs(":{\"anyOf\":[", out->file);
+    for (const pel_scene_row *other = NULL; (other = pel_scene_row_next(out->table, prefix, other)) != NULL;) {
+        if (!pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
+            continue;
+        fprintf(out->file, "%s{\"required\":[", comma);
+        write_text(out, pel_scene_row_name(other, prefix));
+        fputs("]}", out->file);
+        comma = ",";
+    }
+    fputs("]}", out->file);
+}
+
+static void write_dependencies(schema_writer *out, const char *prefix)
+{
+    const char *before = ",\"dependencies\":{", *after = "";
+    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+        if (row->needs == NULL || needs_alternative(out, prefix, row))
+            continue;
+        fputs(before, out->file);
+        write_dependency(out, prefix, row);
+        before = ",\n";
+        after = "}";
+    }
+    fputs(after, out->file);
 }
 
 static void write_object(schema_writer *out, const char *prefix, const pel_scene_row *limits,
@@ -101,7 +143,7 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     const char *comma = "";
     fputs("{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        if (!belongs(row, prefix, variant))
+        if (!belongs(out, row, prefix, variant))
             continue;
         fputs(comma, out->file);
         write_text(out, pel_scene_row_name(row, prefix));
@@ -112,13 +154,15 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     comma = "";
     fputs("},\"required\":[", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        if (!belongs(row, prefix, variant) || !(row->required || row->alternative))
+        if (!belongs(out, row, prefix, variant) || !(row->required || row->alternative))
             continue;
         fputs(comma, out->file);
         write_text(out, pel_scene_row_name(row, prefix));
         comma = ",";
     }
-    fputs("]}", out->file);
+    fputs("]", out->file);
+    write_dependencies(out, prefix);
+    fputs("}", out->file);
 }
 
 /* whether some key stands only beside this word */

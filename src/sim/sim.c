@@ -44,6 +44,8 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
         return PEL_BAD_ARGUMENT;
     }
+    if (solver->method > PEL_METHOD_EXPLICIT)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
     if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     return PEL_OK;
@@ -152,16 +154,11 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     return status;
 }
 
-/* bodies that are refined everywhere start so */
-static void start_refinement(pel_sim *sim)
+static pel_status start_refinement(pel_sim *sim, pel_error *error)
 {
     double dt = sim->step.dt, factor = pel_sim_is_explicit(sim) ? 0 : sim->step.alpha * dt * dt;
     sim->active->relaxation = (pel_relaxation){factor, dt, sim->solver.keep_velocity};
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body_detail *detail = sim->model->bodies[b].detail;
-        if (detail != NULL && detail->def.everywhere)
-            pel_refine_everywhere(sim, b, true);
-    }
+    return pel_refine_start(sim, error);
 }
 
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -191,7 +188,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
     if (status == PEL_OK && sim->active != NULL)
-        start_refinement(sim);
+        status = start_refinement(sim, error);
     if (status == PEL_OK)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)

@@ -112,6 +112,24 @@ static const bad_scene bad_scenes[] = {
     {BALL "  - {name: body1, mesh: {shape: grid}}\n", NULL,
      "a.yaml:5:12: error: the name 'body1' is in use. give each"},
 
+    /* refinement */
+    {BALL "    refine: {levels: 2}\n", NULL, "a.yaml:5:13: error: refine does not say where. add 'above'"},
+    {BALL "    refine: {above: 1, below: 1}\n", NULL,
+     "a.yaml:5:31: error: below (1) is not less than above (1). give a smaller one"},
+    {BALL "    refine: {curvature: {above: 1, below: 2}}\n", NULL,
+     "a.yaml:5:43: error: below (2) is not less than above (1)"},
+    {BALL "    refine: {curvature: {below: 2}}\n", NULL, "a.yaml:5:25: error: bodies.0.refine.curvature lacks 'above'"},
+    {BALL "    refine: {everywhere: true, near_tools: 1}\n", NULL,
+     "a.yaml:5:32: error: 'everywhere' and 'near_tools' exclude each other. remove one"},
+    {BALL "    refine: {above: 1, region_levels: 1}\n", NULL,
+     "a.yaml:5:24: error: key 'region_levels' goes only with: region. give that"},
+    {BALL "    refine: {region: all, region_levels: 2}\n", NULL,
+     "a.yaml:5:42: error: region_levels is 2, the body has 1 levels. raise levels"},
+    {BALL "    refine: {region: {vertices: [1, 252]}}\n", NULL, "a.yaml:5:37: error: the mesh has no vertex 252"},
+    {BALL "    refine: {region: all, dwell: 3}\n", NULL, "a.yaml:5:27: error: key 'dwell' goes only with: above, curv"},
+    {BALL "    refine: {above: 1, curvature: {above: 1}, near_tools: 1, region: all, budget: 9000, dwell: 3}\n", NULL,
+     NULL},
+
     /* names of bodies and fields, regions */
     {BALL "    name: ball\nloads: [{force: [0, 0, 1], body: bal}]\n", NULL,
      "a.yaml:6:34: error: unknown body 'bal'. did you mean 'ball'?"},
