@@ -3,6 +3,7 @@
 #define PEL_SIM_SIM_H
 
 #include "force/body_force.h"
+#include "force/shell_force.h"
 #include "geom/solid.h"
 #include "model/active.h"
 #include "pellicle/sim.h"
@@ -102,7 +103,7 @@ typedef struct pel_refine_body {
     int32_t *hot;         /* (same) those that ask, leaving ones included */
     int32_t *hot_place;   /* (same) where they stand in that list */
     int32_t walk, candidate_count, waiting_count, leaving_count, hot_count;
-    int32_t next_slice; /* of the round */
+    int32_t part; /* of the round that comes next, 0 .. interval - 1 */
     int64_t revision;
     double *rest_curvatures; /* (curvature_count) by place, of the present surface at rest, NAN = not known */
     int32_t curvature_count; /* places of the body, 0 = not used */
@@ -126,7 +127,9 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
-    uint64_t fingerprint; /* of model and solver, in snapshots */
+    pel_shell_forces *shells;      /* null = no body is a shell */
+    pel_shell_energy shell_energy; /* of the present state, when force_is_present */
+    uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
@@ -138,6 +141,9 @@ struct pel_sim {
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
+    int64_t *looked_at;         /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;          /* (vertex_count) push that moved it last */
+    int64_t push_count;         /* of all steps */
     uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
 };
 
@@ -170,6 +176,16 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- shells.c ---- */
+/* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
+pel_status pel_shells_create(pel_sim *sim, pel_error *error);
+void pel_shells_destroy(pel_sim *sim);
+/* Moves the new positions and velocities of a method that goes by forces, after all other forces. False when a vertex
+   leaves the bound. */
+bool pel_shells_apply(pel_sim *sim);
+/* PEL_DIVERGED when a pressure turned a body inside out in this step */
+pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
 /* ---- snapshot.c ---- */
 /* of model, solver, tools and loads: tells whether a snapshot belongs to this sim */
