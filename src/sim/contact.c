@@ -323,6 +323,9 @@ static void count_search(pel_contact_statistics *sum, const pel_collision_result
         sum->passed_hull += kinds[i]->passed_hull;
         sum->cubics += kinds[i]->passed_hull;
     }
+    /* what is too near at the start already needs none */
+    for (int64_t i = 0; i < found->collision_count; i++)
+        sum->cubics -= found->collisions[i].hit.time_of_impact <= 0;
 }
 
 /* what comes within the distance between start and end */
@@ -452,8 +455,10 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     for (int round = 0;; round++) {
         pel_collision_result found;
         pel_status status = search(sim, contacts->thickness, &found, error);
+        double looked = seconds_now();
         if (status == PEL_OK)
             status = pel_contact_find_conflicts(sim, &found, error);
+        contacts->statistics.guard_seconds += seconds_now() - looked;
         if (status != PEL_OK || round == (once ? 1 : ROUND_LIMIT) || (round > 0 && contacts->conflict_count == 0))
             return status;
         if (found.collision_count + contacts->list.count == 0 && contacts->conflict_count == 0)
