@@ -323,6 +323,27 @@ static const cli_command commands[] = {
         .run = cli_report_page,
     },
     {
+        .name = "reproduce",
+        .summary = "repeat the experiments of the paper",
+        .text = "Runs the experiment NAME, or all of them, compares their numbers with those of the paper and of the "
+                "theory, and leaves a folder for each: the runs with their scenes, numbers.csv, plot.svg and, in a "
+                "program with pictures, picture.png.\n\n"
+                "Exit status 0: every number that does not depend on the machine is as it should be; 1: one is not.",
+        .slots =
+            {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "experiment", .words = cli_experiment_names}},
+        .options = {{.name = "list", .kind = CLI_FLAG, .doc = "list the experiments"},
+                    {.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FOLDER,
+                     .value = "DIR",
+                     .doc = "folder of the results; left out: results/reproduce"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
+                    JSON_OPTION},
+        .more_help = cli_reproduce_help,
+        .examples = "pellicle reproduce figure8\npellicle reproduce -o results/paper --json > numbers.json",
+        .run = cli_reproduce,
+    },
+    {
         .name = "bench",
         .summary = "measure the speed of this machine on known jobs",
         .text = "Runs one benchmark, or all of them, and prints the least and the median time of its repeats beside "
