@@ -542,6 +542,11 @@ const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body)
     return model->bodies[body].mesh;
 }
 
+bool pel_model_is_closed(const pel_model *model, int32_t body)
+{
+    return model->bodies[body].closed;
+}
+
 const char *pel_model_body_name(const pel_model *model, int32_t body)
 {
     return model->bodies[body].name;

@@ -18,6 +18,9 @@
 
 enum { RUN_COOKIE = 0x72756e21 };
 
+/* changes of the volume ratio below this are rounding */
+#define VOLUME_NOISE 1e-12
+
 pel_run_def pel_run_def_default(void)
 {
     return (pel_run_def){.cookie = RUN_COOKIE};
@@ -73,6 +76,9 @@ static uint64_t hash_scene(const pel_scene *scene)
     uint64_t hash = pel_hash_bytes(PEL_HASH_START, text, strlen(text));
     for (int32_t b = 0; b < scene->model.body_count; b++)
         hash = hash_mesh(hash, scene->model.bodies[b].mesh);
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        if (scene->sim.tools[t].mesh != NULL)
+            hash = hash_mesh(hash, scene->sim.tools[t].mesh);
     return hash;
 }
 
@@ -91,9 +97,24 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
     return status == PEL_OK ? pel_run_frames_create(&run->frames, &def, run->sim, error) : status;
 }
 
+/* a volume to stop at needs one */
+static pel_status check_stop(const pel_run_state *run, pel_error *error)
+{
+    bool any = !(run->scene->least_volume_ratio > 0);
+    for (int32_t b = 0; b < pel_model_body_count(run->model); b++)
+        any |= pel_model_is_closed(run->model, b);
+    if (any)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_SCENE, "stop.volume_ratio_below needs a volume, but no body is closed");
+    pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or stop by frames or time");
+    return PEL_BAD_SCENE;
+}
+
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
+    if (status == PEL_OK)
+        status = check_stop(run, error);
     if (status != PEL_OK)
         return status;
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
@@ -207,6 +228,39 @@ static bool is_settled(const pel_run_state *run)
     return speed > 0 && pel_sim_time(run->sim) >= run->plan.settled_time && pel_sim_max_speed(run->sim) <= speed;
 }
 
+/* the rule that ends the run at the present step, null when none does; rest is looked for at frames only */
+static const char *find_stop(const pel_run_state *run, bool at_frame)
+{
+    const pel_scene *scene = run->scene;
+    if (scene->least_volume_ratio > 0 && pel_sim_volume_ratio(run->sim) < scene->least_volume_ratio)
+        return "volume_ratio_below";
+    if (at_frame && is_settled(run))
+        return "at_rest";
+    if (scene->frame_limit > 0 && pel_sim_step_count(run->sim) >= scene->frame_limit)
+        return "frames";
+    if (scene->time_limit > 0 && pel_sim_time(run->sim) >= scene->time_limit * (1 - 1e-12))
+        return "time";
+    return NULL;
+}
+
+/* jitter: the volume of a shell that is pressed together should fall from frame to frame */
+static void note_volume(pel_run_totals *totals, double ratio)
+{
+    double rise = totals->frame_count > 0 ? ratio - totals->volume_ratio : 0;
+    totals->volume_ratio = ratio;
+    if (!(rise > VOLUME_NOISE))
+        return;
+    totals->rise_count++;
+    totals->rise_sum += rise;
+    totals->rise_max = fmax(totals->rise_max, rise);
+}
+
+static pel_status add_frame(pel_run_state *run, pel_error *error)
+{
+    note_volume(&run->totals, pel_sim_volume_ratio(run->sim));
+    return pel_run_frames_add(&run->frames, run->sim, &run->totals, run->tool_force, error);
+}
+
 /* until all frames are written; a failure brings the run back to the frame that could not be */
 static pel_status settle_frames(pel_run_state *run, pel_error *error)
 {
@@ -219,10 +273,14 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
     const pel_run_plan *plan = &run->plan;
     int64_t step = pel_sim_step_count(run->sim), frame = run->totals.frame_count;
     pel_status status = pel_run_frames_failed(&run->frames) ? settle_frames(run, error) : PEL_OK;
-    if (status == PEL_OK && frame <= plan->frame_total && step == pel_run_plan_step(plan, frame)) {
-        status = pel_run_frames_add(&run->frames, run->sim, &run->totals, run->tool_force, error);
-        run->settled = status == PEL_OK && is_settled(run);
-    }
+    bool is_due = frame <= plan->frame_total && step == pel_run_plan_step(plan, frame);
+    if (status == PEL_OK && is_due)
+        status = add_frame(run, error);
+    if (status == PEL_OK)
+        run->stop_reason = find_stop(run, is_due);
+    run->settled = status == PEL_OK && run->stop_reason != NULL;
+    if (run->settled && !is_due)
+        status = add_frame(run, error);
     if (status != PEL_OK || run->settled || plan->checkpoint_steps == 0 || step == 0 ||
         step % plan->checkpoint_steps != 0)
         return status;

@@ -40,7 +40,9 @@ pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error)
             pel_run_frame_path(path, NULL, (int64_t)i);
             memcpy(name, path, strlen(path) + 1);
             names[i] = name;
-            times[i] = pel_run_plan_time(frames->plan, (int64_t)i);
+            /* a rule may end the run between two frames of the plan */
+            bool is_last = i + 1 == count && frames->last_time > 0;
+            times[i] = is_last ? frames->last_time : pel_run_plan_time(frames->plan, (int64_t)i);
         }
         pel_run_path(path, frames->folder, "frames.pvd");
         status = pel_pvd_write(path, names, times, (int32_t)count, error);
@@ -83,6 +85,7 @@ static pel_status write_frame(pel_run_frames *frames, pel_sim *sim, const pel_ru
         return status;
     }
     frames->frame_count = row.frame + 1;
+    frames->last_time = pel_sim_time(sim);
     frames->max_displacement = fmax(frames->max_displacement, row.measures.max_displacement);
     atomic_store(&frames->max_force, row.measures.max_force);
     return list_is_due(frames) ? pel_run_frames_list(frames, error) : PEL_OK;

@@ -12,12 +12,15 @@
 
 /* What is summed up on the way; goes into checkpoints as it stands. */
 typedef struct pel_run_totals {
-    int64_t frame_count;     /* frames written */
-    int64_t frame_step;      /* step of the last one */
-    double frame_seconds;    /* wall time of the steps since then */
-    double step_seconds;     /* wall time of all steps */
-    double wall_seconds;     /* of the calls of pel_run before this one */
-    double max_displacement; /* m, over the frames */
+    int64_t frame_count;       /* frames written */
+    int64_t frame_step;        /* step of the last one */
+    double frame_seconds;      /* wall time of the steps since then */
+    double step_seconds;       /* wall time of all steps */
+    double wall_seconds;       /* of the calls of pel_run before this one */
+    double max_displacement;   /* m, over the frames */
+    double volume_ratio;       /* of the last frame */
+    int64_t rise_count;        /* frames whose volume is more than that of the frame before */
+    double rise_sum, rise_max; /* of the volume ratio in these */
 } pel_run_totals;
 
 /* What a frame is made of. */
@@ -41,6 +44,7 @@ typedef struct pel_run_frames {
     int64_t listed_count;      /* of them in frames.pvd */
     double listed_at;          /* wall clock when it was written */
     double max_displacement;   /* m, over the frames of this call */
+    double last_time;          /* s, of the last frame written; 0 = none by this call */
     _Atomic(double) max_force; /* N, at the last frame written; may be read at any time */
     _Atomic(bool) failed;      /* may be read at any time */
     int32_t failed_slot;       /* of the frame that could not be written */

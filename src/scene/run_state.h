@@ -22,7 +22,8 @@ typedef struct pel_run_state {
     int64_t checkpoint_step;
     double start;               /* wall clock at the beginning of this call */
     int64_t start_step;         /* step at the beginning of this call */
-    bool settled;               /* everything came to rest */
+    bool settled;               /* a rule of the scene's `stop` ended the run */
+    const char *stop_reason;    /* which one; null = none */
     pel_sim_measures measures;  /* of the end */
     int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
 } pel_run_state;

@@ -352,15 +352,29 @@ static void read_positions(pel_run_surface *surface, const pel_sim *sim)
         pel_sim_get_positions(sim, b, surface->positions + 3 * (size_t)surface->begin[b]);
 }
 
-/* the two energies of a body into the scratch, wanted in this mix into values */
+/* adds one of three lists of the scratch, or all of them, to values */
+static void add_lists(const pel_run_surface *surface, int32_t count, int first_source, int source, double *values)
+{
+    for (int i = 0; i < 3; i++)
+        for (int32_t v = 0; (source == PEL_RUN_ENERGY || source == first_source + i) && v < count; v++)
+            values[v] += surface->scratch[(size_t)i * (size_t)count + (size_t)v];
+}
+
+/* one energy of a body, or the sum of all */
 static void read_energies(pel_run_surface *surface, const pel_sim *sim, int32_t body, int source, double *values)
 {
     int32_t count = surface->begin[body + 1] - surface->begin[body];
-    double *spring = surface->scratch, *volumetric = surface->scratch + count;
-    pel_sim_get_energies(sim, body, spring, volumetric);
-    for (int32_t v = 0; v < count; v++)
-        values[v] = (source == PEL_RUN_VOLUMETRIC_ENERGY ? 0 : spring[v]) +
-                    (source == PEL_RUN_SPRING_ENERGY ? 0 : volumetric[v]);
+    double *first = surface->scratch, *second = first + count, *third = second + count;
+    memset(values, 0, (size_t)count * sizeof *values);
+    if (source <= PEL_RUN_VOLUMETRIC_ENERGY) {
+        pel_sim_get_energies(sim, body, first, second);
+        memset(third, 0, (size_t)count * sizeof *third);
+        add_lists(surface, count, PEL_RUN_SPRING_ENERGY, source, values);
+    }
+    if (source == PEL_RUN_ENERGY || source >= PEL_RUN_MEMBRANE_ENERGY) {
+        pel_sim_get_shell_energies(sim, body, first, second, third);
+        add_lists(surface, count, PEL_RUN_MEMBRANE_ENERGY, source, values);
+    }
 }
 
 static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_t body)
@@ -385,7 +399,13 @@ static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_
     case PEL_RUN_ENERGY:
     case PEL_RUN_SPRING_ENERGY:
     case PEL_RUN_VOLUMETRIC_ENERGY:
+    case PEL_RUN_MEMBRANE_ENERGY:
+    case PEL_RUN_BENDING_ENERGY:
+    case PEL_RUN_FIBRE_ENERGY:
         read_energies(surface, sim, body, source, values);
+        break;
+    case PEL_RUN_PRESSURE:
+        pel_sim_get_pressure_forces(sim, body, values);
         break;
     case PEL_RUN_STRESS:
         pel_sim_get_spring_virials(sim, body, values);

@@ -37,7 +37,7 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
         vertex_velocity(sim, pel_row_place(sim, body, r), velocities + 3 * (size_t)r);
 }
 
-/* forces of eq. with the loads at the present time, into sim->force; once for each state */
+/* forces of eq. and of shells with the loads at the present time, into sim->force; once for each state */
 static void compute_forces(pel_sim *sim)
 {
     const pel_state *state = sim->state;
@@ -46,6 +46,9 @@ static void compute_forces(pel_sim *sim)
     sim->force_is_present = true;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
     pel_loads_add(sim, pel_sim_time(sim), sim->force);
+    pel_shell_forces_follow(sim->shells, state->position);
+    sim->shell_energy =
+        pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
 }
 
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
@@ -239,6 +242,13 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
     measures->volume_ratio = rest_volume != 0 ? volume / rest_volume : 1;
 }
 
+double pel_sim_volume_ratio(const pel_sim *sim)
+{
+    pel_sim_measures measures = {0};
+    measure_surfaces(sim, &measures);
+    return measures.volume_ratio;
+}
+
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
 {
     *measures = (pel_sim_measures){0};
@@ -270,5 +280,9 @@ void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
     }
     measures->max_displacement = sqrt(largest_offset);
     measures->max_force = sqrt(largest_force);
-    measures->elastic_energy = measures->spring_energy + measures->volumetric_energy;
+    measures->membrane_energy = sim->shell_energy.membrane;
+    measures->bending_energy = sim->shell_energy.bending;
+    measures->fibre_energy = sim->shell_energy.fibres;
+    measures->elastic_energy = measures->spring_energy + measures->volumetric_energy + measures->membrane_energy +
+                               measures->bending_energy + measures->fibre_energy;
 }
