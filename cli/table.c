@@ -193,7 +193,8 @@ static const cli_command commands[] = {
                 "was changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.\n\n"
                 "When IN is the folder of a run, all its frames are written: to a .pc2 point cache (Blender, Maya), to "
                 "a .glb with one morph target for each frame and an animation, or to numbered mesh files: out.obj "
-                "gives out_00000.obj, out_00001.obj, ...",
+                "gives out_00000.obj, out_00001.obj, ... Frames of a body that refines are put on their finest common "
+                "mesh, so that all files have the same triangles.",
         .slots = {{.name = "IN", .kind = CLI_FILE}, {.name = "OUT", .kind = CLI_FILE}},
         .options = {EXPORT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"
@@ -358,6 +359,15 @@ static const cli_command commands[] = {
         .more_help = cli_bench_help,
         .examples = "pellicle bench\npellicle bench read-ply --repeats 20\npellicle bench --json > bench.json",
         .run = cli_bench,
+    },
+    {
+        .name = "presets",
+        .summary = "print the materials that scenes may name, with their sources",
+        .text = "Prints name, law and numbers of each material that 'membrane: { preset: NAME }' takes in a scene, and "
+                "where the numbers come from. Keys beside 'preset' override them.",
+        .options = {JSON_OPTION},
+        .examples = "pellicle presets\npellicle presets --json | jq '.presets[].name'",
+        .run = cli_presets,
     },
     {
         .name = "reference",

@@ -7,24 +7,11 @@
 #define PELLICLE_MODEL_H
 
 #include "mesh.h"
+#include "shell.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* One point of a piecewise linear curve over time. Before the first and after the last key the end values hold. */
-typedef struct pel_key {
-    double time; /* s */
-    double value;
-} pel_key;
-
-/* A material number that may vary over the body or over time (not both). */
-typedef struct pel_quantity {
-    double value;        /* used when field and keys are null */
-    const double *field; /* (vertex_count) value on each vertex; a spring takes the mean of its ends; nullable */
-    const pel_key *keys; /* (key_count) value over time; nullable */
-    int32_t key_count;
-} pel_quantity;
 
 /* How the mass of a body is given. */
 typedef enum pel_mass_kind {
@@ -87,7 +74,8 @@ typedef struct pel_body_def {
     const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;
     pel_refine_def refine;
-    uint32_t cookie; /* set by pel_body_def_default */
+    pel_shell_def shell; /* membrane, bending, fibres, pressure; the default has none */
+    uint32_t cookie;     /* set by pel_body_def_default */
 } pel_body_def;
 
 /* Paper A's numbers: mass 1 per vertex, k 3, d 0.5, k' 1.5, d' 0.5; no mesh and no name yet. */
@@ -115,6 +103,8 @@ int32_t pel_model_body_count(const pel_model *model);
 int32_t pel_model_find_body(const pel_model *model, const char *name);
 /* The mesh of a body as given (rest positions, triangles, fields). Lives as long as the model. */
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
+/* True when the body's mesh has no boundary: it encloses a volume. */
+bool pel_model_is_closed(const pel_model *model, int32_t body);
 const char *pel_model_body_name(const pel_model *model, int32_t body);
 
 #ifdef __cplusplus

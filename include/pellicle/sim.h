@@ -13,6 +13,7 @@
 #ifndef PELLICLE_SIM_H
 #define PELLICLE_SIM_H
 
+#include "geometry.h"
 #include "model.h"
 
 #ifdef __cplusplus
@@ -21,7 +22,11 @@ extern "C" {
 
 typedef enum pel_method {
     PEL_METHOD_QUASI_STATIC, /* x += alpha F dt^2 / m (paper A, eq. A-5) */
-    PEL_METHOD_EXPLICIT      /* Euler's method on m a = F (paper A's baseline) */
+    PEL_METHOD_EXPLICIT,     /* Euler's method on m a = F (paper A's baseline); symplectic it is the leapfrog */
+    PEL_METHOD_PBD,          /* paper B: each energy is a constraint, met by `iterations` sweeps of Gauss-Seidel */
+    PEL_METHOD_PBD_DISTANCE, /* position-based dynamics on edge lengths alone */
+    PEL_METHOD_XPBD,         /* extended position-based dynamics, strain form, `substeps` of one iteration each */
+    PEL_METHOD_DESCENT       /* energy minimisation step by step: L-BFGS or gradient descent with backtracking */
 } pel_method;
 
 typedef struct pel_solver_def {
@@ -30,6 +35,11 @@ typedef struct pel_solver_def {
     double alpha;       /* quasi-static: size of a step; 0 = a safe value for this mesh */
     bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
+    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 50 */
+    int32_t substeps;   /* pbd, xpbd: a step of dt is done in this many; 0 = 1 and 16 */
+    bool second_order;  /* xpbd: velocities from three positions instead of two */
+    double drag;        /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
+    bool gradient_only; /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
 } pel_solver_def;
 
 /* What a load's force means. */
@@ -57,7 +67,8 @@ pel_load_def pel_load_def_default(void);
 typedef enum pel_tool_shape {
     PEL_TOOL_SPHERE,  /* radius */
     PEL_TOOL_CAPSULE, /* radius; axis along the tool's z from -half_length to +half_length */
-    PEL_TOOL_BOX      /* half_extents; sharp */
+    PEL_TOOL_BOX,     /* half_extents; sharp */
+    PEL_TOOL_MESH     /* mesh; needs contact (pel_contact_def) */
 } pel_tool_shape;
 
 /* Pose of a tool at a time. Positions move linearly between keys, rotations by spherical interpolation. */
@@ -74,6 +85,7 @@ typedef struct pel_tool_def {
     double radius;            /* m */
     double half_length;       /* m */
     double half_extents[3];   /* m */
+    const pel_mesh *mesh;     /* in the tool's frame, any surface; copied */
     const pel_pose_key *keys; /* (key_count >= 1), times increasing */
     int32_t key_count;
     int32_t body; /* the body it acts on; -1 = all */
@@ -85,6 +97,31 @@ typedef struct pel_tool_def {
 
 pel_tool_def pel_tool_def_default(void);
 
+/* When contacts are solved. */
+typedef enum pel_contact_response {
+    PEL_CONTACT_IN_LOOP, /* in every sweep of pbd and xpbd, and after the step until nothing is too near */
+    PEL_CONTACT_AFTER    /* paper B: one correction after the step */
+} pel_contact_response;
+
+/* Contact of surfaces (paper B, section 4). When it is enabled, no step ends with two triangles that cut each other, in
+   one body, of two bodies, or of a body and a tool, provided that the step began so: what contacts cannot keep apart is
+   stepped back along its way, in the worst case to where it was. Tools too are held back where a body cannot give way;
+   they catch up when it can. */
+typedef struct pel_contact_def {
+    bool enabled;
+    bool self;                 /* parts of one body touch each other */
+    bool between;              /* different bodies touch each other */
+    double thickness;          /* m, distance that is kept; 0 = relative_thickness */
+    double relative_thickness; /* times the diagonal of the box about all bodies; at most half the shortest edge is
+                                  taken, see pel_sim_contact_thickness */
+    double friction;           /* Coulomb's coefficient */
+    pel_ccd_method method;     /* how contacts are found; what guards the end of a step is always conservative */
+    pel_contact_response response;
+    bool allow_tangled; /* a start with intersections is accepted: those pairs are left alone until they are apart */
+    int32_t sweeps;     /* over the contacts after a step, at most; 0 = 10 */
+    int32_t limit;      /* the most contacts; 0 = 8 per vertex. What does not fit is left to the guard */
+} pel_contact_def;
+
 typedef struct pel_sim pel_sim;
 
 typedef struct pel_sim_def {
@@ -94,6 +131,7 @@ typedef struct pel_sim_def {
     int32_t load_count;
     const pel_tool_def *tools; /* (tool_count), copied */
     int32_t tool_count;
+    pel_contact_def contact;
     int32_t thread_count; /* 0 = as many as the machine has; the results do not depend on it */
     uint32_t cookie;
 } pel_sim_def;
@@ -101,12 +139,15 @@ typedef struct pel_sim_def {
 pel_sim_def pel_sim_def_default(void);
 
 /* Checks everything against the mesh: PEL_UNSTABLE with the limit when alpha or dt is too large, PEL_BAD_ARGUMENT for
-   numbers out of range, a load on no vertex, a tool that starts inside a body. Free with pel_sim_destroy. */
+   numbers out of range, a load on no vertex, a tool that starts inside a body; with contact: bodies that start
+   intersecting (the number of pairs and the first ones are named), a thickness larger than the shortest edge. Free with
+   pel_sim_destroy. */
 pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error);
 void pel_sim_destroy(pel_sim *sim);
 
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
-   was before the step. No memory is allocated. */
+   was before the step. No memory is allocated; with contact only where a step has more pairs than any before, after
+   refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many pairs come near, PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 double pel_sim_time(const pel_sim *sim);        /* s, step count x dt */
@@ -140,17 +181,24 @@ int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body);
 pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t level, pel_error *error);
 
 /* Copies out for one body: (vertex_count x 3). Velocity is that of the last step. Force is the sum of all forces of
-   eq. A-2 and A-4 and the loads on each vertex at the present state, contact excluded [N]. */
+   eq. A-2 and A-4, of the shell and of the loads on each vertex at the present state, contact excluded [N]. */
 void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions);
 void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities);
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
+/* m/s, of the fastest vertex of all bodies in the last step */
+double pel_sim_max_speed(const pel_sim *sim);
 /* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
+/* Energies of a shell on each vertex (vertex_count) [J]: a third of membrane and fibres of each triangle, a quarter of
+   the bending of each hinge at it; zeros when the body is no shell. */
+void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre);
+/* Force of the body's pressure on each vertex (vertex_count x 3) [N]; zeros without pressure. */
+void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
 /* Virial of the springs on each vertex (vertex_count) [J]: half of tension times length of each spring at it. Over
    twice the vertex's area this is the mean tension of the net [N/m], positive where it is stretched; the sum over all
    vertices is the derivative of the spring energy by the logarithm of the body's size. */
 void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
-/* 1 where a tool touches or holds the vertex, else 0 (vertex_count). */
+/* 1 where a tool touches or holds the vertex, or it is in contact with a surface, else 0 (vertex_count). */
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
 
 /* Setters between steps. Values are checked like the defs. */
@@ -173,19 +221,47 @@ typedef struct pel_tool_reading {
 } pel_tool_reading;
 void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
 
+/* What contact did and cost, summed over all steps since the start. All zero without contact. */
+typedef struct pel_contact_statistics {
+    int64_t candidates;                                /* pairs whose boxes overlapped, of all searches */
+    int64_t passed_filter;                             /* not ruled out by the non-penetration filter */
+    int64_t passed_hull;                               /* nor by separating axes */
+    int64_t cubics;                                    /* solved for a time of impact */
+    int64_t contacts;                                  /* records of contacts, all steps */
+    int64_t dropped;                                   /* contacts that did not fit */
+    int64_t rounds;                                    /* of search and correction */
+    int64_t fall_backs;                                /* vertices that were stepped back, all steps */
+    int64_t tools_held;                                /* tools that were held back, all steps */
+    int64_t tangled;                                   /* pairs of triangles that intersect still, at present */
+    double find_seconds, solve_seconds, guard_seconds; /* searching, correcting, guarding the end of the step */
+} pel_contact_statistics;
+void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics);
+
+/* m, the distance that contacts keep; 0 without contact */
+double pel_sim_contact_thickness(const pel_sim *sim);
+
+/* Pairs of triangles of the present surfaces, tools included, that cut each other, by the exact test
+   (pel_mesh_self_intersections); spheres and capsules take no part. PEL_OUT_OF_MEMORY. */
+pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);
+
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
     double volume_ratio;      /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
     double area_ratio;        /* area over area at rest */
     double kinetic_energy;    /* J */
-    double elastic_energy;    /* J, springs and volumetric springs */
+    double elastic_energy;    /* J, the sum of the five that follow */
     double spring_energy;     /* J */
     double volumetric_energy; /* J */
-    double max_displacement;  /* m, from the rest position */
-    double max_force;         /* N, largest vertex force as in pel_sim_get_forces */
+    double membrane_energy, bending_energy, fibre_energy; /* J, of shells */
+    double max_displacement;                              /* m, from the rest position */
+    double max_force;                                     /* N, largest vertex force as in pel_sim_get_forces */
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
+/* volume_ratio alone, without the cost of forces */
+double pel_sim_volume_ratio(const pel_sim *sim);
+/* true when any body is a shell (membrane, bending, fibres or pressure) */
+bool pel_sim_has_shells(const pel_sim *sim);
 
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
 uint64_t pel_sim_hash(const pel_sim *sim);

@@ -5,6 +5,8 @@
 #include "base/status.h"
 #include "model/detail.h"
 #include "model/order.h"
+#include "model/quantity.h"
+#include "model/shell.h"
 #include "pellicle/topology.h"
 
 #include <math.h>
@@ -24,6 +26,7 @@ pel_body_def pel_body_def_default(void)
         .volumetric_damping = {.value = 0.5},
         .reference_count = 252,
         .refine = {.rings = 2, .dwell = 50, .interval = 10, .memory_limit = (size_t)2 << 30},
+        .shell = pel_shell_def_default(),
         .cookie = BODY_COOKIE,
     };
 }
@@ -31,28 +34,6 @@ pel_body_def pel_body_def_default(void)
 pel_model_def pel_model_def_default(void)
 {
     return (pel_model_def){.cookie = MODEL_COOKIE};
-}
-
-double pel_curve_value(const pel_key *keys, int32_t key_count, double time)
-{
-    if (keys == NULL || key_count == 0)
-        return 1;
-    if (time <= keys[0].time)
-        return keys[0].value;
-    for (int32_t k = 1; k < key_count; k++)
-        if (time < keys[k].time) {
-            double s = (time - keys[k - 1].time) / (keys[k].time - keys[k - 1].time);
-            return keys[k - 1].value + s * (keys[k].value - keys[k - 1].value);
-        }
-    return keys[key_count - 1].value;
-}
-
-double pel_curve_largest(const pel_curve *curve)
-{
-    double largest = curve->key_count > 0 ? 0 : 1;
-    for (int32_t k = 0; k < curve->key_count; k++)
-        largest = fmax(largest, curve->keys[k].value);
-    return largest;
 }
 
 /* ---- checks ---- */
@@ -63,28 +44,6 @@ static pel_status refuse(pel_error *error, int32_t body, const char *name, doubl
     pel_fail_element(error, "body", body);
     pel_fail_remedy(error, "%s", rule);
     return PEL_BAD_ARGUMENT;
-}
-
-static pel_status check_quantity(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
-                                 bool keys_allowed, pel_error *error)
-{
-    if (quantity->field != NULL && quantity->key_count > 0)
-        return refuse(error, body, name, quantity->value, "give either a field or keys, not both");
-    if (quantity->key_count > 0 && !keys_allowed)
-        return refuse(error, body, name, quantity->value, "this number cannot vary over time");
-    if (quantity->field == NULL && quantity->key_count == 0 && !(quantity->value >= 0 && isfinite(quantity->value)))
-        return refuse(error, body, name, quantity->value, "give a finite number of at least 0");
-    for (int32_t v = 0; quantity->field != NULL && v < vertex_count; v++)
-        if (!(quantity->field[v] >= 0 && isfinite(quantity->field[v])))
-            return refuse(error, body, name, quantity->field[v], "give finite values of at least 0 on every vertex");
-    for (int32_t k = 0; k < quantity->key_count; k++) {
-        const pel_key *key = &quantity->keys[k];
-        if (!(key->value >= 0 && isfinite(key->value) && isfinite(key->time)))
-            return refuse(error, body, name, key->value, "give keys of finite times and finite values of at least 0");
-        if (k > 0 && !(key->time > key[-1].time))
-            return refuse(error, body, name, key->time, "give keys with increasing times");
-    }
-    return PEL_OK;
 }
 
 static pel_status check_name(const pel_model_def *def, int32_t body, pel_error *error)
@@ -130,13 +89,15 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         {"volumetric damping", &b->volumetric_damping, true},
     };
     for (size_t q = 0; status == PEL_OK && q < sizeof quantities / sizeof *quantities; q++)
-        status = check_quantity(quantities[q].quantity, b->mesh->vertex_count, body, quantities[q].name,
-                                quantities[q].keys, error);
+        status = pel_quantity_check(quantities[q].quantity, b->mesh->vertex_count, body, quantities[q].name,
+                                    quantities[q].keys, error);
     for (int32_t p = 0; status == PEL_OK && p < b->pinned_count; p++)
         if (b->pinned[p] < 0 || b->pinned[p] >= b->mesh->vertex_count)
             status = refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
     if (status == PEL_OK)
         status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
+    if (status == PEL_OK)
+        status = pel_shell_check(b, body, error);
     return status;
 }
 
@@ -217,13 +178,6 @@ static double bounding_diagonal(const pel_mesh *mesh)
 
 /* ---- arrays ---- */
 
-static double quantity_at(const pel_quantity *quantity, int32_t v)
-{
-    if (quantity->key_count > 0)
-        return 1;
-    return quantity->field != NULL ? quantity->field[v] : quantity->value;
-}
-
 static bool allocate_vertices(pel_model *model)
 {
     size_t count = (size_t)model->vertex_count, slices = (size_t)model->slice_count;
@@ -266,7 +220,7 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         int32_t v = order[padding ? 0 : i - first];
         const double *x = def->mesh->positions[v];
         double share = def->volumetric_by_area ? areas[v] / mean_area : 1;
-        double volumetric = padding ? 0 : share * quantity_at(&def->volumetric_stiffness, v);
+        double volumetric = padding ? 0 : share * pel_quantity_at(&def->volumetric_stiffness, v);
         model->rest[i] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], (pel_real)volumetric};
         model->mesh_vertex[i] = padding ? -1 : v;
         if (padding)
@@ -276,11 +230,11 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         if (def->mass_kind == PEL_MASS_TOTAL)
             mass /= def->mesh->vertex_count;
         else if (def->mass_kind == PEL_MASS_DENSITY)
-            mass *= quantity_at(&def->thickness, v) * areas[v];
+            mass *= pel_quantity_at(&def->thickness, v) * areas[v];
         model->mass[i] = (pel_real)mass;
         model->inverse_mass[i] = (pel_real)(1 / mass);
-        model->damping[i] = (pel_real)(share * quantity_at(&def->spring_damping, v));
-        model->volumetric_damping[i] = (pel_real)(share * quantity_at(&def->volumetric_damping, v));
+        model->damping[i] = (pel_real)(share * pel_quantity_at(&def->spring_damping, v));
+        model->volumetric_damping[i] = (pel_real)(share * pel_quantity_at(&def->volumetric_damping, v));
     }
     for (int32_t p = 0; p < def->pinned_count; p++)
         model->inverse_mass[body->slot_of_vertex[def->pinned[p]]] = 0;
@@ -328,7 +282,7 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
         int32_t h = topology->half_edge_of_edge[e];
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
         const pel_quantity *k = &def->spring_stiffness;
-        double stiffness = 0.5 * (quantity_at(k, a) + quantity_at(k, b));
+        double stiffness = 0.5 * (pel_quantity_at(k, a) + pel_quantity_at(k, b));
         int32_t i = body->slot_of_vertex[a], j = body->slot_of_vertex[b];
         add_spring(model, i, j, filled, stiffness);
         add_spring(model, j, i, filled, stiffness);
@@ -379,17 +333,10 @@ static pel_status copy_curves(const pel_body_def *def, pel_body *body, pel_error
         [PEL_VOLUMETRIC_STIFFNESS] = &def->volumetric_stiffness,
         [PEL_VOLUMETRIC_DAMPING] = &def->volumetric_damping,
     };
-    for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
-        int32_t count = quantities[p]->key_count;
-        if (count == 0)
-            continue;
-        body->curves[p].keys = pel_allocate((size_t)count, sizeof *body->curves[p].keys);
-        if (body->curves[p].keys == NULL)
-            return pel_fail_memory(error);
-        memcpy(body->curves[p].keys, quantities[p]->keys, (size_t)count * sizeof *body->curves[p].keys);
-        body->curves[p].key_count = count;
-    }
-    return PEL_OK;
+    pel_status status = PEL_OK;
+    for (int p = 0; status == PEL_OK && p < PEL_PARAMETER_COUNT; p++)
+        status = pel_curve_copy(quantities[p], &body->curves[p], error);
+    return status;
 }
 
 /* scratch of building one body */
@@ -438,7 +385,7 @@ static pel_status begin_body(const pel_body_def *def, pel_body *body, build *scr
         }
     const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
-    body->uniform_spring = k->field != NULL ? -1 : quantity_at(k, 0);
+    body->uniform_spring = k->field != NULL ? -1 : pel_quantity_at(k, 0);
     body->diameter = bounding_diagonal(def->mesh);
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
@@ -498,6 +445,8 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
     model->slot_end = model->slot_begin + 1;
     for (int32_t b = 0; b < model->body_count; b++) {
         pel_status status = pel_body_detail_create(&def->bodies[b], model, b, error);
+        if (status == PEL_OK)
+            status = pel_body_shell_create(&def->bodies[b], model, b, builds[b].topology, error);
         if (status != PEL_OK)
             return status;
     }
@@ -560,6 +509,7 @@ void pel_model_destroy(pel_model *model)
         pel_mesh_destroy(model->bodies[b].mesh);
         pel_free(model->bodies[b].slot_of_vertex);
         pel_body_detail_destroy(model->bodies[b].detail);
+        pel_shell_destroy(model->bodies[b].shell);
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)
             pel_free(model->bodies[b].curves[p].keys);
     }
@@ -590,6 +540,11 @@ int32_t pel_model_find_body(const pel_model *model, const char *name)
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body)
 {
     return model->bodies[body].mesh;
+}
+
+bool pel_model_is_closed(const pel_model *model, int32_t body)
+{
+    return model->bodies[body].closed;
 }
 
 const char *pel_model_body_name(const pel_model *model, int32_t body)

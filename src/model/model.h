@@ -43,6 +43,8 @@ typedef struct pel_body_detail {
     uint8_t *pinned; /* (vertices of the finest level) 1 = never moves */
 } pel_body_detail;
 
+typedef struct pel_shell pel_shell;
+
 typedef struct pel_body {
     char name[PEL_NAME_SIZE];
     pel_mesh *mesh;
@@ -55,6 +57,7 @@ typedef struct pel_body {
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     pel_curve curves[PEL_PARAMETER_COUNT];
     pel_body_detail *detail; /* null = no refinement */
+    pel_shell *shell;        /* (shell.h) null = no membrane, bending, fibres or pressure */
     const pel_front *front;  /* the surface, in an active model (active.h) of a body with detail; else null */
 } pel_body;
 

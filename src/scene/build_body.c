@@ -6,13 +6,6 @@
 
 #include <string.h>
 
-/* what one body is built from */
-typedef struct body_source {
-    pel_scene_reader *reader;
-    const pel_scene_value *value;
-    const pel_mesh *mesh;
-} body_source;
-
 pel_status pel_scene_build_keys(pel_scene_reader *reader, const pel_scene_value *list, const pel_key **keys,
                                 int32_t *key_count)
 {
@@ -58,8 +51,8 @@ static double mapped(const double map[2], double value)
 }
 
 /* numbers on the vertices from a field and its map */
-static pel_status read_field(const body_source *source, const pel_scene_value *value, const pel_scene_row *row,
-                             pel_quantity *quantity)
+static pel_status read_field(const pel_scene_body_source *source, const pel_scene_value *value,
+                             const pel_scene_row *row, pel_quantity *quantity)
 {
     pel_scene_reader *reader = source->reader;
     const pel_scene_value *name = pel_scene_value_entry(value, "field"), *map = pel_scene_value_entry(value, "map");
@@ -88,12 +81,10 @@ static pel_status read_field(const body_source *source, const pel_scene_value *v
     return PEL_OK;
 }
 
-/* the quantity at a key of a map below the body; row_path is that of its row */
-static pel_status read_quantity(const body_source *source, const char *group, const char *key, const char *row_path,
-                                pel_quantity *quantity)
+pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const pel_scene_value *map, const char *key,
+                                    const char *row_path, pel_quantity *quantity)
 {
-    const pel_scene_value *value = pel_scene_value_at(source->value, group);
-    value = value != NULL ? pel_scene_value_entry(value, key) : NULL;
+    const pel_scene_value *value = map != NULL ? pel_scene_value_entry(map, key) : NULL;
     *quantity = (pel_quantity){0};
     if (value == NULL)
         return PEL_OK;
@@ -107,7 +98,7 @@ static pel_status read_quantity(const body_source *source, const char *group, co
                                 &quantity->key_count);
 }
 
-static pel_status read_mass(const body_source *source, pel_body_def *body)
+static pel_status read_mass(const pel_scene_body_source *source, pel_body_def *body)
 {
     static const struct {
         const char *key;
@@ -121,10 +112,10 @@ static pel_status read_mass(const body_source *source, pel_body_def *body)
         body->mass_kind = kinds[i].kind;
         body->mass = value->number;
     }
-    return read_quantity(source, "mass", "thickness", "bodies[].mass", &body->thickness);
+    return pel_scene_build_quantity(source, mass, "thickness", "bodies[].mass", &body->thickness);
 }
 
-static pel_status read_materials(const body_source *source, pel_body_def *body)
+static pel_status read_materials(const pel_scene_body_source *source, pel_body_def *body)
 {
     const struct {
         const char *group, *key, *row_path;
@@ -137,14 +128,14 @@ static pel_status read_materials(const body_source *source, pel_body_def *body)
     };
     pel_status status = read_mass(source, body);
     for (size_t i = 0; status == PEL_OK && i < sizeof quantities / sizeof quantities[0]; i++)
-        status = read_quantity(source, quantities[i].group, quantities[i].key, quantities[i].row_path,
-                               quantities[i].quantity);
+        status = pel_scene_build_quantity(source, pel_scene_value_entry(source->value, quantities[i].group),
+                                          quantities[i].key, quantities[i].row_path, quantities[i].quantity);
     return status;
 }
 
 /* the vertices of a region, listed also when it is all of them */
-static pel_status read_vertices(const body_source *source, const pel_scene_value *value, const int32_t **vertices,
-                                int32_t *count)
+static pel_status read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
+                                const int32_t **vertices, int32_t *count)
 {
     if (value == NULL)
         return PEL_OK;
@@ -165,7 +156,8 @@ static pel_status read_vertices(const body_source *source, const pel_scene_value
 }
 
 /* `above` and `below` of a map; below may be left to half of above, and has to be less */
-static pel_status read_thresholds(const body_source *source, const pel_scene_value *map, double *above, double *below)
+static pel_status read_thresholds(const pel_scene_body_source *source, const pel_scene_value *map, double *above,
+                                  double *below)
 {
     const pel_scene_value *high = pel_scene_value_entry(map, "above"), *low = pel_scene_value_entry(map, "below");
     if (high == NULL)
@@ -180,7 +172,7 @@ static pel_status read_thresholds(const body_source *source, const pel_scene_val
 }
 
 /* something says where, and not twice */
-static pel_status check_refine(const body_source *source, const pel_scene_value *value, bool everywhere)
+static pel_status check_refine(const pel_scene_body_source *source, const pel_scene_value *value, bool everywhere)
 {
     static const char *const keys[] = {"above", "curvature", "near_tools", "region"};
     const pel_scene_value *found = NULL;
@@ -199,7 +191,7 @@ static pel_status check_refine(const body_source *source, const pel_scene_value 
     return PEL_BAD_SCENE;
 }
 
-static pel_status read_refine(const body_source *source, pel_refine_def *refine)
+static pel_status read_refine(const pel_scene_body_source *source, pel_refine_def *refine)
 {
     const pel_scene_value *value = pel_scene_value_entry(source->value, "refine");
     if (value == NULL)
@@ -234,7 +226,7 @@ static pel_status read_refine(const body_source *source, pel_refine_def *refine)
     return PEL_BAD_SCENE;
 }
 
-static pel_status read_body(const body_source *source, pel_body_def *body)
+static pel_status read_body(const pel_scene_body_source *source, pel_body_def *body)
 {
     *body = pel_body_def_default();
     body->name = pel_scene_value_entry(source->value, "name")->text;
@@ -244,6 +236,8 @@ static pel_status read_body(const body_source *source, pel_body_def *body)
     pel_status status = read_refine(source, &body->refine);
     if (status == PEL_OK)
         status = read_materials(source, body);
+    if (status == PEL_OK)
+        status = pel_scene_build_shell(source, &body->shell);
     if (status != PEL_OK)
         return status;
     return read_vertices(source, pel_scene_value_entry(source->value, "pinned"), &body->pinned, &body->pinned_count);
@@ -262,7 +256,7 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
         status = pel_scene_mesh(reader, pel_scene_value_entry(value, "mesh"), folder, &meshes[count]);
         if (status != PEL_OK)
             break;
-        body_source source = {reader, value, meshes[count]};
+        pel_scene_body_source source = {reader, value, meshes[count]};
         *mesh_count = count + 1;
         status = read_body(&source, &bodies[count++]);
     }

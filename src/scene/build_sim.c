@@ -138,17 +138,41 @@ static void read_shape(const pel_scene_value *value, pel_tool_def *tool)
         tool->half_length = pel_scene_value_number(value, "length") / 2;
 }
 
-static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *value, const pel_model_def *model,
+/* where meshes are made and who owns them */
+typedef struct mesh_store {
+    const char *folder;
+    pel_mesh **meshes;
+    int32_t *count;
+} mesh_store;
+
+static pel_status read_mesh(pel_scene_reader *reader, pel_scene_value *value, const mesh_store *store,
                             pel_tool_def *tool)
+{
+    pel_mesh *mesh;
+    pel_status status = pel_scene_mesh(reader, value, store->folder, &mesh);
+    if (status != PEL_OK)
+        return status;
+    store->meshes[(*store->count)++] = mesh;
+    tool->shape = PEL_TOOL_MESH;
+    tool->mesh = mesh;
+    return PEL_OK;
+}
+
+static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *value, const pel_model_def *model,
+                            const mesh_store *store, pel_tool_def *tool)
 {
     const pel_scene_value *body = pel_scene_value_entry(value, "body"), *grasp = pel_scene_value_entry(value, "grasp");
     *tool = pel_tool_def_default();
     tool->name = pel_scene_value_entry(value, "name")->text;
     tool->press = pel_scene_value_boolean(value, "press");
     tool->grasp = grasp != NULL;
-    read_shape(value, tool);
     pel_status status = PEL_OK;
-    if (body != NULL)
+    pel_scene_value *mesh = pel_scene_value_entry(value, "mesh");
+    if (mesh != NULL)
+        status = read_mesh(reader, mesh, store, tool);
+    else
+        read_shape(value, tool);
+    if (status == PEL_OK && body != NULL)
         status = find_body(reader, body, model, &tool->body);
     if (status == PEL_OK && grasp != NULL) {
         tool->reach = pel_scene_value_number(grasp, "reach");
@@ -157,7 +181,8 @@ static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *val
     return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), tool) : status;
 }
 
-static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *list, pel_scene *scene)
+static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *list, const mesh_store *store,
+                             pel_scene *scene)
 {
     pel_tool_def *tools = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *tools);
     if (tools == NULL)
@@ -165,22 +190,35 @@ static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *li
     pel_status status = pel_scene_check_names(reader, list);
     int32_t count = 0;
     for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
-        status = read_tool(reader, value, &scene->model, &tools[count++]);
+        status = read_tool(reader, value, &scene->model, store, &tools[count++]);
     scene->sim.tools = tools;
     scene->sim.tool_count = count;
     return status;
 }
 
+/* 0 for auto */
+static int32_t count_or_auto(const pel_scene_value *map, const char *key)
+{
+    const pel_scene_value *value = pel_scene_value_entry(map, key);
+    return value->form == PEL_FORM_INTEGER ? (int32_t)value->number : 0;
+}
+
 static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
 {
     /* in the order of the words in the table */
-    static const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT};
+    static const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT, PEL_METHOD_PBD,
+                                         PEL_METHOD_PBD_DISTANCE, PEL_METHOD_XPBD,     PEL_METHOD_DESCENT};
     const pel_scene_value *alpha = pel_scene_value_entry(value, "alpha");
     sim->solver.method = methods[pel_scene_value_integer(value, "method")];
     sim->solver.dt = pel_scene_value_number(value, "dt");
     sim->solver.alpha = alpha->form == PEL_FORM_NUMBER ? alpha->number : 0;
     sim->solver.keep_velocity = pel_scene_value_integer(value, "velocity") == 1;
     sim->solver.symplectic = pel_scene_value_integer(value, "integrator") == 0;
+    sim->solver.iterations = count_or_auto(value, "iterations");
+    sim->solver.substeps = count_or_auto(value, "substeps");
+    sim->solver.second_order = pel_scene_value_boolean(value, "second_order");
+    sim->solver.drag = pel_scene_value_number(value, "drag");
+    sim->solver.gradient_only = pel_scene_value_integer(value, "descent") == 1;
     sim->thread_count = pel_scene_value_integer(value, "threads");
 }
 
@@ -224,17 +262,36 @@ static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *v
     return PEL_OK;
 }
 
-pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+/* a number of a map that may be missing */
+static double number_or(const pel_scene_value *map, const char *key, double otherwise)
 {
+    const pel_scene_value *value = map != NULL ? pel_scene_value_entry(map, key) : NULL;
+    return value != NULL ? value->number : otherwise;
+}
+
+static void read_stop(const pel_scene_value *value, pel_scene *scene)
+{
+    scene->rest_speed = number_or(value, "at_rest", 0);
+    scene->least_volume_ratio = number_or(value, "volume_ratio_below", 0);
+    scene->stop_at_contact = number_or(value, "self_contact", 0) > 0;
+    scene->frame_limit = (int64_t)number_or(value, "frames", 0);
+    scene->time_limit = number_or(value, "time", 0);
+}
+
+pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
+                               pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
+{
+    const mesh_store store = {folder, meshes, mesh_count};
     const pel_scene_value *title = pel_scene_value_entry(root, "title");
     scene->title = title != NULL ? title->text : "";
     scene->duration = pel_scene_value_number(root, "duration");
-    const pel_scene_value *at_rest = pel_scene_value_at(root, "stop.at_rest");
-    scene->rest_speed = at_rest != NULL ? at_rest->number : 0;
     scene->sim = pel_sim_def_default();
     read_solver(pel_scene_value_entry(root, "solver"), &scene->sim);
+    read_stop(pel_scene_value_entry(root, "stop"), scene);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
-        status = read_tools(reader, pel_scene_value_entry(root, "tools"), scene);
+        status = read_tools(reader, pel_scene_value_entry(root, "tools"), &store, scene);
+    if (status == PEL_OK)
+        status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;
 }

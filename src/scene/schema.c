@@ -17,6 +17,7 @@ typedef struct schema_writer {
 typedef struct schema_variant {
     const pel_scene_row *chosen; /* alternative, null when there is none */
     const char *word;            /* its value, null when any */
+    bool implied;                /* it may be left out: the default */
 } schema_variant;
 
 static void write_value(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits, const char *word);
@@ -154,7 +155,7 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     comma = "";
     fputs("},\"required\":[", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        if (!belongs(out, row, prefix, variant) || !(row->required || row->alternative))
+        if (!belongs(out, row, prefix, variant) || !(row->required || (row->alternative && !variant->implied)))
             continue;
         fputs(comma, out->file);
         write_text(out, pel_scene_row_name(row, prefix));
@@ -180,12 +181,12 @@ static void write_alternative(schema_writer *out, const char *prefix, const pel_
                               const pel_scene_row *row)
 {
     if ((row->forms & PEL_FORM_WORD) == 0 || !brings_keys(out, prefix, row->words[0])) {
-        write_object(out, prefix, limits, &(schema_variant){row, NULL});
+        write_object(out, prefix, limits, &(schema_variant){row, NULL, false});
         return;
     }
     for (size_t i = 0; row->words[i] != NULL; i++) {
         fputs(i > 0 ? ",\n" : "", out->file);
-        write_object(out, prefix, limits, &(schema_variant){row, row->words[i]});
+        write_object(out, prefix, limits, &(schema_variant){row, row->words[i], false});
     }
 }
 
@@ -193,19 +194,22 @@ static void write_map(schema_writer *out, const char *prefix, const pel_scene_ro
 {
     bool may_lack = true;
     const char *comma = "";
+    schema_variant implied = {NULL, NULL, true};
     fputs("{\"anyOf\":[", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!row->alternative)
             continue;
         /* without any alternative given, the one with a default is taken */
         may_lack = (may_lack && comma[0] != '\0') || row->preset != NULL;
+        if (row->preset != NULL)
+            implied = (schema_variant){row, (row->forms & PEL_FORM_WORD) != 0 ? row->preset : NULL, true};
         fputs(comma, out->file);
         write_alternative(out, prefix, limits, row);
         comma = ",\n";
     }
     if (may_lack) {
         fputs(comma, out->file);
-        write_object(out, prefix, limits, &(schema_variant){NULL, NULL});
+        write_object(out, prefix, limits, &implied);
     }
     fputs("]}", out->file);
 }
@@ -273,6 +277,6 @@ void pel_scene_put_schema(FILE *file, const pel_scene_table *table)
     schema_writer out = {file, table};
     fputs("{\"$schema\":\"http://json-schema.org/draft-07/schema#\",\"title\":\"scene of pellicle\",\"allOf\":[\n",
           file);
-    write_object(&out, "", NULL, &(schema_variant){NULL, NULL});
+    write_object(&out, "", NULL, &(schema_variant){NULL, NULL, false});
     fputs("\n]}\n", file);
 }

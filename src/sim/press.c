@@ -22,7 +22,7 @@ typedef struct world_box {
 static world_box world_box_of(const pel_tool *tool, double margin)
 {
     double local[3], axis[3], half[3] = {0, 0, 0};
-    pel_solid_half_box(&tool->solid, local);
+    pel_solid_half_box(&tool->press_solid, local);
     for (int i = 0; i < 3; i++) {
         pel_vec3_set(axis, i == 0 ? local[0] : 0, i == 1 ? local[1] : 0, i == 2 ? local[2] : 0);
         pel_rotate(tool->pose.rotation, axis, axis);
@@ -200,15 +200,15 @@ static void local_point(const pel_sim *sim, const pel_tool *tool, int32_t t, con
     pel_pose_to_local(&tool->pose, point, point);
 }
 
-double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_record *positions, int32_t t,
-                               double weights[3], double normal[3])
+double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
+                               const pel_record *positions, int32_t t, double weights[3], double normal[3])
 {
     double world[3], corner[3][3];
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(positions, sim->model->triangles[t][c], world);
         pel_pose_to_local(&tool->pose, world, corner[c]);
     }
-    return pel_solid_depth(&tool->solid, corner[0], corner[1], corner[2], weights, normal);
+    return pel_solid_depth(solid, corner[0], corner[1], corner[2], weights, normal);
 }
 
 /* keeps the half space in which a triangle has to stay; the latest one of a triangle counts */
@@ -243,7 +243,7 @@ static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, do
     double x[3], local[3], normal[3];
     pel_vertex_position(sim->state->position_next, sim->model->triangles[t][corner], x);
     pel_pose_to_local(&tool->pose, x, local);
-    double depth = -pel_solid_distance(&tool->solid, local, normal);
+    double depth = -pel_solid_distance(&tool->press_solid, local, normal);
     if (depth <= tolerance)
         return false;
     const double weights[3] = {corner == 0, corner == 1, corner == 2};
@@ -263,8 +263,16 @@ static void press_corners(pel_sim *sim, pel_tool *tool, const world_box *box, in
 static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
 {
     double weights[3], normal[3];
-    double depth = pel_tool_triangle_depth(sim, tool, sim->state->position_next, t, weights, normal);
+    double depth =
+        pel_tool_triangle_depth(sim, tool, &tool->press_solid, sim->state->position_next, t, weights, normal);
     return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
+}
+
+/* with contact the solid is grown by the thickness, most of which is to be kept */
+static double press_tolerance(const pel_sim *sim, const pel_tool *tool)
+{
+    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool), thickness = pel_sim_contact_thickness(sim);
+    return thickness > 0 ? fmin(tolerance, 0.1 * thickness) : tolerance;
 }
 
 /* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at
@@ -289,7 +297,7 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const world_box *box, int32_t ne
 /* corners first, then whole triangles until none is deep */
 static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
 {
-    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
+    double tolerance = press_tolerance(sim, tool);
     world_box box = world_box_of(tool, 0);
     bool moved = false, again = true;
     for (int32_t i = 0; i < near_count; i++) {

@@ -3,6 +3,8 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/parallel.h"
+#include "sim/contact.h"
+#include "solve/shell_stability.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -21,6 +23,7 @@ pel_sim_def pel_sim_def_default(void)
 {
     return (pel_sim_def){
         .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true},
+        .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
         .cookie = SIM_COOKIE,
     };
 }
@@ -44,6 +47,8 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
         return PEL_BAD_ARGUMENT;
     }
+    if (solver->method > PEL_METHOD_EXPLICIT)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
     if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     return PEL_OK;
@@ -53,8 +58,15 @@ static pel_status refuse_unstable(pel_error *error, const char *name, double val
 {
     pel_fail(error, PEL_UNSTABLE, "%s %.6g is unstable on this mesh: the limit is %.6g", name, value, limit);
     pel_fail_remedy(error, "use at most %.4g%s", SAFE_SHARE * limit,
-                    strcmp(name, "alpha") == 0 ? ", or leave alpha out for a safe value" : ", or softer springs");
+                    strcmp(name, "alpha") == 0 ? ", or leave alpha out for a safe value" : ", or a softer material");
     return PEL_UNSTABLE;
+}
+
+static pel_status refine_stability(const pel_sim *sim, pel_stability *stability, pel_error *error)
+{
+    if (sim->shells == NULL)
+        return pel_stability_refine(sim->model, stability, error);
+    return pel_shell_stability_refine(sim->model, sim->state, sim->shells, sim->pool, stability, error);
 }
 
 /* the safe bound decides most cases; only beyond it the true limit is worth its cost */
@@ -63,13 +75,14 @@ static pel_status choose_alpha(pel_sim *sim, pel_error *error)
     const pel_solver_def *solver = &sim->solver;
     pel_stability stability;
     pel_stability_bound(sim->model, &stability);
+    pel_shell_stability_bound(sim->shells, &stability);
     sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness_bound, solver->dt, solver->keep_velocity);
     sim->step.alpha = solver->alpha > 0 ? solver->alpha : SAFE_SHARE * sim->alpha_limit;
     if (!isfinite(sim->step.alpha))
         sim->step.alpha = 1;
     if (sim->step.alpha < sim->alpha_limit)
         return PEL_OK;
-    pel_status status = pel_stability_refine(sim->model, &stability, error);
+    pel_status status = refine_stability(sim, &stability, error);
     if (status != PEL_OK)
         return status;
     sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness, solver->dt, solver->keep_velocity);
@@ -82,10 +95,11 @@ static pel_status check_dt_here(pel_sim *sim, pel_error *error)
 {
     pel_stability stability;
     pel_stability_bound(sim->model, &stability);
+    pel_shell_stability_bound(sim->shells, &stability);
     bool symplectic = sim->solver.symplectic;
     if (sim->step.dt <= pel_stability_dt(&stability, stability.stiffness_bound, symplectic))
         return PEL_OK;
-    pel_status status = pel_stability_refine(sim->model, &stability, error);
+    pel_status status = refine_stability(sim, &stability, error);
     if (status != PEL_OK)
         return status;
     double limit = pel_stability_dt(&stability, stability.stiffness, symplectic);
@@ -184,6 +198,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_refine_create(sim, error);
     if (status == PEL_OK)
+        status = pel_shells_create(sim, error);
+    if (status == PEL_OK)
         status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
     if (status == PEL_OK && sim->active != NULL)
         status = start_refinement(sim, error);
@@ -191,6 +207,10 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
+    if (status == PEL_OK)
+        status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK)
+        sim->fingerprint = pel_sim_fingerprint(sim);
     return status;
 }
 
@@ -215,9 +235,11 @@ void pel_sim_destroy(pel_sim *sim)
 {
     if (sim == NULL)
         return;
+    pel_contacts_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
+    pel_shells_destroy(sim);
     pel_active_destroy(sim->active);
     pel_state_destroy(sim->state);
     pel_free(sim->force);
@@ -278,7 +300,7 @@ static void accept(pel_state *state)
 
 static void mark_contacts(pel_sim *sim)
 {
-    if (sim->tool_count == 0)
+    if (sim->tool_count == 0 && sim->contacts == NULL)
         return;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
@@ -288,14 +310,22 @@ static void mark_contacts(pel_sim *sim)
     for (int32_t i = 0; i < sim->tool_count; i++)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
+    if (sim->contacts != NULL)
+        pel_contacts_mark(sim);
 }
 
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
+    sim->force_is_present = false;
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
         pel_refine_step(sim);
+    if (sim->contacts != NULL) {
+        pel_status status = pel_contacts_begin_step(sim, error);
+        if (status != PEL_OK)
+            return status;
+    }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
     update_factors(sim, time);
     pel_step_result result;
@@ -304,10 +334,19 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     else
         pel_step_quasi_static(sim->model, state, &sim->step, &result);
     result.diverged |= !pel_loads_apply(sim);
+    result.diverged |= !pel_shells_apply(sim);
     if (result.diverged)
         return report_divergence(sim, error);
-    if (sim->tool_count > 0)
-        pel_tools_apply(sim, next, result.longest);
+    pel_status status = pel_shells_check_volume(sim, error);
+    if (status == PEL_OK && sim->contacts != NULL)
+        status = pel_contacts_apply(sim, next, result.longest, error);
+    if (status != PEL_OK)
+        return status;
+    if (sim->contacts == NULL && sim->tool_count > 0) {
+        pel_tools_move(sim, next);
+        pel_tools_press(sim, result.longest, false);
+        pel_tools_read(sim, next);
+    }
     mark_contacts(sim);
     accept(state);
     return PEL_OK;

@@ -3,6 +3,7 @@
 #define PEL_SIM_SIM_H
 
 #include "force/body_force.h"
+#include "force/shell_force.h"
 #include "geom/solid.h"
 #include "model/active.h"
 #include "pellicle/sim.h"
@@ -52,7 +53,9 @@ enum { PEL_PLANE_LIMIT = 1024 };
 
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
-    pel_solid solid;
+    pel_solid solid;       /* of a mesh: the sphere about it */
+    pel_solid press_solid; /* grown by the thickness of contacts */
+    pel_mesh *mesh;        /* null = the solid */
     pel_pose_key *keys;
     int32_t key_count;
     int32_t body;
@@ -60,7 +63,8 @@ typedef struct pel_tool {
     double grasp_from, grasp_until, reach;
 
     pel_pose pose, pose_before;
-    bool driven; /* the caller sets the pose, keys are not used any more */
+    bool blocked; /* the last step held it back */
+    bool driven;  /* the caller sets the pose, keys are not used any more */
     pel_pose driven_pose;
     pel_grasp_phase phase;
     int32_t held_count;
@@ -110,6 +114,8 @@ typedef struct pel_refine_body {
     int64_t row_revision;
 } pel_refine_body;
 
+typedef struct pel_sim_contacts pel_sim_contacts;
+
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
     const pel_model *given;
@@ -121,11 +127,17 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_shell_forces *shells;      /* null = no body is a shell */
+    pel_shell_energy shell_energy; /* of the present state, when force_is_present */
+    uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
+    pel_sim_contacts *contacts; /* (contact.h) null = none */
+    bool contact_in_loop;       /* the solver sweeps over them too */
     pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;      /* it holds the forces of the present state */
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
@@ -140,6 +152,18 @@ static inline bool pel_sim_is_explicit(const pel_sim *sim)
     return sim->solver.method == PEL_METHOD_EXPLICIT;
 }
 
+/* contacts are swept over inside the solver */
+static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
+{
+    return sim->contacts != NULL && sim->contact_in_loop;
+}
+
+/* ---- contact_event.c ---- */
+/* Contact only: what is needed to take an event of refinement back, before any of it is done. */
+void pel_contacts_before_event(pel_sim *sim);
+/* True when the new surface does not cut itself; else everything is as before. */
+bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
+
 /* ---- loads.c ---- */
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);
 void pel_loads_destroy(pel_sim *sim);
@@ -152,6 +176,20 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- shells.c ---- */
+/* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
+pel_status pel_shells_create(pel_sim *sim, pel_error *error);
+void pel_shells_destroy(pel_sim *sim);
+/* Moves the new positions and velocities of a method that goes by forces, after all other forces. False when a vertex
+   leaves the bound. */
+bool pel_shells_apply(pel_sim *sim);
+/* PEL_DIVERGED when a pressure turned a body inside out in this step */
+pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
+
+/* ---- snapshot.c ---- */
+/* of model, solver, tools and loads: tells whether a snapshot belongs to this sim */
+uint64_t pel_sim_fingerprint(const pel_sim *sim);
 
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);
@@ -184,16 +222,23 @@ static inline bool pel_criterion_is_used(const pel_refine_def *def)
 int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v);
 int32_t pel_row_count(const pel_sim *sim, int32_t body);
 int32_t pel_row_place(const pel_sim *sim, int32_t body, int32_t row);
-/* number of the i-th triangle of the surface in an order that depends on the surface alone, for sums */
-int32_t pel_surface_in_order(const pel_sim *sim, int32_t body, int32_t i);
+/* the triangles of the surface in an order that depends on the surface alone, for sums; null = those of the mesh in
+   their order */
+const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);
 
 /* ---- tools.c ---- */
 /* Forgets what tools knew of triangles and places that the last event took away. */
 void pel_tools_update(pel_sim *sim, int32_t body);
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error);
 void pel_tools_destroy(pel_sim *sim);
-/* Moves the tools to `time` and the new positions out of them, and reads the forces. longest: spring length bound. */
-void pel_tools_apply(pel_sim *sim, double time, double longest);
+/* Moves the tools towards their poses at `time`, and what they hold. */
+void pel_tools_move(pel_sim *sim, double time);
+/* Moves the new positions out of the tools, or of spheres and capsules only. longest: spring length bound. */
+void pel_tools_press(pel_sim *sim, double longest, bool only_round);
+/* Reads the forces of the step. */
+void pel_tools_read(pel_sim *sim, double time);
+/* true when a point lies inside a closed body */
+bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 /* a keyed pose at a time */
 pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
 

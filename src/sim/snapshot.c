@@ -2,7 +2,8 @@
    for one sim, so that it can be written without allocation. */
 #include "base/hash.h"
 #include "base/status.h"
-#include "sim/sim.h"
+#include "model/shell.h"
+#include "sim/contact.h"
 
 #include <string.h>
 
@@ -44,7 +45,29 @@ uint64_t pel_sim_hash(const pel_sim *sim)
     return hash;
 }
 
-static uint64_t fingerprint(const pel_sim *sim)
+static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
+{
+    const pel_membrane_material *material = &shell->material;
+    const pel_pressure_def *pressure = &shell->pressure;
+    const double numbers[] = {
+        shell->has_membrane,     (double)material->kind, material->young,        material->poisson,
+        material->thickness,     material->mooney_ratio, (double)shell->bending, shell->bending_weight,
+        (double)pressure->kind,  (double)pressure->form, pressure->value,        pressure->gamma,
+        pressure->outside.value, pressure->target.value, pressure->bulk,         (double)shell->hinge_count};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        hash = hash_double(hash, numbers[i]);
+    for (int32_t h = 0; h < shell->hinge_count; h++)
+        hash = hash_double(hash_double(hash, shell->hinges[h].stiffness), shell->hinges[h].hinge.rest_angle);
+    for (int32_t r = 0; r < shell->region_count; r++) {
+        const pel_shell_region *region = &shell->regions[r];
+        hash = pel_hash_word(hash, (uint64_t)region->def.mode * 64 + (uint64_t)region->def.kind);
+        hash = hash_double(hash_double(hash, region->def.stiffness), region->def.strength);
+        hash = pel_hash_word(hash, (uint64_t)region->fibre_count);
+    }
+    return hash;
+}
+
+uint64_t pel_sim_fingerprint(const pel_sim *sim)
 {
     const pel_model *model = sim->given;
     uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)model->vertex_count);
@@ -56,6 +79,8 @@ static uint64_t fingerprint(const pel_sim *sim)
                                    (uint64_t)sim->solver.symplectic);
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body_detail *detail = model->bodies[b].detail;
+        if (model->bodies[b].shell != NULL)
+            hash = hash_shell(hash, model->bodies[b].shell);
         if (detail == NULL)
             continue;
         const pel_refine_def *def = &detail->def;
@@ -67,6 +92,13 @@ static uint64_t fingerprint(const pel_sim *sim)
                                    def->region_levels, def->region_count, def->everywhere};
         hash = pel_hash_bytes(hash, numbers, sizeof numbers);
         hash = pel_hash_bytes(hash, def->region, (size_t)def->region_count * sizeof *def->region);
+    }
+    if (sim->contacts != NULL) {
+        const pel_contact_def *def = &sim->contacts->def;
+        hash = hash_double(hash_double(hash, sim->contacts->thickness), def->friction);
+        hash = pel_hash_word(hash, (uint64_t)def->method * 8 + (uint64_t)def->response * 4 + (uint64_t)def->self * 2 +
+                                       (uint64_t)def->between);
+        hash = pel_hash_word(hash, (uint64_t)def->sweeps << 32 | (uint64_t)(uint32_t)sim->contacts->limit);
     }
     return pel_hash_word(pel_hash_word(hash, (uint64_t)sim->tool_count), (uint64_t)sim->load_count);
 }
@@ -92,6 +124,7 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
     transfer(at, &tool->pose, sizeof tool->pose);
     transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
     transfer(at, &tool->driven, sizeof tool->driven);
+    transfer(at, &tool->blocked, sizeof tool->blocked);
     transfer(at, &tool->phase, sizeof tool->phase);
     transfer(at, &tool->held_count, sizeof tool->held_count);
     transfer(at, &tool->contact_count, sizeof tool->contact_count);
@@ -190,6 +223,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer_tool(at, &sim->tools[t], count);
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
+    if (sim->contacts != NULL)
+        transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
 }
 
 static void transfer_fronts(cursor *at, const pel_sim *sim)
@@ -213,7 +248,7 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
         .magic = "PELSNAP",
         .version = SNAPSHOT_VERSION,
         .real_size = sizeof(pel_real),
-        .fingerprint = fingerprint(sim),
+        .fingerprint = sim->fingerprint,
         .step = sim->state->step,
     };
     memcpy(bytes, &head, sizeof head);
@@ -232,15 +267,18 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
         return pel_fail(error, PEL_BAD_FORMAT, "not a snapshot");
     if (head.version != SNAPSHOT_VERSION || head.real_size != sizeof(pel_real))
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another version or precision of the program");
-    if (head.fingerprint != fingerprint(sim) || size != pel_sim_save_size(sim))
+    if (head.fingerprint != sim->fingerprint || size != pel_sim_save_size(sim))
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another model, solver or set of tools");
     /* the bytes are only read: the cursor copies out of them */
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
+    sim->force_is_present = false;
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
             return pel_fail(error, PEL_BAD_FORMAT, "snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->state->step = head.step;
+    if (sim->contacts != NULL)
+        sim->contacts->tangles.is_known = false;
     return PEL_OK;
 }

@@ -1,0 +1,34 @@
+/* Contacts: plain records, written by the simulation from what `collide` finds, read by the solvers, which never look
+   for collisions themselves. A contact asks that
+
+       sum_i weights[i] x_i . normal >= separation
+
+   with weights (1, -a, -b, -c) for a vertex against a triangle and (1 - s, s, t - 1, -t) for edge against edge. Against
+   a tool, whose motion is given, only the body's points stand here: the tool's share of the sum is in `separation`, and
+   what it moved since the start of the step in `drift`. The normal points to the side on which the first one was in the
+   last free state (paper B, section 4; theory page, section 7). */
+#ifndef PEL_MODEL_CONTACT_H
+#define PEL_MODEL_CONTACT_H
+
+#include "base/wide.h"
+
+#include <stdint.h>
+
+typedef struct pel_contact {
+    int32_t vertices[4]; /* places in the model's order; all valid, with weight 0 where unused */
+    pel_real weights[4];
+    pel_real normal[3];     /* unit */
+    pel_real separation;    /* m */
+    pel_real friction;      /* Coulomb's coefficient */
+    pel_real push;          /* m: sum of the corrections along the normal so far, for friction and for reports */
+    pel_real drift[3];      /* m: motion of the tool's share of the sum since the start of the step; else 0 */
+    pel_real tangential[3]; /* m: sum of the corrections across the normal */
+} pel_contact;
+
+/* what a solver sweeps over */
+typedef struct pel_contact_list {
+    pel_contact *contacts; /* in a fixed order; may be null when count is 0 */
+    int32_t count;
+} pel_contact_list;
+
+#endif

@@ -1,0 +1,97 @@
+#include "model/quantity.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+double pel_curve_value(const pel_key *keys, int32_t key_count, double time)
+{
+    if (keys == NULL || key_count == 0)
+        return 1;
+    if (time <= keys[0].time)
+        return keys[0].value;
+    for (int32_t k = 1; k < key_count; k++)
+        if (time < keys[k].time) {
+            double s = (time - keys[k - 1].time) / (keys[k].time - keys[k - 1].time);
+            return keys[k - 1].value + s * (keys[k].value - keys[k - 1].value);
+        }
+    return keys[key_count - 1].value;
+}
+
+double pel_curve_largest(const pel_curve *curve)
+{
+    double largest = curve->key_count > 0 ? 0 : 1;
+    for (int32_t k = 0; k < curve->key_count; k++)
+        largest = fmax(largest, curve->keys[k].value);
+    return largest;
+}
+
+static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *rule)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %g", name, value);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "%s", rule);
+    return PEL_BAD_ARGUMENT;
+}
+
+static bool is_allowed(double value, bool is_signed)
+{
+    return isfinite(value) && (is_signed || value >= 0);
+}
+
+static pel_status check(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
+                        bool keys_allowed, bool is_signed, pel_error *error)
+{
+    const char *rule = is_signed ? "give finite numbers" : "give finite numbers of at least 0";
+    if (quantity->field != NULL && quantity->key_count > 0)
+        return refuse(error, body, name, quantity->value, "give either a field or keys, not both");
+    if (quantity->key_count > 0 && !keys_allowed)
+        return refuse(error, body, name, quantity->value, "this number cannot vary over time");
+    if (quantity->field == NULL && quantity->key_count == 0 && !is_allowed(quantity->value, is_signed))
+        return refuse(error, body, name, quantity->value, rule);
+    for (int32_t v = 0; quantity->field != NULL && v < vertex_count; v++)
+        if (!is_allowed(quantity->field[v], is_signed))
+            return refuse(error, body, name, quantity->field[v], rule);
+    for (int32_t k = 0; k < quantity->key_count; k++) {
+        const pel_key *key = &quantity->keys[k];
+        if (!(is_allowed(key->value, is_signed) && isfinite(key->time)))
+            return refuse(error, body, name, key->value, rule);
+        if (k > 0 && !(key->time > key[-1].time))
+            return refuse(error, body, name, key->time, "give keys with increasing times");
+    }
+    return PEL_OK;
+}
+
+pel_status pel_quantity_check(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
+                              bool keys_allowed, pel_error *error)
+{
+    return check(quantity, vertex_count, body, name, keys_allowed, false, error);
+}
+
+pel_status pel_quantity_check_signed(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
+                                     bool keys_allowed, pel_error *error)
+{
+    return check(quantity, vertex_count, body, name, keys_allowed, true, error);
+}
+
+double pel_quantity_at(const pel_quantity *quantity, int32_t v)
+{
+    if (quantity->key_count > 0)
+        return 1;
+    return quantity->field != NULL ? quantity->field[v] : quantity->value;
+}
+
+pel_status pel_curve_copy(const pel_quantity *quantity, pel_curve *curve, pel_error *error)
+{
+    if (quantity->key_count == 0)
+        return PEL_OK;
+    size_t count = (size_t)quantity->key_count;
+    curve->keys = pel_allocate(count, sizeof *curve->keys);
+    if (curve->keys == NULL)
+        return pel_fail_memory(error);
+    memcpy(curve->keys, quantity->keys, count * sizeof *curve->keys);
+    curve->key_count = quantity->key_count;
+    return PEL_OK;
+}

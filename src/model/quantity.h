@@ -1,0 +1,21 @@
+/* Numbers that may vary over a body or over time. */
+#ifndef PEL_MODEL_QUANTITY_H
+#define PEL_MODEL_QUANTITY_H
+
+#include "model/model.h"
+
+/* Refuses (PEL_BAD_ARGUMENT with body, name and value) what is not finite or below 0, a field together with keys, keys
+   where they are not allowed or whose times do not increase. */
+pel_status pel_quantity_check(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
+                              bool keys_allowed, pel_error *error);
+/* the same for numbers that may be below 0 */
+pel_status pel_quantity_check_signed(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
+                                     bool keys_allowed, pel_error *error);
+
+/* Its value on a vertex; 1 when it is keyed. */
+double pel_quantity_at(const pel_quantity *quantity, int32_t v);
+
+/* Keeps the keys of a quantity, if any; freed by pel_free(curve->keys). */
+pel_status pel_curve_copy(const pel_quantity *quantity, pel_curve *curve, pel_error *error);
+
+#endif

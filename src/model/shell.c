@@ -1,0 +1,429 @@
+#include "model/shell.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "math/vec3.h"
+#include "model/quantity.h"
+
+#include <math.h>
+#include <string.h>
+
+/* rest angles beyond this have no side to bend to [rad] */
+#define FOLDED_ANGLE 3.14
+
+pel_shell_def pel_shell_def_default(void)
+{
+    return (pel_shell_def){
+        .membrane = {.kind = PEL_MEMBRANE_STVK, .poisson = 0.3, .mooney_ratio = 0.2},
+        .bending = {.weight = 0.01, .stiffness = {.value = -1}},
+        .pressure = {.gamma = 1.4, .target = {.value = 1}},
+    };
+}
+
+pel_anisotropy_def pel_anisotropy_def_default(void)
+{
+    return (pel_anisotropy_def){
+        .stiffness = 1,
+        .max_step = 0.1,
+        .rest_length = {.value = 1},
+        .curvature = -1,
+        .axis = {0, 0, 1},
+    };
+}
+
+bool pel_shell_is_on(const pel_shell_def *def)
+{
+    return def->membrane.on || def->bending.model != PEL_BENDING_OFF || def->anisotropy_count > 0 ||
+           def->pressure.kind != PEL_PRESSURE_NONE;
+}
+
+/* ---- checks ---- */
+
+static pel_status check_number(double value, double least, double most, int32_t body, const char *name,
+                               pel_error *error)
+{
+    if (value >= least && value <= most && isfinite(value))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %g", name, value);
+    pel_fail_element(error, "body", body);
+    if (isfinite(most))
+        pel_fail_remedy(error, "give a number from %g to %g", least, most);
+    else
+        pel_fail_remedy(error, "give a finite number of at least %g", least);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_weights(const double *weights, int32_t count, int32_t body, const char *name, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    bool any = weights == NULL;
+    for (int32_t v = 0; weights != NULL && status == PEL_OK && v < count; v++) {
+        status = check_number(weights[v], 0, 1, body, name, error);
+        any |= weights[v] > 0;
+    }
+    if (status == PEL_OK && !any) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "%s are 0 on every vertex", name);
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "choose a region that holds at least one vertex");
+        return PEL_BAD_ARGUMENT;
+    }
+    return status;
+}
+
+/* the material with the numbers of vertex v */
+static pel_membrane_material material_at(const pel_membrane_def *def, int32_t v)
+{
+    return (pel_membrane_material){def->kind, pel_quantity_at(&def->young, v), def->poisson,
+                                   pel_quantity_at(&def->thickness, v), def->mooney_ratio};
+}
+
+static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    const pel_membrane_def *membrane = &def->shell.membrane;
+    if (!membrane->on)
+        return PEL_OK;
+    pel_status status = pel_quantity_check(&membrane->young, def->mesh->vertex_count, body, "young", false, error);
+    if (status == PEL_OK)
+        status = pel_quantity_check(&membrane->thickness, def->mesh->vertex_count, body, "thickness", false, error);
+    bool varies = membrane->young.field != NULL || membrane->thickness.field != NULL;
+    for (int32_t v = 0; status == PEL_OK && v < (varies ? def->mesh->vertex_count : 1); v++) {
+        pel_membrane_material material = material_at(membrane, v);
+        status = pel_membrane_material_check(&material, error);
+        if (status != PEL_OK)
+            pel_fail_element(error, "body", body);
+    }
+    return status;
+}
+
+static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    const pel_bending_def *bending = &def->shell.bending;
+    if (bending->model == PEL_BENDING_OFF)
+        return PEL_OK;
+    if (!(bending->weight < 0)) {
+        pel_status status = check_number(bending->weight, 0, 1, body, "bending weight", error);
+        if (status != PEL_OK)
+            return status;
+    }
+    if (bending->stiffness.field == NULL && bending->stiffness.key_count == 0 && bending->stiffness.value < 0)
+        return PEL_OK;
+    return pel_quantity_check(&bending->stiffness, def->mesh->vertex_count, body, "bending stiffness", false, error);
+}
+
+static pel_status check_anisotropy(const pel_body_def *body_def, const pel_anisotropy_def *def, int32_t body,
+                                   pel_error *error)
+{
+    bool fibres = def->mode != PEL_FIBRE_CURL;
+    pel_status status = PEL_OK;
+    if (fibres && !(def->stiffness > 0))
+        status = check_number(def->stiffness, 1e-300, HUGE_VAL, body, "fibre stiffness", error);
+    if (status == PEL_OK && def->mode == PEL_FIBRE_CAVE && !(def->strength > 0 && isfinite(def->strength)))
+        status = check_number(def->strength, 1e-300, HUGE_VAL, body, "anisotropy strength", error);
+    if (status == PEL_OK && def->mode == PEL_FIBRE_CAVE)
+        status = check_number(def->max_step, 0, 1, body, "anisotropy max_step", error);
+    if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
+        status =
+            pel_quantity_check(&def->rest_length, body_def->mesh->vertex_count, body, "fibre rest_length", true, error);
+    if (status == PEL_OK && !fibres && body_def->shell.bending.model != PEL_BENDING_HINGE) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "anisotropy that curls changes rest angles, but the body has no hinges");
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give the bending the model hinge");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (status == PEL_OK && !isfinite(def->curvature))
+        status = check_number(def->curvature, -1e6, 1e6, body, "curvature", error);
+    if (status == PEL_OK && fibres && def->direction == PEL_FIBRE_ALONG &&
+        !(pel_vec3_length(def->axis) > 0 && isfinite(pel_vec3_length(def->axis))))
+        status = check_number(pel_vec3_length(def->axis), 1e-300, HUGE_VAL, body, "length of the fibre axis", error);
+    return status == PEL_OK
+               ? check_weights(def->weights, body_def->mesh->vertex_count, body, "anisotropy weights", error)
+               : status;
+}
+
+static pel_status check_pressure(const pel_body_def *body_def, int32_t body, pel_error *error)
+{
+    const pel_pressure_def *def = &body_def->shell.pressure;
+    int32_t vertex_count = body_def->mesh->vertex_count;
+    pel_status status = PEL_OK;
+    if (def->kind == PEL_PRESSURE_GIVEN)
+        status = pel_quantity_check_signed(&def->outside, vertex_count, body, "outside pressure", true, error);
+    if (def->kind == PEL_PRESSURE_GAS)
+        status = check_number(def->value, 0, HUGE_VAL, body, "gas pressure", error);
+    if (status == PEL_OK && def->kind == PEL_PRESSURE_GAS)
+        status = check_number(def->gamma, 1, 10, body, "gas gamma", error);
+    if (def->kind == PEL_PRESSURE_VOLUME)
+        status = check_number(def->bulk, 0, HUGE_VAL, body, "bulk", error);
+    if (status == PEL_OK && def->kind == PEL_PRESSURE_VOLUME)
+        status = pel_quantity_check(&def->target, vertex_count, body, "target volume", true, error);
+    if (status == PEL_OK && def->kind != PEL_PRESSURE_NONE)
+        status = check_weights(def->weights, vertex_count, body, "pressure weights", error);
+    return status;
+}
+
+pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    pel_status status = check_membrane(def, body, error);
+    if (status == PEL_OK)
+        status = check_bending(def, body, error);
+    if (status == PEL_OK)
+        status = check_pressure(def, body, error);
+    for (int32_t i = 0; status == PEL_OK && i < def->shell.anisotropy_count; i++)
+        status = check_anisotropy(def, &def->shell.anisotropies[i], body, error);
+    return status;
+}
+
+/* ---- creation ---- */
+
+static double corner_mean(const pel_quantity *quantity, const int32_t vertices[3])
+{
+    if (quantity->field == NULL)
+        return quantity->value;
+    return (quantity->field[vertices[0]] + quantity->field[vertices[1]] + quantity->field[vertices[2]]) / 3;
+}
+
+static double mean_weight(const double *weights, const int32_t vertices[3])
+{
+    return weights == NULL ? 1 : (weights[vertices[0]] + weights[vertices[1]] + weights[vertices[2]]) / 3;
+}
+
+static pel_status create_triangles(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
+{
+    const pel_mesh *mesh = body->mesh;
+    shell->triangle_count = mesh->triangle_count;
+    shell->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *shell->triangles);
+    if (shell->triangles == NULL)
+        return pel_fail_memory(error);
+    double edges = 0;
+    shell->uniform = true;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        pel_shell_triangle *triangle = &shell->triangles[t];
+        const int32_t *v = mesh->triangles[t];
+        double x[3][3];
+        for (int i = 0; i < 3; i++) {
+            triangle->vertices[i] = body->slot_of_vertex[v[i]];
+            memcpy(x[i], mesh->positions[v[i]], sizeof x[i]);
+        }
+        if (!pel_rest_triangle_setup((const double(*)[3])x, &triangle->rest)) {
+            pel_fail(error, PEL_BAD_MESH, "triangle has no area");
+            pel_fail_element(error, "triangle", t);
+            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
+            return PEL_BAD_MESH;
+        }
+        triangle->young = corner_mean(&def->shell.membrane.young, v);
+        triangle->thickness = corner_mean(&def->shell.membrane.thickness, v);
+        shell->uniform &= triangle->young == shell->triangles[0].young;
+        shell->uniform &= triangle->thickness == shell->triangles[0].thickness;
+        for (int i = 0; i < 3; i++)
+            edges += pel_vec3_distance(x[i], x[(i + 1) % 3]) / (3.0 * mesh->triangle_count);
+    }
+    shell->mean_edge = edges;
+    const pel_membrane_def *membrane = &def->shell.membrane;
+    shell->has_membrane = membrane->on;
+    shell->material = (pel_membrane_material){membrane->kind, shell->triangles[0].young, membrane->poisson,
+                                              shell->triangles[0].thickness, membrane->mooney_ratio};
+    return PEL_OK;
+}
+
+/* D of a hinge: given, or that of the two triangles beside it */
+static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, const pel_shell_hinge *hinge,
+                              const int32_t ends[2])
+{
+    const pel_quantity *given = &def->shell.bending.stiffness;
+    if (given->field != NULL)
+        return 0.5 * (given->field[ends[0]] + given->field[ends[1]]);
+    if (!(given->value < 0))
+        return given->value;
+    double sum = 0;
+    for (int i = 0; shell->has_membrane && i < 2; i++) {
+        const pel_shell_triangle *t = &shell->triangles[hinge->triangles[i]];
+        double poisson = shell->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN ? 0.5 : shell->material.poisson;
+        sum += 0.5 * pel_bending_stiffness(t->young, poisson, t->thickness);
+    }
+    return sum;
+}
+
+static bool setup_hinge(const pel_body *body, const pel_topology *topology, int32_t h, pel_shell_hinge *hinge)
+{
+    int32_t twin = topology->twin[h];
+    const int32_t v[4] = {pel_half_edge_origin(topology, h), pel_half_edge_target(topology, h),
+                          pel_half_edge_origin(topology, pel_half_edge_previous(h)),
+                          pel_half_edge_origin(topology, pel_half_edge_previous(twin))};
+    double x[4][3];
+    for (int i = 0; i < 4; i++) {
+        hinge->vertices[i] = body->slot_of_vertex[v[i]];
+        memcpy(x[i], body->mesh->positions[v[i]], sizeof x[i]);
+    }
+    hinge->triangles[0] = h / 3;
+    hinge->triangles[1] = twin / 3;
+    return pel_bending_isometric_setup((const double(*)[3])x, &hinge->isometric) &&
+           pel_hinge_setup((const double(*)[3])x, &hinge->hinge);
+}
+
+static pel_status fail_folded(const pel_shell_hinge *hinge, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_MESH, "triangle is folded onto its neighbour %d at rest", (int)hinge->triangles[1]);
+    pel_fail_element(error, "triangle", hinge->triangles[0]);
+    pel_fail_remedy(error, "unfold or remove one of them, or leave out the bending");
+    return PEL_BAD_MESH;
+}
+
+static pel_status create_hinges(const pel_body_def *def, const pel_body *body, const pel_topology *topology,
+                                pel_shell *shell, pel_error *error)
+{
+    shell->bending = def->shell.bending.model;
+    shell->bending_weight = def->shell.bending.weight;
+    if (shell->bending == PEL_BENDING_OFF)
+        return PEL_OK;
+    shell->hinges = pel_allocate((size_t)topology->edge_count, sizeof *shell->hinges);
+    if (shell->hinges == NULL)
+        return pel_fail_memory(error);
+    for (int32_t e = 0; e < topology->edge_count; e++) {
+        int32_t h = topology->half_edge_of_edge[e];
+        if (topology->twin[h] < 0)
+            continue;
+        pel_shell_hinge *hinge = &shell->hinges[shell->hinge_count];
+        if (!setup_hinge(body, topology, h, hinge))
+            continue;
+        if (fabs(hinge->hinge.rest_angle) > FOLDED_ANGLE)
+            return fail_folded(hinge, error);
+        const int32_t ends[2] = {pel_half_edge_origin(topology, h), pel_half_edge_target(topology, h)};
+        hinge->stiffness = hinge_stiffness(def, shell, hinge, ends);
+        for (int32_t i = 0; i < def->shell.anisotropy_count; i++) {
+            const pel_anisotropy_def *curl = &def->shell.anisotropies[i];
+            if (curl->mode != PEL_FIBRE_CURL)
+                continue;
+            double w = curl->weights == NULL ? 1 : 0.5 * (curl->weights[ends[0]] + curl->weights[ends[1]]);
+            hinge->hinge.rest_angle *= 1 + w * (curl->curvature - 1);
+        }
+        shell->hinge_count++;
+    }
+    return PEL_OK;
+}
+
+/* the direction of a fibre in the rest frame of triangle t */
+static void fibre_direction(const pel_anisotropy_def *def, const pel_mesh *mesh, int32_t t, double direction[2])
+{
+    double x[3][3], along[3];
+    for (int i = 0; i < 3; i++)
+        memcpy(x[i], mesh->positions[mesh->triangles[t][i]], sizeof x[i]);
+    for (int i = 0; i < 3; i++)
+        along[i] =
+            def->direction == PEL_FIBRE_ALONG ? def->axis[i] : def->center[i] - (x[0][i] + x[1][i] + x[2][i]) / 3;
+    pel_rest_triangle_direction((const double(*)[3])x, along, direction);
+}
+
+static pel_status create_region(const pel_anisotropy_def *def, const pel_body *body, pel_shell_region *region,
+                                pel_error *error)
+{
+    const pel_mesh *mesh = body->mesh;
+    region->def = *def;
+    region->def.weights = NULL;
+    region->def.rest_length.field = NULL;
+    region->def.rest_length.keys = NULL;
+    region->def.rest_length.value = pel_quantity_at(&def->rest_length, 0);
+    pel_status status = pel_curve_copy(&def->rest_length, &region->rest_length, error);
+    if (status != PEL_OK || def->mode == PEL_FIBRE_CURL)
+        return status;
+    int32_t count = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        count += mean_weight(def->weights, mesh->triangles[t]) > 0;
+    region->fibres = pel_allocate((size_t)count, sizeof *region->fibres);
+    if (region->fibres == NULL)
+        return pel_fail_memory(error);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double weight = mean_weight(def->weights, mesh->triangles[t]);
+        if (!(weight > 0))
+            continue;
+        pel_shell_fibre *fibre = &region->fibres[region->fibre_count++];
+        *fibre = (pel_shell_fibre){.triangle = t, .weight = weight};
+        fibre_direction(def, mesh, t, fibre->direction);
+    }
+    return PEL_OK;
+}
+
+static pel_status create_regions(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
+{
+    int32_t count = def->shell.anisotropy_count;
+    if (count == 0)
+        return PEL_OK;
+    shell->regions = pel_allocate((size_t)count, sizeof *shell->regions);
+    if (shell->regions == NULL)
+        return pel_fail_memory(error);
+    shell->region_count = count;
+    pel_status status = PEL_OK;
+    for (int32_t i = 0; status == PEL_OK && i < count; i++)
+        status = create_region(&def->shell.anisotropies[i], body, &shell->regions[i], error);
+    return status;
+}
+
+static pel_status create_pressure(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
+{
+    const pel_pressure_def *pressure = &def->shell.pressure;
+    const pel_mesh *mesh = body->mesh;
+    shell->pressure = *pressure;
+    shell->pressure.weights = NULL;
+    shell->pressure.outside.field = shell->pressure.target.field = NULL;
+    shell->pressure.outside.keys = shell->pressure.target.keys = NULL;
+    shell->pressure.outside.value = pressure->outside.field != NULL ? 1 : pel_quantity_at(&pressure->outside, 0);
+    shell->pressure.target.value = pel_quantity_at(&pressure->target, 0);
+    pel_status status = pel_curve_copy(&pressure->outside, &shell->outside, error);
+    if (status == PEL_OK)
+        status = pel_curve_copy(&pressure->target, &shell->target, error);
+    bool field = pressure->kind == PEL_PRESSURE_GIVEN && pressure->outside.field != NULL;
+    if (status != PEL_OK || (!field && pressure->weights == NULL))
+        return status;
+    shell->pressure_weights = pel_allocate((size_t)mesh->triangle_count, sizeof *shell->pressure_weights);
+    if (shell->pressure_weights == NULL)
+        return pel_fail_memory(error);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double value = field ? corner_mean(&pressure->outside, mesh->triangles[t]) : 1;
+        shell->pressure_weights[t] = value * mean_weight(pressure->weights, mesh->triangles[t]);
+    }
+    return PEL_OK;
+}
+
+/* a gas and a target volume need a volume */
+static pel_status check_closed(const pel_body_def *def, const pel_body *body, int32_t index, pel_error *error)
+{
+    pel_pressure_kind kind = def->shell.pressure.kind;
+    if (body->closed || (kind != PEL_PRESSURE_GAS && kind != PEL_PRESSURE_VOLUME))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' encloses no volume: its mesh has a boundary", body->name);
+    pel_fail_element(error, "body", index);
+    pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or give the pressure as a number");
+    return PEL_BAD_ARGUMENT;
+}
+
+pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
+                                 pel_error *error)
+{
+    if (!pel_shell_is_on(&def->shell))
+        return PEL_OK;
+    pel_body *b = &model->bodies[body];
+    pel_shell *shell = b->shell = pel_allocate(1, sizeof *shell);
+    if (shell == NULL)
+        return pel_fail_memory(error);
+    pel_status status = check_closed(def, b, body, error);
+    if (status == PEL_OK)
+        status = create_triangles(def, b, shell, error);
+    if (status == PEL_OK)
+        status = create_hinges(def, b, topology, shell, error);
+    if (status == PEL_OK)
+        status = create_regions(def, b, shell, error);
+    return status == PEL_OK ? create_pressure(def, b, shell, error) : status;
+}
+
+void pel_shell_destroy(pel_shell *shell)
+{
+    if (shell == NULL)
+        return;
+    for (int32_t i = 0; i < shell->region_count; i++) {
+        pel_free(shell->regions[i].fibres);
+        pel_free(shell->regions[i].rest_length.keys);
+    }
+    void *arrays[] = {shell->triangles,    shell->hinges,      shell->regions,
+                      shell->outside.keys, shell->target.keys, shell->pressure_weights};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(shell);
+}

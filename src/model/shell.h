@@ -1,0 +1,73 @@
+/* What a body has as a shell, beside the springs: rest shapes and numbers of its triangles and hinges, fibres and
+   pressure. Plain arrays in double and in mesh order, vertices by their places in the model's order: the reference from
+   which solvers lay out what they need (colour batches, lists by vertex). */
+#ifndef PEL_MODEL_SHELL_H
+#define PEL_MODEL_SHELL_H
+
+#include "model/model.h"
+#include "pellicle/element.h"
+
+/* A membrane triangle; t is its number in the body's mesh. */
+typedef struct pel_shell_triangle {
+    int32_t vertices[3];
+    pel_rest_triangle rest;
+    double young, thickness; /* means of the corners */
+} pel_shell_triangle;
+
+/* Two triangles that share an edge: vertices as in pellicle/bending.h. */
+typedef struct pel_shell_hinge {
+    int32_t vertices[4];
+    int32_t triangles[2]; /* of the mesh, left and right */
+    pel_bending_isometric isometric;
+    pel_hinge hinge;  /* rest angle with curls applied */
+    double stiffness; /* D, N m; 0 = unknown (no membrane and none given) */
+} pel_shell_hinge;
+
+/* Fibres of one region in one triangle. */
+typedef struct pel_shell_fibre {
+    int32_t triangle;
+    double direction[2]; /* in the rest frame; of PEL_FIBRE_PRINCIPAL any */
+    double weight;       /* mean of the corners, > 0 */
+} pel_shell_fibre;
+
+typedef struct pel_shell_region {
+    pel_anisotropy_def def; /* pointers null */
+    pel_curve rest_length;  /* with def.rest_length.value as its factor */
+    int32_t fibre_count;
+    pel_shell_fibre *fibres; /* (fibre_count) by rising triangle; none for PEL_FIBRE_CURL */
+} pel_shell_region;
+
+struct pel_shell {
+    bool has_membrane;
+    pel_membrane_material material; /* young and thickness: those of the first triangle */
+    bool uniform;                   /* all triangles have them */
+    int32_t triangle_count;
+    pel_shell_triangle *triangles; /* (triangle_count) also without a membrane */
+
+    pel_bending_model bending;
+    double bending_weight; /* k_B; negative = automatic */
+    int32_t hinge_count;
+    pel_shell_hinge *hinges; /* (hinge_count) by rising edge number of the topology; none without bending */
+
+    int32_t region_count;
+    pel_shell_region *regions;
+
+    pel_pressure_def pressure; /* pointers null */
+    pel_curve outside, target; /* over time, times the def's values; no keys = 1 */
+    double *pressure_weights;  /* (triangle_count) region times field of `outside`; null = 1 */
+    double mean_edge;          /* m, at rest */
+};
+
+/* Refuses numbers out of range (PEL_BAD_ARGUMENT with the body). */
+pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *error);
+
+/* True when a def switches anything on. */
+bool pel_shell_is_on(const pel_shell_def *def);
+
+/* Fills the body's shell when its def asks for one; its vertices have to be in the model already. PEL_BAD_MESH for a
+   triangle without area, PEL_OUT_OF_MEMORY. */
+pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
+                                 pel_error *error);
+void pel_shell_destroy(pel_shell *shell);
+
+#endif

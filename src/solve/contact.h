@@ -1,0 +1,17 @@
+/* Contacts in a position-based solver: inequality constraints C = sum_i w_i x_i . n - separation >= 0 (paper B, section
+   4, with the side remembered), met by sweeps of Gauss-Seidel, and Coulomb's friction on the way across the normal. */
+#ifndef PEL_SOLVE_CONTACT_H
+#define PEL_SOLVE_CONTACT_H
+
+#include "model/contact.h"
+
+/* One sweep over the contacts in their order. positions: (vertex_count) position and inverse mass, what has inverse
+   mass 0 stays; start: positions at the start of the step, from which friction counts the way. Corrections add to push
+   and tangential of each contact, which have to be 0 when a step begins (pel_contacts_begin). Returns the largest
+   depth that was met, 0 = all were satisfied [m]. */
+double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start);
+
+/* Forgets push and tangential, before the first sweep of a step. */
+void pel_contacts_begin(pel_contact_list *list);
+
+#endif

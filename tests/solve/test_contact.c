@@ -1,0 +1,113 @@
+/* Contacts in a sweep: what is too near is moved to its distance, momentum stays, friction holds what Coulomb allows.
+ */
+#include "check.h"
+
+#include "solve/contact.h"
+
+static pel_contact vertex_on_face(double friction)
+{
+    return (pel_contact){.vertices = {0, 1, 2, 3},
+                         .weights = {1, (pel_real)-0.5, (pel_real)-0.25, (pel_real)-0.25},
+                         .normal = {0, 0, 1},
+                         .separation = (pel_real)0.1,
+                         .friction = (pel_real)friction};
+}
+
+static void place(pel_record x[4], double height)
+{
+    x[0] = (pel_record){0, 0, (pel_real)height, 2};
+    x[1] = (pel_record){-1, 0, 0, 1};
+    x[2] = (pel_record){1, 1, 0, 1};
+    x[3] = (pel_record){1, -1, 0, 0};
+}
+
+static double gap_of(const pel_record x[4])
+{
+    return (double)(x[0][2] - (pel_real)0.5 * x[1][2] - (pel_real)0.25 * (x[2][2] + x[3][2]));
+}
+
+static void test_moves_apart(void **unused)
+{
+    (void)unused;
+    pel_record start[4], x[4];
+    place(start, 0.2);
+    place(x, -0.05);
+    pel_contact contact = vertex_on_face(0);
+    pel_contact_list list = {&contact, 1};
+    assert_near(pel_contacts_project(&list, x, start), 0.15, 1e-6);
+    assert_near(gap_of(x), 0.1, 1e-6);
+    assert_near((double)contact.push, 0.15, 1e-6);
+    /* each moves by inverse mass times weight; the fourth stays */
+    double share = 0.15 / (2 + 0.25 + 0.0625);
+    assert_near((double)x[0][2], -0.05 + 2 * share, 1e-6);
+    assert_near((double)x[1][2], -0.5 * share, 1e-6);
+    assert_near((double)x[2][2], -0.25 * share, 1e-6);
+    assert_true(x[3][2] == 0);
+    /* satisfied: nothing more to do */
+    pel_record again[4];
+    memcpy(again, x, sizeof x);
+    assert_true(pel_contacts_project(&list, x, start) < 1e-6);
+    assert_near(gap_of(x), gap_of(again), 1e-6);
+    pel_contacts_begin(&list);
+    assert_true(contact.push == 0);
+}
+
+/* a step sideways of 0.1 against a push of 0.15: friction 1 holds it, 0.2 leaves 0.07 */
+static void test_friction(void **unused)
+{
+    (void)unused;
+    const double coefficients[] = {1, 0.2}, slips[] = {0, 0.07};
+    for (int i = 0; i < 2; i++) {
+        pel_record start[4], x[4];
+        place(start, 0.1);
+        place(x, -0.05);
+        x[0][0] += (pel_real)0.1;
+        pel_contact contact = vertex_on_face(coefficients[i]);
+        pel_contact_list list = {&contact, 1};
+        pel_contacts_project(&list, x, start);
+        double slip = 0, before = 0;
+        for (int k = 0; k < 4; k++) {
+            slip += (double)(contact.weights[k] * x[k][0]);
+            before += (double)(contact.weights[k] * start[k][0]);
+        }
+        assert_near(slip - before, slips[i], 1e-6);
+    }
+}
+
+/* against a tool that moves along, sticking means to go with it */
+static void test_drift(void **unused)
+{
+    (void)unused;
+    pel_record start[1] = {{0, 0, (pel_real)0.1, 1}}, x[1] = {{0, 0, 0, 1}};
+    pel_contact contact = {.weights = {1, 0, 0, 0}, .normal = {0, 0, 1}, .separation = (pel_real)0.1, .friction = 1};
+    contact.drift[0] = (pel_real)0.05;
+    pel_contact_list list = {&contact, 1};
+    pel_contacts_project(&list, x, start);
+    assert_near((double)x[0][0], 0.05, 1e-6);
+    assert_near((double)x[0][2], 0.1, 1e-6);
+}
+
+static void test_nothing_moves(void **unused)
+{
+    (void)unused;
+    pel_record x[4];
+    place(x, -0.05);
+    for (int i = 0; i < 4; i++)
+        x[i][3] = 0;
+    pel_contact contact = vertex_on_face(1);
+    pel_contact_list list = {&contact, 1}, none = {NULL, 0};
+    pel_contacts_project(&list, x, x);
+    pel_contacts_project(&none, x, x);
+    assert_near((double)x[0][2], -0.05, 1e-6);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_moves_apart),
+        cmocka_unit_test(test_friction),
+        cmocka_unit_test(test_drift),
+        cmocka_unit_test(test_nothing_moves),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
