@@ -139,10 +139,10 @@ static void test_fields(void **unused)
         assert_near(shell->pressure_weights[t], 10 * mean * inside, 1e-12);
     }
     for (int32_t i = 0; i < shell->hinge_count; i++)
-        assert_near(shell->hinges[i].stiffness,
-                    0.5 * (model->mesh_vertex[shell->hinges[i].vertices[0]] +
-                           model->mesh_vertex[shell->hinges[i].vertices[1]]),
-                    1e-12);
+        assert_near(
+            shell->hinges[i].stiffness,
+            0.5 * (model->mesh_vertex[shell->hinges[i].vertices[0]] + model->mesh_vertex[shell->hinges[i].vertices[1]]),
+            1e-12);
     assert_true(shell->pressure.outside.value == 1);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
