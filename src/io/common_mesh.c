@@ -167,6 +167,11 @@ static key normal_key(const int32_t vertices[3], const int32_t shares[3])
 
 /* ---- reading a frame ---- */
 
+bool pel_common_mesh_is_place(const char *field_name)
+{
+    return strcmp(field_name, "mesh_vertices") == 0 || strcmp(field_name, "mesh_weights") == 0;
+}
+
 static pel_status fail_frame(const frame_view *view, const char *what, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FORMAT, "%s", what);
@@ -442,7 +447,7 @@ static pel_status add_triangle(pel_common_mesh *common, const key *root, int32_t
         return PEL_OUT_OF_MEMORY;
     pel_status status = find_node(common, n, true, points, rows, &found, &fit);
     if (status == PEL_OK && fit.middle >= 0)
-        common->nodes[found].medians |= (uint8_t)(1 << fit.apex);
+        common->nodes[found].medians = (uint8_t)(common->nodes[found].medians | 1 << fit.apex);
     return status;
 }
 
@@ -606,7 +611,9 @@ static bool add_piece(pel_common_mesh *common, const piece *p)
     bool good = true;
     for (int child = 0; child < 4; child++) {
         piece in;
-        common->nodes[n.children + child].medians |= child == 3 ? n.medians : (uint8_t)(n.medians & (1 << child));
+        int medians = child == 3 ? n.medians : n.medians & (1 << child);
+        node *below = &common->nodes[n.children + child];
+        below->medians = (uint8_t)(below->medians | medians);
         child_piece(common, p, child, &in);
         good = good && add_piece(common, &in);
     }
@@ -726,17 +733,11 @@ static void mix(const double *values, int32_t component_count, const int32_t row
     }
 }
 
-static bool is_kept(const pel_field *field)
-{
-    return strcmp(field->name, "level") != 0 && strcmp(field->name, "mesh_vertices") != 0 &&
-           strcmp(field->name, "mesh_weights") != 0;
-}
-
 static pel_status add_fields(const pel_mesh *from, pel_mesh *mesh, pel_error *error)
 {
     pel_status status = PEL_OK;
     for (int32_t f = 0; status == PEL_OK && f < from->field_count; f++)
-        if (is_kept(&from->fields[f]))
+        if (!pel_common_mesh_is_place(from->fields[f].name) && strcmp(from->fields[f].name, "level") != 0)
             status = pel_mesh_add_field(mesh, from->fields[f].name, from->fields[f].component_count, NULL, error);
     return status;
 }

@@ -366,7 +366,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         return status;
     if (sim->contacts == NULL && sim->tool_count > 0) {
         pel_tools_move(sim, next);
-        pel_tools_press(sim, result.longest);
+        pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
     }
     mark_contacts(sim);

@@ -104,7 +104,7 @@ typedef struct pel_refine_body {
     int32_t *hot;         /* (same) those that ask, leaving ones included */
     int32_t *hot_place;   /* (same) where they stand in that list */
     int32_t walk, candidate_count, waiting_count, leaving_count, hot_count;
-    int32_t next_slice; /* of the round */
+    int32_t part; /* of the round that comes next, 0 .. interval - 1 */
     int64_t revision;
     double *rest_curvatures; /* (curvature_count) by place, of the present surface at rest, NAN = not known */
     int32_t curvature_count; /* places of the body, 0 = not used */
@@ -146,6 +146,9 @@ struct pel_sim {
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
+    int64_t *looked_at;         /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;          /* (vertex_count) push that moved it last */
+    int64_t push_count;         /* of all steps */
     uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
 };
 
@@ -159,6 +162,12 @@ static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
 {
     return sim->contacts != NULL && sim->contact_in_loop;
 }
+
+/* ---- contact_event.c ---- */
+/* Contact only: what is needed to take an event of refinement back, before any of it is done. */
+void pel_contacts_before_event(pel_sim *sim);
+/* True when the new surface does not cut itself; else everything is as before. */
+bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
 
 /* ---- loads.c ---- */
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);
@@ -235,8 +244,8 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
 void pel_tools_destroy(pel_sim *sim);
 /* Moves the tools towards their poses at `time`, and what they hold. */
 void pel_tools_move(pel_sim *sim, double time);
-/* Moves the new positions out of the tools. longest: spring length bound. */
-void pel_tools_press(pel_sim *sim, double longest);
+/* Moves the new positions out of the tools, or of spheres and capsules only. longest: spring length bound. */
+void pel_tools_press(pel_sim *sim, double longest, bool only_round);
 /* Reads the forces of the step. */
 void pel_tools_read(pel_sim *sim, double time);
 /* true when a point lies inside a closed body */

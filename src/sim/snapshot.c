@@ -158,7 +158,7 @@ static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
     transfer(at, &refine->waiting_count, sizeof refine->waiting_count);
     transfer(at, &refine->leaving_count, sizeof refine->leaving_count);
     transfer(at, &refine->hot_count, sizeof refine->hot_count);
-    transfer(at, &refine->next_slice, sizeof refine->next_slice);
+    transfer(at, &refine->part, sizeof refine->part);
     transfer(at, &refine->revision, sizeof refine->revision);
     /* loading, the places wait in the scratch of the walks until the front is there */
     size_t places = (size_t)(own->fine_limit - own->fine_begin);

@@ -39,14 +39,9 @@ static inline double pel_tool_size(const pel_tool *tool)
     return half[0] + half[1] + half[2];
 }
 
-static inline int32_t pel_tool_first_vertex(const pel_sim *sim, int32_t body)
+static inline bool pel_tool_acts_on(const pel_tool *tool, int32_t body)
 {
-    return body < 0 ? 0 : sim->model->bodies[body].slice_begin * PEL_WIDTH;
-}
-
-static inline int32_t pel_tool_end_vertex(const pel_sim *sim, int32_t body)
-{
-    return body < 0 ? sim->model->vertex_count : sim->model->bodies[body].slice_end * PEL_WIDTH;
+    return tool->body < 0 || tool->body == body;
 }
 
 /* inverse mass, 0 for what a tool holds */

@@ -149,8 +149,10 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     sim->plane_of_triangle = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->plane_of_triangle);
     sim->triangle_marks = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->triangle_marks);
     sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
+    sim->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->looked_at);
+    sim->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->moved_at);
     if (sim->near_triangles == NULL || sim->plane_of_triangle == NULL || sim->triangle_marks == NULL ||
-        sim->held == NULL)
+        sim->held == NULL || sim->looked_at == NULL || sim->moved_at == NULL)
         return pel_fail_memory(error);
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
@@ -178,6 +180,8 @@ void pel_tools_destroy(pel_sim *sim)
     pel_free(sim->plane_of_triangle);
     pel_free(sim->triangle_marks);
     pel_free(sim->held);
+    pel_free(sim->looked_at);
+    pel_free(sim->moved_at);
 }
 
 /* ---- frames ---- */
@@ -223,10 +227,10 @@ static double mesh_distance(const pel_mesh *mesh, const double point[3])
     return sqrt(least);
 }
 
-static void grasp(pel_sim *sim, pel_tool *tool)
+static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
 {
-    int32_t end = pel_tool_end_vertex(sim, tool->body);
-    for (int32_t v = pel_tool_first_vertex(sim, tool->body); v < end; v++) {
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
         double x[3], local[3], normal[3];
         if (pel_tool_mobility(sim, v) <= 0)
             continue;
@@ -255,7 +259,9 @@ static void update_grasp(pel_sim *sim, pel_tool *tool, double time)
         return;
     if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
         tool->phase = PEL_GRASP_HOLDING;
-        grasp(sim, tool);
+        for (int32_t b = 0; b < sim->model->body_count; b++)
+            if (pel_tool_acts_on(tool, b))
+                grasp_body(sim, tool, b);
     }
     if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
         tool->phase = PEL_GRASP_DONE;
@@ -365,13 +371,18 @@ void pel_tools_move(pel_sim *sim, double time)
         carry(sim, &sim->tools[i]);
 }
 
-void pel_tools_press(pel_sim *sim, double longest)
+static bool presses(const pel_tool *tool, bool only_round)
+{
+    return tool->press && tool->mesh == NULL && !(only_round && tool->solid.kind == PEL_SOLID_BOX);
+}
+
+void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 {
     bool moved = true;
     for (int round = 0; moved && round < (sim->tool_count > 1 ? ROUND_LIMIT : 1); round++) {
         moved = false;
         for (int32_t i = 0; i < sim->tool_count; i++)
-            if (sim->tools[i].press && sim->tools[i].mesh == NULL)
+            if (presses(&sim->tools[i], only_round))
                 moved |= pel_tool_press(sim, &sim->tools[i], longest);
     }
 }
