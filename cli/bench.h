@@ -40,6 +40,6 @@ typedef struct cli_bench_case {
 
 /* the cases of the other files */
 extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply, cli_bench_sphere_500, cli_bench_million,
-    cli_bench_million_threads;
+    cli_bench_million_threads, cli_bench_frames, cli_bench_frames_all;
 
 #endif

@@ -339,6 +339,15 @@ static const cli_command commands[] = {
         .run = cli_bench,
     },
     {
+        .name = "presets",
+        .summary = "print the materials that scenes may name, with their sources",
+        .text = "Prints name, law and numbers of each material that 'membrane: { preset: NAME }' takes in a scene, and "
+                "where the numbers come from. Keys beside 'preset' override them.",
+        .options = {JSON_OPTION},
+        .examples = "pellicle presets\npellicle presets --json | jq '.presets[].name'",
+        .run = cli_presets,
+    },
+    {
         .name = "reference",
         .summary = "print the reference of scene files (Markdown)",
         .text = "Prints every key of a scene file with its type, unit, range, default and meaning, as Markdown.",

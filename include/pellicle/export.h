@@ -1,5 +1,9 @@
 /* Pellicle: runs for other programs: point caches, glTF with morph targets, numbered mesh files. All read the frames
-   twice, first to find damage, so that nothing is written when a frame is bad; memory holds a few frames at a time. */
+   twice, first to find damage, so that nothing is written when a frame is bad; memory holds a few frames at a time.
+
+   Bodies that refine have other triangles in other frames. All exports then put every frame on the finest common mesh:
+   what any frame has split is split, and each frame keeps the very surface that it had. It has the vertices of the
+   bodies' meshes first, body by body; fields are interpolated, and level, mesh_vertices and mesh_weights left out. */
 #ifndef PELLICLE_EXPORT_H
 #define PELLICLE_EXPORT_H
 
@@ -11,8 +15,9 @@ extern "C" {
 #endif
 
 /* Writes a point cache PC2 (Blender's Mesh Cache modifier, Maya, 3ds Max): the positions of all frames, one sample a
-   frame from frame 0, to be put on the mesh of any frame or on final.ply, which have the same vertices.
-   Errors: those of pel_frames_read; PEL_BAD_FORMAT when the triangles change, naming the frame; PEL_BAD_FILE. */
+   frame from frame 0, to be put on a mesh that pel_export_sequence wrote, or, without refinement, on final.ply.
+   Errors: those of pel_frames_read; PEL_BAD_FORMAT when the triangles change and a frame does not say where its
+   vertices lie in the mesh (fields mesh_vertices and mesh_weights), naming the frame; PEL_BAD_FILE. */
 pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error *error);
 
 /* Writes a binary glTF 2.0 file: frame 0 as a mesh with normals, every further frame as a morph target, and one
@@ -29,9 +34,9 @@ pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error
 /* The name of the numbered file of frame `frame`: out/ball.obj gives out/ball_00012.obj. Returns text. */
 const char *pel_export_numbered_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, int32_t frame);
 
-/* Writes every frame as a mesh file of its own under a numbered name; the triangles may change. Files of these names
-   are replaced; after a failure none of those that were written is left. log (nullable) receives the notes of the first
-   frame. Errors: those of pel_frames_read and pel_mesh_write. */
+/* Writes every frame as a mesh file of its own under a numbered name. Files of these names are replaced; after a
+   failure none of those that were written is left. log (nullable) receives the notes of the first frame. Errors: those
+   of pel_export_pc2 and pel_mesh_write. */
 pel_status pel_export_sequence(const char *path, pel_mesh_format format, const pel_frames *frames, const pel_log *log,
                                pel_error *error);
 

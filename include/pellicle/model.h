@@ -32,15 +32,27 @@ typedef enum pel_refine_springs {
    between two levels are bisected. Mass, damping and volumetric springs are shared out by area, so that mass and linear
    momentum stay and the stiffness does not depend on the level. */
 typedef struct pel_refine_def {
-    int32_t levels;   /* finest level; each one halves the edges. 0 (default) = no refinement */
-    bool everywhere;  /* all of the body on the finest level from the start; the criterion is not used */
-    double above;     /* N/m2: a vertex whose elastic force over its share of the area is larger refines what is around
-                         it; 0 = only what pel_sim_refine asks for */
-    double below;     /* N/m2: one that stays below for `dwell` steps gives that up; less than above */
-    int32_t rings;    /* rings of triangles around the vertex, on each level: 1 to 3; 2 by default */
-    int32_t dwell;    /* steps; 50 by default */
-    int32_t interval; /* steps in which every vertex is looked at once; 10 by default */
-    int32_t budget;   /* the body never has more triangles than this; the strongest candidates win; 0 = no limit */
+    int32_t levels;  /* finest level; each one halves the edges. 0 (default) = no refinement */
+    bool everywhere; /* all of the body on the finest level from the start; no criterion is used */
+    /* Criteria, any number of them; none = only what pel_sim_refine asks for. A vertex at which one of them is above
+       its threshold refines what is around it; one at which all stay below for `dwell` steps gives that up. None of the
+       measures changes with the level where the deformation is smooth, so that refinement does not take away its own
+       reason. */
+    double above, below; /* N/m2: elastic force of a vertex over its share of the area (paper A, section 3.2); below <
+                            above, above 0 = not used */
+    double curvature_above, curvature_below; /* 1/m: change of the mean curvature since rest, whatever the sign: where
+                                                the surface bends or folds; below < above, above 0 = not used */
+    double near_tools;     /* m: triangles that are this near to a tool, before it touches; given up beyond 1.25 times
+                              that. A tool should not come nearer by more than this in `interval` steps. 0 = not used */
+    const int32_t *region; /* (region_count) vertices of the mesh: the triangles at them are on level region_levels at
+                              least, always; null = none */
+    int32_t region_count;
+    int32_t region_levels; /* 1 to levels; 0 (default) = levels */
+    int32_t rings;         /* rings of triangles around a vertex, on each level: 1 to 3; 2 by default */
+    int32_t dwell;         /* steps; 50 by default */
+    int32_t interval;      /* steps in which every vertex is looked at once; 10 by default */
+    int32_t budget; /* the body never has more triangles than this, 0 = no limit. The strongest candidates win, by
+                       measure over threshold; one that is twice as strong displaces a weaker one */
     pel_refine_springs springs;
     size_t memory_limit; /* bytes that the levels of detail may take; 2 GiB by default, 0 = no limit */
 } pel_refine_def;
@@ -91,6 +103,8 @@ int32_t pel_model_body_count(const pel_model *model);
 int32_t pel_model_find_body(const pel_model *model, const char *name);
 /* The mesh of a body as given (rest positions, triangles, fields). Lives as long as the model. */
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
+/* True when the body's mesh has no boundary: it encloses a volume. */
+bool pel_model_is_closed(const pel_model *model, int32_t body);
 const char *pel_model_body_name(const pel_model *model, int32_t body);
 
 #ifdef __cplusplus

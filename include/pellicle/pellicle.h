@@ -18,6 +18,7 @@
 #include "mesh_io.h"
 #include "model.h"
 #include "parallel.h"
+#include "preset.h"
 #include "region.h"
 #include "results.h"
 #include "shape.h"

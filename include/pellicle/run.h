@@ -10,8 +10,11 @@
    when the scene asks for checkpoints, then also as checkpoint-STEP.pel
 
    Every file but series.csv is written whole or not at all; series.csv always ends with a whole row. At any moment,
-   also after a kill, everything in the folder is valid. A folder that holds an older run is taken over: the files above
-   are removed or replaced, all others are left alone. In the library pellicle_scene. */
+   also after a kill, everything in the folder is valid. With more than one thread, a thread beside those of the steps
+   writes the frames, from snapshots and in order; a run is at most three frames ahead of its folder then, and a frame
+   that cannot be written takes it back to that frame: what is left is the same with any number of threads. A folder
+   that holds an older run is taken over: the files above are removed or replaced, all others are left alone. In the
+   library pellicle_scene. */
 #ifndef PELLICLE_RUN_H
 #define PELLICLE_RUN_H
 
@@ -27,7 +30,7 @@ extern "C" {
 /* Where a run stands. */
 typedef struct pel_run_progress {
     int64_t step, step_total;   /* done, and at the end of the run unless it stops earlier */
-    int64_t frame, frame_total; /* the same of frames, frame 0 not counted */
+    int64_t frame, frame_total; /* the same of frames, frame 0 not counted; some may still be being written */
     double time;                /* s, simulated */
     double steps_per_second;    /* of this call of pel_run, 0 at its begin */
     double remaining;           /* s of wall time to the end at this speed; -1 = not known yet */
@@ -38,7 +41,8 @@ typedef struct pel_run_def {
     const char *folder; /* made with its parents when missing */
     int64_t max_frames; /* ends the run (status "done") with the frame of this number, frame 0 being the initial state;
                            0 = goes to the scene's duration */
-    int32_t thread_count; /* 0 = what the scene says; the results do not depend on it */
+    int32_t thread_count; /* 0 = what the scene says; 1 = everything in the calling thread, frames included; the results
+                             do not depend on it */
     const char *resume;   /* checkpoint file to go on from, in the folder of its run; null = from the beginning */
     /* Called before the first step and after every step; returning false stops the run. Nullable. */
     bool (*progress)(void *user, const pel_run_progress *progress);
@@ -69,6 +73,10 @@ typedef struct pel_run_summary {
     uint64_t state_hash;
     double alpha, alpha_limit;
     int32_t threads;
+    const char *stop_reason; /* what ended the run: "duration", "max_frames" or a key of the scene's `stop`; "" when it
+                                was stopped or failed; lives forever */
+    int64_t volume_rises;    /* frames whose volume is more than that of the frame before */
+    double volume_rise_sum, volume_rise_max; /* of volume over that at rest, in these */
     char checkpoint[PEL_RUN_PATH_SIZE + 64]; /* path of the last good state, empty when none was written */
 } pel_run_summary;
 

@@ -29,9 +29,13 @@ typedef struct pel_scene {
     pel_model_def model;
     pel_sim_def sim; /* sim.model is null: create the model first */
     pel_output_def output;
-    double duration;   /* s */
-    double rest_speed; /* m/s; a run ends once loads and tools are done and no vertex is faster; 0 = never */
-    void *inner;       /* storage */
+    double duration;           /* s */
+    double rest_speed;         /* m/s; a run ends once loads and tools are done and no vertex is faster; 0 = never */
+    double least_volume_ratio; /* a run ends when volume over that at rest is less; 0 = never */
+    bool stop_at_contact;      /* a run ends when a body touches itself or another */
+    int64_t frame_limit;       /* steps after which a run ends; 0 = no limit */
+    double time_limit;         /* s, likewise */
+    void *inner;               /* storage */
 } pel_scene;
 
 /* Reads a scene file (YAML 1.2 or JSON) and its meshes; paths are relative to the scene. overrides (override_count,

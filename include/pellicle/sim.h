@@ -149,12 +149,19 @@ int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body);
 pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t level, pel_error *error);
 
 /* Copies out for one body: (vertex_count x 3). Velocity is that of the last step. Force is the sum of all forces of
-   eq. A-2 and A-4 and the loads on each vertex at the present state, contact excluded [N]. */
+   eq. A-2 and A-4, of the shell and of the loads on each vertex at the present state, contact excluded [N]. */
 void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions);
 void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities);
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
+/* m/s, of the fastest vertex of all bodies in the last step */
+double pel_sim_max_speed(const pel_sim *sim);
 /* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
+/* Energies of a shell on each vertex (vertex_count) [J]: a third of membrane and fibres of each triangle, a quarter of
+   the bending of each hinge at it; zeros when the body is no shell. */
+void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre);
+/* Force of the body's pressure on each vertex (vertex_count x 3) [N]; zeros without pressure. */
+void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
 /* Virial of the springs on each vertex (vertex_count) [J]: half of tension times length of each spring at it. Over
    twice the vertex's area this is the mean tension of the net [N/m], positive where it is stretched; the sum over all
    vertices is the derivative of the spring energy by the logarithm of the body's size. */
@@ -187,14 +194,19 @@ typedef struct pel_sim_measures {
     double volume_ratio;      /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
     double area_ratio;        /* area over area at rest */
     double kinetic_energy;    /* J */
-    double elastic_energy;    /* J, springs and volumetric springs */
+    double elastic_energy;    /* J, the sum of the five that follow */
     double spring_energy;     /* J */
     double volumetric_energy; /* J */
-    double max_displacement;  /* m, from the rest position */
-    double max_force;         /* N, largest vertex force as in pel_sim_get_forces */
+    double membrane_energy, bending_energy, fibre_energy; /* J, of shells */
+    double max_displacement;                              /* m, from the rest position */
+    double max_force;                                     /* N, largest vertex force as in pel_sim_get_forces */
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
+/* volume_ratio alone, without the cost of forces */
+double pel_sim_volume_ratio(const pel_sim *sim);
+/* true when any body is a shell (membrane, bending, fibres or pressure) */
+bool pel_sim_has_shells(const pel_sim *sim);
 
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
 uint64_t pel_sim_hash(const pel_sim *sim);

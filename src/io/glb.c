@@ -19,7 +19,8 @@
 enum { HEAD_SIZE = 12, CHUNK_HEAD_SIZE = 8, UNSIGNED_INT = 5125, FLOAT = 5126, ARRAY = 34962, INDICES = 34963 };
 
 typedef struct glb {
-    const pel_frames *frames; /* null: a single mesh */
+    const pel_export_source *source; /* null: a single mesh */
+    const pel_frames *frames;        /* null as well */
     const pel_mesh *first;
     int32_t frame_count;
     size_t vertex_count, index_count;
@@ -104,7 +105,7 @@ static bool has_first_triangles(const glb *g, const pel_mesh *mesh)
 static pel_status load_frame(glb *g, int32_t frame, pel_error *error)
 {
     pel_mesh *mesh;
-    pel_status status = pel_frames_read(g->frames, frame, &mesh, error);
+    pel_status status = pel_export_read(g->source, frame, &mesh, error);
     if (status != PEL_OK)
         return status;
     if (!has_first_triangles(g, mesh))
@@ -312,9 +313,11 @@ static pel_status write_file(const char *path, glb *g, const pel_json *json, pel
     return status;
 }
 
-static pel_status export_all(const char *path, const pel_frames *frames, const pel_mesh *first, pel_error *error)
+static pel_status export_all(const char *path, const pel_export_source *source, const pel_mesh *first, pel_error *error)
 {
+    const pel_frames *frames = source != NULL ? source->frames : NULL;
     glb g = {
+        .source = source,
         .frames = frames,
         .first = first,
         .frame_count = frames != NULL ? frames->frame_count : 1,
@@ -341,10 +344,14 @@ pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error
 
 pel_status pel_export_glb(const char *path, const pel_frames *frames, pel_error *error)
 {
-    pel_mesh *first;
-    pel_status status = pel_frames_read(frames, 0, &first, error);
+    pel_export_source source;
+    pel_mesh *first = NULL;
+    pel_status status = pel_export_open(&source, frames, error);
     if (status == PEL_OK)
-        status = export_all(path, frames, first, error);
+        status = pel_export_read(&source, 0, &first, error);
+    if (status == PEL_OK)
+        status = export_all(path, &source, first, error);
     pel_mesh_destroy(first);
+    pel_export_close(&source);
     return status;
 }

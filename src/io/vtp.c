@@ -4,7 +4,8 @@
        <AppendedData encoding="raw"> _ array array ... </AppendedData> </VTKFile>
 
    A raw array is a word of 8 bytes with its size, then its bytes; a packed one is what blocks.h describes. The arrays
-   are laid out in memory first, because the head of the file names their offsets, and then written in one go.
+   are laid out in memory first, because the head of the file names their offsets, and then written in one go. The
+   triangles come last, in a block of their own that serves the next file too when they are the same.
    Format: Kitware, "VTK XML file formats". */
 #include "pellicle/results.h"
 
@@ -27,14 +28,25 @@ typedef struct vtp_array {
     size_t offset; /* in the appended section */
 } vtp_array;
 
-/* all arrays of a file in their order: time, fields, points, connectivity, ends */
-typedef struct vtp_layout {
-    vtp_array *arrays;
-    size_t array_count;
-    unsigned char *bytes;   /* the appended section */
-    unsigned char *scratch; /* an array before it is packed; null = raw */
-    size_t size;
-} vtp_layout;
+/* bytes of the appended section */
+typedef struct vtp_section {
+    void *bytes;
+    size_t size, room;
+} vtp_section;
+
+struct pel_vtp_writer {
+    /* all arrays of a file in their order: time, fields, points, connectivity, ends */
+    void *array_block;
+    size_t array_room, array_count;
+    vtp_section numbers; /* up to the points */
+    vtp_section surface; /* connectivity and ends */
+    vtp_section scratch; /* an array before it is packed */
+    /* what the surface section holds */
+    int32_t *triangles; /* (triangle_count x 3); null = nothing */
+    int32_t triangle_count;
+    bool packed;
+    size_t ends_offset; /* in the section */
+};
 
 enum { TIME, FIELDS };
 
@@ -53,10 +65,18 @@ static pel_status check_arguments(const pel_vtp *vtp, pel_error *error)
     return PEL_OK;
 }
 
-static void list_arrays(vtp_layout *layout, const pel_vtp *vtp)
+static vtp_array *arrays_of(const pel_vtp_writer *writer)
 {
-    vtp_array *next = layout->arrays;
+    return writer->array_block;
+}
+
+static pel_status list_arrays(pel_vtp_writer *writer, const pel_vtp *vtp, pel_error *error)
+{
     size_t vertex_count = (size_t)vtp->vertex_count, triangle_count = (size_t)vtp->triangle_count;
+    writer->array_count = (size_t)vtp->field_count + 4;
+    if (!pel_reserve(&writer->array_block, &writer->array_room, writer->array_count, sizeof(vtp_array)))
+        return pel_fail_memory(error);
+    vtp_array *next = arrays_of(writer);
     *next++ = (vtp_array){"TimeValue", &vtp->time, NULL, 1, 1, true, 0};
     for (int32_t f = 0; f < vtp->field_count; f++) {
         const pel_vtp_field *field = &vtp->fields[f];
@@ -66,6 +86,7 @@ static void list_arrays(vtp_layout *layout, const pel_vtp *vtp)
     *next++ = (vtp_array){"Points", vtp->positions, NULL, vertex_count, 3, vtp->float64, 0};
     *next++ = (vtp_array){"connectivity", NULL, vtp->triangles, 3 * triangle_count, 1, false, 0};
     *next++ = (vtp_array){"offsets", NULL, NULL, triangle_count, 1, false, 0};
+    return PEL_OK;
 }
 
 static size_t array_size(const vtp_array *array)
@@ -74,31 +95,9 @@ static size_t array_size(const vtp_array *array)
     return array->tuple_count * array->component_count * value_size;
 }
 
-static pel_status make_room(vtp_layout *layout, const pel_vtp *vtp, pel_error *error)
+static bool grow(vtp_section *section, size_t size)
 {
-    layout->array_count = (size_t)vtp->field_count + 4;
-    layout->arrays = pel_allocate(layout->array_count, sizeof *layout->arrays);
-    if (layout->arrays == NULL)
-        return pel_fail_memory(error);
-    list_arrays(layout, vtp);
-    size_t room = 0, largest = 0;
-    for (size_t i = 0; i < layout->array_count; i++) {
-        size_t size = array_size(&layout->arrays[i]);
-        room += vtp->compress ? pel_blocks_bound(size) : sizeof(uint64_t) + size;
-        largest = size > largest ? size : largest;
-    }
-    layout->bytes = pel_allocate(room, 1);
-    layout->scratch = vtp->compress ? pel_allocate(largest, 1) : NULL;
-    if (layout->bytes == NULL || (vtp->compress && layout->scratch == NULL))
-        return pel_fail_memory(error);
-    return PEL_OK;
-}
-
-static void free_layout(vtp_layout *layout)
-{
-    pel_free(layout->scratch);
-    pel_free(layout->bytes);
-    pel_free(layout->arrays);
+    return pel_reserve(&section->bytes, &section->room, size, 1);
 }
 
 /* the array's bytes as they stand in the file, or before packing */
@@ -122,22 +121,74 @@ static void encode(const vtp_array *array, unsigned char *out)
     }
 }
 
-static pel_status append_array(vtp_layout *layout, vtp_array *array, pel_error *error)
+/* encodes and packs an array at the end of a section */
+static pel_status append_array(pel_vtp_writer *writer, vtp_section *section, vtp_array *array, bool compress,
+                               pel_error *error)
 {
     uint64_t size = array_size(array);
-    unsigned char *out = layout->bytes + layout->size;
-    array->offset = layout->size;
-    if (layout->scratch == NULL) {
+    array->offset = section->size;
+    if (!grow(section, section->size + (compress ? pel_blocks_bound(size) : sizeof size + size)) ||
+        (compress && !grow(&writer->scratch, size)))
+        return pel_fail_memory(error);
+    unsigned char *out = (unsigned char *)section->bytes + section->size;
+    size_t used = sizeof size + size;
+    pel_status status = PEL_OK;
+    if (compress) {
+        encode(array, writer->scratch.bytes);
+        status = pel_blocks_pack(writer->scratch.bytes, size, out, &used, error);
+    } else {
         memcpy(out, &size, sizeof size);
         encode(array, out + sizeof size);
-        layout->size += sizeof size + size;
-        return PEL_OK;
     }
-    size_t packed_size = 0;
-    encode(array, layout->scratch);
-    pel_status status = pel_blocks_pack(layout->scratch, size, out, &packed_size, error);
-    layout->size += packed_size;
+    if (status == PEL_OK)
+        section->size += used;
     return status;
+}
+
+static bool has_surface(const pel_vtp_writer *writer, const pel_vtp *vtp)
+{
+    return writer->triangles != NULL && writer->packed == vtp->compress &&
+           writer->triangle_count == vtp->triangle_count &&
+           memcmp(writer->triangles, vtp->triangles, 3 * (size_t)vtp->triangle_count * sizeof *vtp->triangles) == 0;
+}
+
+/* fills the surface section, and remembers what is in it only once it is there */
+static pel_status append_surface(pel_vtp_writer *writer, const pel_vtp *vtp, pel_error *error)
+{
+    vtp_array *connectivity = arrays_of(writer) + writer->array_count - 2, *ends = connectivity + 1;
+    pel_free(writer->triangles);
+    writer->triangles = NULL;
+    writer->surface.size = 0;
+    pel_status status = append_array(writer, &writer->surface, connectivity, vtp->compress, error);
+    if (status == PEL_OK)
+        status = append_array(writer, &writer->surface, ends, vtp->compress, error);
+    if (status != PEL_OK)
+        return status;
+    size_t count = 3 * (size_t)vtp->triangle_count;
+    writer->ends_offset = ends->offset;
+    writer->triangle_count = vtp->triangle_count;
+    writer->packed = vtp->compress;
+    writer->triangles = pel_allocate(count, sizeof *writer->triangles);
+    if (writer->triangles == NULL)
+        return pel_fail_memory(error);
+    memcpy(writer->triangles, vtp->triangles, count * sizeof *writer->triangles);
+    return PEL_OK;
+}
+
+static pel_status lay_out(pel_vtp_writer *writer, const pel_vtp *vtp, pel_error *error)
+{
+    pel_status status = list_arrays(writer, vtp, error);
+    vtp_array *arrays = arrays_of(writer);
+    writer->numbers.size = 0;
+    for (size_t i = 0; status == PEL_OK && i + 2 < writer->array_count; i++)
+        status = append_array(writer, &writer->numbers, &arrays[i], vtp->compress, error);
+    if (status == PEL_OK && !has_surface(writer, vtp))
+        status = append_surface(writer, vtp, error);
+    if (status != PEL_OK)
+        return status;
+    arrays[writer->array_count - 2].offset = writer->numbers.size;
+    arrays[writer->array_count - 1].offset = writer->numbers.size + writer->ends_offset;
+    return PEL_OK;
 }
 
 static void write_array(pel_file_writer *writer, const vtp_array *array)
@@ -151,19 +202,19 @@ static void write_array(pel_file_writer *writer, const vtp_array *array)
                            array->component_count, array->tuple_count, array->offset);
 }
 
-static void write_head(pel_file_writer *writer, const vtp_layout *layout, const pel_vtp *vtp)
+static void write_head(pel_file_writer *writer, const vtp_array *arrays, const pel_vtp *vtp)
 {
-    const vtp_array *points = &layout->arrays[layout->array_count - 3];
+    const vtp_array *points = arrays + FIELDS + vtp->field_count;
     pel_file_writer_printf(writer,
                            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"%s\" "
                            "header_type=\"UInt64\"%s>\n<PolyData>\n<FieldData>\n",
                            PEL_BYTE_ORDER_NAME, vtp->compress ? " compressor=\"vtkZLibDataCompressor\"" : "");
-    write_array(writer, &layout->arrays[TIME]);
+    write_array(writer, &arrays[TIME]);
     pel_file_writer_printf(writer,
                            "</FieldData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
                            "NumberOfStrips=\"0\" NumberOfPolys=\"%d\">\n<PointData>\n",
                            (int)vtp->vertex_count, (int)vtp->triangle_count);
-    for (const vtp_array *field = &layout->arrays[FIELDS]; field < points; field++)
+    for (const vtp_array *field = arrays + FIELDS; field < points; field++)
         write_array(writer, field);
     pel_file_writer_printf(writer, "</PointData>\n<Points>\n");
     write_array(writer, points);
@@ -173,29 +224,51 @@ static void write_head(pel_file_writer *writer, const vtp_layout *layout, const 
     pel_file_writer_printf(writer, "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
 }
 
-static pel_status write_file(const char *path, const vtp_layout *layout, const pel_vtp *vtp, pel_error *error)
+static pel_status write_file(const pel_vtp_writer *made, const char *path, const pel_vtp *vtp, pel_error *error)
 {
     pel_file_writer writer;
     pel_status status = pel_file_writer_open(&writer, path, error);
     if (status != PEL_OK)
         return status;
-    write_head(&writer, layout, vtp);
-    pel_file_writer_write(&writer, layout->bytes, layout->size);
+    write_head(&writer, arrays_of(made), vtp);
+    pel_file_writer_write(&writer, made->numbers.bytes, made->numbers.size);
+    pel_file_writer_write(&writer, made->surface.bytes, made->surface.size);
     pel_file_writer_printf(&writer, "\n</AppendedData>\n</VTKFile>\n");
     return pel_file_writer_commit(&writer, error);
 }
 
-pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error)
+pel_status pel_vtp_writer_create(pel_vtp_writer **writer, pel_error *error)
+{
+    *writer = pel_allocate(1, sizeof **writer);
+    return *writer != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+void pel_vtp_writer_destroy(pel_vtp_writer *writer)
+{
+    if (writer == NULL)
+        return;
+    pel_free(writer->triangles);
+    pel_free(writer->scratch.bytes);
+    pel_free(writer->surface.bytes);
+    pel_free(writer->numbers.bytes);
+    pel_free(writer->array_block);
+    pel_free(writer);
+}
+
+pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error)
 {
     pel_status status = check_arguments(vtp, error);
-    if (status != PEL_OK)
-        return status;
-    vtp_layout layout = {0};
-    status = make_room(&layout, vtp, error);
-    for (size_t i = 0; status == PEL_OK && i < layout.array_count; i++)
-        status = append_array(&layout, &layout.arrays[i], error);
     if (status == PEL_OK)
-        status = write_file(path, &layout, vtp, error);
-    free_layout(&layout);
+        status = lay_out(writer, vtp, error);
+    return status == PEL_OK ? write_file(writer, path, vtp, error) : status;
+}
+
+pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error)
+{
+    pel_vtp_writer *writer;
+    pel_status status = pel_vtp_writer_create(&writer, error);
+    if (status == PEL_OK)
+        status = pel_vtp_writer_write(writer, path, vtp, error);
+    pel_vtp_writer_destroy(writer);
     return status;
 }

@@ -5,6 +5,8 @@
 #include "math/vec3.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *rule)
 {
@@ -14,16 +16,47 @@ static pel_status refuse(pel_error *error, int32_t body, const char *name, doubl
     return PEL_BAD_ARGUMENT;
 }
 
-pel_status pel_refine_check(const pel_refine_def *def, int32_t body, pel_error *error)
+/* a criterion with two thresholds */
+static pel_status check_thresholds(int32_t body, const char *high_name, double high, const char *low_name, double low,
+                                   pel_error *error)
+{
+    char rule[80];
+    if (!(high >= 0 && isfinite(high)))
+        return refuse(error, body, high_name, high, "give a number of at least 0");
+    snprintf(rule, sizeof rule, "give a number of at least 0 and less than %s (%g)", high_name, high);
+    if (!(low >= 0 && isfinite(low)) || (high > 0 && !(low < high)))
+        return refuse(error, body, low_name, low, rule);
+    return PEL_OK;
+}
+
+static pel_status check_region(const pel_refine_def *def, int32_t body, int32_t vertex_count, pel_error *error)
+{
+    if (def->region_count < 0 || (def->region_count > 0 && def->region == NULL))
+        return refuse(error, body, "region_count", def->region_count, "give the vertices of the region with it");
+    if (def->region_levels < 0 || def->region_levels > def->levels)
+        return refuse(error, body, "region_levels", def->region_levels, "give 1 to the number of levels, or 0 for all");
+    for (int32_t i = 0; i < def->region_count; i++)
+        if (def->region[i] < 0 || def->region[i] >= vertex_count)
+            return refuse(error, body, "vertex of the region", def->region[i], "give vertices of the body's mesh");
+    return PEL_OK;
+}
+
+pel_status pel_refine_check(const pel_refine_def *def, int32_t body, int32_t vertex_count, pel_error *error)
 {
     if (def->levels < 0 || def->levels > PEL_LOD_DEPTH_LIMIT)
         return refuse(error, body, "levels", def->levels, "give 0 (no refinement) to 12 levels; 1 to 3 are usual");
     if (def->levels == 0)
         return PEL_OK;
-    if (!(def->above >= 0 && isfinite(def->above)))
-        return refuse(error, body, "above", def->above, "give a force per area of at least 0");
-    if (!(def->below >= 0 && isfinite(def->below)) || (def->above > 0 && !(def->below < def->above)))
-        return refuse(error, body, "below", def->below, "give a force per area of at least 0 and less than `above`");
+    pel_status status = check_thresholds(body, "above", def->above, "below", def->below, error);
+    if (status == PEL_OK)
+        status = check_thresholds(body, "curvature_above", def->curvature_above, "curvature_below",
+                                  def->curvature_below, error);
+    if (status == PEL_OK)
+        status = check_region(def, body, vertex_count, error);
+    if (status != PEL_OK)
+        return status;
+    if (!(def->near_tools >= 0 && isfinite(def->near_tools)))
+        return refuse(error, body, "near_tools", def->near_tools, "give a distance of at least 0");
     if (def->rings < 1 || def->rings > 3)
         return refuse(error, body, "rings", def->rings, "give 1 to 3 rings");
     if (def->dwell < 0)
@@ -125,6 +158,12 @@ pel_status pel_body_detail_create(const pel_body_def *def, pel_model *model, int
         return pel_fail_memory(error);
     model->bodies[body].detail = detail;
     detail->def = def->refine;
+    detail->region = pel_allocate((size_t)def->refine.region_count, sizeof *detail->region);
+    if (detail->region == NULL)
+        return pel_fail_memory(error);
+    if (def->refine.region_count > 0)
+        memcpy(detail->region, def->refine.region, (size_t)def->refine.region_count * sizeof *detail->region);
+    detail->def.region = detail->region;
     pel_status status =
         pel_lod_forest_create(def->mesh, def->refine.levels, def->refine.memory_limit, &detail->forest, error);
     if (status != PEL_OK)
@@ -142,6 +181,7 @@ void pel_body_detail_destroy(pel_body_detail *detail)
     if (detail == NULL)
         return;
     pel_lod_forest_destroy(detail->forest);
+    pel_free(detail->region);
     pel_free(detail->areas);
     pel_free(detail->densities);
     pel_free(detail->stiffnesses);

@@ -15,7 +15,8 @@
 
 #include "model/model.h"
 
-pel_status pel_refine_check(const pel_refine_def *def, int32_t body, pel_error *error);
+/* vertex_count: of the body's mesh */
+pel_status pel_refine_check(const pel_refine_def *def, int32_t body, int32_t vertex_count, pel_error *error);
 
 /* Fills the body's detail when its def asks for refinement; its vertices have to be in the model already. */
 pel_status pel_body_detail_create(const pel_body_def *def, pel_model *model, int32_t body, pel_error *error);

@@ -95,7 +95,7 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         if (b->pinned[p] < 0 || b->pinned[p] >= b->mesh->vertex_count)
             status = refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
     if (status == PEL_OK)
-        status = pel_refine_check(&b->refine, body, error);
+        status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
     if (status == PEL_OK)
         status = pel_shell_check(b, body, error);
     return status;
@@ -540,6 +540,11 @@ int32_t pel_model_find_body(const pel_model *model, const char *name)
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body)
 {
     return model->bodies[body].mesh;
+}
+
+bool pel_model_is_closed(const pel_model *model, int32_t body)
+{
+    return model->bodies[body].closed;
 }
 
 const char *pel_model_body_name(const pel_model *model, int32_t body)

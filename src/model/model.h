@@ -33,7 +33,8 @@ typedef struct pel_nodal {
 
 /* Levels of detail of a body (detail.h). */
 typedef struct pel_body_detail {
-    pel_refine_def def;
+    pel_refine_def def; /* its region is the copy below */
+    int32_t *region;
     pel_lod_forest *forest;
     double *areas;        /* (base triangles) rest area */
     pel_nodal *densities; /* (vertices of the finest level) over the area of the triangles around */

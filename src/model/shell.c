@@ -121,6 +121,12 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
     if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
         status =
             pel_quantity_check(&def->rest_length, body_def->mesh->vertex_count, body, "fibre rest_length", true, error);
+    if (status == PEL_OK && !fibres && body_def->shell.bending.model != PEL_BENDING_HINGE) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "anisotropy that curls changes rest angles, but the body has no hinges");
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give the bending the model hinge");
+        return PEL_BAD_ARGUMENT;
+    }
     if (status == PEL_OK && !isfinite(def->curvature))
         status = check_number(def->curvature, -1e6, 1e6, body, "curvature", error);
     if (status == PEL_OK && fibres && def->direction == PEL_FIBRE_ALONG &&
@@ -363,6 +369,18 @@ static pel_status create_pressure(const pel_body_def *def, const pel_body *body,
     return PEL_OK;
 }
 
+/* a gas and a target volume need a volume */
+static pel_status check_closed(const pel_body_def *def, const pel_body *body, int32_t index, pel_error *error)
+{
+    pel_pressure_kind kind = def->shell.pressure.kind;
+    if (body->closed || (kind != PEL_PRESSURE_GAS && kind != PEL_PRESSURE_VOLUME))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' encloses no volume: its mesh has a boundary", body->name);
+    pel_fail_element(error, "body", index);
+    pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or give the pressure as a number");
+    return PEL_BAD_ARGUMENT;
+}
+
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
                                  pel_error *error)
 {
@@ -372,7 +390,9 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
     pel_shell *shell = b->shell = pel_allocate(1, sizeof *shell);
     if (shell == NULL)
         return pel_fail_memory(error);
-    pel_status status = create_triangles(def, b, shell, error);
+    pel_status status = check_closed(def, b, body, error);
+    if (status == PEL_OK)
+        status = create_triangles(def, b, shell, error);
     if (status == PEL_OK)
         status = create_hinges(def, b, topology, shell, error);
     if (status == PEL_OK)

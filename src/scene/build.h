@@ -13,6 +13,20 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
 /* Loads, tools, solver, output, duration, stop; names of bodies that were left out are put into the tree. */
 pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
+/* what one body is built from */
+typedef struct pel_scene_body_source {
+    pel_scene_reader *reader;
+    const pel_scene_value *value;
+    const pel_mesh *mesh;
+} pel_scene_body_source;
+
+/* The quantity at a key of a map (nullable: 0), row_path is that of the map's row. */
+pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const pel_scene_value *map, const char *key,
+                                    const char *row_path, pel_quantity *quantity);
+
+/* Membrane, bending, fibres and pressure of a body (build_shell.c). */
+pel_status pel_scene_build_shell(const pel_scene_body_source *source, pel_shell_def *shell);
+
 /* [[t, value], ...] with increasing times; a null list gives no keys */
 pel_status pel_scene_build_keys(pel_scene_reader *reader, const pel_scene_value *list, const pel_key **keys,
                                 int32_t *key_count);

@@ -6,13 +6,6 @@
 
 #include <string.h>
 
-/* what one body is built from */
-typedef struct body_source {
-    pel_scene_reader *reader;
-    const pel_scene_value *value;
-    const pel_mesh *mesh;
-} body_source;
-
 pel_status pel_scene_build_keys(pel_scene_reader *reader, const pel_scene_value *list, const pel_key **keys,
                                 int32_t *key_count)
 {
@@ -58,8 +51,8 @@ static double mapped(const double map[2], double value)
 }
 
 /* numbers on the vertices from a field and its map */
-static pel_status read_field(const body_source *source, const pel_scene_value *value, const pel_scene_row *row,
-                             pel_quantity *quantity)
+static pel_status read_field(const pel_scene_body_source *source, const pel_scene_value *value,
+                             const pel_scene_row *row, pel_quantity *quantity)
 {
     pel_scene_reader *reader = source->reader;
     const pel_scene_value *name = pel_scene_value_entry(value, "field"), *map = pel_scene_value_entry(value, "map");
@@ -88,12 +81,10 @@ static pel_status read_field(const body_source *source, const pel_scene_value *v
     return PEL_OK;
 }
 
-/* the quantity at a key of a map below the body; row_path is that of its row */
-static pel_status read_quantity(const body_source *source, const char *group, const char *key, const char *row_path,
-                                pel_quantity *quantity)
+pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const pel_scene_value *map, const char *key,
+                                    const char *row_path, pel_quantity *quantity)
 {
-    const pel_scene_value *value = pel_scene_value_at(source->value, group);
-    value = value != NULL ? pel_scene_value_entry(value, key) : NULL;
+    const pel_scene_value *value = map != NULL ? pel_scene_value_entry(map, key) : NULL;
     *quantity = (pel_quantity){0};
     if (value == NULL)
         return PEL_OK;
@@ -107,7 +98,7 @@ static pel_status read_quantity(const body_source *source, const char *group, co
                                 &quantity->key_count);
 }
 
-static pel_status read_mass(const body_source *source, pel_body_def *body)
+static pel_status read_mass(const pel_scene_body_source *source, pel_body_def *body)
 {
     static const struct {
         const char *key;
@@ -121,10 +112,10 @@ static pel_status read_mass(const body_source *source, pel_body_def *body)
         body->mass_kind = kinds[i].kind;
         body->mass = value->number;
     }
-    return read_quantity(source, "mass", "thickness", "bodies[].mass", &body->thickness);
+    return pel_scene_build_quantity(source, mass, "thickness", "bodies[].mass", &body->thickness);
 }
 
-static pel_status read_materials(const body_source *source, pel_body_def *body)
+static pel_status read_materials(const pel_scene_body_source *source, pel_body_def *body)
 {
     const struct {
         const char *group, *key, *row_path;
@@ -137,14 +128,15 @@ static pel_status read_materials(const body_source *source, pel_body_def *body)
     };
     pel_status status = read_mass(source, body);
     for (size_t i = 0; status == PEL_OK && i < sizeof quantities / sizeof quantities[0]; i++)
-        status = read_quantity(source, quantities[i].group, quantities[i].key, quantities[i].row_path,
-                               quantities[i].quantity);
+        status = pel_scene_build_quantity(source, pel_scene_value_entry(source->value, quantities[i].group),
+                                          quantities[i].key, quantities[i].row_path, quantities[i].quantity);
     return status;
 }
 
-static pel_status read_pinned(const body_source *source, pel_body_def *body)
+/* the vertices of a region, listed also when it is all of them */
+static pel_status read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
+                                const int32_t **vertices, int32_t *count)
 {
-    const pel_scene_value *value = pel_scene_value_entry(source->value, "pinned");
     if (value == NULL)
         return PEL_OK;
     pel_scene_region region;
@@ -158,42 +150,97 @@ static pel_status read_pinned(const body_source *source, pel_body_def *body)
         for (int32_t v = 0; v < region.count; v++)
             region.vertices[v] = v;
     }
-    body->pinned = region.vertices;
-    body->pinned_count = region.count;
+    *vertices = region.vertices;
+    *count = region.count;
     return PEL_OK;
 }
 
-static void read_refine(const body_source *source, pel_refine_def *refine)
+/* `above` and `below` of a map; below may be left to half of above, and has to be less */
+static pel_status read_thresholds(const pel_scene_body_source *source, const pel_scene_value *map, double *above,
+                                  double *below)
+{
+    const pel_scene_value *high = pel_scene_value_entry(map, "above"), *low = pel_scene_value_entry(map, "below");
+    if (high == NULL)
+        return PEL_OK;
+    *above = high->number;
+    *below = low->form == PEL_FORM_WORD ? *above / 2 : low->number;
+    if (*below < *above)
+        return PEL_OK;
+    pel_scene_fail(source->reader, &low->place, "below (%g) is not less than above (%g)", *below, *above);
+    pel_fail_remedy(source->reader->error, "give a smaller one, or leave it out for half of above");
+    return PEL_BAD_SCENE;
+}
+
+/* something says where, and not twice */
+static pel_status check_refine(const pel_scene_body_source *source, const pel_scene_value *value, bool everywhere)
+{
+    static const char *const keys[] = {"above", "curvature", "near_tools", "region"};
+    const pel_scene_value *found = NULL;
+    for (size_t i = 0; found == NULL && i < sizeof keys / sizeof keys[0]; i++)
+        found = pel_scene_value_entry(value, keys[i]);
+    if ((found != NULL) != everywhere)
+        return PEL_OK;
+    if (everywhere) {
+        pel_scene_fail(source->reader, &found->key_place, "'everywhere' and '%s' exclude each other", found->key);
+        pel_fail_remedy(source->reader->error, "remove one of them");
+    } else {
+        pel_scene_fail(source->reader, &value->place, "refine does not say where");
+        pel_fail_remedy(source->reader->error,
+                        "add 'above', 'curvature', 'near_tools' or 'region', or 'everywhere: true'");
+    }
+    return PEL_BAD_SCENE;
+}
+
+static pel_status read_refine(const pel_scene_body_source *source, pel_refine_def *refine)
 {
     const pel_scene_value *value = pel_scene_value_entry(source->value, "refine");
     if (value == NULL)
-        return;
-    const pel_scene_value *above = pel_scene_value_entry(value, "above");
-    const pel_scene_value *everywhere = pel_scene_value_entry(value, "everywhere");
+        return PEL_OK;
+    const pel_scene_value *curvature = pel_scene_value_entry(value, "curvature"),
+                          *near = pel_scene_value_entry(value, "near_tools"),
+                          *region = pel_scene_value_entry(value, "region");
     refine->levels = pel_scene_value_integer(value, "levels");
     refine->rings = pel_scene_value_integer(value, "rings");
     refine->budget = pel_scene_value_integer(value, "budget");
     refine->springs = (pel_refine_springs)pel_scene_value_number(value, "springs");
-    refine->everywhere = everywhere != NULL && everywhere->number != 0;
-    if (above == NULL)
-        return;
-    const pel_scene_value *below = pel_scene_value_entry(value, "below");
-    refine->above = above->number;
-    refine->below = below->form == PEL_FORM_WORD ? refine->above / 2 : below->number;
-    refine->dwell = pel_scene_value_integer(value, "dwell");
-    refine->interval = pel_scene_value_integer(value, "interval");
+    refine->everywhere = pel_scene_value_boolean(value, "everywhere");
+    refine->near_tools = near != NULL ? near->number : 0;
+    if (pel_scene_value_entry(value, "dwell") != NULL) {
+        refine->dwell = pel_scene_value_integer(value, "dwell");
+        refine->interval = pel_scene_value_integer(value, "interval");
+    }
+    pel_status status = check_refine(source, value, refine->everywhere);
+    if (status == PEL_OK)
+        status = read_thresholds(source, value, &refine->above, &refine->below);
+    if (status == PEL_OK && curvature != NULL)
+        status = read_thresholds(source, curvature, &refine->curvature_above, &refine->curvature_below);
+    if (status != PEL_OK || region == NULL)
+        return status;
+    const pel_scene_value *levels = pel_scene_value_entry(value, "region_levels");
+    refine->region_levels = (int32_t)levels->number;
+    if (refine->region_levels <= refine->levels)
+        return read_vertices(source, region, &refine->region, &refine->region_count);
+    pel_scene_fail(source->reader, &levels->place, "region_levels is %d, the body has %d levels",
+                   (int)refine->region_levels, (int)refine->levels);
+    pel_fail_remedy(source->reader->error, "raise levels, or give at most %d", (int)refine->levels);
+    return PEL_BAD_SCENE;
 }
 
-static pel_status read_body(const body_source *source, pel_body_def *body)
+static pel_status read_body(const pel_scene_body_source *source, pel_body_def *body)
 {
     *body = pel_body_def_default();
     body->name = pel_scene_value_entry(source->value, "name")->text;
     body->mesh = source->mesh;
     body->volumetric_by_area = pel_scene_value_boolean(source->value, "scale_with_area");
     body->reference_count = pel_scene_value_integer(source->value, "reference_count");
-    read_refine(source, &body->refine);
-    pel_status status = read_materials(source, body);
-    return status == PEL_OK ? read_pinned(source, body) : status;
+    pel_status status = read_refine(source, &body->refine);
+    if (status == PEL_OK)
+        status = read_materials(source, body);
+    if (status == PEL_OK)
+        status = pel_scene_build_shell(source, &body->shell);
+    if (status != PEL_OK)
+        return status;
+    return read_vertices(source, pel_scene_value_entry(source->value, "pinned"), &body->pinned, &body->pinned_count);
 }
 
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
@@ -209,7 +256,7 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
         status = pel_scene_mesh(reader, pel_scene_value_entry(value, "mesh"), folder, &meshes[count]);
         if (status != PEL_OK)
             break;
-        body_source source = {reader, value, meshes[count]};
+        pel_scene_body_source source = {reader, value, meshes[count]};
         *mesh_count = count + 1;
         status = read_body(&source, &bodies[count++]);
     }

@@ -171,16 +171,29 @@ static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *li
     return status;
 }
 
+/* 0 for auto */
+static int32_t count_or_auto(const pel_scene_value *map, const char *key)
+{
+    const pel_scene_value *value = pel_scene_value_entry(map, key);
+    return value->form == PEL_FORM_INTEGER ? (int32_t)value->number : 0;
+}
+
 static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
 {
     /* in the order of the words in the table */
-    static const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT};
+    static const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT, PEL_METHOD_PBD,
+                                         PEL_METHOD_PBD_DISTANCE, PEL_METHOD_XPBD,     PEL_METHOD_DESCENT};
     const pel_scene_value *alpha = pel_scene_value_entry(value, "alpha");
     sim->solver.method = methods[pel_scene_value_integer(value, "method")];
     sim->solver.dt = pel_scene_value_number(value, "dt");
     sim->solver.alpha = alpha->form == PEL_FORM_NUMBER ? alpha->number : 0;
     sim->solver.keep_velocity = pel_scene_value_integer(value, "velocity") == 1;
     sim->solver.symplectic = pel_scene_value_integer(value, "integrator") == 0;
+    sim->solver.iterations = count_or_auto(value, "iterations");
+    sim->solver.substeps = count_or_auto(value, "substeps");
+    sim->solver.second_order = pel_scene_value_boolean(value, "second_order");
+    sim->solver.drag = pel_scene_value_number(value, "drag");
+    sim->solver.gradient_only = pel_scene_value_integer(value, "descent") == 1;
     sim->thread_count = pel_scene_value_integer(value, "threads");
 }
 
@@ -224,15 +237,30 @@ static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *v
     return PEL_OK;
 }
 
+/* a number of a map that may be missing */
+static double number_or(const pel_scene_value *map, const char *key, double otherwise)
+{
+    const pel_scene_value *value = map != NULL ? pel_scene_value_entry(map, key) : NULL;
+    return value != NULL ? value->number : otherwise;
+}
+
+static void read_stop(const pel_scene_value *value, pel_scene *scene)
+{
+    scene->rest_speed = number_or(value, "at_rest", 0);
+    scene->least_volume_ratio = number_or(value, "volume_ratio_below", 0);
+    scene->stop_at_contact = number_or(value, "self_contact", 0) > 0;
+    scene->frame_limit = (int64_t)number_or(value, "frames", 0);
+    scene->time_limit = number_or(value, "time", 0);
+}
+
 pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
     const pel_scene_value *title = pel_scene_value_entry(root, "title");
     scene->title = title != NULL ? title->text : "";
     scene->duration = pel_scene_value_number(root, "duration");
-    const pel_scene_value *at_rest = pel_scene_value_at(root, "stop.at_rest");
-    scene->rest_speed = at_rest != NULL ? at_rest->number : 0;
     scene->sim = pel_sim_def_default();
     read_solver(pel_scene_value_entry(root, "solver"), &scene->sim);
+    read_stop(pel_scene_value_entry(root, "stop"), scene);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
         status = read_tools(reader, pel_scene_value_entry(root, "tools"), scene);

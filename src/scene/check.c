@@ -19,8 +19,7 @@ static bool is_one_of(const char *text, const char *const *words)
     return *words != NULL;
 }
 
-/* a plain scalar that YAML reads as no value */
-static bool is_null(const pel_scene_value *value)
+bool pel_scene_value_is_null(const pel_scene_value *value)
 {
     static const char *const nulls[] = {"", "~", "null", "Null", "NULL", NULL};
     return value->kind == PEL_SCENE_SCALAR && !value->quoted && is_one_of(value->text, nulls);
@@ -31,7 +30,7 @@ static bool is_null(const pel_scene_value *value)
 /* "a list", "'soft'": what a value is, for a message */
 static const char *describe(const pel_scene_value *value, char *text, size_t size)
 {
-    if (value->kind == PEL_SCENE_SCALAR && !is_null(value))
+    if (value->kind == PEL_SCENE_SCALAR && !pel_scene_value_is_null(value))
         snprintf(text, size, "'%.80s'", value->text);
     else
         snprintf(text, size, "%s",
@@ -181,20 +180,13 @@ static pel_status check_number(pel_scene_reader *reader, const pel_scene_row *li
     return accept(value, form, number);
 }
 
-/* a word of the row; the words to come are told apart from unknown ones */
+/* a word of the row */
 static pel_status check_word(pel_scene_reader *reader, const pel_scene_row *row, pel_scene_value *value)
 {
     size_t count = 0;
     for (; row->words[count] != NULL; count++)
         if (strcmp(row->words[count], value->text) == 0)
             return accept(value, PEL_FORM_WORD, (double)count);
-    if (row->later != NULL && is_one_of(value->text, row->later)) {
-        char path[PATH_SIZE], words[100];
-        pel_scene_fail(reader, &value->place, "%s '%s' is not in this version",
-                       pel_scene_value_path(value, path, sizeof path), value->text);
-        pel_fail_remedy(reader->error, "use %s", pel_scene_form_text(row, words, sizeof words));
-        return PEL_BAD_SCENE;
-    }
     if (row->forms != PEL_FORM_WORD)
         return fail_form(reader, row, value);
     return pel_scene_fail_name(reader, &value->place, value->key != NULL ? value->key : "word", value->text, row->words,
@@ -211,7 +203,7 @@ static pel_status check_scalar(pel_scene_reader *reader, const pel_scene_row *ro
         return check_number(reader, limits, value, PEL_FORM_INTEGER, number);
     if ((row->forms & PEL_FORM_BOOLEAN) != 0 && !value->quoted && parse_boolean(value->text, &number))
         return accept(value, PEL_FORM_BOOLEAN, number);
-    if (is_null(value) || (row->forms & (PEL_FORM_WORD | PEL_FORM_TEXT)) == 0)
+    if (pel_scene_value_is_null(value) || (row->forms & (PEL_FORM_WORD | PEL_FORM_TEXT)) == 0)
         return fail_form(reader, row, value);
     if ((row->forms & PEL_FORM_WORD) != 0)
         return check_word(reader, row, value);
@@ -321,7 +313,7 @@ static void remove_nulls(pel_scene_value *map)
 {
     for (pel_scene_value *entry = map->first, *next; entry != NULL; entry = next) {
         next = entry->next;
-        if (is_null(entry))
+        if (pel_scene_value_is_null(entry))
             pel_scene_value_remove(entry);
     }
 }

@@ -10,6 +10,9 @@
    are filled in, keys without value are gone and entries stand in the order of the table. */
 pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root);
 
+/* A plain scalar that YAML reads as no value. */
+bool pel_scene_value_is_null(const pel_scene_value *value);
+
 /* Whether a row's condition (needs, needs_word) is fulfilled in a map. */
 bool pel_scene_row_applies(const pel_scene_row *row, const pel_scene_value *map);
 

@@ -24,9 +24,10 @@ static void write_type(FILE *file, const pel_scene_table *table, const pel_scene
 {
     char text[200];
     pel_scene_row plain = *row;
+    bool one_or_more = row->like != NULL && (row->forms & PEL_FORM_LIST) != 0;
     plain.forms &= ~(unsigned)PEL_FORM_WORD;
     if (row->like != NULL)
-        plain.forms &= ~(unsigned)PEL_FORM_MAP;
+        plain.forms &= ~(unsigned)(PEL_FORM_MAP | (one_or_more ? PEL_FORM_LIST : 0));
     fputs(pel_scene_form_text(&plain, text, sizeof text), file);
     if (plain.forms != row->forms && text[0] != '\0')
         fputs(" or ", file);
@@ -37,7 +38,9 @@ static void write_type(FILE *file, const pel_scene_table *table, const pel_scene
         fprintf(file, "%s[%.*s](#%.*s)", (row->forms & PEL_FORM_WORD) != 0 ? " or " : "", length, row->like + 1, length,
                 row->like + 1);
     }
-    if ((row->forms & PEL_FORM_LIST) != 0)
+    if (one_or_more)
+        fputs(" or list of them", file);
+    else if ((row->forms & PEL_FORM_LIST) != 0)
         fprintf(file, " of %s", pel_scene_form_text(pel_scene_row_find(table, row->path, "[]"), text, sizeof text));
 }
 

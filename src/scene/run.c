@@ -14,26 +14,16 @@
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { RUN_COOKIE = 0x72756e21 };
 
-/* frames.pvd is written again when the frames have grown by this share, or after so many seconds: its cost stays a
-   small part of that of the frames */
-#define LIST_GROWTH 0.125
-#define LIST_SECONDS 2.0
+/* changes of the volume ratio below this are rounding */
+#define VOLUME_NOISE 1e-12
 
 pel_run_def pel_run_def_default(void)
 {
     return (pel_run_def){.cookie = RUN_COOKIE};
-}
-
-double pel_run_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 /* ---- prepare: nothing is written ---- */
@@ -89,6 +79,7 @@ static uint64_t hash_scene(const pel_scene *scene)
     return hash;
 }
 
+/* model, simulation, and what writes its frames */
 static pel_status create_sim(pel_run_state *run, pel_error *error)
 {
     pel_status status = pel_model_create(&run->scene->model, &run->model, error);
@@ -99,20 +90,33 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
     if (run->def->thread_count > 0)
         def.thread_count = run->def->thread_count;
     run->thread_count = def.thread_count > 0 ? def.thread_count : (int32_t)pel_thread_limit();
-    return pel_sim_create(&def, &run->sim, error);
+    status = pel_sim_create(&def, &run->sim, error);
+    return status == PEL_OK ? pel_run_frames_create(&run->frames, &def, run->sim, error) : status;
+}
+
+/* a volume to stop at needs one */
+static pel_status check_stop(const pel_run_state *run, pel_error *error)
+{
+    bool any = !(run->scene->least_volume_ratio > 0);
+    for (int32_t b = 0; b < pel_model_body_count(run->model); b++)
+        any |= pel_model_is_closed(run->model, b);
+    if (any)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_SCENE, "stop.volume_ratio_below needs a volume, but no body is closed");
+    pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or stop by frames or time");
+    return PEL_BAD_SCENE;
 }
 
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
     if (status == PEL_OK)
-        status = pel_run_surface_create(run->sim, &run->scene->output, &run->surface, error);
+        status = check_stop(run, error);
     if (status != PEL_OK)
         return status;
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
     if (run->tool_force == NULL)
         return pel_fail_memory(error);
-    run->plan = pel_run_plan_make(run->scene, run->def->max_frames);
     run->fingerprint = hash_scene(run->scene);
     status = pel_run_checkpoint_prepare(run, error);
     if (status == PEL_OK && run->def->resume != NULL)
@@ -123,8 +127,7 @@ static pel_status prepare(pel_run_state *run, pel_error *error)
 
 static void release(pel_run_state *run)
 {
-    pel_run_series_close(&run->series);
-    pel_run_surface_destroy(&run->surface);
+    pel_run_frames_destroy(&run->frames);
     pel_free(run->checkpoint);
     pel_free(run->tool_force);
     pel_sim_destroy(run->sim);
@@ -150,46 +153,11 @@ static pel_status write_scene(const pel_run_state *run, bool finished, pel_error
     return pel_file_writer_commit(&writer, error);
 }
 
-static pel_status write_list(pel_run_state *run, pel_error *error)
-{
-    enum { NAME_ROOM = 40 };
-    size_t count = (size_t)run->totals.frame_count;
-    char *text = pel_allocate(count, NAME_ROOM), path[PEL_RUN_FILE_SIZE];
-    const char **names = pel_allocate(count, sizeof *names);
-    double *times = pel_allocate(count, sizeof *times);
-    pel_status status = PEL_OUT_OF_MEMORY;
-    if (text != NULL && names != NULL && times != NULL) {
-        for (size_t i = 0; i < count; i++) {
-            char *name = text + i * NAME_ROOM;
-            pel_run_frame_path(path, NULL, (int64_t)i);
-            memcpy(name, path, strlen(path) + 1);
-            names[i] = name;
-            times[i] = pel_run_plan_time(&run->plan, (int64_t)i);
-        }
-        pel_run_path(path, run->def->folder, "frames.pvd");
-        status = pel_pvd_write(path, names, times, (int32_t)count, error);
-        run->listed_count = run->totals.frame_count;
-        run->listed_at = pel_run_clock();
-    } else {
-        pel_fail_memory(error);
-    }
-    pel_free(times);
-    pel_free(names);
-    pel_free(text);
-    return status;
-}
-
-static bool list_is_due(const pel_run_state *run)
-{
-    double unlisted = (double)(run->totals.frame_count - run->listed_count);
-    return unlisted > LIST_GROWTH * (double)run->listed_count || pel_run_clock() - run->listed_at > LIST_SECONDS;
-}
-
 /* about the bytes of checkpoint, final.ply, frames.pvd and summary.json */
 static size_t last_files_size(const pel_run_state *run)
 {
     const size_t list_entry = 100, others = 1 << 16;
-    size_t mesh = 48 * (size_t)run->surface.vertex_count + 16 * (size_t)run->surface.triangle_count;
+    size_t mesh = 48 * (size_t)run->frames.surface.vertex_count + 16 * (size_t)run->frames.surface.triangle_count;
     int64_t listed = run->plan.frame_end < 100000 ? run->plan.frame_end : 100000;
     return run->checkpoint_size + mesh + list_entry * (size_t)listed + others;
 }
@@ -198,13 +166,10 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
 {
     const char *folder = run->def->folder;
     bool resume = run->def->resume != NULL, removed = false;
-    pel_run_path(run->series_path, folder, "series.csv");
     pel_status status = pel_run_folder_open(folder, error);
-    if (status == PEL_OK && resume)
-        status = pel_run_series_resume(&run->series, run->series_path, run->sim, run->totals.frame_count, error);
     /* the list first: it must not name frames that are gone */
     if (status == PEL_OK && resume)
-        status = write_list(run, error);
+        status = pel_run_frames_begin(&run->frames, run->sim, run->totals.frame_count, true, error);
     if (status == PEL_OK)
         status = pel_run_folder_clear(folder, run->totals.frame_count, resume, &removed, error);
     if (status == PEL_OK && removed && !resume)
@@ -212,39 +177,10 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
     if (status == PEL_OK)
         status = write_scene(run, false, error);
     if (status == PEL_OK && !resume)
-        status = pel_run_series_create(&run->series, run->series_path, run->sim, error);
+        status = pel_run_frames_begin(&run->frames, run->sim, 0, false, error);
     if (status == PEL_OK)
         pel_run_folder_reserve(folder, last_files_size(run));
     return status;
-}
-
-static pel_status write_frame(pel_run_state *run, pel_error *error)
-{
-    pel_run_totals *totals = &run->totals;
-    char path[PEL_RUN_FILE_SIZE];
-    int64_t steps = pel_sim_step_count(run->sim) - totals->frame_step;
-    pel_sim_measure(run->sim, &run->measures);
-    const pel_run_row row = {
-        .frame = totals->frame_count,
-        .step_ms = steps > 0 ? 1e3 * totals->frame_seconds / (double)steps : 0,
-        .measures = run->measures,
-        .tool_force_max = run->tool_force,
-    };
-    pel_run_frame_path(path, run->def->folder, totals->frame_count);
-    pel_status status = pel_run_surface_write_frame(&run->surface, run->sim, &run->scene->output, path, error);
-    if (status != PEL_OK)
-        return status;
-    status = pel_run_series_add(&run->series, run->sim, &row, error);
-    if (status != PEL_OK) {
-        unlink(path);
-        return status;
-    }
-    totals->frame_count++;
-    totals->frame_step = pel_sim_step_count(run->sim);
-    totals->frame_seconds = 0;
-    totals->max_displacement = fmax(totals->max_displacement, run->measures.max_displacement);
-    memset(run->tool_force, 0, (size_t)pel_sim_tool_count(run->sim) * sizeof *run->tool_force);
-    return list_is_due(run) ? write_list(run, error) : PEL_OK;
 }
 
 /* ---- simulate ---- */
@@ -278,16 +214,54 @@ static bool report(const pel_run_state *run)
         .time = pel_sim_time(run->sim),
         .steps_per_second = seconds > 0 ? done / seconds : 0,
         .remaining = done > 0 ? (double)(end - step) * seconds / done : -1,
-        .max_force = run->measures.max_force,
+        .max_force = run->frames.max_force,
     };
     return def->progress(def->user, &progress);
 }
 
-static bool is_settled(pel_run_state *run)
+static bool is_settled(const pel_run_state *run)
 {
     double speed = run->scene->rest_speed;
-    return speed > 0 && pel_sim_time(run->sim) >= run->plan.settled_time &&
-           pel_run_surface_speed(&run->surface, run->sim) <= speed;
+    return speed > 0 && pel_sim_time(run->sim) >= run->plan.settled_time && pel_sim_max_speed(run->sim) <= speed;
+}
+
+/* the rule that ends the run at the present step, null when none does; rest is looked for at frames only */
+static const char *find_stop(const pel_run_state *run, bool at_frame)
+{
+    const pel_scene *scene = run->scene;
+    if (scene->least_volume_ratio > 0 && pel_sim_volume_ratio(run->sim) < scene->least_volume_ratio)
+        return "volume_ratio_below";
+    if (at_frame && is_settled(run))
+        return "at_rest";
+    if (scene->frame_limit > 0 && pel_sim_step_count(run->sim) >= scene->frame_limit)
+        return "frames";
+    if (scene->time_limit > 0 && pel_sim_time(run->sim) >= scene->time_limit * (1 - 1e-12))
+        return "time";
+    return NULL;
+}
+
+/* jitter: the volume of a shell that is pressed together should fall from frame to frame */
+static void note_volume(pel_run_totals *totals, double ratio)
+{
+    double rise = totals->frame_count > 0 ? ratio - totals->volume_ratio : 0;
+    totals->volume_ratio = ratio;
+    if (!(rise > VOLUME_NOISE))
+        return;
+    totals->rise_count++;
+    totals->rise_sum += rise;
+    totals->rise_max = fmax(totals->rise_max, rise);
+}
+
+static pel_status add_frame(pel_run_state *run, pel_error *error)
+{
+    note_volume(&run->totals, pel_sim_volume_ratio(run->sim));
+    return pel_run_frames_add(&run->frames, run->sim, &run->totals, run->tool_force, error);
+}
+
+/* until all frames are written; a failure brings the run back to the frame that could not be */
+static pel_status settle_frames(pel_run_state *run, pel_error *error)
+{
+    return pel_run_frames_settle(&run->frames, run->sim, &run->totals, run->tool_force, error);
 }
 
 /* the frame and the checkpoint that the present step has to give; a frame may be due still when a run is resumed */
@@ -295,15 +269,20 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
 {
     const pel_run_plan *plan = &run->plan;
     int64_t step = pel_sim_step_count(run->sim), frame = run->totals.frame_count;
-    pel_status status = PEL_OK;
-    if (frame <= plan->frame_total && step == pel_run_plan_step(plan, frame)) {
-        status = write_frame(run, error);
-        run->settled = status == PEL_OK && is_settled(run);
-    }
-    if (status == PEL_OK && !run->settled && plan->checkpoint_steps > 0 && step > 0 &&
-        step % plan->checkpoint_steps == 0)
-        status = pel_run_checkpoint_write(run, true, error);
-    return status;
+    pel_status status = pel_run_frames_failed(&run->frames) ? settle_frames(run, error) : PEL_OK;
+    bool is_due = frame <= plan->frame_total && step == pel_run_plan_step(plan, frame);
+    if (status == PEL_OK && is_due)
+        status = add_frame(run, error);
+    if (status == PEL_OK)
+        run->stop_reason = find_stop(run, is_due);
+    run->settled = status == PEL_OK && run->stop_reason != NULL;
+    if (run->settled && !is_due)
+        status = add_frame(run, error);
+    if (status != PEL_OK || run->settled || plan->checkpoint_steps == 0 || step == 0 ||
+        step % plan->checkpoint_steps != 0)
+        return status;
+    status = settle_frames(run, error);
+    return status == PEL_OK ? pel_run_checkpoint_write(run, true, error) : status;
 }
 
 /* one step and what belongs to it */
@@ -351,12 +330,10 @@ static void name_checkpoint(const pel_run_state *run, pel_error *error)
 static pel_status write_results(pel_run_state *run, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
-    pel_status status = PEL_OK;
-    if (run->listed_count != run->totals.frame_count)
-        status = write_list(run, error);
+    pel_status status = pel_run_frames_list(&run->frames, error);
     pel_run_path(path, run->def->folder, "final.ply");
     if (status == PEL_OK)
-        status = pel_run_surface_write_final(&run->surface, run->sim, path, error);
+        status = pel_run_surface_write_final(&run->frames.surface, run->sim, path, error);
     if (status == PEL_OK)
         status = write_scene(run, true, error);
     return status;
@@ -375,14 +352,17 @@ static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *er
     return PEL_OK;
 }
 
-/* error holds what ended the run when status is a failure; a later failure does not replace an earlier one */
+/* error holds what ended the run when status is a failure; a later failure does not replace an earlier one, and that of
+   a frame is the earliest */
 static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary *summary, pel_error *error)
 {
+    pel_status later = settle_frames(run, error);
+    status = later != PEL_OK ? later : status;
     pel_run_folder_release(run->def->folder);
     pel_sim_measure(run->sim, &run->measures);
-    pel_status later = write_results(run, status == PEL_OK ? error : NULL);
+    later = write_results(run, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;
-    later = pel_run_surface_intersections(&run->surface, run->sim, &run->intersection_count,
+    later = pel_run_surface_intersections(&run->frames.surface, run->sim, &run->intersection_count,
                                           status == PEL_OK ? error : NULL);
     run->intersection_count = later == PEL_OK ? run->intersection_count : -1;
     status = status == PEL_OK ? later : status;
@@ -408,7 +388,9 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         status = check_scene_file(scene, def, cause);
     if (status != PEL_OK)
         return status;
-    pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock(), .series = {.descriptor = -1}};
+    pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock()};
+    run.plan = pel_run_plan_make(scene, def->max_frames);
+    run.frames = (pel_run_frames){.scene = scene, .folder = def->folder, .plan = &run.plan};
     status = prepare(&run, cause);
     if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
         pel_scene_locate(scene, cause);

@@ -13,6 +13,10 @@ typedef enum pel_run_field {
     PEL_RUN_ENERGY,
     PEL_RUN_SPRING_ENERGY,
     PEL_RUN_VOLUMETRIC_ENERGY,
+    PEL_RUN_MEMBRANE_ENERGY,
+    PEL_RUN_BENDING_ENERGY,
+    PEL_RUN_FIBRE_ENERGY,
+    PEL_RUN_PRESSURE,
     PEL_RUN_CONTACT,
     /* those from here on are measured on the surface (pellicle/measure.h) */
     PEL_RUN_AREA,

@@ -21,6 +21,14 @@ static double quantity_end(const pel_quantity *quantity)
     return quantity->keys != NULL && quantity->key_count > 0 ? quantity->keys[quantity->key_count - 1].time : 0;
 }
 
+static double shell_end(const pel_shell_def *shell)
+{
+    double time = fmax(quantity_end(&shell->pressure.outside), quantity_end(&shell->pressure.target));
+    for (int32_t i = 0; i < shell->anisotropy_count; i++)
+        time = fmax(time, quantity_end(&shell->anisotropies[i].rest_length));
+    return time;
+}
+
 static double settled_time(const pel_scene *scene)
 {
     double time = 0;
@@ -42,6 +50,7 @@ static double settled_time(const pel_scene *scene)
                                              &body->volumetric_stiffness, &body->volumetric_damping};
         for (int q = 0; q < 4; q++)
             time = later_finite(time, quantity_end(quantities[q]));
+        time = later_finite(time, shell_end(&body->shell));
     }
     return time;
 }
@@ -57,6 +66,15 @@ double pel_run_plan_time(const pel_run_plan *plan, int64_t frame)
     return (double)pel_run_plan_step(plan, frame) * plan->dt;
 }
 
+/* steps to the earliest of the ends that the scene names */
+static double step_limit(const pel_scene *scene)
+{
+    double dt = scene->sim.solver.dt, steps = scene->duration / dt;
+    if (scene->frame_limit > 0)
+        steps = fmin(steps, (double)scene->frame_limit);
+    return scene->time_limit > 0 ? fmin(steps, scene->time_limit / dt) : steps;
+}
+
 pel_run_plan pel_run_plan_make(const pel_scene *scene, int64_t max_frames)
 {
     const pel_output_def *output = &scene->output;
@@ -65,7 +83,7 @@ pel_run_plan pel_run_plan_make(const pel_scene *scene, int64_t max_frames)
     pel_run_plan plan = {
         .dt = dt,
         .steps_per_frame = fmin(fmax(spacing, 1), STEP_LIMIT),
-        .step_total = whole_steps(scene->duration / dt),
+        .step_total = whole_steps(step_limit(scene)),
         .checkpoint_steps = output->checkpoint > 0 ? whole_steps(output->checkpoint / dt) : 0,
         .settled_time = settled_time(scene),
     };

@@ -66,12 +66,19 @@ static void put_tool_column(pel_run_series *series, const char *tool, const char
     put_text(series, quoted ? "\"" : "");
 }
 
+static const char *const shell_columns[] = {"membrane_energy", "bending_energy", "fibre_energy"};
+enum { SHELL_COLUMN_COUNT = sizeof shell_columns / sizeof shell_columns[0] };
+
 static void put_header(pel_run_series *series, const pel_sim *sim)
 {
     put_text(series, first_columns);
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         for (int c = 0; c < TOOL_COLUMN_COUNT; c++)
             put_tool_column(series, pel_sim_tool_name(sim, t), tool_columns[c]);
+    for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++) {
+        put_text(series, ",");
+        put_text(series, shell_columns[c]);
+    }
     put_text(series, "\n");
 }
 
@@ -95,8 +102,8 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
 {
     size_t tool_room = TOOL_COLUMN_COUNT * (2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE);
     *series = (pel_run_series){.descriptor = -1, .path = path};
-    series->room =
-        sizeof first_columns + FIRST_COLUMN_COUNT * PEL_NUMBER_SIZE + (size_t)pel_sim_tool_count(sim) * tool_room;
+    series->room = sizeof first_columns + (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT) * PEL_NUMBER_SIZE +
+                   (size_t)pel_sim_tool_count(sim) * tool_room;
     series->line = pel_allocate(series->room, 1);
     return series->line != NULL ? PEL_OK : pel_fail_memory(error);
 }
@@ -196,6 +203,9 @@ pel_status pel_run_series_add(pel_run_series *series, const pel_sim *sim, const 
     put_number(series, round(row->step_ms * 1e5) / 1e5);
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         put_tool(series, sim, t, row->tool_force_max[t]);
+    const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};
+    for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++)
+        put_number(series, energies[c]);
     put_text(series, "\n");
     return write_line(series, error);
 }

@@ -3,20 +3,7 @@
 #define PEL_SCENE_RUN_STATE_H
 
 #include "pellicle/run.h"
-#include "scene/run_folder.h"
-#include "scene/run_plan.h"
-#include "scene/run_series.h"
-#include "scene/run_surface.h"
-
-/* What is summed up on the way; goes into checkpoints as it stands. */
-typedef struct pel_run_totals {
-    int64_t frame_count;     /* frames written */
-    int64_t frame_step;      /* step of the last one */
-    double frame_seconds;    /* wall time of the steps since then */
-    double step_seconds;     /* wall time of all steps */
-    double wall_seconds;     /* of the calls of pel_run before this one */
-    double max_displacement; /* m, over the frames */
-} pel_run_totals;
+#include "scene/run_frames.h"
 
 typedef struct pel_run_state {
     const pel_scene *scene;
@@ -26,9 +13,7 @@ typedef struct pel_run_state {
     int32_t thread_count;
     uint64_t fingerprint; /* of the scene with its meshes and of the program version */
     pel_run_plan plan;
-    pel_run_surface surface;
-    pel_run_series series;
-    char series_path[PEL_RUN_FILE_SIZE];
+    pel_run_frames frames;
     pel_run_totals totals;
     double *tool_force;        /* (2 x tool count) N, largest since the last frame, then largest over the run */
     unsigned char *checkpoint; /* (checkpoint_size) a checkpoint as it is written */
@@ -37,15 +22,11 @@ typedef struct pel_run_state {
     int64_t checkpoint_step;
     double start;               /* wall clock at the beginning of this call */
     int64_t start_step;         /* step at the beginning of this call */
-    int64_t listed_count;       /* frames in frames.pvd */
-    double listed_at;           /* wall clock when it was written */
-    bool settled;               /* everything came to rest */
-    pel_sim_measures measures;  /* of the last frame, at last of the end */
+    bool settled;               /* a rule of the scene's `stop` ended the run */
+    const char *stop_reason;    /* which one; null = none */
+    pel_sim_measures measures;  /* of the end */
     int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
 } pel_run_state;
-
-/* s, from some fixed moment */
-double pel_run_clock(void);
 
 /* ---- run_checkpoint.c ---- */
 

@@ -22,6 +22,15 @@ static const char *status_word(pel_status status)
     }
 }
 
+static const char *stop_reason(const pel_run_state *run, pel_status status)
+{
+    if (status != PEL_OK)
+        return "";
+    if (run->stop_reason != NULL)
+        return run->stop_reason;
+    return pel_sim_step_count(run->sim) >= run->plan.step_total ? "duration" : "max_frames";
+}
+
 void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary)
 {
     const pel_sim *sim = run->sim;
@@ -45,6 +54,10 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .alpha = pel_sim_alpha(sim),
         .alpha_limit = pel_sim_alpha_limit(sim),
         .threads = run->thread_count,
+        .stop_reason = stop_reason(run, status),
+        .volume_rises = totals->rise_count,
+        .volume_rise_sum = totals->rise_sum,
+        .volume_rise_max = totals->rise_max,
     };
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
@@ -141,6 +154,10 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
     count_entry(writer, "threads", s->threads);
     number_entry(writer, "max_tool_force", s->max_tool_force);
     write_tools(writer, run);
+    text_entry(writer, "stop_reason", s->stop_reason);
+    count_entry(writer, "volume_rises", s->volume_rises);
+    number_entry(writer, "volume_rise_sum", s->volume_rise_sum);
+    number_entry(writer, "volume_rise_max", s->volume_rise_max);
     text_entry(writer, "checkpoint", s->checkpoint);
     text_entry(writer, "scene", run->scene->path);
     text_entry(writer, "version", PEL_VERSION);

@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* sources of fields that change with the surface alone */
-enum { SOURCE_MESH = PEL_RUN_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_TRIANGLE, SOURCE_MESH_WEIGHTS };
+enum { SOURCE_MESH = PEL_RUN_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_VERTICES, SOURCE_MESH_WEIGHTS };
 
 /* ---- fields ---- */
 
@@ -95,15 +95,18 @@ static void fill_levels(const pel_run_surface *surface, const pel_sim *sim, doub
     }
 }
 
+/* the corners of the triangle of the mesh that a vertex lies in, or their weights */
 static void fill_places(const pel_run_surface *surface, const pel_sim *sim, int source, double *values)
 {
     for (int32_t b = 0; b < surface->body_count; b++) {
+        const pel_mesh *mesh = pel_model_mesh(pel_sim_model(sim), b);
         const int32_t *triangles = read_places(surface, sim, b);
         size_t first = (size_t)surface->begin[b], count = (size_t)surface->begin[b + 1] - first;
+        double *out = values + 3 * first;
         if (source == SOURCE_MESH_WEIGHTS)
-            memcpy(values + 3 * first, surface->scratch, 3 * count * sizeof *values);
-        for (size_t r = 0; source == SOURCE_MESH_TRIANGLE && r < count; r++)
-            values[first + r] = triangles[r];
+            memcpy(out, surface->scratch, 3 * count * sizeof *out);
+        for (size_t i = 0; source == SOURCE_MESH_VERTICES && i < 3 * count; i++)
+            out[i] = mesh->triangles[triangles[i / 3]][i % 3];
     }
 }
 
@@ -128,7 +131,7 @@ static pel_status make_values(const pel_run_surface *surface, const pel_sim *sim
         fill_body_numbers(surface, values);
     else if (source == SOURCE_LEVEL)
         fill_levels(surface, sim, values);
-    else if (source == SOURCE_MESH_TRIANGLE || source == SOURCE_MESH_WEIGHTS)
+    else if (source == SOURCE_MESH_VERTICES || source == SOURCE_MESH_WEIGHTS)
         fill_places(surface, sim, source, values);
     return PEL_OK;
 }
@@ -170,7 +173,7 @@ static pel_status add_fields(pel_run_surface *surface, const pel_sim *sim, const
     if (status == PEL_OK && refines)
         status = add_field(surface, sim, "level", SOURCE_LEVEL, 1, error);
     if (status == PEL_OK && refines)
-        status = add_field(surface, sim, "mesh_triangle", SOURCE_MESH_TRIANGLE, 1, error);
+        status = add_field(surface, sim, "mesh_vertices", SOURCE_MESH_VERTICES, 3, error);
     if (status == PEL_OK && refines)
         status = add_field(surface, sim, "mesh_weights", SOURCE_MESH_WEIGHTS, 3, error);
     return status;
@@ -315,6 +318,8 @@ pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *outp
         return pel_fail_memory(error);
     pel_status status = make_buffers(sim, surface, error);
     if (status == PEL_OK)
+        status = pel_vtp_writer_create(&surface->writer, error);
+    if (status == PEL_OK)
         status = add_fields(surface, sim, output, error);
     return status == PEL_OK ? make_topologies(surface, sim, error) : status;
 }
@@ -324,6 +329,7 @@ void pel_run_surface_destroy(pel_run_surface *surface)
     for (int32_t f = 0; f < surface->field_count; f++)
         pel_free(field_values(&surface->fields[f]));
     free_topologies(surface);
+    pel_vtp_writer_destroy(surface->writer);
     pel_free(surface->sources);
     pel_free(surface->fields);
     free_buffers(surface);
@@ -339,15 +345,29 @@ static void read_positions(pel_run_surface *surface, const pel_sim *sim)
         pel_sim_get_positions(sim, b, surface->positions + 3 * (size_t)surface->begin[b]);
 }
 
-/* the two energies of a body into the scratch, wanted in this mix into values */
+/* adds one of three lists of the scratch, or all of them, to values */
+static void add_lists(const pel_run_surface *surface, int32_t count, int first_source, int source, double *values)
+{
+    for (int i = 0; i < 3; i++)
+        for (int32_t v = 0; (source == PEL_RUN_ENERGY || source == first_source + i) && v < count; v++)
+            values[v] += surface->scratch[(size_t)i * (size_t)count + (size_t)v];
+}
+
+/* one energy of a body, or the sum of all */
 static void read_energies(pel_run_surface *surface, const pel_sim *sim, int32_t body, int source, double *values)
 {
     int32_t count = surface->begin[body + 1] - surface->begin[body];
-    double *spring = surface->scratch, *volumetric = surface->scratch + count;
-    pel_sim_get_energies(sim, body, spring, volumetric);
-    for (int32_t v = 0; v < count; v++)
-        values[v] = (source == PEL_RUN_VOLUMETRIC_ENERGY ? 0 : spring[v]) +
-                    (source == PEL_RUN_SPRING_ENERGY ? 0 : volumetric[v]);
+    double *first = surface->scratch, *second = first + count, *third = second + count;
+    memset(values, 0, (size_t)count * sizeof *values);
+    if (source <= PEL_RUN_VOLUMETRIC_ENERGY) {
+        pel_sim_get_energies(sim, body, first, second);
+        memset(third, 0, (size_t)count * sizeof *third);
+        add_lists(surface, count, PEL_RUN_SPRING_ENERGY, source, values);
+    }
+    if (source == PEL_RUN_ENERGY || source >= PEL_RUN_MEMBRANE_ENERGY) {
+        pel_sim_get_shell_energies(sim, body, first, second, third);
+        add_lists(surface, count, PEL_RUN_MEMBRANE_ENERGY, source, values);
+    }
 }
 
 static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_t body)
@@ -372,7 +392,13 @@ static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_
     case PEL_RUN_ENERGY:
     case PEL_RUN_SPRING_ENERGY:
     case PEL_RUN_VOLUMETRIC_ENERGY:
+    case PEL_RUN_MEMBRANE_ENERGY:
+    case PEL_RUN_BENDING_ENERGY:
+    case PEL_RUN_FIBRE_ENERGY:
         read_energies(surface, sim, body, source, values);
+        break;
+    case PEL_RUN_PRESSURE:
+        pel_sim_get_pressure_forces(sim, body, values);
         break;
     case PEL_RUN_STRESS:
         pel_sim_get_spring_virials(sim, body, values);
@@ -425,21 +451,6 @@ pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim
     return pel_mesh_self_intersections(&mesh, NULL, 0, count, error);
 }
 
-double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim)
-{
-    double largest = 0;
-    if (refresh(surface, sim, NULL) != PEL_OK)
-        return HUGE_VAL;
-    for (int32_t b = 0; b < surface->body_count; b++) {
-        pel_sim_get_velocities(sim, b, surface->scratch);
-        for (int32_t v = 0; v < surface->begin[b + 1] - surface->begin[b]; v++) {
-            const double *u = surface->scratch + 3 * (size_t)v;
-            largest = fmax(largest, u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-        }
-    }
-    return sqrt(largest);
-}
-
 /* ---- writing ---- */
 
 pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, const pel_output_def *output,
@@ -465,7 +476,7 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
         .compress = output->compress,
         .float64 = output->float64,
     };
-    return pel_vtp_write(path, &vtp, error);
+    return pel_vtp_writer_write(surface->writer, path, &vtp, error);
 }
 
 /* every field of a mesh once, on all bodies */

@@ -19,12 +19,13 @@ typedef struct pel_run_surface {
     pel_vtp_field *fields;     /* (field_count), with values of their own */
     int *sources;              /* (field_count) a pel_run_field, or more for what changes with the surface alone */
     pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
-    int64_t revision;          /* of the bodies' surfaces, summed up */
+    pel_vtp_writer *writer;
+    int64_t revision; /* of the bodies' surfaces, summed up */
 } pel_run_surface;
 
 /* Fields: those of run_fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies
-   that refine `level` and the place of a vertex in the body's mesh, `mesh_triangle` and the `mesh_weights` of its
-   corners. PEL_BAD_SCENE names an unknown one. Destroy also on failure. */
+   that refine `level` and the place of a vertex in the body's mesh: the `mesh_vertices` of a triangle, whose
+   `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on failure. */
 pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, pel_run_surface *surface,
                                   pel_error *error);
 void pel_run_surface_destroy(pel_run_surface *surface);
@@ -40,8 +41,5 @@ pel_status pel_run_surface_write_final(pel_run_surface *surface, const pel_sim *
 /* Pairs of triangles that cut or touch each other, within and between bodies. PEL_OUT_OF_MEMORY. */
 pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count,
                                          pel_error *error);
-
-/* m/s, of the fastest vertex; infinite when out of memory */
-double pel_run_surface_speed(pel_run_surface *surface, const pel_sim *sim);
 
 #endif

@@ -5,6 +5,7 @@
 #include "io/file.h"
 #include "scene/build.h"
 #include "scene/check.h"
+#include "scene/imply.h"
 #include "scene/override.h"
 #include "scene/print.h"
 #include "scene/yaml.h"
@@ -71,6 +72,8 @@ static pel_scene_value *read_tree(pel_scene_reader *reader, const scene_source *
     for (int32_t i = 0; root->kind == PEL_SCENE_MAP && i < source->override_count; i++)
         if (pel_scene_override(reader, root, source->overrides[i]) != PEL_OK)
             return NULL;
+    if (pel_scene_imply(reader, root) != PEL_OK)
+        return NULL;
     return pel_scene_check(reader, root) == PEL_OK ? root : NULL;
 }
 

@@ -17,6 +17,7 @@ typedef struct schema_writer {
 typedef struct schema_variant {
     const pel_scene_row *chosen; /* alternative, null when there is none */
     const char *word;            /* its value, null when any */
+    bool implied;                /* it may be left out: the default */
 } schema_variant;
 
 static void write_value(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits, const char *word);
@@ -84,15 +85,57 @@ static void write_list(schema_writer *out, const pel_scene_row *row, const pel_s
     fputc('}', out->file);
 }
 
-static bool belongs(const pel_scene_row *row, const char *prefix, const schema_variant *variant)
+/* whether one of the keys that a row needs is an alternative: then the object that has it has the row too */
+static bool needs_alternative(const schema_writer *out, const char *prefix, const pel_scene_row *row)
+{
+    const pel_scene_row *other = NULL;
+    while (row->needs != NULL && (other = pel_scene_row_next(out->table, prefix, other)) != NULL)
+        if (other->alternative && pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
+            return true;
+    return false;
+}
+
+static bool belongs(const schema_writer *out, const pel_scene_row *row, const char *prefix,
+                    const schema_variant *variant)
 {
     if (row->alternative)
         return row == variant->chosen;
-    if (row->needs == NULL)
+    if (!needs_alternative(out, prefix, row))
         return true;
     if (variant->chosen == NULL || !pel_scene_row_needs(row, pel_scene_row_name(variant->chosen, prefix)))
         return false;
     return row->needs_word == NULL || (variant->word != NULL && strcmp(row->needs_word, variant->word) == 0);
+}
+
+/* "key": one of those that it needs has to stand beside it */
+static void write_dependency(schema_writer *out, const char *prefix, const pel_scene_row *row)
+{
+    const char *comma = "";
+    write_text(out, pel_scene_row_name(row, prefix));
+    fputs(":{\"anyOf\":[", out->file);
+    for (const pel_scene_row *other = NULL; (other = pel_scene_row_next(out->table, prefix, other)) != NULL;) {
+        if (!pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
+            continue;
+        fprintf(out->file, "%s{\"required\":[", comma);
+        write_text(out, pel_scene_row_name(other, prefix));
+        fputs("]}", out->file);
+        comma = ",";
+    }
+    fputs("]}", out->file);
+}
+
+static void write_dependencies(schema_writer *out, const char *prefix)
+{
+    const char *before = ",\"dependencies\":{", *after = "";
+    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+        if (row->needs == NULL || needs_alternative(out, prefix, row))
+            continue;
+        fputs(before, out->file);
+        write_dependency(out, prefix, row);
+        before = ",\n";
+        after = "}";
+    }
+    fputs(after, out->file);
 }
 
 static void write_object(schema_writer *out, const char *prefix, const pel_scene_row *limits,
@@ -101,7 +144,7 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     const char *comma = "";
     fputs("{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        if (!belongs(row, prefix, variant))
+        if (!belongs(out, row, prefix, variant))
             continue;
         fputs(comma, out->file);
         write_text(out, pel_scene_row_name(row, prefix));
@@ -112,13 +155,15 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     comma = "";
     fputs("},\"required\":[", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        if (!belongs(row, prefix, variant) || !(row->required || row->alternative))
+        if (!belongs(out, row, prefix, variant) || !(row->required || (row->alternative && !variant->implied)))
             continue;
         fputs(comma, out->file);
         write_text(out, pel_scene_row_name(row, prefix));
         comma = ",";
     }
-    fputs("]}", out->file);
+    fputs("]", out->file);
+    write_dependencies(out, prefix);
+    fputs("}", out->file);
 }
 
 /* whether some key stands only beside this word */
@@ -136,12 +181,12 @@ static void write_alternative(schema_writer *out, const char *prefix, const pel_
                               const pel_scene_row *row)
 {
     if ((row->forms & PEL_FORM_WORD) == 0 || !brings_keys(out, prefix, row->words[0])) {
-        write_object(out, prefix, limits, &(schema_variant){row, NULL});
+        write_object(out, prefix, limits, &(schema_variant){row, NULL, false});
         return;
     }
     for (size_t i = 0; row->words[i] != NULL; i++) {
         fputs(i > 0 ? ",\n" : "", out->file);
-        write_object(out, prefix, limits, &(schema_variant){row, row->words[i]});
+        write_object(out, prefix, limits, &(schema_variant){row, row->words[i], false});
     }
 }
 
@@ -149,19 +194,22 @@ static void write_map(schema_writer *out, const char *prefix, const pel_scene_ro
 {
     bool may_lack = true;
     const char *comma = "";
+    schema_variant implied = {NULL, NULL, true};
     fputs("{\"anyOf\":[", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!row->alternative)
             continue;
         /* without any alternative given, the one with a default is taken */
         may_lack = (may_lack && comma[0] != '\0') || row->preset != NULL;
+        if (row->preset != NULL)
+            implied = (schema_variant){row, (row->forms & PEL_FORM_WORD) != 0 ? row->preset : NULL, true};
         fputs(comma, out->file);
         write_alternative(out, prefix, limits, row);
         comma = ",\n";
     }
     if (may_lack) {
         fputs(comma, out->file);
-        write_object(out, prefix, limits, &(schema_variant){NULL, NULL});
+        write_object(out, prefix, limits, &implied);
     }
     fputs("]}", out->file);
 }
@@ -229,6 +277,6 @@ void pel_scene_put_schema(FILE *file, const pel_scene_table *table)
     schema_writer out = {file, table};
     fputs("{\"$schema\":\"http://json-schema.org/draft-07/schema#\",\"title\":\"scene of pellicle\",\"allOf\":[\n",
           file);
-    write_object(&out, "", NULL, &(schema_variant){NULL, NULL});
+    write_object(&out, "", NULL, &(schema_variant){NULL, NULL, false});
     fputs("\n]}\n", file);
 }

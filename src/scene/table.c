@@ -1,5 +1,6 @@
 #include "scene/table.h"
 
+#include "pellicle/preset.h"
 #include "scene/shape_rows.h"
 
 #include <math.h>
@@ -18,15 +19,13 @@
     {                                                                                                                  \
         __VA_ARGS__, NULL                                                                                              \
     }
-#define LATER(...)                                                                                                     \
-    .later = (const char *const[])                                                                                     \
-    {                                                                                                                  \
-        __VA_ARGS__, NULL                                                                                              \
-    }
 #define WORD(...) .forms = PEL_FORM_WORD, WORDS(__VA_ARGS__)
+#define INTEGER_OR(...) .forms = PEL_FORM_INTEGER | PEL_FORM_WORD, WORDS(__VA_ARGS__)
 #define NUMBER_OR(...) .forms = PEL_FORM_NUMBER | PEL_FORM_WORD, WORDS(__VA_ARGS__)
 /* a number, over the body or over time */
 #define QUANTITY .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<quantity>"
+/* a number, over the body */
+#define FIELD .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<field>"
 #define REGION .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS("all"), .like = "<region>"
 
 #define POSITIVE .range = {true, true, 0, (double)INFINITY}
@@ -66,8 +65,8 @@ static const pel_scene_row rows[] = {
      .doc = "mass of the body, spread evenly over its vertices"},
     {"bodies[].mass.density", NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE,
      .doc = "density of the material; needs the thickness"},
-    {"bodies[].mass.thickness", .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<field>", .unit = "m", POSITIVE,
-     .needs = "density", REQUIRED, .doc = "thickness of the shell"},
+    {"bodies[].mass.thickness", FIELD, .unit = "m", POSITIVE, .needs = "density", REQUIRED,
+     .doc = "thickness of the shell"},
     {"bodies[].springs", MAP, .preset = "{}", .doc = "structural springs on the edges (paper A, eq. A-3)"},
     {"bodies[].springs.stiffness", QUANTITY, .unit = "N/m", AT_LEAST(0), .preset = "3",
      .doc = "stiffness k of each edge"},
@@ -85,22 +84,75 @@ static const pel_scene_row rows[] = {
      .doc = "with scale_with_area: the numbers are those of a vertex with this fraction of the area (paper A: 252)"},
     {"bodies[].pinned", REGION, .doc = "vertices that never move; leave out for none"},
 
+    {"bodies[].membrane", MAP,
+     .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); leave out for none"},
+    {"bodies[].membrane.preset", .forms = PEL_FORM_WORD,
+     .doc = "a material of `pellicle presets`; keys that stand beside it override its numbers"},
+    {"bodies[].membrane.material", WORD("stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean"),
+     .preset = "stvk", .doc = "law of the material"},
+    {"bodies[].membrane.young", FIELD, .unit = "Pa", POSITIVE, REQUIRED, .doc = "Young's modulus"},
+    {"bodies[].membrane.poisson", NUMBER, .range = {true, true, -1, 1}, .preset = "0.3",
+     .doc = "Poisson's ratio, less than 1; mooney-rivlin is incompressible and does not read it"},
+    {"bodies[].membrane.thickness", FIELD, .unit = "m", POSITIVE, REQUIRED,
+     .doc = "thickness of the sheet; left out: that of the mass"},
+    {"bodies[].membrane.mooney_ratio", NUMBER, AT_LEAST(0), .preset = "0.2", .doc = "mooney-rivlin: c2 over c1"},
+    {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); leave out for none"},
+    {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge"), .preset = "hinge",
+     .doc = "isometric: paper B's, pulls a curved rest shape flat; isometric-rest: the same less the energy at rest; "
+            "hinge: angle between neighbours against that at rest"},
+    {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
+     .doc = "pbd: factor on the correction of positions (paper B, k_B); auto lets the volume fall without jitter"},
+    {"bodies[].bending.stiffness", .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP, WORDS("auto"),
+     .like = "<field>", .unit = "N m", AT_LEAST(0), .preset = "auto",
+     .doc = "stiffness D of a plate, for the methods that feel it; auto is that of the membrane's numbers"},
+    {"bodies[].anisotropy", .forms = PEL_FORM_MAP | PEL_FORM_LIST, COUNT_FROM(1), .like = "<anisotropy>",
+     .doc = "regions with fibres (paper B, section 3): one map or a list of them; leave out for none"},
+    {"bodies[].anisotropy[]", MAP, .like = "<anisotropy>", .doc = "one region with fibres"},
+    {"bodies[].pressure", MAP, .doc = "pressure on the surface; leave out for none"},
+    {"bodies[].pressure.outside", QUANTITY, .unit = "Pa", ALTERNATIVE,
+     .doc = "pressure outside over that inside: presses inward (paper B)"},
+    {"bodies[].pressure.inside", QUANTITY, .unit = "Pa", ALTERNATIVE,
+     .doc = "pressure inside over that outside: inflates"},
+    {"bodies[].pressure.gas", MAP, ALTERNATIVE, .doc = "an enclosed gas, p V^gamma stays; in balance at rest"},
+    {"bodies[].pressure.gas.pressure", NUMBER, .unit = "Pa", POSITIVE, .preset = "101325",
+     .doc = "pressure of the gas at rest, and of the air outside"},
+    {"bodies[].pressure.gas.gamma", NUMBER, BETWEEN(1, 10), .preset = "1.4",
+     .doc = "1 keeps the temperature, 1.4 keeps the heat of air"},
+    {"bodies[].pressure.volume", MAP, ALTERNATIVE, .doc = "drives the enclosed volume to a target"},
+    {"bodies[].pressure.volume.target", QUANTITY, AT_LEAST(0), REQUIRED, .doc = "volume over that at rest"},
+    {"bodies[].pressure.volume.bulk", NUMBER, .unit = "Pa", POSITIVE, REQUIRED,
+     .doc = "pressure for each relative difference of volume"},
+    {"bodies[].pressure.form", WORD("consistent", "vertex-normal"), .preset = "consistent",
+     .doc = "consistent: minus pressure times the gradient of the volume; vertex-normal: as paper B writes it"},
+    {"bodies[].pressure.region", REGION, .preset = "all", .doc = "where it acts"},
+
     {"bodies[].refine", MAP, .doc = "dynamic local refinement (paper A, section 3); leave out for none"},
     {"bodies[].refine.levels", INTEGER, .range = {true, false, 1, 6}, .preset = "1",
      .doc = "finest level of detail; each one halves the edges"},
-    {"bodies[].refine.everywhere", BOOLEAN, ALTERNATIVE, .doc = "true: all of the body is on the finest level"},
-    {"bodies[].refine.above", NUMBER, .unit = "N/m2", POSITIVE, ALTERNATIVE,
+    {"bodies[].refine.everywhere", BOOLEAN, .preset = "false",
+     .doc = "true: all of the body is on the finest level; goes with none of the criteria below"},
+    {"bodies[].refine.above", NUMBER, .unit = "N/m2", POSITIVE,
      .doc = "refines around a vertex whose elastic force over its share of the area is larger"},
     {"bodies[].refine.below", NUMBER_OR("auto"), .unit = "N/m2", AT_LEAST(0), .needs = "above", .preset = "auto",
      .doc = "gives that up where it stays smaller; auto is half of `above`"},
+    {"bodies[].refine.curvature", MAP, .doc = "refines where the surface bends or folds; leave out for not"},
+    {"bodies[].refine.curvature.above", NUMBER, .unit = "1/m", POSITIVE, REQUIRED,
+     .doc = "refines around a vertex whose mean curvature has changed by more since rest"},
+    {"bodies[].refine.curvature.below", NUMBER_OR("auto"), .unit = "1/m", AT_LEAST(0), .preset = "auto",
+     .doc = "gives that up where the change stays smaller; auto is half of `above`"},
+    {"bodies[].refine.near_tools", NUMBER, .unit = "m", POSITIVE,
+     .doc = "refines triangles that are this near to a tool, before it touches; gives them up beyond 1.25 times that"},
+    {"bodies[].refine.region", REGION, .doc = "the triangles at these vertices are always refined"},
+    {"bodies[].refine.region_levels", INTEGER, .range = {true, false, 0, 6}, .needs = "region", .preset = "0",
+     .doc = "to this level at least; 0 for the finest"},
     {"bodies[].refine.rings", INTEGER, .range = {true, false, 1, 3}, .preset = "2",
      .doc = "rings of triangles around the vertex, on each level"},
-    {"bodies[].refine.dwell", INTEGER, COUNT_FROM(0), .needs = "above", .preset = "50",
-     .doc = "steps for which the force has to stay below"},
-    {"bodies[].refine.interval", INTEGER, COUNT_FROM(1), .needs = "above", .preset = "10",
+    {"bodies[].refine.dwell", INTEGER, COUNT_FROM(0), .needs = "above, curvature, near_tools", .preset = "50",
+     .doc = "steps for which a vertex has to stay below what refined it"},
+    {"bodies[].refine.interval", INTEGER, COUNT_FROM(1), .needs = "above, curvature, near_tools", .preset = "10",
      .doc = "steps in which every vertex is looked at once"},
     {"bodies[].refine.budget", INTEGER, COUNT_FROM(0), .preset = "0",
-     .doc = "the body never has more triangles than this; 0 for no limit"},
+     .doc = "the body never has more triangles than this, the strongest candidates win; 0 for no limit"},
     {"bodies[].refine.springs", WORD("van-gelder", "unchanged"), .preset = "van-gelder",
      .doc = "stiffness on finer levels: by area over squared length, scaled to the given one, or unchanged"},
 
@@ -148,8 +200,12 @@ static const pel_scene_row rows[] = {
     {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},
 
     {"solver", MAP, .preset = "{}", .doc = "how the equations are stepped"},
-    {"solver.method", WORD("quasi-static", "explicit"), LATER("pbd", "xpbd", "descent"), .preset = "quasi-static",
-     .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F"},
+    {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent"),
+     .preset = "quasi-static",
+     .doc =
+         "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper B; "
+         "pbd-distance: position-based dynamics on edges; xpbd: position-based dynamics that feels stiffness; "
+         "descent: minimises the energy. Left out beside a membrane: xpbd"},
     {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
     {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
      .doc = "quasi-static: how far a step goes; auto takes a value that is safe for the mesh"},
@@ -157,13 +213,30 @@ static const pel_scene_row rows[] = {
      .doc = "quasi-static: ignore takes F(x, 0), damping has no effect; keep takes F(x, v) with the last step's v"},
     {"solver.integrator", WORD("symplectic", "forward"), .preset = "symplectic",
      .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
+    {"solver.iterations", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
+     .doc = "pbd, xpbd: sweeps in a substep; descent: iterations in a step; auto is 5, 1 and 50"},
+    {"solver.substeps", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
+     .doc = "pbd, xpbd: a step is done in so many; auto is 1 and 16"},
+    {"solver.second_order", BOOLEAN, .preset = "false", .doc = "xpbd: velocities from three positions instead of two"},
+    {"solver.drag", NUMBER, .unit = "1/s", AT_LEAST(0), .preset = "0",
+     .doc = "explicit, pbd, xpbd: velocities fall by exp(-drag t)"},
+    {"solver.descent", WORD("lbfgs", "gradient"), .preset = "lbfgs",
+     .doc = "descent: L-BFGS, or plain gradient descent (paper B's comparison)"},
     {"solver.threads", INTEGER, COUNT_FROM(0), .preset = "0",
-     .doc = "threads of a step, 0 for as many as the machine has; the results do not depend on it"},
+     .doc =
+         "threads of a step, 0 for as many as the machine has; unless it is 1, a further thread writes the frames; the "
+         "results do not depend on it"},
 
-    {"duration", NUMBER, .unit = "s", POSITIVE, REQUIRED, .doc = "simulated time"},
+    {"duration", NUMBER, .unit = "s", POSITIVE, REQUIRED,
+     .doc = "simulated time; left out: that of stop.time or stop.frames"},
     {"stop", MAP, .doc = "what ends a run before its duration; leave out for nothing"},
     {"stop.at_rest", NUMBER, .unit = "m/s", POSITIVE,
      .doc = "ends the run once loads and tools are done and no vertex is faster"},
+    {"stop.volume_ratio_below", NUMBER, POSITIVE,
+     .doc = "ends the run when the volume over that at rest is less; needs a closed body"},
+    {"stop.frames", INTEGER, COUNT_FROM(1), .doc = "ends the run after so many steps of dt (paper B's frames)"},
+    {"stop.time", NUMBER, .unit = "s", POSITIVE, .doc = "ends the run at this simulated time"},
+    {"stop.self_contact", BOOLEAN, .preset = "false", .doc = "ends the run when a body touches itself or another"},
 
     {"output", MAP, .preset = "{}", .doc = "what the run leaves in its folder"},
     {"output.every", NUMBER, .unit = "s", POSITIVE, ALTERNATIVE, .preset = "0.1",
@@ -172,7 +245,8 @@ static const pel_scene_row rows[] = {
     {"output.fields", LIST, .preset = "[\"displacement\", \"force\"]",
      .doc = "vertex fields of the frames: those of the list of fields and those of the meshes"},
     {"output.fields[]", NAME, .doc = "name of a field"},
-    {"output.compress", BOOLEAN, .preset = "true", .doc = "compresses the .vtp files"},
+    {"output.compress", BOOLEAN, .preset = "false",
+     .doc = "packs the .vtp files (zlib): less than half the size, several times the work"},
     {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},
     {"output.checkpoint", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
      .doc = "simulated time between checkpoints; 0 keeps only the last good one when a run fails or is stopped"},
@@ -189,6 +263,28 @@ static const pel_scene_row rows[] = {
     {"<field>.field", TEXT, ALTERNATIVE, .doc = "vertex field of the mesh that gives the number at each vertex"},
     {"<field>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field",
      .doc = "numbers at the field values 0 and 1, linear between and beyond; left out: the field's own values"},
+
+    {"<anisotropy>", MAP, .doc = "a region with fibres"},
+    {"<anisotropy>.mode", WORD("cave", "strain", "active", "curl"), ALTERNATIVE, .preset = "cave",
+     .doc =
+         "cave: paper B's, vertices go inward where fibres are strained (pbd); strain: fibres resist strain; active: "
+         "they shrink like a muscle; curl: the region wants another curvature"},
+    {"<anisotropy>.energy", WORD("arap", "stvk", "sqrt"), .preset = "arap",
+     .doc = "cave, strain: energy of the fibres"},
+    {"<anisotropy>.stiffness", NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
+     .doc = "of the fibres; auto is young times thickness of the membrane"},
+    {"<anisotropy>.strength", NUMBER, .unit = "m", POSITIVE, .needs = "mode", .needs_word = "cave", REQUIRED,
+     .doc = "how far a projection moves a vertex inward where the energy per area equals the stiffness"},
+    {"<anisotropy>.max_step", NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave", .preset = "0.1",
+     .doc = "share of the mean edge that one projection may move a vertex"},
+    {"<anisotropy>.rest_length", QUANTITY, AT_LEAST(0), .needs = "mode", .needs_word = "active", REQUIRED,
+     .doc = "length at which the fibres are at rest, over that of the rest shape"},
+    {"<anisotropy>.curvature", NUMBER, .needs = "mode", .needs_word = "curl", .preset = "-1",
+     .doc = "factor on the angles of hinges at rest: below 0 the region wants to cave in"},
+    {"<anisotropy>.direction", .forms = PEL_FORM_WORD | PEL_FORM_VECTOR, WORDS("center", "principal"),
+     .preset = "center",
+     .doc = "of the fibres: towards the centre of the region, that of the largest stretch, or along a vector"},
+    {"<anisotropy>.region", REGION, .preset = "all", .doc = "where the fibres are"},
 
     {"<region>", MAP, .doc = "some vertices of a body at rest; `all` is all of them"},
     {"<region>.sphere", MAP, ALTERNATIVE, .doc = "the vertices inside a sphere"},
@@ -208,6 +304,17 @@ static const pel_scene_row rows[] = {
 
 enum { ROW_COUNT = sizeof rows / sizeof rows[0] };
 
+/* names of the materials; null when out of memory */
+static const char *const *preset_words(pel_arena *arena)
+{
+    int32_t count;
+    const pel_material_preset *presets = pel_material_presets(&count);
+    const char **words = pel_arena_take(arena, (size_t)count + 1, sizeof *words);
+    for (int32_t i = 0; words != NULL && i < count; i++)
+        words[i] = presets[i].name;
+    return (const char *const *)words;
+}
+
 const pel_scene_table *pel_scene_table_create(pel_arena *arena)
 {
     size_t shape_row_count = pel_scene_shape_row_count();
@@ -218,6 +325,11 @@ const pel_scene_table *pel_scene_table_create(pel_arena *arena)
     size_t count = 0;
     for (size_t i = 0; i < ROW_COUNT; i++) {
         all[count++] = rows[i];
+        if (strcmp(rows[i].path, "bodies[].membrane.preset") == 0) {
+            all[count - 1].words = preset_words(arena);
+            if (all[count - 1].words == NULL)
+                return NULL;
+        }
         if (strcmp(rows[i].path, "bodies[].mesh.shape") != 0)
             continue;
         all[count - 1].words = pel_scene_shape_words(arena);

@@ -39,7 +39,6 @@ typedef struct pel_scene_row {
     const char *needs_word;   /* ... with this value; null = any */
     const char *like;         /* the entries are those of this group, "<region>" */
     const char *const *words; /* null-terminated */
-    const char *const *later; /* words that will come in another version; nullable */
     const char *doc;          /* one sentence without full stop */
 } pel_scene_row;
 

@@ -37,18 +37,38 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
         vertex_velocity(sim, pel_row_place(sim, body, r), velocities + 3 * (size_t)r);
 }
 
-/* forces of eq. with the loads at the present time, into sim->force */
+/* forces of eq. and of shells with the loads at the present time, into sim->force; once for each state */
 static void compute_forces(pel_sim *sim)
 {
     const pel_state *state = sim->state;
+    if (sim->force_is_present)
+        return;
+    sim->force_is_present = true;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
     pel_loads_add(sim, pel_sim_time(sim), sim->force);
+    pel_shell_forces_follow(sim->shells, state->position);
+    sim->shell_energy =
+        pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
 }
 
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
 {
     compute_forces(sim);
     copy_out(sim, body, sim->force, forces);
+}
+
+double pel_sim_max_speed(const pel_sim *sim)
+{
+    double largest = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        int32_t count = pel_row_count(sim, b);
+        for (int32_t r = 0; r < count; r++) {
+            double velocity[3];
+            vertex_velocity(sim, pel_row_place(sim, b, r), velocity);
+            largest = fmax(largest, pel_vec3_squared_length(velocity));
+        }
+    }
+    return sqrt(largest);
 }
 
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric)
@@ -103,6 +123,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
         status = check_values(positions, pel_row_count(sim, body), "position", error);
     if (status != PEL_OK)
         return status;
+    sim->force_is_present = false;
     int32_t count = pel_row_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
@@ -122,6 +143,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
     if (status != PEL_OK)
         return status;
     pel_state *state = sim->state;
+    sim->force_is_present = false;
     int32_t count = pel_row_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
@@ -141,6 +163,7 @@ pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force
         return pel_fail(error, PEL_BAD_ARGUMENT, "load %d does not exist", (int)load);
     if (!isfinite(force[0]) || !isfinite(force[1]) || !isfinite(force[2]))
         return pel_fail(error, PEL_BAD_ARGUMENT, "force of load %d is not finite", (int)load);
+    sim->force_is_present = false;
     memcpy(sim->loads[load].force, force, sizeof sim->loads[load].force);
     return PEL_OK;
 }
@@ -167,33 +190,36 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
 
 /* ---- measures ---- */
 
-static void corner_at(const pel_record *records, int32_t v, const double origin[3], double x[3])
+/* corners of a triangle about an origin */
+static void corners_at(const pel_record *records, const int32_t v[3], const double origin[3], double x[3][3])
 {
-    for (int c = 0; c < 3; c++)
-        x[c] = (double)records[v][c] - origin[c];
+    for (int k = 0; k < 3; k++) {
+        pel_record r = records[v[k]];
+        pel_vec3_set(x[k], (double)r[0] - origin[0], (double)r[1] - origin[1], (double)r[2] - origin[2]);
+    }
 }
 
 /* area and enclosed volume of a body, about its first vertex, at the given positions */
 static void measure_surface(const pel_sim *sim, const pel_record *records, int32_t body, double *area, double *volume)
 {
     const pel_model *model = sim->model;
-    const double zero[3] = {0, 0, 0};
-    double origin[3];
-    corner_at(records, model->bodies[body].slot_of_vertex[0], zero, origin);
-    *area = *volume = 0;
+    const pel_front_triangle *surface = pel_surface_in_order(sim, body);
+    const int32_t(*triangles)[3] = (const int32_t(*)[3])model->triangles + model->triangle_begin[body];
     int32_t count = pel_surface_count(model, body);
+    pel_record first = records[model->bodies[body].slot_of_vertex[0]];
+    const double origin[3] = {(double)first[0], (double)first[1], (double)first[2]};
+    double area_sum = 0, volume_sum = 0;
     for (int32_t i = 0; i < count; i++) {
-        int32_t t = pel_surface_in_order(sim, body, i);
-        double a[3], b[3], c[3], u[3], w[3], n[3];
-        corner_at(records, model->triangles[t][0], origin, a);
-        corner_at(records, model->triangles[t][1], origin, b);
-        corner_at(records, model->triangles[t][2], origin, c);
-        pel_vec3_subtract(b, a, u);
-        pel_vec3_subtract(c, a, w);
+        double x[3][3], u[3], w[3], n[3];
+        corners_at(records, triangles[surface != NULL ? pel_surface_number(&surface[i]) : i], origin, x);
+        pel_vec3_subtract(x[1], x[0], u);
+        pel_vec3_subtract(x[2], x[0], w);
         pel_vec3_cross(u, w, n);
-        *area += pel_vec3_length(n) / 2;
-        *volume += pel_vec3_dot(a, n) / 6;
+        area_sum += pel_vec3_length(n) / 2;
+        volume_sum += pel_vec3_dot(x[0], n) / 6;
     }
+    *area = area_sum;
+    *volume = volume_sum;
 }
 
 static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
@@ -216,12 +242,20 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
     measures->volume_ratio = rest_volume != 0 ? volume / rest_volume : 1;
 }
 
+double pel_sim_volume_ratio(const pel_sim *sim)
+{
+    pel_sim_measures measures = {0};
+    measure_surfaces(sim, &measures);
+    return measures.volume_ratio;
+}
+
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
 {
     *measures = (pel_sim_measures){0};
     measure_surfaces(sim, measures);
     compute_forces(sim);
     const pel_model *model = sim->model;
+    double largest_offset = 0, largest_force = 0; /* squares */
     for (int32_t slice = 0; slice < model->slice_count; slice++) {
         pel_wide spring, volumetric;
         pel_slice_energy(model, sim->state, slice, &spring, &volumetric);
@@ -238,10 +272,17 @@ void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
             measures->spring_energy += (double)spring[lane];
             measures->volumetric_energy += (double)volumetric[lane];
             measures->kinetic_energy += 0.5 * (double)model->mass[i] * pel_vec3_squared_length(velocity);
-            measures->max_displacement = fmax(measures->max_displacement, pel_vec3_length(offset));
-            measures->max_force = fmax(measures->max_force, pel_vec3_length(force));
+            double offset_square = pel_vec3_squared_length(offset), force_square = pel_vec3_squared_length(force);
+            largest_offset = offset_square > largest_offset ? offset_square : largest_offset;
+            largest_force = force_square > largest_force ? force_square : largest_force;
             measures->contact_count += sim->state->contact[i];
         }
     }
-    measures->elastic_energy = measures->spring_energy + measures->volumetric_energy;
+    measures->max_displacement = sqrt(largest_offset);
+    measures->max_force = sqrt(largest_force);
+    measures->membrane_energy = sim->shell_energy.membrane;
+    measures->bending_energy = sim->shell_energy.bending;
+    measures->fibre_energy = sim->shell_energy.fibres;
+    measures->elastic_energy = measures->spring_energy + measures->volumetric_energy + measures->membrane_energy +
+                               measures->bending_energy + measures->fibre_energy;
 }

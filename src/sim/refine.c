@@ -1,21 +1,29 @@
-/* Where a body refines: paper A's criterion (section 3.2).
+/* Where a body refines: what the criteria (criterion.c) find becomes requests, requests become marks of the front.
 
-   The measure of a vertex is its elastic force, springs and volumetric spring, over its share of the area [N/m2]. At
-   rest it balances what acts on the vertex from outside, tools and loads, per area; it is nothing where nothing acts,
-   and it does not change with the level, so that refinement does not take away its own reason. A vertex above the
-   threshold becomes hot and asks for the rings around it, on every level finer than its own; a hot vertex of the finest
-   level asks for the two triangles between which it lies. One that stays below the lower threshold for the dwell time
-   becomes cold and takes its requests back. A triangle is marked while anybody asks for it.
+   A vertex above a threshold becomes hot and asks for the rings around it, on every level finer than its own; a hot
+   vertex of the finest level asks for the two triangles between which it lies. One that stays below all lower
+   thresholds for the dwell time becomes cold and takes its requests back. A triangle is marked while anybody asks for
+   it.
 
-   Vertices are looked at a part each step, all of them in `interval` steps (a round), so that no step is much longer
-   than another; at the end of a round the front changes once. With a budget the candidates are tried one by one, the
-   strongest first, and one that would make too many triangles is passed over. */
+   Vertices are looked at a part each step, all of them in `interval` steps (a round). What a round found is done from
+   its end on, so that the strongest of a round come first, in portions: an event changes a limited number of triangles,
+   and what is left waits for the next step. So no step is much longer than another, however much a tool touches at
+   once.
+
+   With a budget a candidate that would make too many triangles takes the place of hot vertices that are less than half
+   as strong, the weakest first; if that does not make enough room they keep it, and the candidate is passed over until
+   the next round. The factor keeps two equal places from taking it from each other. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
 #include "sim/sim.h"
 
-#include <string.h>
+/* triangles that one event changes, roughly: at least, and the surface over this share */
+enum { PORTION_LEAST = 48, PORTION_SHARE = 256 };
+/* candidates of one event that find no place in the budget, and vertices that one candidate displaces */
+enum { FAILURE_LIMIT = 4, DISPLACED_LIMIT = 64 };
+/* how much stronger a candidate has to be than those it displaces */
+#define DISPLACING_RATIO 2.0
 
 /* ---- creation ---- */
 
@@ -25,26 +33,30 @@ static pel_status create_body(const pel_sim *sim, int32_t body, pel_error *error
     if (front == NULL)
         return PEL_OK;
     pel_refine_body *refine = &sim->refine[body];
+    const pel_active_body *own = &sim->active->bodies[body];
     const pel_topology *finest = front->forest->levels[front->forest->depth];
     size_t fine = (size_t)finest->vertex_count, coarse = (size_t)front->forest->levels[0]->vertex_count;
+    int32_t **lists[] = {&refine->visited, &refine->queue,     &refine->candidates,   &refine->leaving,
+                         &refine->hot,     &refine->hot_place, &refine->row_vertices, &refine->row_of_vertex};
+    bool room = true;
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+        room &= (*lists[i] = pel_allocate(fine, sizeof **lists[i])) != NULL;
     refine->mark_counts = pel_allocate((size_t)front->red_limit, sizeof *refine->mark_counts);
-    refine->is_hot = pel_allocate(fine, sizeof *refine->is_hot);
+    refine->heat = pel_allocate(fine, sizeof *refine->heat);
     refine->warm_step = pel_allocate(fine, sizeof *refine->warm_step);
-    refine->asked_level = pel_allocate(coarse, sizeof *refine->asked_level);
-    refine->visited = pel_allocate(fine, sizeof *refine->visited);
-    refine->queue = pel_allocate(fine, sizeof *refine->queue);
-    refine->candidates = pel_allocate(fine, sizeof *refine->candidates);
     refine->strengths = pel_allocate(fine, sizeof *refine->strengths);
-    refine->cooled = pel_allocate(fine, sizeof *refine->cooled);
-    refine->row_vertices = pel_allocate(fine, sizeof *refine->row_vertices);
-    refine->row_of_vertex = pel_allocate(fine, sizeof *refine->row_of_vertex);
+    refine->asked_level = pel_allocate(coarse, sizeof *refine->asked_level);
     refine->surface = pel_allocate((size_t)finest->triangle_count, sizeof *refine->surface);
     refine->row_revision = -1;
-    if (refine->mark_counts == NULL || refine->is_hot == NULL || refine->warm_step == NULL ||
-        refine->asked_level == NULL || refine->visited == NULL || refine->queue == NULL || refine->candidates == NULL ||
-        refine->strengths == NULL || refine->cooled == NULL || refine->row_vertices == NULL ||
-        refine->row_of_vertex == NULL || refine->surface == NULL)
+    if (sim->model->bodies[body].detail->def.curvature_above > 0) {
+        refine->curvature_count = own->fine_limit - sim->model->bodies[body].slice_begin * PEL_WIDTH;
+        refine->rest_curvatures = pel_allocate((size_t)refine->curvature_count, sizeof *refine->rest_curvatures);
+        room &= refine->rest_curvatures != NULL;
+    }
+    if (!room || refine->mark_counts == NULL || refine->heat == NULL || refine->warm_step == NULL ||
+        refine->strengths == NULL || refine->asked_level == NULL || refine->surface == NULL)
         return pel_fail_memory(error);
+    pel_refine_forget(sim, body);
     return PEL_OK;
 }
 
@@ -65,9 +77,10 @@ void pel_refine_destroy(pel_sim *sim)
 {
     for (int32_t b = 0; sim->refine != NULL && b < sim->model->body_count; b++) {
         pel_refine_body *refine = &sim->refine[b];
-        void *arrays[] = {refine->mark_counts, refine->is_hot,       refine->warm_step,     refine->asked_level,
-                          refine->visited,     refine->queue,        refine->candidates,    refine->strengths,
-                          refine->cooled,      refine->row_vertices, refine->row_of_vertex, refine->surface};
+        void *arrays[] = {refine->mark_counts,  refine->heat,          refine->warm_step, refine->strengths,
+                          refine->asked_level,  refine->visited,       refine->queue,     refine->candidates,
+                          refine->leaving,      refine->hot,           refine->hot_place, refine->rest_curvatures,
+                          refine->row_vertices, refine->row_of_vertex, refine->surface};
         for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
             pel_free(arrays[i]);
     }
@@ -135,12 +148,26 @@ static void ask_for_hot(pel_refine_body *refine, pel_front *front, int32_t v, in
         ask(refine, front, front->node_begin[own - 1] + coarse->twin[h] / 3, asked);
 }
 
+void pel_refine_forget(const pel_sim *sim, int32_t body)
+{
+    const pel_refine_body *refine = &sim->refine[body];
+    for (int32_t i = 0; i < refine->curvature_count; i++)
+        refine->rest_curvatures[i] = (double)NAN;
+}
+
 static void commit(pel_sim *sim, int32_t body)
 {
-    pel_active_commit(sim->active, body, sim->state);
-    if (sim->active->bodies[body].front->change_count == 0)
+    pel_active *active = sim->active;
+    pel_active_body *own = &active->bodies[body];
+    pel_refine_body *refine = &sim->refine[body];
+    sim->force_is_present = false;
+    pel_active_commit(active, body, sim->state);
+    if (own->front->change_count == 0)
         return;
-    sim->refine[body].revision++;
+    refine->revision++;
+    int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
+    for (int32_t d = 0; refine->rest_curvatures != NULL && d < active->dirty_count; d++)
+        refine->rest_curvatures[own->place_of_vertex[active->dirty[d]] - first] = (double)NAN;
     pel_loads_update(sim, body);
     pel_tools_update(sim, body);
 }
@@ -159,38 +186,55 @@ void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
     commit(sim, body);
 }
 
-/* ---- the criterion ---- */
+/* ---- hot and cold ---- */
 
-static void look_at(pel_sim *sim, int32_t body, int32_t place, double strength)
+static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 {
-    const pel_refine_def *def = &sim->model->bodies[body].detail->def;
     pel_refine_body *refine = &sim->refine[body];
-    int32_t v = sim->model->mesh_vertex[place];
-    if (refine->is_hot[v]) {
-        if (strength >= def->below)
-            refine->warm_step[v] = sim->state->step;
-        else if (sim->state->step - refine->warm_step[v] >= def->dwell)
-            refine->cooled[refine->cooled_count++] = v;
-    } else if (strength > def->above) {
-        refine->strengths[v] = strength;
+    ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, true);
+    refine->heat[v] = PEL_HOT;
+    refine->warm_step[v] = sim->state->step;
+    refine->hot_place[v] = refine->hot_count;
+    refine->hot[refine->hot_count++] = v;
+}
+
+static void cool_down(pel_sim *sim, int32_t body, int32_t v)
+{
+    pel_refine_body *refine = &sim->refine[body];
+    ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, false);
+    refine->heat[v] = PEL_COLD;
+    int32_t last = refine->hot[--refine->hot_count];
+    refine->hot[refine->hot_place[v]] = last;
+    refine->hot_place[last] = refine->hot_place[v];
+}
+
+static bool has_cooled(const pel_sim *sim, int32_t body, int32_t v)
+{
+    int64_t since = sim->state->step - sim->refine[body].warm_step[v];
+    return since > 0 && since >= sim->model->bodies[body].detail->def.dwell;
+}
+
+static void look_at(pel_sim *sim, int32_t body, int32_t v, const pel_verdict *verdict)
+{
+    pel_refine_body *refine = &sim->refine[body];
+    uint8_t *heat = &refine->heat[v];
+    refine->strengths[v] = verdict->strength;
+    if (*heat == PEL_COLD && verdict->strength > 1) {
+        *heat = PEL_WAITING;
         refine->candidates[refine->candidate_count++] = v;
+        return;
+    }
+    if (*heat != PEL_HOT && *heat != PEL_LEAVING)
+        return;
+    if (verdict->warm) {
+        refine->warm_step[v] = sim->state->step;
+    } else if (*heat == PEL_HOT && has_cooled(sim, body, v)) {
+        *heat = PEL_LEAVING;
+        refine->leaving[refine->leaving_count++] = v;
     }
 }
 
-static void look_at_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers)
-{
-    const pel_model *model = sim->model;
-    pel_slice own = pel_slice_load(sim->state->position, slice);
-    pel_wide longest = pel_wide_splat(0);
-    pel_wide3 force = pel_elastic_force(model, sim->state->position, slice, &own.position, numbers, &longest);
-    pel_wide square = pel_wide3_dot(force, force);
-    for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
-        int32_t place = slice * PEL_WIDTH + lane;
-        if (model->mesh_vertex[place] < 0 || model->inverse_mass[place] <= 0)
-            continue;
-        look_at(sim, body, place, 3 * sqrt((double)square[lane]) / sim->active->areas[place]);
-    }
-}
+/* ---- candidates ---- */
 
 static bool is_stronger(const pel_refine_body *refine, int32_t a, int32_t b)
 {
@@ -198,67 +242,111 @@ static bool is_stronger(const pel_refine_body *refine, int32_t a, int32_t b)
     return p > q || (p == q && a < b);
 }
 
-static void sink(pel_refine_body *refine, int32_t root, int32_t count)
+/* takes a waiting candidate off the list: the strongest where that matters */
+static int32_t take_candidate(pel_refine_body *refine, bool strongest)
 {
-    int32_t *heap = refine->candidates, v = heap[root];
-    for (int32_t child = 2 * root + 1; child < count; child = 2 * root + 1) {
-        if (child + 1 < count && is_stronger(refine, heap[child + 1], heap[child]))
-            child++;
-        if (!is_stronger(refine, heap[child], v))
-            break;
-        heap[root] = heap[child];
-        root = child;
-    }
-    heap[root] = v;
-}
-
-/* takes the strongest candidate off the heap */
-static int32_t pop_candidate(pel_refine_body *refine)
-{
-    int32_t v = refine->candidates[0];
-    refine->candidates[0] = refine->candidates[--refine->candidate_count];
-    if (refine->candidate_count > 0)
-        sink(refine, 0, refine->candidate_count);
+    int32_t *list = refine->candidates, at = refine->waiting_count - 1;
+    for (int32_t i = at - 1; strongest && i >= 0; i--)
+        at = is_stronger(refine, list[i], list[at]) ? i : at;
+    int32_t v = list[at];
+    /* waiting ones stand first, those found in this round behind them */
+    list[at] = list[--refine->waiting_count];
+    list[refine->waiting_count] = list[--refine->candidate_count];
+    refine->heat[v] = PEL_COLD;
     return v;
 }
 
-/* candidates become hot, the strongest first, as far as the budget goes */
-static void heat(pel_sim *sim, int32_t body)
+/* the weakest hot vertex that is not leaving anyway, -1 when none is below the strength */
+static int32_t weakest_hot(const pel_refine_body *refine, double below)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
-    pel_refine_body *refine = &sim->refine[body];
-    int32_t rings = sim->model->bodies[body].detail->def.rings;
-    bool limited = own->triangle_limit < INT32_MAX;
-    for (int32_t root = refine->candidate_count / 2 - 1; root >= 0; root--)
-        sink(refine, root, refine->candidate_count);
-    while (refine->candidate_count > 0) {
-        int32_t v = pop_candidate(refine);
-        ask_for_hot(refine, own->front, v, rings, true);
-        if (limited && pel_front_close(own->front) > own->triangle_limit) {
-            ask_for_hot(refine, own->front, v, rings, false);
-            pel_front_close(own->front);
-            continue;
-        }
-        refine->is_hot[v] = 1;
-        refine->warm_step[v] = sim->state->step;
+    int32_t weakest = -1;
+    for (int32_t i = 0; i < refine->hot_count; i++) {
+        int32_t v = refine->hot[i];
+        if (refine->heat[v] == PEL_HOT && refine->strengths[v] < below &&
+            (weakest < 0 || is_stronger(refine, weakest, v)))
+            weakest = v;
     }
+    return weakest;
 }
 
-static void end_round(pel_sim *sim, int32_t body)
+/* what a candidate took the place of */
+typedef struct displacement {
+    int32_t vertices[DISPLACED_LIMIT];
+    int64_t warm_steps[DISPLACED_LIMIT];
+    int count;
+} displacement;
+
+/* cools up to `most` vertices that are weaker than the strength; false when there is none */
+static bool displace(pel_sim *sim, int32_t body, double below, int most, displacement *gone)
+{
+    pel_refine_body *refine = &sim->refine[body];
+    int before = gone->count;
+    while (gone->count < DISPLACED_LIMIT && gone->count - before < most) {
+        int32_t v = weakest_hot(refine, below);
+        if (v < 0)
+            break;
+        gone->warm_steps[gone->count] = refine->warm_step[v];
+        gone->vertices[gone->count++] = v;
+        cool_down(sim, body, v);
+    }
+    return gone->count > before;
+}
+
+/* makes a candidate hot if the budget allows it, if need be in the place of much weaker ones: one, then two more, then
+   four, as closing the front costs more than finding the weakest */
+static bool heat_within_budget(pel_sim *sim, int32_t body, int32_t v)
 {
     const pel_active_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
-    if (refine->candidate_count + refine->cooled_count == 0)
-        return;
-    int32_t rings = sim->model->bodies[body].detail->def.rings;
-    for (int32_t i = 0; i < refine->cooled_count; i++) {
-        refine->is_hot[refine->cooled[i]] = 0;
-        ask_for_hot(refine, own->front, refine->cooled[i], rings, false);
-    }
-    refine->cooled_count = 0;
-    if (own->triangle_limit < INT32_MAX)
+    displacement gone = {.count = 0};
+    heat_up(sim, body, v);
+    for (int most = 1; pel_front_close(own->front) > own->triangle_limit; most *= 2) {
+        if (displace(sim, body, refine->strengths[v] / DISPLACING_RATIO, most, &gone))
+            continue;
+        cool_down(sim, body, v);
+        for (int i = 0; i < gone.count; i++) {
+            heat_up(sim, body, gone.vertices[i]);
+            refine->warm_step[gone.vertices[i]] = gone.warm_steps[i];
+        }
         pel_front_close(own->front);
-    heat(sim, body);
+        return false;
+    }
+    return true;
+}
+
+/* triangles to be refined or joined that have piled up since the last event, roughly */
+static int32_t work_of(const pel_front *front)
+{
+    return front->pending_count + front->touched_count;
+}
+
+/* one event's portion of what the last rounds found */
+static void do_portion(pel_sim *sim, int32_t body)
+{
+    const pel_active_body *own = &sim->active->bodies[body];
+    pel_refine_body *refine = &sim->refine[body];
+    if (refine->leaving_count + refine->waiting_count == 0)
+        return;
+    bool limited = own->triangle_limit < INT32_MAX;
+    int32_t portion = PORTION_LEAST + own->front->triangle_count / PORTION_SHARE;
+    while (refine->leaving_count > 0 && work_of(own->front) < portion) {
+        int32_t v = refine->leaving[--refine->leaving_count];
+        if (has_cooled(sim, body, v))
+            cool_down(sim, body, v);
+        else
+            refine->heat[v] = PEL_HOT;
+    }
+    if (limited)
+        pel_front_close(own->front);
+    for (int failures = 0; failures < FAILURE_LIMIT && refine->waiting_count > 0 && work_of(own->front) < portion;) {
+        int32_t v = take_candidate(refine, limited);
+        if (refine->strengths[v] <= 1 || !pel_front_has_vertex(own->front, v))
+            continue;
+        if (!limited)
+            heat_up(sim, body, v);
+        else if (!heat_within_budget(sim, body, v))
+            failures++;
+    }
     pel_front_close(own->front);
     commit(sim, body);
 }
@@ -267,23 +355,83 @@ static void step_body(pel_sim *sim, int32_t body)
 {
     const pel_body *b = &sim->model->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
-    if (b->detail == NULL || b->detail->def.everywhere || b->detail->def.above <= 0)
+    if (b->detail == NULL || !pel_criterion_is_used(&b->detail->def))
         return;
     int32_t count = b->slice_end - b->slice_begin, interval = b->detail->def.interval;
     int32_t end = refine->next_slice + (count + interval - 1) / interval;
     pel_body_force numbers = pel_body_force_of(sim->model, sim->state, body);
-    for (; refine->next_slice < end && refine->next_slice < count; refine->next_slice++)
-        look_at_slice(sim, body, b->slice_begin + refine->next_slice, &numbers);
-    if (refine->next_slice < count)
-        return;
-    refine->next_slice = 0;
-    end_round(sim, body);
+    for (; refine->next_slice < end && refine->next_slice < count; refine->next_slice++) {
+        int32_t slice = b->slice_begin + refine->next_slice;
+        pel_verdict verdicts[PEL_WIDTH];
+        pel_criterion_slice(sim, body, slice, &numbers, verdicts);
+        for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
+            if (sim->model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)
+                look_at(sim, body, sim->model->mesh_vertex[slice * PEL_WIDTH + lane], &verdicts[lane]);
+    }
+    if (refine->next_slice >= count) {
+        refine->next_slice = 0;
+        refine->waiting_count = refine->candidate_count;
+    }
+    do_portion(sim, body);
 }
 
 void pel_refine_step(pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         step_body(sim, b);
+}
+
+/* ---- the start ---- */
+
+/* asks for all triangles at the region's vertices, and their parts down to its level */
+static void ask_for_region(pel_sim *sim, int32_t body)
+{
+    const pel_refine_def *def = &sim->model->bodies[body].detail->def;
+    pel_refine_body *refine = &sim->refine[body];
+    pel_front *front = sim->active->bodies[body].front;
+    const pel_topology *base = front->forest->levels[0];
+    int32_t levels = def->region_levels > 0 ? def->region_levels : def->levels;
+    refine->walk++;
+    for (int32_t i = 0; i < def->region_count; i++)
+        refine->visited[def->region[i]] = refine->walk;
+    for (int32_t t = 0; t < base->triangle_count; t++) {
+        const int32_t *v = base->triangles[t];
+        if (refine->visited[v[0]] != refine->walk && refine->visited[v[1]] != refine->walk &&
+            refine->visited[v[2]] != refine->walk)
+            continue;
+        for (int32_t level = 0; level < levels; level++)
+            for (int32_t i = 0; i < 1 << (2 * level); i++)
+                ask(refine, front, front->node_begin[level] + (t << (2 * level)) + i, true);
+    }
+}
+
+static pel_status start_region(pel_sim *sim, int32_t body, pel_error *error)
+{
+    const pel_active_body *own = &sim->active->bodies[body];
+    ask_for_region(sim, body);
+    int32_t count = pel_front_close(own->front);
+    if (count > own->triangle_limit) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "refine: the region of body '%s' needs %d triangles, the budget is %d",
+                 sim->model->bodies[body].name, (int)count, (int)own->triangle_limit);
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give a budget of at least %d, a smaller region or fewer levels for it", (int)count);
+        return PEL_BAD_ARGUMENT;
+    }
+    commit(sim, body);
+    return PEL_OK;
+}
+
+pel_status pel_refine_start(pel_sim *sim, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int32_t b = 0; status == PEL_OK && b < sim->model->body_count; b++) {
+        const pel_body_detail *detail = sim->model->bodies[b].detail;
+        if (detail != NULL && detail->def.everywhere)
+            pel_refine_everywhere(sim, b, true);
+        else if (detail != NULL && detail->def.region_count > 0)
+            status = start_region(sim, b, error);
+    }
+    return status;
 }
 
 /* ---- by hand ---- */

@@ -54,10 +54,10 @@ int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v)
     return v < sim->model->bodies[body].mesh->vertex_count ? v : rows_of(sim, body)->row_of_vertex[v];
 }
 
-int32_t pel_surface_in_order(const pel_sim *sim, int32_t body, int32_t i)
+const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
 {
     const pel_refine_body *rows = rows_of(sim, body);
-    return sim->model->triangle_begin[body] + (rows != NULL ? pel_surface_number(&rows->surface[i]) : i);
+    return rows != NULL ? rows->surface : NULL;
 }
 
 int32_t pel_sim_vertex_count(const pel_sim *sim, int32_t body)

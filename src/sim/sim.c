@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/parallel.h"
+#include "solve/shell_stability.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -55,8 +56,15 @@ static pel_status refuse_unstable(pel_error *error, const char *name, double val
 {
     pel_fail(error, PEL_UNSTABLE, "%s %.6g is unstable on this mesh: the limit is %.6g", name, value, limit);
     pel_fail_remedy(error, "use at most %.4g%s", SAFE_SHARE * limit,
-                    strcmp(name, "alpha") == 0 ? ", or leave alpha out for a safe value" : ", or softer springs");
+                    strcmp(name, "alpha") == 0 ? ", or leave alpha out for a safe value" : ", or a softer material");
     return PEL_UNSTABLE;
+}
+
+static pel_status refine_stability(const pel_sim *sim, pel_stability *stability, pel_error *error)
+{
+    if (sim->shells == NULL)
+        return pel_stability_refine(sim->model, stability, error);
+    return pel_shell_stability_refine(sim->model, sim->state, sim->shells, sim->pool, stability, error);
 }
 
 /* the safe bound decides most cases; only beyond it the true limit is worth its cost */
@@ -65,13 +73,14 @@ static pel_status choose_alpha(pel_sim *sim, pel_error *error)
     const pel_solver_def *solver = &sim->solver;
     pel_stability stability;
     pel_stability_bound(sim->model, &stability);
+    pel_shell_stability_bound(sim->shells, &stability);
     sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness_bound, solver->dt, solver->keep_velocity);
     sim->step.alpha = solver->alpha > 0 ? solver->alpha : SAFE_SHARE * sim->alpha_limit;
     if (!isfinite(sim->step.alpha))
         sim->step.alpha = 1;
     if (sim->step.alpha < sim->alpha_limit)
         return PEL_OK;
-    pel_status status = pel_stability_refine(sim->model, &stability, error);
+    pel_status status = refine_stability(sim, &stability, error);
     if (status != PEL_OK)
         return status;
     sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness, solver->dt, solver->keep_velocity);
@@ -84,10 +93,11 @@ static pel_status check_dt_here(pel_sim *sim, pel_error *error)
 {
     pel_stability stability;
     pel_stability_bound(sim->model, &stability);
+    pel_shell_stability_bound(sim->shells, &stability);
     bool symplectic = sim->solver.symplectic;
     if (sim->step.dt <= pel_stability_dt(&stability, stability.stiffness_bound, symplectic))
         return PEL_OK;
-    pel_status status = pel_stability_refine(sim->model, &stability, error);
+    pel_status status = refine_stability(sim, &stability, error);
     if (status != PEL_OK)
         return status;
     double limit = pel_stability_dt(&stability, stability.stiffness, symplectic);
@@ -154,16 +164,11 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     return status;
 }
 
-/* bodies that are refined everywhere start so */
-static void start_refinement(pel_sim *sim)
+static pel_status start_refinement(pel_sim *sim, pel_error *error)
 {
     double dt = sim->step.dt, factor = pel_sim_is_explicit(sim) ? 0 : sim->step.alpha * dt * dt;
     sim->active->relaxation = (pel_relaxation){factor, dt, sim->solver.keep_velocity};
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body_detail *detail = sim->model->bodies[b].detail;
-        if (detail != NULL && detail->def.everywhere)
-            pel_refine_everywhere(sim, b, true);
-    }
+    return pel_refine_start(sim, error);
 }
 
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -191,13 +196,17 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_refine_create(sim, error);
     if (status == PEL_OK)
+        status = pel_shells_create(sim, error);
+    if (status == PEL_OK)
         status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
     if (status == PEL_OK && sim->active != NULL)
-        start_refinement(sim);
+        status = start_refinement(sim, error);
     if (status == PEL_OK)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
+    if (status == PEL_OK)
+        sim->fingerprint = pel_sim_fingerprint(sim);
     return status;
 }
 
@@ -225,6 +234,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
+    pel_shells_destroy(sim);
     pel_active_destroy(sim->active);
     pel_state_destroy(sim->state);
     pel_free(sim->force);
@@ -300,6 +310,7 @@ static void mark_contacts(pel_sim *sim)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
+    sim->force_is_present = false;
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
         pel_refine_step(sim);
@@ -311,8 +322,12 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     else
         pel_step_quasi_static(sim->model, state, &sim->step, &result);
     result.diverged |= !pel_loads_apply(sim);
+    result.diverged |= !pel_shells_apply(sim);
     if (result.diverged)
         return report_divergence(sim, error);
+    pel_status status = pel_shells_check_volume(sim, error);
+    if (status != PEL_OK)
+        return status;
     if (sim->tool_count > 0)
         pel_tools_apply(sim, next, result.longest);
     mark_contacts(sim);

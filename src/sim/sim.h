@@ -3,6 +3,7 @@
 #define PEL_SIM_SIM_H
 
 #include "force/body_force.h"
+#include "force/shell_force.h"
 #include "geom/solid.h"
 #include "model/active.h"
 #include "pellicle/sim.h"
@@ -77,20 +78,32 @@ typedef struct pel_tool {
     int32_t *touch_of_vertex; /* (vertex_count) its touch plus 1, 0 = none */
 } pel_tool;
 
-/* What the criterion knows of one body (refine.c). */
+/* what the criteria think of a vertex */
+typedef enum pel_heat {
+    PEL_COLD,
+    PEL_HOT,     /* it asks for what is around it */
+    PEL_LEAVING, /* still asks, and stands in the list of those that stop */
+    PEL_WAITING  /* stands in the list of candidates */
+} pel_heat;
+
+/* What refinement knows of one body (refine.c). Lists are of vertices, numbered as in the forest. */
 typedef struct pel_refine_body {
     int32_t *mark_counts; /* (nodes that can be red) how many vertices ask for it */
-    uint8_t *is_hot;      /* (vertices of the finest level) 1 = the criterion asks for what is around it */
-    int64_t *warm_step;   /* (same) last step in which a hot vertex was not below */
+    uint8_t *heat;        /* (vertices of the finest level) pel_heat */
+    int64_t *warm_step;   /* (same) last step in which a hot vertex was above its lower threshold */
+    double *strengths;    /* (same) largest measure over threshold, when it was last looked at */
     uint8_t *asked_level; /* (mesh vertices) by pel_sim_refine */
     int32_t *visited;     /* (vertices of the finest level) scratch of a walk over rings: number of the walk */
     int32_t *queue;       /* (same) scratch */
-    int32_t *candidates;  /* (same) vertices that became hot in this round */
-    double *strengths;    /* (same) by vertex, of candidates */
-    int32_t *cooled;      /* (same) vertices that became cold */
-    int32_t walk, candidate_count, cooled_count;
+    int32_t *candidates;  /* (same) those of past rounds that wait, then those found in this round */
+    int32_t *leaving;     /* (same) those that stop to ask */
+    int32_t *hot;         /* (same) those that ask, leaving ones included */
+    int32_t *hot_place;   /* (same) where they stand in that list */
+    int32_t walk, candidate_count, waiting_count, leaving_count, hot_count;
     int32_t next_slice; /* of the round */
     int64_t revision;
+    double *rest_curvatures; /* (curvature_count) by place, of the present surface at rest, NAN = not known */
+    int32_t curvature_count; /* places of the body, 0 = not used */
     /* rows of the getters, made when asked for after an event */
     int32_t *row_vertices; /* (vertices of the finest level) */
     int32_t *row_of_vertex;
@@ -109,11 +122,15 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_shell_forces *shells;      /* null = no body is a shell */
+    pel_shell_energy shell_energy; /* of the present state, when force_is_present */
+    uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
     pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;      /* it holds the forces of the present state */
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
@@ -138,21 +155,54 @@ void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
 
+/* ---- shells.c ---- */
+/* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
+pel_status pel_shells_create(pel_sim *sim, pel_error *error);
+void pel_shells_destroy(pel_sim *sim);
+/* Moves the new positions and velocities of a method that goes by forces, after all other forces. False when a vertex
+   leaves the bound. */
+bool pel_shells_apply(pel_sim *sim);
+/* PEL_DIVERGED when a pressure turned a body inside out in this step */
+pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
+
+/* ---- snapshot.c ---- */
+/* of model, solver, tools and loads: tells whether a snapshot belongs to this sim */
+uint64_t pel_sim_fingerprint(const pel_sim *sim);
+
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);
 void pel_refine_destroy(pel_sim *sim);
-/* looks at a part of the vertices and, at the end of a round, refines and coarsens */
+/* looks at a part of the vertices, refines and coarsens */
 void pel_refine_step(pel_sim *sim);
 /* all of a body on its finest level, or only what else is asked for; for stability checks */
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
+/* Refines what has to be from the start. PEL_BAD_ARGUMENT when a budget is too small for it. */
+pel_status pel_refine_start(pel_sim *sim, pel_error *error);
+/* after a snapshot was loaded: what is not in it */
+void pel_refine_forget(const pel_sim *sim, int32_t body);
+
+/* ---- criterion.c ---- */
+typedef struct pel_verdict {
+    double strength; /* largest measure over threshold; above 1 the vertex is to refine what is around it */
+    bool warm;       /* a measure is above its lower threshold */
+} pel_verdict;
+
+/* the criteria at the vertices of a slice of a body, whose def uses any of them */
+void pel_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
+                         pel_verdict verdicts[PEL_WIDTH]);
+static inline bool pel_criterion_is_used(const pel_refine_def *def)
+{
+    return !def->everywhere && (def->above > 0 || def->curvature_above > 0 || def->near_tools > 0);
+}
 
 /* ---- rows.c ---- */
 /* The rows of a body's arrays: vertex i of the mesh is row i, finer ones follow in the order of the forest. */
 int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v);
 int32_t pel_row_count(const pel_sim *sim, int32_t body);
 int32_t pel_row_place(const pel_sim *sim, int32_t body, int32_t row);
-/* number of the i-th triangle of the surface in an order that depends on the surface alone, for sums */
-int32_t pel_surface_in_order(const pel_sim *sim, int32_t body, int32_t i);
+/* the triangles of the surface in an order that depends on the surface alone, for sums; null = those of the mesh in
+   their order */
+const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);
 
 /* ---- tools.c ---- */
 /* Forgets what tools knew of triangles and places that the last event took away. */

@@ -2,11 +2,12 @@
    for one sim, so that it can be written without allocation. */
 #include "base/hash.h"
 #include "base/status.h"
+#include "model/shell.h"
 #include "sim/sim.h"
 
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 1 };
+enum { SNAPSHOT_VERSION = 2 };
 
 typedef struct header {
     char magic[8];
@@ -44,7 +45,30 @@ uint64_t pel_sim_hash(const pel_sim *sim)
     return hash;
 }
 
-static uint64_t fingerprint(const pel_sim *sim)
+static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
+{
+    const pel_membrane_material *material = &shell->material;
+    const pel_pressure_def *pressure = &shell->pressure;
+    const double numbers[] = {shell->has_membrane,       (double)material->kind, material->young,
+                              material->poisson,         material->thickness,    material->mooney_ratio,
+                              (double)shell->bending,    shell->bending_weight,  (double)pressure->kind,
+                              (double)pressure->form,    pressure->value,        pressure->gamma,
+                              pressure->outside.value,   pressure->target.value, pressure->bulk,
+                              (double)shell->hinge_count};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        hash = hash_double(hash, numbers[i]);
+    for (int32_t h = 0; h < shell->hinge_count; h++)
+        hash = hash_double(hash_double(hash, shell->hinges[h].stiffness), shell->hinges[h].hinge.rest_angle);
+    for (int32_t r = 0; r < shell->region_count; r++) {
+        const pel_shell_region *region = &shell->regions[r];
+        hash = pel_hash_word(hash, (uint64_t)region->def.mode * 64 + (uint64_t)region->def.kind);
+        hash = hash_double(hash_double(hash, region->def.stiffness), region->def.strength);
+        hash = pel_hash_word(hash, (uint64_t)region->fibre_count);
+    }
+    return hash;
+}
+
+uint64_t pel_sim_fingerprint(const pel_sim *sim)
 {
     const pel_model *model = sim->given;
     uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)model->vertex_count);
@@ -56,12 +80,19 @@ static uint64_t fingerprint(const pel_sim *sim)
                                    (uint64_t)sim->solver.symplectic);
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body_detail *detail = model->bodies[b].detail;
+        if (model->bodies[b].shell != NULL)
+            hash = hash_shell(hash, model->bodies[b].shell);
         if (detail == NULL)
             continue;
-        hash = hash_double(hash_double(hash, detail->def.above), detail->def.below);
-        const int32_t numbers[] = {detail->def.levels,   detail->def.rings,  detail->def.dwell,
-                                   detail->def.interval, detail->def.budget, (int32_t)detail->def.springs};
+        const pel_refine_def *def = &detail->def;
+        const double measures[] = {def->above, def->below, def->curvature_above, def->curvature_below, def->near_tools};
+        for (size_t i = 0; i < sizeof measures / sizeof *measures; i++)
+            hash = hash_double(hash, measures[i]);
+        const int32_t numbers[] = {def->levels,        def->rings,        def->dwell,
+                                   def->interval,      def->budget,       (int32_t)def->springs,
+                                   def->region_levels, def->region_count, def->everywhere};
         hash = pel_hash_bytes(hash, numbers, sizeof numbers);
+        hash = pel_hash_bytes(hash, def->region, (size_t)def->region_count * sizeof *def->region);
     }
     return pel_hash_word(pel_hash_word(hash, (uint64_t)sim->tool_count), (uint64_t)sim->load_count);
 }
@@ -109,14 +140,17 @@ static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
     size_t fine = (size_t)front->forest->levels[front->forest->depth]->vertex_count;
     size_t coarse = (size_t)front->forest->levels[0]->vertex_count;
     transfer(at, refine->mark_counts, (size_t)front->red_limit * sizeof *refine->mark_counts);
-    transfer(at, refine->is_hot, fine * sizeof *refine->is_hot);
+    transfer(at, refine->heat, fine * sizeof *refine->heat);
     transfer(at, refine->warm_step, fine * sizeof *refine->warm_step);
-    transfer(at, refine->asked_level, coarse * sizeof *refine->asked_level);
     transfer(at, refine->strengths, fine * sizeof *refine->strengths);
-    transfer(at, refine->candidates, fine * sizeof *refine->candidates);
-    transfer(at, refine->cooled, fine * sizeof *refine->cooled);
+    transfer(at, refine->asked_level, coarse * sizeof *refine->asked_level);
+    int32_t *lists[] = {refine->candidates, refine->leaving, refine->hot, refine->hot_place};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+        transfer(at, lists[i], fine * sizeof *lists[i]);
     transfer(at, &refine->candidate_count, sizeof refine->candidate_count);
-    transfer(at, &refine->cooled_count, sizeof refine->cooled_count);
+    transfer(at, &refine->waiting_count, sizeof refine->waiting_count);
+    transfer(at, &refine->leaving_count, sizeof refine->leaving_count);
+    transfer(at, &refine->hot_count, sizeof refine->hot_count);
     transfer(at, &refine->next_slice, sizeof refine->next_slice);
     transfer(at, &refine->revision, sizeof refine->revision);
     /* loading, the places wait in the scratch of the walks until the front is there */
@@ -124,11 +158,34 @@ static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
     transfer(at, at->load ? refine->queue : sim->model->mesh_vertex + own->fine_begin, places * sizeof(int32_t));
 }
 
+static bool is_list(const int32_t *list, int32_t count, size_t limit)
+{
+    if (count < 0 || (size_t)count > limit)
+        return false;
+    for (int32_t i = 0; i < count; i++)
+        if (list[i] < 0 || (size_t)list[i] >= limit)
+            return false;
+    return true;
+}
+
+/* what transfer_refinement read has its numbers in range */
+static bool is_whole(const pel_sim *sim, int32_t body)
+{
+    const pel_lod_forest *forest = sim->active->bodies[body].front->forest;
+    const pel_refine_body *refine = &sim->refine[body];
+    size_t fine = (size_t)forest->levels[forest->depth]->vertex_count;
+    return is_list(refine->candidates, refine->candidate_count, fine) && refine->waiting_count >= 0 &&
+           refine->waiting_count <= refine->candidate_count && is_list(refine->leaving, refine->leaving_count, fine) &&
+           is_list(refine->hot, refine->hot_count, fine) && is_list(refine->hot_place, (int32_t)fine, fine);
+}
+
 /* the front, places and loads of what transfer_refinement read */
 static bool restore_refinement(pel_sim *sim, int32_t body)
 {
     pel_active_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
+    if (!is_whole(sim, body))
+        return false;
     for (int32_t node = 0; node < own->front->red_limit; node++)
         pel_front_mark(own->front, node, refine->mark_counts[node] > 0);
     if (pel_front_close(own->front) > own->triangle_limit)
@@ -139,6 +196,7 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
         return false;
     pel_active_rebuild(sim->active, body, sim->state);
     pel_loads_rebuild(sim, body);
+    pel_refine_forget(sim, body);
     return true;
 }
 
@@ -181,7 +239,7 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
         .magic = "PELSNAP",
         .version = SNAPSHOT_VERSION,
         .real_size = sizeof(pel_real),
-        .fingerprint = fingerprint(sim),
+        .fingerprint = sim->fingerprint,
         .step = sim->state->step,
     };
     memcpy(bytes, &head, sizeof head);
@@ -200,10 +258,11 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
         return pel_fail(error, PEL_BAD_FORMAT, "not a snapshot");
     if (head.version != SNAPSHOT_VERSION || head.real_size != sizeof(pel_real))
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another version or precision of the program");
-    if (head.fingerprint != fingerprint(sim) || size != pel_sim_save_size(sim))
+    if (head.fingerprint != sim->fingerprint || size != pel_sim_save_size(sim))
         return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another model, solver or set of tools");
     /* the bytes are only read: the cursor copies out of them */
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
+    sim->force_is_present = false;
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))

@@ -153,11 +153,11 @@ static void test_nothing_half_written(void **unused)
     assert_int_equal(access(pc2, F_OK), -1);
     assert_int_equal(access(glb, F_OK), -1);
     assert_int_equal(access(first, F_OK), -1);
+    folder_write_frame(folder, 2, 4, 0);
     frames->times[2] = frames->times[1];
     assert_int_equal(pel_export_glb(glb, frames, &error), PEL_BAD_FORMAT);
     assert_non_null(strstr(error.what, "not later"));
     /* the third file cannot be written: a folder stands there */
-    folder_write_frame(folder, 2, 4, 0);
     char blocked[FOLDER_PATH];
     assert_int_equal(mkdir(folder_path(blocked, folder, "c_00002.obj"), 0777), 0);
     assert_int_equal(pel_export_sequence(obj, PEL_FORMAT_OBJ, frames, NULL, &error), PEL_BAD_FILE);

@@ -100,6 +100,54 @@ static void write_bytes(const char *bytes, size_t size)
 }
 
 /* a file cut off anywhere is refused with its name and place */
+static void check_same_file(const char *a, const char *b)
+{
+    char *a_bytes, *b_bytes;
+    size_t a_size, b_size;
+    assert_int_equal(pel_file_read(a, &a_bytes, &a_size, NULL), PEL_OK);
+    assert_int_equal(pel_file_read(b, &b_bytes, &b_size, NULL), PEL_OK);
+    assert_int_equal(a_size, b_size);
+    assert_memory_equal(a_bytes, b_bytes, a_size);
+    pel_free(a_bytes);
+    pel_free(b_bytes);
+}
+
+/* a writer that has written other files gives the same bytes as a new one, whatever has changed in between */
+static void test_series(void **unused)
+{
+    (void)unused;
+    enum { CHANGES = 9 };
+    sample_data samples[2];
+    pel_vtp_writer *writer;
+    make_sample(&samples[0], 2);
+    make_sample(&samples[1], 40);
+    assert_int_equal(pel_vtp_writer_create(&writer, NULL), PEL_OK);
+    for (int i = 0; i < CHANGES; i++) {
+        static const int sizes[CHANGES] = {1, 1, 1, 0, 0, 1, 1, 1, 1}, packed[CHANGES] = {0, 0, 1, 1, 0, 1, 1, 1, 0};
+        sample_data *sample = &samples[sizes[i]];
+        sample->vtp.compress = packed[i] != 0;
+        sample->vtp.float64 = i == 4;
+        sample->vtp.field_count = i == 5 ? 1 : 2;
+        sample->mesh->positions[3][1] = 0.125 * i;
+        /* other triangles, as many as before */
+        int32_t *first = sample->mesh->triangles[0], corner = first[0];
+        if (i == 7)
+            first[0] = first[1], first[1] = first[2], first[2] = corner;
+        assert_int_equal(pel_vtp_writer_write(writer, PATH, &sample->vtp, NULL), PEL_OK);
+        assert_int_equal(pel_vtp_write("again.vtp", &sample->vtp, NULL), PEL_OK);
+        check_same_file(PATH, "again.vtp");
+        /* a failure in between changes nothing */
+        if (i == 2)
+            assert_int_equal(pel_vtp_writer_write(writer, "no/such/folder.vtp", &samples[0].vtp, NULL), PEL_BAD_FILE);
+    }
+    pel_vtp_writer_destroy(writer);
+    pel_vtp_writer_destroy(NULL);
+    unlink("again.vtp");
+    unlink(PATH);
+    free_sample(&samples[0]);
+    free_sample(&samples[1]);
+}
+
 static void test_cut_off(void **unused)
 {
     (void)unused;
@@ -356,11 +404,17 @@ static void test_blocks(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_cut_off),
-        cmocka_unit_test(test_corpus),       cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_shared_bytes),
-        cmocka_unit_test(test_refuses),      cmocka_unit_test(test_allocation_failures),
-        cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_cut_off),
+        cmocka_unit_test(test_corpus),
+        cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_lying_head),
+        cmocka_unit_test(test_shared_bytes),
+        cmocka_unit_test(test_series),
+        cmocka_unit_test(test_refuses),
+        cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_other_reader),
+        cmocka_unit_test(test_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -54,7 +54,7 @@ static void test_defaults(void **unused)
     assert_true(scene->output.every == 0.1 && scene->output.checkpoint == 0);
     assert_int_equal(scene->output.field_count, 2);
     assert_string_equal(scene->output.fields[0], "displacement");
-    assert_true(scene->output.compress && !scene->output.float64);
+    assert_true(!scene->output.compress && !scene->output.float64);
     pel_scene_destroy(scene);
     /* an empty map of volumetric springs takes the numbers of paper A */
     scene = load(BALL "    volumetric: {}\n", NULL, 0);
@@ -96,7 +96,7 @@ static const char everything[] =
     "solver: { method: explicit, dt: 0.001, alpha: 30, velocity: keep, integrator: forward, threads: 3 }\n"
     "duration: 4\n"
     "stop: { at_rest: 1e-6 }\n"
-    "output: { every_frame: 7, fields: [force, thickness], compress: false, precision: double, checkpoint: 2 }\n";
+    "output: { every_frame: 7, fields: [force, thickness], compress: true, precision: double, checkpoint: 2 }\n";
 
 static void check_first_body(const pel_body_def *body)
 {
@@ -185,7 +185,7 @@ static void test_everything(void **unused)
     assert_true(scene->rest_speed == 1e-6);
     assert_true(scene->output.every == 0 && scene->output.checkpoint == 2);
     assert_int_equal(scene->output.every_frame, 7);
-    assert_true(!scene->output.compress && scene->output.float64);
+    assert_true(scene->output.compress && scene->output.float64);
     pel_scene_destroy(scene);
 }
 

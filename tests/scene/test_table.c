@@ -47,14 +47,14 @@ static void test_rows_are_whole(void **unused)
             assert_non_null(pel_scene_row_find(table, row->path, "[]"));
         if (row->like != NULL)
             assert_non_null(pel_scene_row_next(table, row->like, NULL));
-        /* the key that a row needs stands beside it and is an alternative */
+        /* the key that a row needs stands beside it */
         char prefix[200];
         snprintf(prefix, sizeof prefix, "%s", row->path);
         if (strrchr(prefix, '.') != NULL)
             *strrchr(prefix, '.') = '\0';
         bool found = row->needs == NULL;
         for (const pel_scene_row *beside = NULL; (beside = pel_scene_row_next(table, prefix, beside)) != NULL;)
-            found = found || (beside->alternative && pel_scene_row_needs(row, pel_scene_row_name(beside, prefix)));
+            found = found || pel_scene_row_needs(row, pel_scene_row_name(beside, prefix));
         assert_true(found);
         for (size_t j = 0; row->needs == NULL && j < i; j++)
             assert_string_not_equal(table->rows[j].path, row->path);

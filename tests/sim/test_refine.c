@@ -1,66 +1,7 @@
 /* Bodies that refine: what an event keeps, the criterion, and that a body without events is the plain body. */
 #include "failing_malloc.h"
 #include "random.h"
-#include "sim/fixture.h"
-
-#include "sim/sim.h"
-
-/* a tolerance, by the precision of the state: some roundings of it */
-static double rounding(double in_double, double in_single)
-{
-    return sizeof(pel_real) == 8 ? in_double : in_single;
-}
-
-typedef struct bench {
-    pel_mesh *mesh;
-    pel_model *model;
-    pel_sim *sim;
-} bench;
-
-static pel_body_def ball(const pel_mesh *mesh, int32_t levels)
-{
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
-    body.volumetric_by_area = true;
-    body.refine.levels = levels;
-    return body;
-}
-
-static bench begin(pel_mesh *mesh, const pel_body_def *body, const pel_sim_def *with)
-{
-    bench made = {.mesh = mesh, .model = make_model(body)};
-    pel_sim_def def = *with;
-    def.model = made.model;
-    made.sim = make_sim(&def);
-    return made;
-}
-
-static void end(bench *made)
-{
-    pel_sim_destroy(made->sim);
-    pel_model_destroy(made->model);
-    pel_mesh_destroy(made->mesh);
-}
-
-static pel_sim_def explicit_def(double dt)
-{
-    pel_sim_def def = pel_sim_def_default();
-    def.solver.method = PEL_METHOD_EXPLICIT;
-    def.solver.dt = dt;
-    return def;
-}
-
-static void refine(bench *made, int32_t vertex, int32_t level)
-{
-    pel_error error;
-    char text[800];
-    pel_status status = pel_sim_refine(made->sim, 0, vertex, level, &error);
-    if (status != PEL_OK)
-        print_error("%s\n", pel_error_text(&error, text, sizeof text));
-    assert_int_equal(status, PEL_OK);
-    assert_true(pel_front_is_valid(made->sim->model->bodies[0].front));
-}
+#include "sim/refine_fixture.h"
 
 /* ---- the plain body ---- */
 
@@ -458,16 +399,6 @@ static void test_stiffness(void **unused)
 }
 
 /* ---- the criterion ---- */
-
-static pel_load_def pole_load(const pel_mesh *mesh, int32_t *pole, double force)
-{
-    *pole = nearest_vertex(mesh, 0, 0, 1);
-    pel_load_def load = pel_load_def_default();
-    load.force[2] = -force;
-    load.vertices = pole;
-    load.vertex_count = 1;
-    return load;
-}
 
 static void test_criterion(void **unused)
 {

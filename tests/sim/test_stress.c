@@ -117,9 +117,60 @@ static void test_equilateral_net(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+static double refined_energy(const void *context, const double *log_size)
+{
+    const stretched_body *body = context;
+    static double x[3 * 5000];
+    pel_sim_measures measures;
+    pel_sim_get_rest_positions(body->sim, 0, x);
+    for (int32_t i = 0; i < 3 * pel_sim_vertex_count(body->sim, 0); i++)
+        x[i] *= exp(*log_size);
+    assert_int_equal(pel_sim_set_positions(body->sim, 0, x, NULL), PEL_OK);
+    pel_sim_measure(body->sim, &measures);
+    return measures.spring_energy;
+}
+
+/* the same where the body is refined in places, also after some of them were given up again: every row has its number,
+   and their sum is d E / d ln s */
+static void test_refined(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(6);
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    body.refine.levels = 3;
+    pel_sim_def def = pel_sim_def_default();
+    pel_model *model = make_model(&body);
+    def.model = model;
+    stretched_body refined = {make_sim(&def), mesh};
+    const int32_t asked[5][2] = {{20, 3}, {100, 2}, {250, 1}, {20, 1}, {250, 0}};
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(pel_sim_refine(refined.sim, 0, asked[i][0], asked[i][1], NULL), PEL_OK);
+        int32_t count = pel_sim_vertex_count(refined.sim, 0);
+        assert_true(count > mesh->vertex_count);
+        double *virials = malloc(sizeof *virials * (size_t)count), log_size = 0.2, sum = 0;
+        for (int32_t r = 0; r < count; r++)
+            virials[r] = (double)NAN;
+        double derivative = numeric_derivative(refined_energy, &refined, &log_size, 0, 0.02);
+        refined_energy(&refined, &log_size);
+        pel_sim_get_spring_virials(refined.sim, 0, virials);
+        for (int32_t r = 0; r < count; r++) {
+            assert_true(virials[r] > 0);
+            sum += virials[r];
+        }
+        assert_near(sum / derivative, 1, sizeof(pel_real) == sizeof(double) ? 1e-8 : 1e-3);
+        free(virials);
+    }
+    pel_sim_destroy(refined.sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_refined),
         cmocka_unit_test(test_virial_theorem),
         cmocka_unit_test(test_equilateral_net),
     };

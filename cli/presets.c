@@ -1,0 +1,55 @@
+/* The materials that scenes may name. */
+#include "commands.h"
+#include "common.h"
+#include "help.h"
+#include "json.h"
+
+#include <pellicle/preset.h>
+
+/* in the order of pel_membrane_kind, as scenes say them */
+static const char *const kinds[] = {"stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean"};
+
+static void print_json(const pel_material_preset *presets, int32_t count)
+{
+    cli_json json = {.file = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_open(&json, "presets", '[');
+    for (int32_t i = 0; i < count; ++i) {
+        const pel_material_preset *preset = &presets[i];
+        cli_json_open(&json, NULL, '{');
+        cli_json_text(&json, "name", preset->name);
+        cli_json_text(&json, "material", kinds[preset->material.kind]);
+        cli_json_number(&json, "young", preset->material.young);
+        cli_json_number(&json, "poisson", preset->material.poisson);
+        cli_json_number(&json, "thickness", preset->material.thickness);
+        cli_json_number(&json, "mooney_ratio", preset->material.mooney_ratio);
+        cli_json_number(&json, "density", preset->density);
+        cli_json_text(&json, "doc", preset->doc);
+        cli_json_text(&json, "source", preset->source);
+        cli_json_close(&json, '}');
+    }
+    cli_json_close(&json, ']');
+    cli_json_close(&json, '}');
+}
+
+int cli_presets(const cli_call *call)
+{
+    int32_t count;
+    const pel_material_preset *presets = pel_material_presets(&count);
+    if (cli_has(call, "json")) {
+        print_json(presets, count);
+        return CLI_DONE;
+    }
+    printf("%-16s %-14s %9s %8s %10s %8s\n", "name", "material", "young", "poisson", "thickness", "density");
+    printf("%-16s %-14s %9s %8s %10s %8s\n", "", "", "Pa", "", "m", "kg/m3");
+    for (int32_t i = 0; i < count; ++i) {
+        const pel_membrane_material *material = &presets[i].material;
+        printf("%-16s %-14s %9.3g %8g %10.3g %8g\n", presets[i].name, kinds[material->kind], material->young,
+               material->poisson, material->thickness, presets[i].density);
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        printf("\n%s: %s\n    ", presets[i].name, presets[i].doc);
+        cli_print_wrapped(stdout, presets[i].source, 4, 4);
+    }
+    return CLI_DONE;
+}

@@ -1,0 +1,29 @@
+/* Pellicle: materials of thin sheets that a scene may name (membrane: { preset: rubber }), with where the numbers come
+   from. They are means of what varies widely in nature: a start, not a measurement. */
+#ifndef PELLICLE_PRESET_H
+#define PELLICLE_PRESET_H
+
+#include "material.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pel_material_preset {
+    const char *name; /* "rubber" */
+    pel_membrane_material material;
+    double density;     /* kg/m3 */
+    const char *doc;    /* what it is, one line */
+    const char *source; /* of the numbers, one line */
+} pel_material_preset;
+
+/* All presets (*count of them); lives forever. */
+const pel_material_preset *pel_material_presets(int32_t *count);
+
+/* The preset of that name, null when there is none. */
+const pel_material_preset *pel_material_preset_find(const char *name);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

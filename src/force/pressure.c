@@ -1,0 +1,70 @@
+#include "force/pressure.h"
+
+#include "math/vec3.h"
+
+/* a gas squeezed to less than this share of its volume at rest presses as it does there */
+#define LEAST_GAS_VOLUME 1e-3
+
+double pel_pressure_difference(const pel_shell *shell, double time, double volume, double rest_volume)
+{
+    const pel_pressure_def *def = &shell->pressure;
+    double ratio = volume / rest_volume;
+    switch (def->kind) {
+    case PEL_PRESSURE_GIVEN:
+        return -def->outside.value * pel_curve_value(shell->outside.keys, shell->outside.key_count, time);
+    case PEL_PRESSURE_GAS:
+        return def->value * (pow(fmax(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1);
+    case PEL_PRESSURE_VOLUME:
+        return def->bulk *
+               (def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time) - ratio);
+    default:
+        return 0;
+    }
+}
+
+bool pel_pressure_is_conservative(const pel_body *body)
+{
+    const pel_shell *shell = body->shell;
+    return shell->pressure.kind == PEL_PRESSURE_NONE ||
+           (body->closed && shell->pressure.form == PEL_PRESSURE_CONSISTENT && shell->pressure_weights == NULL);
+}
+
+/* the work of a gas from ratio 1 to this one, over pressure times volume at rest */
+static double gas_work(double ratio, double gamma)
+{
+    if (ratio < LEAST_GAS_VOLUME)
+        return gas_work(LEAST_GAS_VOLUME, gamma) - pow(LEAST_GAS_VOLUME, -gamma) * (LEAST_GAS_VOLUME - ratio);
+    return gamma > 1 ? (1 - pow(ratio, 1 - gamma)) / (gamma - 1) : log(ratio);
+}
+
+double pel_pressure_potential(const pel_shell *shell, double time, double volume, double rest_volume)
+{
+    const pel_pressure_def *def = &shell->pressure;
+    double ratio = volume / rest_volume;
+    if (def->kind == PEL_PRESSURE_GIVEN)
+        return -pel_pressure_difference(shell, time, volume, rest_volume) * (volume - rest_volume);
+    if (def->kind == PEL_PRESSURE_GAS)
+        return def->value * rest_volume * (ratio - 1 - gas_work(ratio, def->gamma));
+    if (def->kind != PEL_PRESSURE_VOLUME)
+        return 0;
+    double target = def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time);
+    return 0.5 * def->bulk * rest_volume * ((ratio - target) * (ratio - target) - (1 - target) * (1 - target));
+}
+
+double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position)
+{
+    const pel_record *origin = &position[model->bodies[body].slot_of_vertex[0]];
+    double volume = 0, at[3];
+    for (int c = 0; c < 3; c++)
+        at[c] = (double)(*origin)[c];
+    int32_t count = pel_surface_count(model, body);
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t *v = model->triangles[pel_surface_triangle(model, body, i)];
+        double x[3][3];
+        for (int k = 0; k < 3; k++)
+            for (int c = 0; c < 3; c++)
+                x[k][c] = (double)position[v[k]][c];
+        volume += pel_vec3_cone_volume(at, x[0], x[1], x[2]);
+    }
+    return volume;
+}

@@ -1,0 +1,55 @@
+/* Forces and energies of the shells of a model: membrane, bending, fibres, pressure (paper B as energies).
+
+   Each triangle and hinge writes the forces on its corners to rows of its own; then every vertex gathers its rows in
+   one order. So sums have the same bits for any number of threads, and nothing is allocated. All of it is done in
+   double. The force of each part is the negative gradient of its energy, but for pressure in the vertex-normal form or
+   on a part of the surface. PEL_FIBRE_CAVE is a rule of position-based dynamics, not an energy: it gives no force. */
+#ifndef PEL_FORCE_SHELL_FORCE_H
+#define PEL_FORCE_SHELL_FORCE_H
+
+#include "base/pool.h"
+#include "model/shell.h"
+
+typedef enum pel_shell_part {
+    PEL_SHELL_MEMBRANE = 1,
+    PEL_SHELL_BENDING = 2,
+    PEL_SHELL_FIBRES = 4,
+    PEL_SHELL_PRESSURE = 8,
+    PEL_SHELL_ELASTIC = PEL_SHELL_MEMBRANE | PEL_SHELL_BENDING | PEL_SHELL_FIBRES,
+    PEL_SHELL_ALL = 15
+} pel_shell_part;
+
+/* Sums over all bodies [J]. */
+typedef struct pel_shell_energy {
+    double membrane, bending, fibres;
+    double pressure; /* potential of what is conservative */
+} pel_shell_energy;
+
+/* Lists and scratch for all bodies of a model that are shells; one thread at a time uses it. */
+typedef struct pel_shell_forces pel_shell_forces;
+
+/* *forces stays null when the model has no shell. Refuses (PEL_BAD_ARGUMENT) bending without a stiffness. */
+pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **forces, pel_error *error);
+void pel_shell_forces_destroy(pel_shell_forces *forces);
+
+/* Sets directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions: once for each state. */
+void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *position);
+
+/* Adds the forces of some parts (a sum of pel_shell_part) at a time to force (model vertex_count), which may be null;
+   returns the energies of these parts. */
+pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, double time, int parts,
+                                      pel_pool *pool, pel_record *force);
+
+/* Energies on the vertices of one body by mesh vertex: a third of each triangle, a quarter of each hinge there. The
+   arrays are overwritten, with zeros for a body that is no shell. */
+void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
+                               const pel_record *position, double time, double *membrane, double *bending,
+                               double *fibres);
+
+/* D of a hinge as the factor of its energy element: D for hinges, D / 3 for the isometric model */
+double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hinge);
+
+/* Upper bound of the largest eigenvalue of K / m at rest [1/s2], by rows of norms of the elements. */
+double pel_shell_stiffness_bound(const pel_shell_forces *forces);
+
+#endif

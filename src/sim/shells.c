@@ -1,0 +1,155 @@
+/* Shells under the methods that go by forces, and what all methods have to look at: the volume of bodies under
+   pressure. */
+#include "base/status.h"
+#include "force/pressure.h"
+#include "math/vec3.h"
+#include "sim/sim.h"
+
+#include <string.h>
+
+static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
+{
+    pel_method method = sim->solver.method;
+    bool by_position = method == PEL_METHOD_PBD || method == PEL_METHOD_PBD_DISTANCE || method == PEL_METHOD_XPBD;
+    for (int32_t r = 0; r < shell->region_count; r++)
+        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE && !by_position)
+            return "anisotropy that caves in is a rule of position-based methods, not a force";
+    return NULL;
+}
+
+static pel_status check_shells(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->shell == NULL)
+            continue;
+        const char *refusal = mode_refusal(sim, body->shell);
+        if (refusal != NULL) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "%s", refusal);
+            pel_fail_element(error, "body", b);
+            pel_fail_remedy(error, "use the method pbd, or one of the modes strain, active and curl");
+            return PEL_BAD_ARGUMENT;
+        }
+        if (body->detail != NULL) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' is a shell and refines: these do not go together yet",
+                     body->name);
+            pel_fail_element(error, "body", b);
+            pel_fail_remedy(error, "leave out `refine`, or subdivide the mesh beforehand");
+            return PEL_BAD_ARGUMENT;
+        }
+    }
+    return PEL_OK;
+}
+
+pel_status pel_shells_create(pel_sim *sim, pel_error *error)
+{
+    pel_status status = check_shells(sim, error);
+    return status == PEL_OK ? pel_shell_forces_create(sim->model, &sim->shells, error) : status;
+}
+
+void pel_shells_destroy(pel_sim *sim)
+{
+    pel_shell_forces_destroy(sim->shells);
+}
+
+/* new position and velocity of a vertex by the force of its shell */
+static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_real velocity_gain)
+{
+    pel_record acceleration = sim->model->inverse_mass[v] * sim->force[v];
+    sim->state->position_next[v] += position_gain * acceleration;
+    if (sim->state->velocity_next != NULL)
+        sim->state->velocity_next[v] += velocity_gain * acceleration;
+}
+
+static bool is_inside(const pel_sim *sim, int32_t v)
+{
+    double bound = sim->step.bound, square = 0;
+    for (int c = 0; c < 3; c++)
+        square += (double)sim->state->position_next[v][c] * (double)sim->state->position_next[v][c];
+    return square < bound * bound;
+}
+
+/* Leapfrog: velocities belong to the middle of a step. The first kick is half as long, as they belong to its begin, and
+   drag acts for half a step before and after each kick. */
+static void correct_velocities(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    double dt = sim->step.dt, half_drag = exp(-0.5 * sim->solver.drag * dt);
+    bool first = state->step == 0 && sim->shells != NULL && sim->solver.symplectic;
+    pel_real kept = (pel_real)(first ? half_drag : half_drag * half_drag);
+    pel_real kick = (pel_real)(first ? 0.5 : half_drag), step = (pel_real)dt;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        pel_record change = state->velocity_next[v] - state->velocity[v];
+        pel_record velocity = kept * state->velocity[v] + kick * change;
+        if (sim->solver.symplectic) {
+            pel_record next = state->position[v] + step * velocity;
+            next[3] = state->position_next[v][3];
+            state->position_next[v] = next;
+        }
+        state->velocity_next[v] = velocity;
+    }
+}
+
+bool pel_shells_apply(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    bool inside = true, is_explicit = pel_sim_is_explicit(sim);
+    if (sim->shells != NULL) {
+        double dt = sim->step.dt;
+        pel_real position_gain =
+            (pel_real)(is_explicit ? (sim->solver.symplectic ? dt * dt : 0) : sim->step.alpha * dt * dt);
+        memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+        pel_shell_forces_follow(sim->shells, state->position);
+        pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+        for (int32_t v = 0; v < sim->model->vertex_count; v++)
+            push_vertex(sim, v, position_gain, (pel_real)dt);
+    }
+    if (is_explicit && (sim->shells != NULL || sim->solver.drag > 0))
+        correct_velocities(sim);
+    for (int32_t v = 0; sim->shells != NULL && v < sim->model->vertex_count; v++)
+        inside &= is_inside(sim, v);
+    return inside;
+}
+
+pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->shell == NULL || !body->closed || body->shell->pressure.kind == PEL_PRESSURE_NONE)
+            continue;
+        double ratio = pel_body_volume(sim->model, b, sim->state->position_next) / body->rest_volume;
+        if (ratio > 0)
+            continue;
+        int64_t step = sim->state->step + 1;
+        pel_fail(error, PEL_DIVERGED, "the pressure turned body '%s' inside out in frame %lld (t = %g s)", body->name,
+                 (long long)step, (double)step * sim->step.dt);
+        pel_fail_element(error, "body", b);
+        pel_fail_remedy(error, "lower the pressure, stop earlier (stop: volume_ratio_below), or switch contact on");
+        return PEL_DIVERGED;
+    }
+    return PEL_OK;
+}
+
+bool pel_sim_has_shells(const pel_sim *sim)
+{
+    return sim->shells != NULL;
+}
+
+void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre)
+{
+    pel_shell_forces_follow(sim->shells, sim->state->position);
+    pel_shell_vertex_energies(sim->shells, body, pel_row_count(sim, body), sim->state->position, pel_sim_time(sim),
+                              membrane, bending, fibre);
+}
+
+void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
+{
+    int32_t count = pel_row_count(sim, body);
+    sim->force_is_present = false;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position, pel_sim_time(sim), PEL_SHELL_PRESSURE, sim->pool,
+                         sim->force);
+    for (int32_t r = 0; r < count; r++)
+        for (int c = 0; c < 3; c++)
+            forces[3 * (size_t)r + (size_t)c] = (double)sim->force[pel_row_place(sim, body, r)][c];
+}
