@@ -4,7 +4,7 @@
 
 #include "common.h"
 
-enum { CLI_BENCH_NUMBERS = 12 };
+enum { CLI_BENCH_NUMBERS = 20 };
 
 /* What was measured. A benchmark's `finish` adds numbers of its own (bytes moved, shares). */
 typedef struct cli_bench_result {
@@ -40,6 +40,6 @@ typedef struct cli_bench_case {
 
 /* the cases of the other files */
 extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply, cli_bench_sphere_500, cli_bench_million,
-    cli_bench_million_threads, cli_bench_frames, cli_bench_frames_all;
+    cli_bench_million_threads, cli_bench_table1, cli_bench_frames, cli_bench_frames_all;
 
 #endif

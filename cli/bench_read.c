@@ -14,24 +14,17 @@ typedef struct reading {
     pel_mesh_format format;
 } reading;
 
-static pel_status fail(pel_error *error, pel_status status, const char *what)
-{
-    *error = (pel_error){.status = status, .element = -1, .byte_offset = -1};
-    snprintf(error->what, sizeof error->what, "%s", what);
-    return status;
-}
-
 static pel_status begin(void **inner, pel_mesh_format format, const char *ending, pel_error *error)
 {
     reading *r = calloc(1, sizeof *r);
     if (r == NULL)
-        return fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
     *inner = r;
     r->format = format;
     snprintf(r->folder, sizeof r->folder, "/tmp/pellicle-bench-XXXXXX");
     if (mkdtemp(r->folder) == NULL) {
         r->folder[0] = '\0';
-        return fail(error, PEL_BAD_FILE, "no temporary folder can be made in /tmp");
+        return cli_fail(error, PEL_BAD_FILE, "no temporary folder can be made in /tmp");
     }
     snprintf(r->path, sizeof r->path, "%s/sphere%s", r->folder, ending);
     /* frequency 100 has 100,002 vertices */

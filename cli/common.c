@@ -42,6 +42,13 @@ int cli_report_to(const pel_error *error, cli_json *json)
     return cli_report(error);
 }
 
+pel_status cli_fail(pel_error *error, pel_status status, const char *what)
+{
+    *error = (pel_error){.status = status, .element = -1, .byte_offset = -1};
+    snprintf(error->what, sizeof error->what, "%s", what);
+    return status;
+}
+
 void cli_name_file(pel_error *error, const char *path)
 {
     if (error->file[0] == '\0')

@@ -29,6 +29,9 @@ struct view_canvas {
     GLuint corners, layout, color_map;
     GLuint framebuffers[2], renderbuffers[3]; /* with samples, resolved; color, depth, resolved color */
     uint8_t *pixels;                          /* (height x width x 4) as OpenGL gives them, bottom row first */
+    float projection[16];
+    view_color background;
+    int32_t low[2], high[2]; /* the part that was drawn on, from the lower left corner; empty when low >= high */
     char renderer[128];
 };
 
@@ -284,7 +287,7 @@ void view_canvas_set_color_map(view_canvas *canvas, pel_color_map map)
 
 void view_canvas_begin(view_canvas *canvas, const view_camera *camera, view_color background)
 {
-    float matrix[16], part[4];
+    float part[4];
     for (int i = 0; i < 4; ++i)
         part[i] = (float)background.rgba[i] / 255;
     glBindFramebuffer(GL_FRAMEBUFFER, canvas->framebuffers[0]);
@@ -293,15 +296,47 @@ void view_canvas_begin(view_canvas *canvas, const view_camera *camera, view_colo
     /* what is read has its alpha multiplied in */
     glClearColor(part[0] * part[3], part[1] * part[3], part[2] * part[3], part[3]);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    view_camera_project(camera, matrix);
+    canvas->background = background;
+    canvas->low[0] = canvas->width;
+    canvas->low[1] = canvas->height;
+    canvas->high[0] = canvas->high[1] = 0;
+    view_camera_project(camera, canvas->projection);
     for (int i = 0; i < PROGRAM_COUNT; ++i) {
         glUseProgram(canvas->programs[i].id);
-        glUniformMatrix4fv(canvas->programs[i].projection, 1, GL_FALSE, matrix);
+        glUniformMatrix4fv(canvas->programs[i].projection, 1, GL_FALSE, canvas->projection);
+    }
+}
+
+/* grows the part that was drawn on by two pixels around each corner */
+static void note_part(view_canvas *canvas, const view_soup *soup)
+{
+    const float *m = canvas->projection, size[2] = {(float)canvas->width, (float)canvas->height};
+    float low[2] = {size[0], size[1]}, high[2] = {0, 0};
+    bool before = true;
+    for (size_t i = 0; i < soup->count; ++i) {
+        const float *p = soup->corners[i].position;
+        float w = m[3] * p[0] + m[7] * p[1] + m[11] * p[2] + m[15];
+        before = before && w > 0;
+        for (int k = 0; k < 2; ++k) {
+            float at = (m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k]) / w;
+            at = (0.5f + 0.5f * at) * size[k];
+            low[k] = at < low[k] ? at : low[k];
+            high[k] = at > high[k] ? at : high[k];
+        }
+    }
+    for (int k = 0; k < 2; ++k) {
+        /* something beside or behind the camera may be anywhere */
+        int32_t first = before && low[k] > 2 ? (int32_t)low[k] - 2 : 0;
+        int32_t end = before && high[k] < size[k] - 3 ? (int32_t)high[k] + 3 : (int32_t)size[k];
+        canvas->low[k] = first < canvas->low[k] ? first : canvas->low[k];
+        canvas->high[k] = end > canvas->high[k] ? end : canvas->high[k];
     }
 }
 
 void view_canvas_draw(view_canvas *canvas, const view_soup *soup, const view_look *look)
 {
+    if (soup->count > 0)
+        note_part(canvas, soup);
     const program *p = &canvas->programs[look->edge_width > 0 ? PROGRAM_EDGES : PROGRAM_PLAIN];
     float plain[4];
     for (int i = 0; i < 4; ++i)
@@ -341,20 +376,43 @@ static void copy_row(const uint8_t *from, uint8_t *to, int32_t width)
     }
 }
 
+/* the picture around the part that was drawn on */
+static void fill_around(const view_canvas *canvas, view_image *image, int32_t x, int32_t y, view_color color)
+{
+    int32_t width = canvas->width, height = canvas->height, left = canvas->low[0], right = canvas->high[0];
+    int32_t top = height - canvas->high[1], bottom = height - canvas->low[1];
+    if (left >= right || top >= bottom) {
+        view_image_fill(image, x, y, width, height, color);
+        return;
+    }
+    view_image_fill(image, x, y, width, top, color);
+    view_image_fill(image, x, y + bottom, width, height - bottom, color);
+    view_image_fill(image, x, y + top, left, bottom - top, color);
+    view_image_fill(image, x + right, y + top, width - right, bottom - top, color);
+}
+
 pel_status view_canvas_read(view_canvas *canvas, view_image *image, int32_t x, int32_t y, pel_error *error)
 {
-    int32_t width = canvas->width, height = canvas->height;
+    /* software takes as long for a pixel of the background as for any other: leave those out */
+    const int32_t *low = canvas->low, *high = canvas->high;
+    const view_color nothing = {{0, 0, 0, 0}};
+    fill_around(canvas, image, x, y, canvas->background.rgba[3] > 0 ? canvas->background : nothing);
+    if (low[0] >= high[0] || low[1] >= high[1])
+        return PEL_OK;
+    int32_t width = high[0] - low[0], height = high[1] - low[1];
     glBindFramebuffer(GL_READ_FRAMEBUFFER, canvas->framebuffers[0]);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, canvas->framebuffers[1]);
-    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(low[0], low[1], high[0], high[1], low[0], low[1], high[0], high[1], GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, canvas->framebuffers[1]);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, canvas->pixels);
+    glReadPixels(low[0], low[1], width, height, GL_RGBA, GL_UNSIGNED_BYTE, canvas->pixels);
     if (glGetError() != GL_NO_ERROR)
         return view_fail_memory(error);
+    int32_t top = y + canvas->height - high[1], left = x + low[0];
     for (int32_t row = 0; row < height; ++row) {
         const uint8_t *from = canvas->pixels + 4 * (size_t)(height - 1 - row) * (size_t)width;
-        copy_row(from, image->pixels + 4 * ((size_t)(y + row) * (size_t)image->width + (size_t)x), width);
+        copy_row(from, image->pixels + 4 * ((size_t)(top + row) * (size_t)image->width + (size_t)left), width);
     }
     return PEL_OK;
 }

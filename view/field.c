@@ -65,7 +65,8 @@ pel_status view_field_take(const pel_mesh *mesh, const char *name, int32_t compo
         for (int32_t i = 0; count > 1 && component < 0 && i < count; ++i)
             value = hypot(value, numbers[i]);
         if (!isfinite(value)) {
-            view_fail(error, PEL_BAD_FORMAT, place, "field '%s' is not finite at vertex %d", name, (int)v);
+            view_fail(error, PEL_BAD_FORMAT, place, "field '%s' is %s", name,
+                      isnan(value) ? "not a number (NaN)" : "infinite");
             view_remedy(error, "look for what makes it so, or draw another field");
             if (error != NULL) {
                 error->element = v;

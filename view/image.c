@@ -60,14 +60,32 @@ static pel_status fail_writing(const char *path, const char *why, pel_error *err
     return PEL_BAD_FILE;
 }
 
-static pel_status write_png(const view_image *image, const char *path, FILE *file, bool fast, pel_error *error)
+/* the colors alone when no pixel is transparent, which is less to pack; null when one is */
+static pel_status copy_opaque(const view_image *image, uint8_t **colors, pel_error *error)
+{
+    size_t count = (size_t)image->width * (size_t)image->height, i = 0;
+    *colors = view_allocate(count, 3);
+    if (*colors == NULL)
+        return view_fail_memory(error);
+    for (; i < count && image->pixels[4 * i + 3] == 255; ++i)
+        memcpy(*colors + 3 * i, image->pixels + 4 * i, 3);
+    if (i == count)
+        return PEL_OK;
+    free(*colors);
+    *colors = NULL;
+    return PEL_OK;
+}
+
+/* colors: of all pixels, or null */
+static pel_status write_png(const view_image *image, const uint8_t *colors, const char *path, FILE *file, bool fast,
+                            pel_error *error)
 {
     png_image png = {.version = PNG_IMAGE_VERSION,
                      .width = (png_uint_32)image->width,
                      .height = (png_uint_32)image->height,
-                     .format = PNG_FORMAT_RGBA,
+                     .format = colors != NULL ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA,
                      .flags = fast ? PNG_IMAGE_FLAG_FAST : 0};
-    bool good = png_image_write_to_stdio(&png, file, 0, image->pixels, 0, NULL) != 0;
+    bool good = png_image_write_to_stdio(&png, file, 0, colors != NULL ? colors : image->pixels, 0, NULL) != 0;
     int number = errno;
     if (fclose(file) == 0 && good)
         return PEL_OK;
@@ -82,8 +100,14 @@ pel_status view_image_write(const view_image *image, const char *path, bool fast
     FILE *file = fopen(temporary, "wb");
     if (file == NULL)
         return fail_writing(path, strerror(errno), error);
+    uint8_t *colors;
+    pel_status status = copy_opaque(image, &colors, error);
     errno = 0;
-    pel_status status = write_png(image, path, file, fast, error);
+    if (status == PEL_OK)
+        status = write_png(image, colors, path, file, fast, error);
+    else
+        fclose(file);
+    free(colors);
     if (status == PEL_OK && rename(temporary, path) != 0)
         status = fail_writing(path, strerror(errno), error);
     if (status != PEL_OK)

@@ -23,7 +23,8 @@ void view_image_fill(view_image *image, int32_t x, int32_t y, int32_t width, int
 /* lays the color over a pixel that covers / 255 of it; outside the image nothing happens */
 void view_image_blend(view_image *image, int32_t x, int32_t y, view_color color, uint8_t cover);
 
-/* Writes a PNG to a temporary file that is renamed at the end; fast ones are larger by half. Errors: PEL_BAD_FILE. */
+/* Writes a PNG, without alpha when all is opaque, to a temporary file that is renamed at the end; fast ones are larger
+   by a fifth. Errors: PEL_BAD_FILE. */
 pel_status view_image_write(const view_image *image, const char *path, bool fast, pel_error *error);
 
 #endif

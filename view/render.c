@@ -10,6 +10,7 @@
 #include "view/run.h"
 #include "view/shots.h"
 #include "view/support.h"
+#include "view/writer.h"
 
 #include <errno.h>
 #include <math.h>
@@ -479,7 +480,10 @@ static pel_status make_folder(const char *path, pel_error *error)
 
 static pel_status write_pictures(job *j, bool folder, pel_error *error)
 {
-    pel_status status = folder ? make_folder(j->def.output, error) : PEL_OK;
+    view_writer writer;
+    pel_status status = view_writer_open(&writer, j->image.width, j->image.height, error);
+    if (status == PEL_OK && folder)
+        status = make_folder(j->def.output, error);
     for (int32_t p = 0; status == PEL_OK && p < j->shots.page_count; ++p) {
         char path[PATH_SIZE];
         int frame = (int)j->shots.shots[(size_t)p * (size_t)j->shots.cell_count].frame;
@@ -488,13 +492,13 @@ static pel_status write_pictures(job *j, bool folder, pel_error *error)
         else
             snprintf(path, sizeof path, "%s", j->def.output);
         status = draw_page(j, p, error);
-        double start = view_clock();
         if (status == PEL_OK)
-            status = view_image_write(&j->image, path, folder, error);
-        j->summary.write_s += view_clock() - start;
+            status = view_writer_add(&writer, &j->image, path, folder, error);
         j->summary.picture_count += status == PEL_OK;
     }
-    return status;
+    pel_status ended = view_writer_close(&writer, status == PEL_OK ? error : NULL);
+    j->summary.write_s = writer.seconds;
+    return status == PEL_OK ? ended : status;
 }
 
 /* real time, within what looks like a film */

@@ -185,7 +185,10 @@ double view_run_time(const view_run *run, int32_t frame)
 pel_status view_run_read(const view_run *run, int32_t frame, pel_mesh **mesh, pel_error *error)
 {
     const char *path = run->frames != NULL ? run->frames->paths[frame] : run->path;
-    if (run->frames != NULL || view_ends_with(path, ".vtp"))
-        return pel_vtp_read(path, mesh, NULL, error);
-    return pel_mesh_import(path, NULL, mesh, error);
+    if (run->frames == NULL && !view_ends_with(path, ".vtp"))
+        return pel_mesh_import(path, NULL, mesh, error);
+    pel_status status = pel_vtp_read(path, mesh, NULL, error);
+    if (status == PEL_BAD_FILE && run->frames != NULL)
+        view_remedy(error, "frames.pvd names this frame; run the scene again");
+    return status;
 }

@@ -217,6 +217,31 @@ static pel_status add_box(view_soup *soup, const frame *f, const double half[3],
     return PEL_OK;
 }
 
+/* each triangle flat, so that edges show */
+static pel_status add_mesh(view_soup *soup, const frame *f, const pel_mesh *mesh, pel_error *error)
+{
+    view_corner *corner = add_corners(soup, 3 * (size_t)mesh->triangle_count, error);
+    if (corner == NULL)
+        return PEL_OUT_OF_MEMORY;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const double *a = mesh->positions[mesh->triangles[t][0]], *b = mesh->positions[mesh->triangles[t][1]];
+        const double *c = mesh->positions[mesh->triangles[t][2]];
+        double u[3], w[3], normal[3];
+        for (int i = 0; i < 3; ++i) {
+            u[i] = b[i] - a[i];
+            w[i] = c[i] - a[i];
+        }
+        for (int i = 0; i < 3; ++i)
+            normal[i] = u[(i + 1) % 3] * w[(i + 2) % 3] - u[(i + 2) % 3] * w[(i + 1) % 3];
+        double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        for (int i = 0; i < 3 && length > 0; ++i)
+            normal[i] /= length;
+        for (int i = 0; i < 3; ++i)
+            set_solid_corner(f, mesh->positions[mesh->triangles[t][i]], normal, corner++);
+    }
+    return PEL_OK;
+}
+
 pel_status view_soup_add_tool(view_soup *soup, const view_camera *camera, const pel_tool_def *tool,
                               const double position[3], const double rotation[4], pel_error *error)
 {
@@ -233,6 +258,8 @@ pel_status view_soup_add_tool(view_soup *soup, const view_camera *camera, const 
         return add_capsule(soup, &f, tool->radius, tool->half_length, error);
     case PEL_TOOL_BOX:
         return add_box(soup, &f, tool->half_extents, error);
+    case PEL_TOOL_MESH:
+        return add_mesh(soup, &f, tool->mesh, error);
     }
     return PEL_OK;
 }

@@ -35,8 +35,8 @@ pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error
 const char *pel_export_numbered_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, int32_t frame);
 
 /* Writes every frame as a mesh file of its own under a numbered name. Files of these names are replaced; after a
-   failure none of those that were written is left. log (nullable) receives the notes of the first frame. Errors: those
-   of pel_export_pc2 and pel_mesh_write. */
+   failure none of those that were written is left. log (nullable) receives the notes of the first frame.
+   Errors: those of pel_export_pc2 and pel_mesh_write. */
 pel_status pel_export_sequence(const char *path, pel_mesh_format format, const pel_frames *frames, const pel_log *log,
                                pel_error *error);
 

@@ -43,7 +43,7 @@ typedef struct pel_refine_def {
     double curvature_above, curvature_below; /* 1/m: change of the mean curvature since rest, whatever the sign: where
                                                 the surface bends or folds; below < above, above 0 = not used */
     double near_tools;     /* m: triangles that are this near to a tool, before it touches; given up beyond 1.25 times
-                              that. A tool should not come nearer by more than this in `interval` steps. 0 = not used */
+                              that. A tool should take twice `interval` steps for this way. 0 = not used */
     const int32_t *region; /* (region_count) vertices of the mesh: the triangles at them are on level region_levels at
                               least, always; null = none */
     int32_t region_count;

@@ -13,6 +13,7 @@
 #ifndef PELLICLE_SIM_H
 #define PELLICLE_SIM_H
 
+#include "geometry.h"
 #include "model.h"
 
 #ifdef __cplusplus
@@ -66,7 +67,8 @@ pel_load_def pel_load_def_default(void);
 typedef enum pel_tool_shape {
     PEL_TOOL_SPHERE,  /* radius */
     PEL_TOOL_CAPSULE, /* radius; axis along the tool's z from -half_length to +half_length */
-    PEL_TOOL_BOX      /* half_extents; sharp */
+    PEL_TOOL_BOX,     /* half_extents; sharp */
+    PEL_TOOL_MESH     /* mesh; needs contact (pel_contact_def) */
 } pel_tool_shape;
 
 /* Pose of a tool at a time. Positions move linearly between keys, rotations by spherical interpolation. */
@@ -83,6 +85,7 @@ typedef struct pel_tool_def {
     double radius;            /* m */
     double half_length;       /* m */
     double half_extents[3];   /* m */
+    const pel_mesh *mesh;     /* in the tool's frame, any surface; copied */
     const pel_pose_key *keys; /* (key_count >= 1), times increasing */
     int32_t key_count;
     int32_t body; /* the body it acts on; -1 = all */
@@ -94,6 +97,31 @@ typedef struct pel_tool_def {
 
 pel_tool_def pel_tool_def_default(void);
 
+/* When contacts are solved. */
+typedef enum pel_contact_response {
+    PEL_CONTACT_IN_LOOP, /* in every sweep of pbd and xpbd, and after the step until nothing is too near */
+    PEL_CONTACT_AFTER    /* paper B: one correction after the step */
+} pel_contact_response;
+
+/* Contact of surfaces (paper B, section 4). When it is enabled, no step ends with two triangles that cut each other, in
+   one body, of two bodies, or of a body and a tool, provided that the step began so: what contacts cannot keep apart is
+   stepped back along its way, in the worst case to where it was. Tools too are held back where a body cannot give way;
+   they catch up when it can. */
+typedef struct pel_contact_def {
+    bool enabled;
+    bool self;                 /* parts of one body touch each other */
+    bool between;              /* different bodies touch each other */
+    double thickness;          /* m, distance that is kept; 0 = relative_thickness */
+    double relative_thickness; /* times the diagonal of the box about all bodies; at most half the shortest edge is
+                                  taken, see pel_sim_contact_thickness */
+    double friction;           /* Coulomb's coefficient */
+    pel_ccd_method method;     /* how contacts are found; what guards the end of a step is always conservative */
+    pel_contact_response response;
+    bool allow_tangled; /* a start with intersections is accepted: those pairs are left alone until they are apart */
+    int32_t sweeps;     /* over the contacts after a step, at most; 0 = 10 */
+    int32_t limit;      /* the most contacts; 0 = 8 per vertex. What does not fit is left to the guard */
+} pel_contact_def;
+
 typedef struct pel_sim pel_sim;
 
 typedef struct pel_sim_def {
@@ -103,6 +131,7 @@ typedef struct pel_sim_def {
     int32_t load_count;
     const pel_tool_def *tools; /* (tool_count), copied */
     int32_t tool_count;
+    pel_contact_def contact;
     int32_t thread_count; /* 0 = as many as the machine has; the results do not depend on it */
     uint32_t cookie;
 } pel_sim_def;
@@ -110,12 +139,15 @@ typedef struct pel_sim_def {
 pel_sim_def pel_sim_def_default(void);
 
 /* Checks everything against the mesh: PEL_UNSTABLE with the limit when alpha or dt is too large, PEL_BAD_ARGUMENT for
-   numbers out of range, a load on no vertex, a tool that starts inside a body. Free with pel_sim_destroy. */
+   numbers out of range, a load on no vertex, a tool that starts inside a body; with contact: bodies that start
+   intersecting (the number of pairs and the first ones are named), a thickness larger than the shortest edge. Free with
+   pel_sim_destroy. */
 pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error);
 void pel_sim_destroy(pel_sim *sim);
 
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
-   was before the step. No memory is allocated. */
+   was before the step. No memory is allocated; with contact only where a step has more pairs than any before, after
+   refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many pairs come near, PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 double pel_sim_time(const pel_sim *sim);        /* s, step count x dt */
@@ -166,7 +198,7 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
    twice the vertex's area this is the mean tension of the net [N/m], positive where it is stretched; the sum over all
    vertices is the derivative of the spring energy by the logarithm of the body's size. */
 void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
-/* 1 where a tool touches or holds the vertex, else 0 (vertex_count). */
+/* 1 where a tool touches or holds the vertex, or it is in contact with a surface, else 0 (vertex_count). */
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
 
 /* Setters between steps. Values are checked like the defs. */
@@ -188,6 +220,29 @@ typedef struct pel_tool_reading {
     int32_t contact_count; /* vertices touched or held */
 } pel_tool_reading;
 void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
+
+/* What contact did and cost, summed over all steps since the start. All zero without contact. */
+typedef struct pel_contact_statistics {
+    int64_t candidates;                                /* pairs whose boxes overlapped, of all searches */
+    int64_t passed_filter;                             /* not ruled out by the non-penetration filter */
+    int64_t passed_hull;                               /* nor by separating axes */
+    int64_t cubics;                                    /* solved for a time of impact */
+    int64_t contacts;                                  /* records of contacts, all steps */
+    int64_t dropped;                                   /* contacts that did not fit */
+    int64_t rounds;                                    /* of search and correction */
+    int64_t fall_backs;                                /* vertices that were stepped back, all steps */
+    int64_t tools_held;                                /* tools that were held back, all steps */
+    int64_t tangled;                                   /* pairs of triangles that intersect still, at present */
+    double find_seconds, solve_seconds, guard_seconds; /* searching, correcting, guarding the end of the step */
+} pel_contact_statistics;
+void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics);
+
+/* m, the distance that contacts keep; 0 without contact */
+double pel_sim_contact_thickness(const pel_sim *sim);
+
+/* Pairs of triangles of the present surfaces, tools included, that cut each other, by the exact test
+   (pel_mesh_self_intersections); spheres and capsules take no part. PEL_OUT_OF_MEMORY. */
+pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {

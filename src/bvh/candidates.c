@@ -124,10 +124,32 @@ static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const p
 typedef struct sieve {
     const pel_pair_search *search;
     pel_pair_kind kind;
+    const pel_tree *tree;
+    const pel_collision_groups *groups;
     const pel_box *first_boxes, *second_boxes;
     pel_pair *kept; /* room for all pairs of the chunks, one after the other */
     size_t offset[PEL_SEARCH_CHUNKS], kept_count[PEL_SEARCH_CHUNKS];
 } sieve;
+
+static bool may_meet(const sieve *s, pel_pair pair)
+{
+    const pel_collision_groups *groups = s->groups;
+    bool edges = s->kind == PEL_PAIR_EDGE_EDGE;
+    int32_t first = edges ? s->tree->edges[pair.first][0] : pair.first;
+    int32_t second = edges ? s->tree->edges[pair.second][0] : s->tree->triangles[pair.second][0];
+    return groups->may_meet[groups->group_of_vertex[first] * groups->group_count + groups->group_of_vertex[second]];
+}
+
+/* takes out what may not meet; returns how many are left */
+static size_t drop_strangers(const sieve *s, pel_pair *pairs, size_t count)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        pairs[kept] = pairs[i];
+        kept += may_meet(s, pairs[i]);
+    }
+    return kept;
+}
 
 static void sieve_chunk(void *context, int32_t chunk)
 {
@@ -140,13 +162,15 @@ static void sieve_chunk(void *context, int32_t chunk)
         out += pel_box_overlaps(&s->first_boxes[pair.first], &s->second_boxes[pair.second]);
     }
     s->kept_count[chunk] = (size_t)(out - begin);
+    if (s->groups->group_of_vertex != NULL)
+        s->kept_count[chunk] = drop_strangers(s, begin, s->kept_count[chunk]);
 }
 
 static pel_status sieve_pairs(pel_candidates *c, pel_pair_kind kind, pel_pool *pool, pel_pair **pairs, size_t *count,
                               size_t *capacity)
 {
     bool edges = kind == PEL_PAIR_EDGE_EDGE;
-    sieve s = {.search = &c->search, .kind = kind};
+    sieve s = {.search = &c->search, .kind = kind, .tree = c->tree, .groups = &c->groups};
     s.first_boxes = edges ? c->edge_boxes : c->vertex_boxes;
     s.second_boxes = edges ? c->edge_boxes : c->triangle_boxes;
     size_t total = 0;

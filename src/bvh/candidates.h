@@ -22,9 +22,18 @@ typedef struct pel_candidate_counts {
     int64_t kept; /* pairs that are kept at present */
 } pel_candidate_counts;
 
+/* Groups of vertices, and which of them can meet at all; a triangle and an edge belong to the group of their first
+   vertex. */
+typedef struct pel_collision_groups {
+    const int32_t *group_of_vertex; /* (vertex_count) null = everything may meet */
+    const uint8_t *may_meet;        /* (group_count x group_count) symmetric */
+    int32_t group_count;
+} pel_collision_groups;
+
 typedef struct pel_candidates {
-    pel_tree *tree; /* own */
-    double margin;  /* m; 0 = keep nothing */
+    pel_tree *tree;              /* own */
+    pel_collision_groups groups; /* not owned; to be set between updates */
+    double margin;               /* m; 0 = keep nothing */
 
     pel_pair *vertex_face, *edge_edge; /* of the last update: vertex and triangle, edge and edge */
     size_t vertex_face_count, edge_edge_count;

@@ -1,9 +1,7 @@
-#include "pellicle/collide.h"
+#include "collide/collider.h"
 
 #include "base/memory.h"
-#include "base/pool.h"
 #include "base/status.h"
-#include "bvh/candidates.h"
 #include "pellicle/parallel.h"
 
 #include <string.h>
@@ -28,7 +26,9 @@ typedef struct part {
 
 struct pel_collider {
     pel_candidates *candidates;
-    pel_pool *pool;
+    double margin; /* as in the def */
+    int64_t limit;
+    pel_pool *pool, *own_pool;
     part parts[PARTS];
     collision_list collisions;
 };
@@ -83,31 +83,47 @@ static pel_status check_def(const pel_collider_def *def, pel_error *error)
     return check_mesh(def->mesh, error);
 }
 
-static double mean_edge(const pel_mesh *mesh)
+static double mean_edge(const double (*positions)[3], const int32_t (*triangles)[3], int32_t triangle_count)
 {
     double sum = 0;
-    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
-        const double *a = mesh->positions[mesh->triangles[h / 3][h % 3]];
-        const double *b = mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]];
+    for (int32_t h = 0; h < 3 * triangle_count; h++) {
+        const double *a = positions[triangles[h / 3][h % 3]], *b = positions[triangles[h / 3][(h + 1) % 3]];
         sum += hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
     }
-    return isfinite(sum) ? sum / (3.0 * mesh->triangle_count) : 0;
+    return isfinite(sum) ? sum / (3.0 * triangle_count) : 0;
+}
+
+pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
+                                    const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
+{
+    const int64_t least_limit = 1000000, per_triangle = 1000;
+    int64_t limit = collider->limit;
+    if (limit == 0)
+        limit = per_triangle * triangle_count > least_limit ? per_triangle * triangle_count : least_limit;
+    double margin = collider->margin >= 0 ? collider->margin : 0.2 * mean_edge(positions, triangles, triangle_count);
+    pel_candidates *made;
+    pel_status status =
+        pel_candidates_create(positions, vertex_count, triangles, triangle_count, margin, limit, &made, error);
+    if (status != PEL_OK)
+        return status;
+    if (collider->candidates != NULL)
+        made->groups = collider->candidates->groups;
+    pel_candidates_destroy(collider->candidates);
+    collider->candidates = made;
+    return PEL_OK;
 }
 
 static pel_status fill_collider(pel_collider *collider, const pel_collider_def *def, pel_error *error)
 {
     const pel_mesh *mesh = def->mesh;
-    const int64_t least_limit = 1000000, per_triangle = 1000;
-    int64_t limit = def->candidate_limit;
-    if (limit == 0)
-        limit = per_triangle * mesh->triangle_count > least_limit ? per_triangle * mesh->triangle_count : least_limit;
-    double margin = def->margin >= 0 ? def->margin : 0.2 * mean_edge(mesh);
-    pel_status status = pel_candidates_create((const double(*)[3])mesh->positions, mesh->vertex_count,
-                                              (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, margin, limit,
-                                              &collider->candidates, error);
+    collider->margin = def->margin;
+    collider->limit = def->candidate_limit;
+    pel_status status = pel_collider_set_surface(collider, (const double(*)[3])mesh->positions, mesh->vertex_count,
+                                                 (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, error);
     int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
     if (status == PEL_OK && threads > 1)
-        status = pel_pool_create(threads, &collider->pool, error);
+        status = pel_pool_create(threads, &collider->own_pool, error);
+    collider->pool = collider->own_pool;
     return status;
 }
 
@@ -133,11 +149,21 @@ void pel_collider_destroy(pel_collider *collider)
     if (collider == NULL)
         return;
     pel_candidates_destroy(collider->candidates);
-    pel_pool_destroy(collider->pool);
+    pel_pool_destroy(collider->own_pool);
     for (int i = 0; i < PARTS; i++)
         pel_free(collider->parts[i].list.collisions);
     pel_free(collider->collisions.collisions);
     pel_free(collider);
+}
+
+void pel_collider_use_pool(pel_collider *collider, pel_pool *pool)
+{
+    collider->pool = pool;
+}
+
+void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups)
+{
+    collider->candidates->groups = *groups;
 }
 
 /* ---- broad phase ---- */

@@ -167,6 +167,11 @@ static key normal_key(const int32_t vertices[3], const int32_t shares[3])
 
 /* ---- reading a frame ---- */
 
+bool pel_common_mesh_is_place(const char *field_name)
+{
+    return strcmp(field_name, "mesh_vertices") == 0 || strcmp(field_name, "mesh_weights") == 0;
+}
+
 static pel_status fail_frame(const frame_view *view, const char *what, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FORMAT, "%s", what);
@@ -726,17 +731,11 @@ static void mix(const double *values, int32_t component_count, const int32_t row
     }
 }
 
-static bool is_kept(const pel_field *field)
-{
-    return strcmp(field->name, "level") != 0 && strcmp(field->name, "mesh_vertices") != 0 &&
-           strcmp(field->name, "mesh_weights") != 0;
-}
-
 static pel_status add_fields(const pel_mesh *from, pel_mesh *mesh, pel_error *error)
 {
     pel_status status = PEL_OK;
     for (int32_t f = 0; status == PEL_OK && f < from->field_count; f++)
-        if (is_kept(&from->fields[f]))
+        if (!pel_common_mesh_is_place(from->fields[f].name) && strcmp(from->fields[f].name, "level") != 0)
             status = pel_mesh_add_field(mesh, from->fields[f].name, from->fields[f].component_count, NULL, error);
     return status;
 }

@@ -8,6 +8,9 @@
 
 typedef struct pel_common_mesh pel_common_mesh;
 
+/* true for the two fields */
+bool pel_common_mesh_is_place(const char *field_name);
+
 /* Whether the frame says where its vertices lie; PEL_BAD_FORMAT when not. Errors: those of pel_frames_read too. */
 pel_status pel_common_mesh_check(const pel_frames *frames, int32_t frame, pel_error *error);
 

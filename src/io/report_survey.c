@@ -4,6 +4,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/common_mesh.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -73,13 +74,13 @@ static void grow_range(pel_report_field *known, const pel_field *field, int32_t 
 
 /* ---- fields ---- */
 
-/* where the user put the field, -1 when it is not wanted */
+/* where the user put the field, -1 when it is not wanted; places in the mesh are nothing to look at */
 static int32_t find_place(const pel_report_def *def, const char *name, int32_t otherwise)
 {
     for (int32_t i = 0; i < def->field_count; i++)
         if (strcmp(def->fields[i], name) == 0)
             return i;
-    return def->field_count == 0 ? otherwise : -1;
+    return def->field_count == 0 && !pel_common_mesh_is_place(name) ? otherwise : -1;
 }
 
 static pel_status add_field(pel_report_run *run, const pel_field *field, int32_t place, pel_error *error)
@@ -119,6 +120,26 @@ static pel_status note_fields(pel_report_run *run, const pel_report_def *def, co
     return PEL_OK;
 }
 
+/* tells which field may be meant, or which there are */
+static void suggest_field(const pel_mesh *mesh, const char *name, pel_error *error)
+{
+    char list[200] = "";
+    const char **names = pel_allocate((size_t)mesh->field_count, sizeof *names);
+    for (int32_t f = 0; names != NULL && f < mesh->field_count; f++) {
+        size_t length = strlen(list);
+        names[f] = mesh->fields[f].name;
+        snprintf(list + length, sizeof list - length, "%s%s", f > 0 ? ", " : "", names[f]);
+    }
+    const char *nearest = names != NULL ? pel_nearest_name(name, names, (size_t)mesh->field_count) : NULL;
+    if (nearest != NULL)
+        pel_fail_remedy(error, "did you mean '%s'?", nearest);
+    else if (list[0] != '\0')
+        pel_fail_remedy(error, "choose one of %s", list);
+    else
+        pel_fail_remedy(error, "it has none; ask for some under output.fields in the scene");
+    pel_free(names);
+}
+
 /* refuses a field that the user asked for and the frame does not have */
 static pel_status check_wanted(const pel_report_run *run, const pel_report_def *def, const pel_mesh *mesh,
                                pel_error *error)
@@ -126,19 +147,8 @@ static pel_status check_wanted(const pel_report_run *run, const pel_report_def *
     for (int32_t i = 0; i < def->field_count; i++) {
         if (pel_mesh_field(mesh, def->fields[i]) != NULL)
             continue;
-        const char *nearest = NULL;
-        const char *name = NULL;
-        for (int32_t f = 0; f < mesh->field_count && nearest == NULL; f++) {
-            name = mesh->fields[f].name;
-            nearest = pel_nearest_name(def->fields[i], &name, 1);
-        }
         pel_fail(error, PEL_BAD_ARGUMENT, "the run has no field '%s'", def->fields[i]);
-        if (nearest != NULL)
-            pel_fail_remedy(error, "did you mean '%s'?", nearest);
-        else if (name != NULL)
-            pel_fail_remedy(error, "it has %s%s", name, mesh->field_count > 1 ? " and others" : "");
-        else
-            pel_fail_remedy(error, "it has none; ask for some under output.fields in the scene");
+        suggest_field(mesh, def->fields[i], error);
         pel_fail_place(error, run->folder, 0, 0);
         return PEL_BAD_ARGUMENT;
     }

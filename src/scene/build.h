@@ -10,8 +10,12 @@
    mesh_count of them also when this fails. */
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                   pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count);
-/* Loads, tools, solver, output, duration, stop; names of bodies that were left out are put into the tree. */
-pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
+/* Loads, tools, contact, solver, output, duration, stop; names of bodies that were left out are put into the tree. The
+   meshes of tools are added to those of the bodies. */
+pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
+                               pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count);
+/* Contact (build_contact.c); a null value is none. */
+pel_status pel_scene_build_contact(pel_scene_reader *reader, const pel_scene_value *value, pel_contact_def *contact);
 
 /* what one body is built from */
 typedef struct pel_scene_body_source {

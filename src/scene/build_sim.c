@@ -138,17 +138,41 @@ static void read_shape(const pel_scene_value *value, pel_tool_def *tool)
         tool->half_length = pel_scene_value_number(value, "length") / 2;
 }
 
-static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *value, const pel_model_def *model,
+/* where meshes are made and who owns them */
+typedef struct mesh_store {
+    const char *folder;
+    pel_mesh **meshes;
+    int32_t *count;
+} mesh_store;
+
+static pel_status read_mesh(pel_scene_reader *reader, pel_scene_value *value, const mesh_store *store,
                             pel_tool_def *tool)
+{
+    pel_mesh *mesh;
+    pel_status status = pel_scene_mesh(reader, value, store->folder, &mesh);
+    if (status != PEL_OK)
+        return status;
+    store->meshes[(*store->count)++] = mesh;
+    tool->shape = PEL_TOOL_MESH;
+    tool->mesh = mesh;
+    return PEL_OK;
+}
+
+static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *value, const pel_model_def *model,
+                            const mesh_store *store, pel_tool_def *tool)
 {
     const pel_scene_value *body = pel_scene_value_entry(value, "body"), *grasp = pel_scene_value_entry(value, "grasp");
     *tool = pel_tool_def_default();
     tool->name = pel_scene_value_entry(value, "name")->text;
     tool->press = pel_scene_value_boolean(value, "press");
     tool->grasp = grasp != NULL;
-    read_shape(value, tool);
     pel_status status = PEL_OK;
-    if (body != NULL)
+    pel_scene_value *mesh = pel_scene_value_entry(value, "mesh");
+    if (mesh != NULL)
+        status = read_mesh(reader, mesh, store, tool);
+    else
+        read_shape(value, tool);
+    if (status == PEL_OK && body != NULL)
         status = find_body(reader, body, model, &tool->body);
     if (status == PEL_OK && grasp != NULL) {
         tool->reach = pel_scene_value_number(grasp, "reach");
@@ -157,7 +181,8 @@ static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *val
     return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), tool) : status;
 }
 
-static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *list, pel_scene *scene)
+static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *list, const mesh_store *store,
+                             pel_scene *scene)
 {
     pel_tool_def *tools = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *tools);
     if (tools == NULL)
@@ -165,7 +190,7 @@ static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *li
     pel_status status = pel_scene_check_names(reader, list);
     int32_t count = 0;
     for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
-        status = read_tool(reader, value, &scene->model, &tools[count++]);
+        status = read_tool(reader, value, &scene->model, store, &tools[count++]);
     scene->sim.tools = tools;
     scene->sim.tool_count = count;
     return status;
@@ -253,8 +278,10 @@ static void read_stop(const pel_scene_value *value, pel_scene *scene)
     scene->time_limit = number_or(value, "time", 0);
 }
 
-pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
+                               pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
 {
+    const mesh_store store = {folder, meshes, mesh_count};
     const pel_scene_value *title = pel_scene_value_entry(root, "title");
     scene->title = title != NULL ? title->text : "";
     scene->duration = pel_scene_value_number(root, "duration");
@@ -263,6 +290,8 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     read_stop(pel_scene_value_entry(root, "stop"), scene);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
-        status = read_tools(reader, pel_scene_value_entry(root, "tools"), scene);
+        status = read_tools(reader, pel_scene_value_entry(root, "tools"), &store, scene);
+    if (status == PEL_OK)
+        status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;
 }

@@ -76,6 +76,9 @@ static uint64_t hash_scene(const pel_scene *scene)
     uint64_t hash = pel_hash_bytes(PEL_HASH_START, text, strlen(text));
     for (int32_t b = 0; b < scene->model.body_count; b++)
         hash = hash_mesh(hash, scene->model.bodies[b].mesh);
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        if (scene->sim.tools[t].mesh != NULL)
+            hash = hash_mesh(hash, scene->sim.tools[t].mesh);
     return hash;
 }
 

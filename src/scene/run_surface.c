@@ -43,8 +43,8 @@ static pel_status refuse_field(const char *name, pel_error *error)
 /* where the rows of a body lie in its mesh: the triangles behind the scratch, the weights in it */
 static const int32_t *read_places(const pel_run_surface *surface, const pel_sim *sim, int32_t body)
 {
-    pel_sim_get_mesh_places(sim, body, surface->row_triangles, surface->scratch);
-    return surface->row_triangles;
+    pel_sim_get_mesh_places(sim, body, surface->row_numbers, surface->scratch);
+    return surface->row_numbers;
 }
 
 /* a field of a mesh on the rows of its body; finer vertices take the mean of the triangle they lie in */
@@ -86,12 +86,19 @@ static void fill_body_numbers(const pel_run_surface *surface, double *values)
             values[v] = b;
 }
 
+/* the finest level of the triangles at a vertex: a triangle has the level of its finest corner */
 static void fill_levels(const pel_run_surface *surface, const pel_sim *sim, double *values)
 {
-    for (int32_t b = 0; b < surface->body_count; b++) {
-        pel_sim_get_levels(sim, b, surface->row_triangles);
-        for (int32_t v = surface->begin[b]; v < surface->begin[b + 1]; v++)
-            values[v] = surface->row_triangles[v - surface->begin[b]];
+    for (int32_t b = 0; b < surface->body_count; b++)
+        pel_sim_get_levels(sim, b, surface->row_numbers + surface->begin[b]);
+    memset(values, 0, (size_t)surface->vertex_count * sizeof *values);
+    for (int32_t t = 0; t < surface->triangle_count; t++) {
+        const int32_t *v = surface->triangles + 3 * (size_t)t;
+        double finest = 0;
+        for (int i = 0; i < 3; i++)
+            finest = fmax(finest, surface->row_numbers[v[i]]);
+        for (int i = 0; i < 3; i++)
+            values[v[i]] = fmax(values[v[i]], finest);
     }
 }
 
@@ -213,7 +220,7 @@ static void join_bodies(const pel_sim *sim, pel_run_surface *surface)
 
 static void free_buffers(pel_run_surface *surface)
 {
-    pel_free(surface->row_triangles);
+    pel_free(surface->row_numbers);
     pel_free(surface->scratch);
     pel_free(surface->positions);
     pel_free(surface->rest);
@@ -232,9 +239,9 @@ static pel_status make_buffers(const pel_sim *sim, pel_run_surface *surface, pel
     surface->rest = pel_allocate(3 * vertex_count, sizeof(double));
     surface->positions = pel_allocate(3 * vertex_count, sizeof(double));
     surface->scratch = pel_allocate(3 * vertex_count, sizeof(double));
-    surface->row_triangles = pel_allocate(vertex_count, sizeof *surface->row_triangles);
+    surface->row_numbers = pel_allocate(vertex_count, sizeof *surface->row_numbers);
     if (surface->triangles == NULL || surface->rest == NULL || surface->positions == NULL || surface->scratch == NULL ||
-        surface->row_triangles == NULL) {
+        surface->row_numbers == NULL) {
         surface->revision = -1;
         return pel_fail_memory(error);
     }

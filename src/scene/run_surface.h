@@ -15,7 +15,7 @@ typedef struct pel_run_surface {
     double *rest;              /* (vertex_count x 3) */
     double *positions;         /* (vertex_count x 3) */
     double *scratch;           /* (vertex_count x 3) */
-    int32_t *row_triangles;    /* (vertex_count) scratch */
+    int32_t *row_numbers;      /* (vertex_count) scratch */
     pel_vtp_field *fields;     /* (field_count), with values of their own */
     int *sources;              /* (field_count) a pel_run_field, or more for what changes with the surface alone */
     pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
@@ -24,8 +24,9 @@ typedef struct pel_run_surface {
 } pel_run_surface;
 
 /* Fields: those of run_fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies
-   that refine `level` and the place of a vertex in the body's mesh: the `mesh_vertices` of a triangle, whose
-   `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on failure. */
+   that refine `level` (the finest of the triangles at the vertex) and the place of a vertex in the body's mesh: the
+   `mesh_vertices` of a triangle, whose `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on
+   failure. */
 pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, pel_run_surface *surface,
                                   pel_error *error);
 void pel_run_surface_destroy(pel_run_surface *surface);

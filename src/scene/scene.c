@@ -81,12 +81,13 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
 {
     scene_storage *storage = scene->inner;
     int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
-    storage->meshes = pel_arena_take(reader->arena, (size_t)body_count, sizeof(pel_mesh *));
+    int32_t tool_count = pel_scene_value_count(pel_scene_value_entry(root, "tools"));
+    storage->meshes = pel_arena_take(reader->arena, (size_t)body_count + (size_t)tool_count, sizeof(pel_mesh *));
     if (storage->meshes == NULL)
         return pel_fail_memory(reader->error);
     pel_status status = pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
     if (status == PEL_OK)
-        status = pel_scene_build_sim(reader, root, scene);
+        status = pel_scene_build_sim(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
     if (status != PEL_OK)
         return status;
     /* names that were left out are in the tree now: put them into order */

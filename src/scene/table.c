@@ -46,18 +46,7 @@ static const pel_scene_row rows[] = {
     {"bodies", LIST, COUNT_FROM(1), REQUIRED, .doc = "the surfaces that deform"},
     {"bodies[]", MAP, .doc = "one body"},
     {"bodies[].name", NAME, .preset = "body#", .doc = "name in outputs, loads and tools"},
-    {"bodies[].mesh", MAP, REQUIRED, .doc = "the surface at rest, in metres once scaled: a shape or a file"},
-    {"bodies[].mesh.shape", .forms = PEL_FORM_WORD, ALTERNATIVE,
-     .doc = "a generated surface; its parameters stand beside it"},
-    {"bodies[].mesh.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
-    {"bodies[].mesh.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
-     .doc = "format of the file; auto looks at extension and content, and knows glTF, FBX, 3MF and more"},
-    {"bodies[].mesh.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
-     .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); done first"},
-    {"bodies[].mesh.rotate", MAP, .doc = "turns the mesh about the origin; done second"},
-    {"bodies[].mesh.rotate.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
-    {"bodies[].mesh.rotate.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},
-    {"bodies[].mesh.translate", VECTOR, .unit = "m", .preset = "[0, 0, 0]", .doc = "shift; done last"},
+    {"bodies[].mesh", MAP, REQUIRED, .like = "<mesh>", .doc = "the surface at rest"},
     {"bodies[].mass", MAP, .preset = "{}", .doc = "mass of the vertices, given in one of three ways"},
     {"bodies[].mass.per_vertex", NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, .preset = "1",
      .doc = "mass of each vertex (paper A: 1)"},
@@ -175,6 +164,8 @@ static const pel_scene_row rows[] = {
     {"tools[]", MAP, .doc = "one tool"},
     {"tools[].name", NAME, .preset = "tool#", .doc = "name in outputs"},
     {"tools[].shape", WORD("sphere", "capsule", "box"), ALTERNATIVE, .doc = "form of the tool; its sizes stand beside"},
+    {"tools[].mesh", MAP, ALTERNATIVE, .like = "<mesh>",
+     .doc = "the tool's surface about its centre, open or closed; needs `contact`"},
     {"tools[].radius", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "sphere", REQUIRED,
      .doc = "radius of the sphere"},
     {"tools[].radius", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "capsule", REQUIRED,
@@ -198,6 +189,26 @@ static const pel_scene_row rows[] = {
     {"tools[].motion[].rotation", MAP, .doc = "turns the tool about its centre; leave out for none"},
     {"tools[].motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
     {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},
+
+    {"contact", MAP,
+     .doc = "surfaces touch and never pass through each other (paper B, section 4); leave out for none"},
+    {"contact.self", BOOLEAN, .preset = "true", .doc = "parts of one body touch each other"},
+    {"contact.between", BOOLEAN, .preset = "true", .doc = "different bodies touch each other"},
+    {"contact.thickness", .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE, .preset = "relative 1e-4",
+     .doc = "distance that is kept: `relative` times the diagonal of the box about all bodies (at most half the "
+            "shortest edge), or a number of metres"},
+    {"contact.friction", NUMBER, AT_LEAST(0), .preset = "0", .doc = "Coulomb's coefficient"},
+    {"contact.method", WORD("conservative", "bridson"), .preset = "conservative",
+     .doc = "how contacts are found: with a test that misses none, or with the cubic as in paper B; what guards the "
+            "end of a step is always the former"},
+    {"contact.response", WORD("in-loop", "after"), .preset = "in-loop",
+     .doc = "in-loop: in every sweep of pbd and xpbd, and after the step until nothing is too near; after: one "
+            "correction after the step, as in paper B"},
+    {"contact.start", WORD("refuse", "tangled"), .preset = "refuse",
+     .doc = "bodies that intersect at the start: an error, or those pairs are left alone until they are apart"},
+    {"contact.sweeps", INTEGER, COUNT_FROM(1), .preset = "10", .doc = "sweeps over the contacts after a step, at most"},
+    {"contact.limit", INTEGER, COUNT_FROM(0), .preset = "0",
+     .doc = "the most contacts, 0 for 8 per vertex; what does not fit is stepped back instead"},
 
     {"solver", MAP, .preset = "{}", .doc = "how the equations are stepped"},
     {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent"),
@@ -250,6 +261,18 @@ static const pel_scene_row rows[] = {
     {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},
     {"output.checkpoint", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
      .doc = "simulated time between checkpoints; 0 keeps only the last good one when a run fails or is stopped"},
+
+    {"<mesh>", MAP, .doc = "a surface, in metres once scaled: a shape or a file"},
+    {"<mesh>.shape", .forms = PEL_FORM_WORD, ALTERNATIVE, .doc = "a generated surface; its parameters stand beside it"},
+    {"<mesh>.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
+    {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
+     .doc = "format of the file; auto looks at extension and content, and knows glTF, FBX, 3MF and more"},
+    {"<mesh>.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
+     .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); done first"},
+    {"<mesh>.rotate", MAP, .doc = "turns the mesh about the origin; done second"},
+    {"<mesh>.rotate.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
+    {"<mesh>.rotate.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},
+    {"<mesh>.translate", VECTOR, .unit = "m", .preset = "[0, 0, 0]", .doc = "shift; done last"},
 
     {"<quantity>", MAP, .doc = "a number that varies over the body or over time"},
     {"<quantity>.field", TEXT, ALTERNATIVE, .doc = "vertex field of the mesh that gives the number at each vertex"},
@@ -330,10 +353,10 @@ const pel_scene_table *pel_scene_table_create(pel_arena *arena)
             if (all[count - 1].words == NULL)
                 return NULL;
         }
-        if (strcmp(rows[i].path, "bodies[].mesh.shape") != 0)
+        if (strcmp(rows[i].path, "<mesh>.shape") != 0)
             continue;
         all[count - 1].words = pel_scene_shape_words(arena);
-        if (all[count - 1].words == NULL || !pel_scene_shape_rows(arena, "bodies[].mesh", all + count))
+        if (all[count - 1].words == NULL || !pel_scene_shape_rows(arena, "<mesh>", all + count))
             return NULL;
         count += shape_row_count;
     }

@@ -150,7 +150,7 @@ static void look_at_tools(look *at, double near, pel_verdict *verdict)
     pel_vertex_position(sim->state->position, at->place, x);
     for (int32_t i = 0; i < sim->tool_count; i++) {
         const pel_tool *tool = &sim->tools[i];
-        if (tool->body >= 0 && tool->body != at->body)
+        if (!pel_tool_acts_on(tool, at->body))
             continue;
         pel_solid large = grown(&tool->solid, LEAVING_RATIO * near);
         if (is_far(tool, &large, x, at->longest))

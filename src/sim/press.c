@@ -11,73 +11,121 @@
 enum { SWEEP_LIMIT = 100 };
 /* depth that counts as touching, relative to the tool's size */
 #define DEPTH_TOLERANCE 1e-5
+/* triangles this near to the tool's box may come into it by the pushes of a step, relative to the longest edge */
+#define NEAR_MARGIN 0.25
 
-/* half sizes of the world-aligned box about the tool */
-static void world_half_box(const pel_tool *tool, double half[3])
+/* box about the tool along the world's axes */
+typedef struct world_box {
+    pel_record low, high;
+} world_box;
+
+static world_box world_box_of(const pel_tool *tool, double margin)
 {
-    double local[3], axis[3];
-    pel_solid_half_box(&tool->solid, local);
-    pel_vec3_set(half, 0, 0, 0);
+    double local[3], axis[3], half[3] = {0, 0, 0};
+    pel_solid_half_box(&tool->press_solid, local);
     for (int i = 0; i < 3; i++) {
         pel_vec3_set(axis, i == 0 ? local[0] : 0, i == 1 ? local[1] : 0, i == 2 ? local[2] : 0);
         pel_rotate(tool->pose.rotation, axis, axis);
         for (int j = 0; j < 3; j++)
             half[j] += fabs(axis[j]);
     }
+    world_box box = {{0}, {0}};
+    for (int i = 0; i < 3; i++) {
+        box.low[i] = (pel_real)(tool->pose.position[i] - half[i] - margin);
+        box.high[i] = (pel_real)(tool->pose.position[i] + half[i] + margin);
+    }
+    return box;
 }
 
-static int32_t add_near_triangle(pel_sim *sim, int32_t t, int32_t count)
+/* whether all corners of a triangle lie beyond one side of the box */
+static bool is_beside(const world_box *box, const pel_record *positions, const int32_t corners[3])
 {
-    if (sim->triangle_marks[t])
-        return count;
+    const pel_record *a = &positions[corners[0]], *b = &positions[corners[1]], *c = &positions[corners[2]];
+    for (int i = 0; i < 3; i++)
+        if (((*a)[i] < box->low[i] && (*b)[i] < box->low[i] && (*c)[i] < box->low[i]) ||
+            ((*a)[i] > box->high[i] && (*b)[i] > box->high[i] && (*c)[i] > box->high[i]))
+            return true;
+    return false;
+}
+
+/* what finding the near triangles needs: the box in which they have a vertex, and the one that they reach into */
+typedef struct near_search {
+    pel_sim *sim;
+    const pel_record *positions;
+    world_box outer, inner;
+    int32_t count;
+} near_search;
+
+static void add_near_triangle(near_search *search, int32_t t)
+{
+    pel_sim *sim = search->sim;
+    if (sim->triangle_marks[t] || is_beside(&search->inner, search->positions, sim->model->triangles[t]))
+        return;
     sim->triangle_marks[t] = 1;
-    sim->near_triangles[count] = t;
-    return count + 1;
+    sim->near_triangles[search->count++] = t;
+}
+
+/* whether a vertex and all its neighbours lie beyond one side of the box: cheaper than to look at the triangles */
+static bool is_row_beside(const near_search *search, int32_t place)
+{
+    const pel_model *model = search->sim->model;
+    int32_t slice = place / PEL_WIDTH, lane = place % PEL_WIDTH;
+    pel_record low = search->positions[place], high = low;
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+        pel_record x = search->positions[model->neighbours[slot][lane]];
+        low = -pel_wide_max(-x, -low);
+        high = pel_wide_max(x, high);
+    }
+    const world_box *box = &search->inner;
+    return low[0] > box->high[0] || low[1] > box->high[1] || low[2] > box->high[2] || high[0] < box->low[0] ||
+           high[1] < box->low[1] || high[2] < box->low[2];
 }
 
 /* the triangles at a vertex of a body that refines; none where the place is not in use */
-static int32_t add_front_fan(pel_sim *sim, int32_t place, int32_t count)
+static void add_front_fan(near_search *search, int32_t body, int32_t place)
 {
-    pel_active *active = sim->active;
-    int32_t body = sim->model->body_of_slice[place / PEL_WIDTH], v = sim->model->mesh_vertex[place];
-    if (v < 0)
-        return count;
-    int32_t corner_count = pel_front_fan(active->bodies[body].front, v, active->fan);
+    pel_active *active = search->sim->active;
+    const pel_model *model = search->sim->model;
+    if (model->mesh_vertex[place] < 0 || is_row_beside(search, place))
+        return;
+    int32_t corner_count = pel_front_fan(active->bodies[body].front, model->mesh_vertex[place], active->fan);
     for (int32_t i = 0; i < corner_count; i++)
-        count = add_near_triangle(sim, sim->model->triangle_begin[body] + 2 * active->fan[i].node + active->fan[i].half,
-                                  count);
-    return count;
+        add_near_triangle(search, model->triangle_begin[body] + 2 * active->fan[i].node + active->fan[i].half);
 }
 
-/* lists the triangles with a vertex within `reach` of the tool's box; a triangle that overlaps the tool has all its
-   vertices within its longest edge of it. In rising order: the sweeps depend on the order, which must not change when a
-   triangle that does not touch comes near or goes */
-static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double reach)
+/* those of one body with a vertex in the outer box */
+static void add_near_body(near_search *search, int32_t body)
 {
-    const pel_model *model = sim->model;
-    double half[3];
-    world_half_box(tool, half);
-    pel_record low, high;
-    for (int i = 0; i < 3; i++) {
-        low[i] = (pel_real)(tool->pose.position[i] - half[i] - reach);
-        high[i] = (pel_real)(tool->pose.position[i] + half[i] + reach);
-    }
-    int32_t count = 0, end = pel_tool_end_vertex(sim, tool->body);
-    for (int32_t v = pel_tool_first_vertex(sim, tool->body); v < end; v++) {
-        const pel_record x = positions[v];
+    const pel_model *model = search->sim->model;
+    const pel_body *b = &model->bodies[body];
+    const pel_record low = search->outer.low, high = search->outer.high;
+    for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
+        const pel_record x = search->positions[v];
         if (x[0] < low[0] || x[0] > high[0] || x[1] < low[1] || x[1] > high[1] || x[2] < low[2] || x[2] > high[2])
             continue;
-        if (sim->active != NULL && model->bodies[model->body_of_slice[v / PEL_WIDTH]].front != NULL) {
-            count = add_front_fan(sim, v, count);
+        if (b->front != NULL) {
+            add_front_fan(search, body, v);
             continue;
         }
         for (int32_t f = model->fan_begin[v]; f < model->fan_begin[v + 1]; f++)
-            count = add_near_triangle(sim, model->fans[f], count);
+            add_near_triangle(search, model->fans[f]);
     }
-    for (int32_t i = 0; i < count; i++)
+}
+
+/* Lists the triangles that reach within a margin of the tool's box; such a triangle has all its vertices within its
+   longest edge of that. In rising order: the sweeps depend on the order, which must not change when a triangle that
+   does not touch comes near or goes. */
+static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double longest)
+{
+    double margin = NEAR_MARGIN * longest;
+    near_search search = {sim, positions, world_box_of(tool, longest + margin), world_box_of(tool, margin), 0};
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (pel_tool_acts_on(tool, b))
+            add_near_body(&search, b);
+    for (int32_t i = 0; i < search.count; i++)
         sim->triangle_marks[sim->near_triangles[i]] = 0;
-    pel_sort_int32(sim->near_triangles, count);
-    return count;
+    pel_sort_int32(sim->near_triangles, search.count);
+    return search.count;
 }
 
 static void record_add(pel_record *record, double scale, const double a[3])
@@ -131,6 +179,7 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
         if (share <= 0)
             continue;
         record_add(&sim->state->position_next[v], share, normal);
+        sim->moved_at[v] = ++sim->push_count;
         pel_touch *touch = pel_tool_touch(tool, v);
         pel_vec3_along(touch->push, share, normal, touch->push);
     }
@@ -151,15 +200,15 @@ static void local_point(const pel_sim *sim, const pel_tool *tool, int32_t t, con
     pel_pose_to_local(&tool->pose, point, point);
 }
 
-double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_record *positions, int32_t t,
-                               double weights[3], double normal[3])
+double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
+                               const pel_record *positions, int32_t t, double weights[3], double normal[3])
 {
     double world[3], corner[3][3];
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(positions, sim->model->triangles[t][c], world);
         pel_pose_to_local(&tool->pose, world, corner[c]);
     }
-    return pel_solid_depth(&tool->solid, corner[0], corner[1], corner[2], weights, normal);
+    return pel_solid_depth(solid, corner[0], corner[1], corner[2], weights, normal);
 }
 
 /* keeps the half space in which a triangle has to stay; the latest one of a triangle counts */
@@ -194,32 +243,69 @@ static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, do
     double x[3], local[3], normal[3];
     pel_vertex_position(sim->state->position_next, sim->model->triangles[t][corner], x);
     pel_pose_to_local(&tool->pose, x, local);
-    double depth = -pel_solid_distance(&tool->solid, local, normal);
+    double depth = -pel_solid_distance(&tool->press_solid, local, normal);
     if (depth <= tolerance)
         return false;
     const double weights[3] = {corner == 0, corner == 1, corner == 2};
     return push_triangle(sim, tool, t, weights, depth, normal);
 }
 
+static void press_corners(pel_sim *sim, pel_tool *tool, const world_box *box, int32_t t, double tolerance, bool *moved)
+{
+    const int32_t *corners = sim->model->triangles[t];
+    for (int c = 0; c < 3; c++) {
+        const int32_t corner[3] = {corners[c], corners[c], corners[c]};
+        if (!is_beside(box, sim->state->position_next, corner))
+            *moved |= press_corner(sim, tool, t, c, tolerance);
+    }
+}
+
 static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
 {
     double weights[3], normal[3];
-    double depth = pel_tool_triangle_depth(sim, tool, sim->state->position_next, t, weights, normal);
+    double depth =
+        pel_tool_triangle_depth(sim, tool, &tool->press_solid, sim->state->position_next, t, weights, normal);
     return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
+}
+
+/* with contact the solid is grown by the thickness, most of which is to be kept */
+static double press_tolerance(const pel_sim *sim, const pel_tool *tool)
+{
+    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool), thickness = pel_sim_contact_thickness(sim);
+    return thickness > 0 ? fmin(tolerance, 0.1 * thickness) : tolerance;
+}
+
+/* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at
+   (by vertex) and looked_at (by place in the list) count the pushes of this step. */
+static bool sweep(pel_sim *sim, pel_tool *tool, const world_box *box, int32_t near_count, double tolerance)
+{
+    bool moved = false;
+    for (int32_t i = 0; i < near_count; i++) {
+        int32_t t = sim->near_triangles[i];
+        const int32_t *v = sim->model->triangles[t];
+        int64_t last = sim->looked_at[i];
+        if ((sim->moved_at[v[0]] <= last && sim->moved_at[v[1]] <= last && sim->moved_at[v[2]] <= last))
+            continue;
+        sim->looked_at[i] = sim->push_count;
+        if (is_beside(box, sim->state->position_next, v))
+            continue;
+        moved |= press_triangle(sim, tool, t, tolerance);
+    }
+    return moved;
 }
 
 /* corners first, then whole triangles until none is deep */
 static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
 {
-    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
+    double tolerance = press_tolerance(sim, tool);
+    world_box box = world_box_of(tool, 0);
     bool moved = false, again = true;
-    for (int32_t i = 0; i < near_count; i++)
-        for (int c = 0; c < 3; c++)
-            moved |= press_corner(sim, tool, sim->near_triangles[i], c, tolerance);
-    for (int sweep = 0; again && sweep < SWEEP_LIMIT; sweep++) {
-        again = false;
-        for (int32_t i = 0; i < near_count; i++)
-            again |= press_triangle(sim, tool, sim->near_triangles[i], tolerance);
+    for (int32_t i = 0; i < near_count; i++) {
+        press_corners(sim, tool, &box, sim->near_triangles[i], tolerance, &moved);
+        sim->looked_at[i] = -1;
+    }
+    for (int round = 0; again && round < SWEEP_LIMIT; round++) {
+        again = sweep(sim, tool, &box, near_count, tolerance);
         moved |= again;
     }
     return moved;
@@ -250,7 +336,7 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
 
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
 {
-    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, 1.25 * longest);
+    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
     bool moved = press_out(sim, tool, near_count);

@@ -19,7 +19,7 @@
 #include "sim/sim.h"
 
 /* triangles that one event changes, roughly: at least, and the surface over this share */
-enum { PORTION_LEAST = 48, PORTION_SHARE = 256 };
+enum { PORTION_LEAST = 24, PORTION_SHARE = 1024 };
 /* candidates of one event that find no place in the budget, and vertices that one candidate displaces */
 enum { FAILURE_LIMIT = 4, DISPLACED_LIMIT = 64 };
 /* how much stronger a candidate has to be than those it displaces */
@@ -357,19 +357,17 @@ static void step_body(pel_sim *sim, int32_t body)
     pel_refine_body *refine = &sim->refine[body];
     if (b->detail == NULL || !pel_criterion_is_used(&b->detail->def))
         return;
-    int32_t count = b->slice_end - b->slice_begin, interval = b->detail->def.interval;
-    int32_t end = refine->next_slice + (count + interval - 1) / interval;
     pel_body_force numbers = pel_body_force_of(sim->model, sim->state, body);
-    for (; refine->next_slice < end && refine->next_slice < count; refine->next_slice++) {
-        int32_t slice = b->slice_begin + refine->next_slice;
+    /* every interval-th slice: what lies near a tool stands together */
+    for (int32_t slice = b->slice_begin + refine->part; slice < b->slice_end; slice += b->detail->def.interval) {
         pel_verdict verdicts[PEL_WIDTH];
         pel_criterion_slice(sim, body, slice, &numbers, verdicts);
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
             if (sim->model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)
                 look_at(sim, body, sim->model->mesh_vertex[slice * PEL_WIDTH + lane], &verdicts[lane]);
     }
-    if (refine->next_slice >= count) {
-        refine->next_slice = 0;
+    if (++refine->part >= b->detail->def.interval) {
+        refine->part = 0;
         refine->waiting_count = refine->candidate_count;
     }
     do_portion(sim, body);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/parallel.h"
+#include "sim/contact.h"
 #include "solve/shell_stability.h"
 
 #include <stdio.h>
@@ -22,6 +23,7 @@ pel_sim_def pel_sim_def_default(void)
 {
     return (pel_sim_def){
         .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true},
+        .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
         .cookie = SIM_COOKIE,
     };
 }
@@ -206,6 +208,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
+        status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK)
         sim->fingerprint = pel_sim_fingerprint(sim);
     return status;
 }
@@ -231,6 +235,7 @@ void pel_sim_destroy(pel_sim *sim)
 {
     if (sim == NULL)
         return;
+    pel_contacts_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
@@ -295,7 +300,7 @@ static void accept(pel_state *state)
 
 static void mark_contacts(pel_sim *sim)
 {
-    if (sim->tool_count == 0)
+    if (sim->tool_count == 0 && sim->contacts == NULL)
         return;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
@@ -305,6 +310,8 @@ static void mark_contacts(pel_sim *sim)
     for (int32_t i = 0; i < sim->tool_count; i++)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
+    if (sim->contacts != NULL)
+        pel_contacts_mark(sim);
 }
 
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
@@ -314,6 +321,11 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
         pel_refine_step(sim);
+    if (sim->contacts != NULL) {
+        pel_status status = pel_contacts_begin_step(sim, error);
+        if (status != PEL_OK)
+            return status;
+    }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
     update_factors(sim, time);
     pel_step_result result;
@@ -326,10 +338,15 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     if (result.diverged)
         return report_divergence(sim, error);
     pel_status status = pel_shells_check_volume(sim, error);
+    if (status == PEL_OK && sim->contacts != NULL)
+        status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
         return status;
-    if (sim->tool_count > 0)
-        pel_tools_apply(sim, next, result.longest);
+    if (sim->contacts == NULL && sim->tool_count > 0) {
+        pel_tools_move(sim, next);
+        pel_tools_press(sim, result.longest);
+        pel_tools_read(sim, next);
+    }
     mark_contacts(sim);
     accept(state);
     return PEL_OK;

@@ -53,7 +53,9 @@ enum { PEL_PLANE_LIMIT = 1024 };
 
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
-    pel_solid solid;
+    pel_solid solid;       /* of a mesh: the sphere about it */
+    pel_solid press_solid; /* grown by the thickness of contacts */
+    pel_mesh *mesh;        /* null = the solid */
     pel_pose_key *keys;
     int32_t key_count;
     int32_t body;
@@ -61,7 +63,8 @@ typedef struct pel_tool {
     double grasp_from, grasp_until, reach;
 
     pel_pose pose, pose_before;
-    bool driven; /* the caller sets the pose, keys are not used any more */
+    bool blocked; /* the last step held it back */
+    bool driven;  /* the caller sets the pose, keys are not used any more */
     pel_pose driven_pose;
     pel_grasp_phase phase;
     int32_t held_count;
@@ -100,7 +103,7 @@ typedef struct pel_refine_body {
     int32_t *hot;         /* (same) those that ask, leaving ones included */
     int32_t *hot_place;   /* (same) where they stand in that list */
     int32_t walk, candidate_count, waiting_count, leaving_count, hot_count;
-    int32_t next_slice; /* of the round */
+    int32_t part; /* of the round that comes next, 0 .. interval - 1 */
     int64_t revision;
     double *rest_curvatures; /* (curvature_count) by place, of the present surface at rest, NAN = not known */
     int32_t curvature_count; /* places of the body, 0 = not used */
@@ -110,6 +113,8 @@ typedef struct pel_refine_body {
     pel_front_triangle *surface; /* (triangles of the finest level) */
     int64_t row_revision;
 } pel_refine_body;
+
+typedef struct pel_sim_contacts pel_sim_contacts;
 
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
@@ -129,17 +134,28 @@ struct pel_sim {
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
+    pel_sim_contacts *contacts; /* (contact.h) null = none */
+    bool contact_in_loop;       /* the solver sweeps over them too */
     pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
     bool force_is_present;      /* it holds the forces of the present state */
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     uint8_t *triangle_marks;    /* (triangle_count) */
+    int64_t *looked_at;         /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;          /* (vertex_count) push that moved it last */
+    int64_t push_count;         /* of all steps */
     uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
 {
     return sim->solver.method == PEL_METHOD_EXPLICIT;
+}
+
+/* contacts are swept over inside the solver */
+static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
+{
+    return sim->contacts != NULL && sim->contact_in_loop;
 }
 
 /* ---- loads.c ---- */
@@ -209,8 +225,14 @@ const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
 void pel_tools_update(pel_sim *sim, int32_t body);
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error);
 void pel_tools_destroy(pel_sim *sim);
-/* Moves the tools to `time` and the new positions out of them, and reads the forces. longest: spring length bound. */
-void pel_tools_apply(pel_sim *sim, double time, double longest);
+/* Moves the tools towards their poses at `time`, and what they hold. */
+void pel_tools_move(pel_sim *sim, double time);
+/* Moves the new positions out of the tools. longest: spring length bound. */
+void pel_tools_press(pel_sim *sim, double longest);
+/* Reads the forces of the step. */
+void pel_tools_read(pel_sim *sim, double time);
+/* true when a point lies inside a closed body */
+bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 /* a keyed pose at a time */
 pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
 

@@ -3,7 +3,7 @@
 #include "base/hash.h"
 #include "base/status.h"
 #include "model/shell.h"
-#include "sim/sim.h"
+#include "sim/contact.h"
 
 #include <string.h>
 
@@ -49,12 +49,11 @@ static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
 {
     const pel_membrane_material *material = &shell->material;
     const pel_pressure_def *pressure = &shell->pressure;
-    const double numbers[] = {shell->has_membrane,       (double)material->kind, material->young,
-                              material->poisson,         material->thickness,    material->mooney_ratio,
-                              (double)shell->bending,    shell->bending_weight,  (double)pressure->kind,
-                              (double)pressure->form,    pressure->value,        pressure->gamma,
-                              pressure->outside.value,   pressure->target.value, pressure->bulk,
-                              (double)shell->hinge_count};
+    const double numbers[] = {
+        shell->has_membrane,     (double)material->kind, material->young,        material->poisson,
+        material->thickness,     material->mooney_ratio, (double)shell->bending, shell->bending_weight,
+        (double)pressure->kind,  (double)pressure->form, pressure->value,        pressure->gamma,
+        pressure->outside.value, pressure->target.value, pressure->bulk,         (double)shell->hinge_count};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         hash = hash_double(hash, numbers[i]);
     for (int32_t h = 0; h < shell->hinge_count; h++)
@@ -94,6 +93,13 @@ uint64_t pel_sim_fingerprint(const pel_sim *sim)
         hash = pel_hash_bytes(hash, numbers, sizeof numbers);
         hash = pel_hash_bytes(hash, def->region, (size_t)def->region_count * sizeof *def->region);
     }
+    if (sim->contacts != NULL) {
+        const pel_contact_def *def = &sim->contacts->def;
+        hash = hash_double(hash_double(hash, sim->contacts->thickness), def->friction);
+        hash = pel_hash_word(hash, (uint64_t)def->method * 8 + (uint64_t)def->response * 4 + (uint64_t)def->self * 2 +
+                                       (uint64_t)def->between);
+        hash = pel_hash_word(hash, (uint64_t)def->sweeps << 32 | (uint64_t)(uint32_t)sim->contacts->limit);
+    }
     return pel_hash_word(pel_hash_word(hash, (uint64_t)sim->tool_count), (uint64_t)sim->load_count);
 }
 
@@ -118,6 +124,7 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
     transfer(at, &tool->pose, sizeof tool->pose);
     transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
     transfer(at, &tool->driven, sizeof tool->driven);
+    transfer(at, &tool->blocked, sizeof tool->blocked);
     transfer(at, &tool->phase, sizeof tool->phase);
     transfer(at, &tool->held_count, sizeof tool->held_count);
     transfer(at, &tool->contact_count, sizeof tool->contact_count);
@@ -151,7 +158,7 @@ static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
     transfer(at, &refine->waiting_count, sizeof refine->waiting_count);
     transfer(at, &refine->leaving_count, sizeof refine->leaving_count);
     transfer(at, &refine->hot_count, sizeof refine->hot_count);
-    transfer(at, &refine->next_slice, sizeof refine->next_slice);
+    transfer(at, &refine->part, sizeof refine->part);
     transfer(at, &refine->revision, sizeof refine->revision);
     /* loading, the places wait in the scratch of the walks until the front is there */
     size_t places = (size_t)(own->fine_limit - own->fine_begin);
@@ -216,6 +223,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer_tool(at, &sim->tools[t], count);
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
+    if (sim->contacts != NULL)
+        transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
 }
 
 static void transfer_fronts(cursor *at, const pel_sim *sim)
@@ -269,5 +278,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
             return pel_fail(error, PEL_BAD_FORMAT, "snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->state->step = head.step;
+    if (sim->contacts != NULL)
+        sim->contacts->tangles.is_known = false;
     return PEL_OK;
 }

@@ -39,14 +39,9 @@ static inline double pel_tool_size(const pel_tool *tool)
     return half[0] + half[1] + half[2];
 }
 
-static inline int32_t pel_tool_first_vertex(const pel_sim *sim, int32_t body)
+static inline bool pel_tool_acts_on(const pel_tool *tool, int32_t body)
 {
-    return body < 0 ? 0 : sim->model->bodies[body].slice_begin * PEL_WIDTH;
-}
-
-static inline int32_t pel_tool_end_vertex(const pel_sim *sim, int32_t body)
-{
-    return body < 0 ? sim->model->vertex_count : sim->model->bodies[body].slice_end * PEL_WIDTH;
+    return tool->body < 0 || tool->body == body;
 }
 
 /* inverse mass, 0 for what a tool holds */
@@ -74,11 +69,16 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
     pel_vec3_add(tool->torque, torque, tool->torque);
 }
 
+/* the pose that a tool goes to in the step to `time` */
+pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt);
+/* a pose between two; share 0 and 1 give them exactly */
+void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
+
 /* ---- press.c ---- */
 /* Depth of one triangle in the tool, with the deepest point and the way out in the tool's frame (see pel_solid_depth).
  */
-double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_record *positions, int32_t t,
-                               double weights[3], double normal[3]);
+double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
+                               const pel_record *positions, int32_t t, double weights[3], double normal[3]);
 /* Pushes the new positions out of one tool; true when anything moved. longest: bound of the length of an edge. */
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest);
 

@@ -44,7 +44,10 @@ static bool is_pose(const double position[3], const double rotation[4])
 static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *error)
 {
     const double *half = def->half_extents;
-    if (def->shape == PEL_TOOL_BOX) {
+    if (def->shape == PEL_TOOL_MESH) {
+        if (def->mesh == NULL)
+            return refuse(error, tool, "tool of shape mesh has no mesh", "give a mesh");
+    } else if (def->shape == PEL_TOOL_BOX) {
         if (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2]))
             return refuse(error, tool, "box has no size", "give three half extents above 0");
     } else if (!is_positive(def->radius)) {
@@ -81,14 +84,33 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
     return check_shape(def, tool, error);
 }
 
+/* copies the mesh; the solid becomes the sphere about it */
+static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *error)
+{
+    double radius = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        radius = fmax(radius, pel_vec3_length(mesh->positions[v]));
+    tool->solid = (pel_solid){.kind = PEL_SOLID_SPHERE, .radius = radius};
+    return pel_mesh_create((const double *)mesh->positions, mesh->vertex_count, (const int32_t *)mesh->triangles,
+                           mesh->triangle_count, &tool->mesh, error);
+}
+
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
     size_t vertex_count = (size_t)sim->model->vertex_count;
     snprintf(tool->name, sizeof tool->name, "%s", def->name);
-    static const pel_solid_kind kinds[] = {
-        [PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE, [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE, [PEL_TOOL_BOX] = PEL_SOLID_BOX};
+    static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
+                                           [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
+                                           [PEL_TOOL_BOX] = PEL_SOLID_BOX,
+                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE};
     tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
     memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
+    tool->press_solid = tool->solid;
+    if (def->shape == PEL_TOOL_MESH) {
+        pel_status status = create_mesh(tool, def->mesh, error);
+        if (status != PEL_OK)
+            return status;
+    }
     tool->body = def->body;
     tool->press = def->press;
     tool->grasp = def->grasp;
@@ -127,15 +149,17 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     sim->plane_of_triangle = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->plane_of_triangle);
     sim->triangle_marks = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->triangle_marks);
     sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
+    sim->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->looked_at);
+    sim->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->moved_at);
     if (sim->near_triangles == NULL || sim->plane_of_triangle == NULL || sim->triangle_marks == NULL ||
-        sim->held == NULL)
+        sim->held == NULL || sim->looked_at == NULL || sim->moved_at == NULL)
         return pel_fail_memory(error);
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
         status = check_tool(sim, defs, i, error);
         if (status == PEL_OK)
             status = create_tool(sim, &defs[i], &sim->tools[i], error);
-        if (status == PEL_OK && defs[i].press)
+        if (status == PEL_OK && defs[i].press && defs[i].shape != PEL_TOOL_MESH)
             status = check_outside(sim, i, error);
     }
     return status;
@@ -149,12 +173,15 @@ void pel_tools_destroy(pel_sim *sim)
                           tool->held, tool->anchors};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
+        pel_mesh_destroy(tool->mesh);
     }
     pel_free(sim->tools);
     pel_free(sim->near_triangles);
     pel_free(sim->plane_of_triangle);
     pel_free(sim->triangle_marks);
     pel_free(sim->held);
+    pel_free(sim->looked_at);
+    pel_free(sim->moved_at);
 }
 
 /* ---- frames ---- */
@@ -176,18 +203,42 @@ pel_pose pel_tool_pose_at(const pel_tool *tool, double time)
     return pose;
 }
 
+void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose)
+{
+    if (share >= 1 || share <= 0) {
+        *pose = share >= 1 ? *b : *a;
+        return;
+    }
+    for (int i = 0; i < 3; i++)
+        pose->position[i] = a->position[i] + share * (b->position[i] - a->position[i]);
+    pel_slerp(a->rotation, b->rotation, share, pose->rotation);
+}
+
 /* ---- grasping ---- */
 
-static void grasp(pel_sim *sim, pel_tool *tool)
+static double mesh_distance(const pel_mesh *mesh, const double point[3])
 {
-    int32_t end = pel_tool_end_vertex(sim, tool->body);
-    for (int32_t v = pel_tool_first_vertex(sim, tool->body); v < end; v++) {
+    double least = HUGE_VAL, weights[3];
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        least = fmin(least, pel_closest_point_triangle(point, mesh->positions[v[0]], mesh->positions[v[1]],
+                                                       mesh->positions[v[2]], weights));
+    }
+    return sqrt(least);
+}
+
+static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
+{
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
         double x[3], local[3], normal[3];
         if (pel_tool_mobility(sim, v) <= 0)
             continue;
         pel_vertex_position(sim->state->position, v, x);
         pel_pose_to_local(&tool->pose_before, x, local);
-        if (pel_solid_distance(&tool->solid, local, normal) > tool->reach)
+        double distance =
+            tool->mesh != NULL ? mesh_distance(tool->mesh, local) : pel_solid_distance(&tool->solid, local, normal);
+        if (distance > tool->reach)
             continue;
         sim->held[v] = 1;
         pel_vec3_copy(local, tool->anchors[tool->held_count]);
@@ -208,7 +259,9 @@ static void update_grasp(pel_sim *sim, pel_tool *tool, double time)
         return;
     if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
         tool->phase = PEL_GRASP_HOLDING;
-        grasp(sim, tool);
+        for (int32_t b = 0; b < sim->model->body_count; b++)
+            if (pel_tool_acts_on(tool, b))
+                grasp_body(sim, tool, b);
     }
     if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
         tool->phase = PEL_GRASP_DONE;
@@ -269,6 +322,30 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
 
 /* ---- one step ---- */
 
+/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
+static double pose_distance(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
+{
+    double cosine = 0;
+    for (int i = 0; i < 4; i++)
+        cosine += a->rotation[i] * b->rotation[i];
+    return pel_vec3_distance(a->position, b->position) + 2 * acos(fmin(fabs(cosine), 1)) * pel_tool_size(tool);
+}
+
+/* a tool that was held back comes after its keys step by step: twice as fast as they go, or an eighth of the way */
+static pel_pose catch_up(const pel_tool *tool, double time, double dt)
+{
+    pel_pose wanted = pel_tool_pose_at(tool, time), last = pel_tool_pose_at(tool, time - dt), pose;
+    double behind = pose_distance(tool, &tool->pose, &wanted), stride = 2 * pose_distance(tool, &last, &wanted);
+    double share = behind > 0 ? fmax(stride / behind, 0.125) : 1;
+    pel_tool_pose_between(&tool->pose, &wanted, fmin(share, 1), &pose);
+    return pose;
+}
+
+pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt)
+{
+    return tool->blocked ? catch_up(tool, time, dt) : pel_tool_pose_at(tool, time);
+}
+
 static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
 {
     for (int32_t i = 0; i < tool->touch_count; i++)
@@ -282,23 +359,31 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     tool->planes = oldest;
     tool->plane_count = 0;
     tool->pose_before = tool->pose;
-    tool->pose = pel_tool_pose_at(tool, time);
+    tool->pose = pel_tool_next_pose(tool, time, sim->step.dt);
     update_grasp(sim, tool, time);
 }
 
-void pel_tools_apply(pel_sim *sim, double time, double longest)
+void pel_tools_move(pel_sim *sim, double time)
 {
     for (int32_t i = 0; i < sim->tool_count; i++)
         begin_tool(sim, &sim->tools[i], time);
     for (int32_t i = 0; i < sim->tool_count; i++)
         carry(sim, &sim->tools[i]);
+}
+
+void pel_tools_press(pel_sim *sim, double longest)
+{
     bool moved = true;
     for (int round = 0; moved && round < (sim->tool_count > 1 ? ROUND_LIMIT : 1); round++) {
         moved = false;
         for (int32_t i = 0; i < sim->tool_count; i++)
-            if (sim->tools[i].press)
+            if (sim->tools[i].press && sim->tools[i].mesh == NULL)
                 moved |= pel_tool_press(sim, &sim->tools[i], longest);
     }
+}
+
+void pel_tools_read(pel_sim *sim, double time)
+{
     if (sim->state->velocity_next == NULL) {
         for (int32_t i = 0; i < sim->tool_count; i++)
             for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
@@ -390,8 +475,7 @@ static double winding(const double a[3], const double b[3], const double c[3])
     return atan2(pel_vec3_dot(a, n), divisor) / 6.283185307179586;
 }
 
-/* true when the tool's middle lies inside a closed body */
-static bool is_enclosed(const pel_sim *sim, const pel_tool *tool, int32_t body)
+bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body)
 {
     double sum = 0;
     for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
@@ -399,7 +483,7 @@ static bool is_enclosed(const pel_sim *sim, const pel_tool *tool, int32_t body)
         double corner[3][3];
         for (int c = 0; c < 3; c++) {
             pel_vertex_position(sim->state->position, sim->model->triangles[t][c], corner[c]);
-            pel_vec3_subtract(corner[c], tool->pose.position, corner[c]);
+            pel_vec3_subtract(corner[c], point, corner[c]);
         }
         sum += winding(corner[0], corner[1], corner[2]);
     }
@@ -424,11 +508,12 @@ static pel_status check_outside(const pel_sim *sim, int32_t index, pel_error *er
         double deepest = 0, weights[3], normal[3];
         for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
             int32_t t = pel_surface_triangle(sim->model, b, i);
-            deepest = fmax(deepest, pel_tool_triangle_depth(sim, tool, sim->state->position, t, weights, normal));
+            deepest = fmax(deepest,
+                           pel_tool_triangle_depth(sim, tool, &tool->solid, sim->state->position, t, weights, normal));
         }
         if (deepest > 1e-3 * pel_tool_size(tool))
             return refuse_inside(tool, index, body->name, deepest, error);
-        if (body->closed && is_enclosed(sim, tool, b))
+        if (body->closed && pel_tool_is_enclosed(sim, tool->pose.position, b))
             return refuse_inside(tool, index, body->name, body->diameter, error);
     }
     return PEL_OK;

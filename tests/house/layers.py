@@ -10,7 +10,7 @@ import tempfile
 
 TREES = ("src", "cli", "view", "include", "examples", "bench")
 # outer libraries and the folders that may use them
-OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "cli"},
+OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "cli", "view"},
          "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"}}
 
 

@@ -25,18 +25,25 @@ def unpack(data, at, compressed):
     return out
 
 
-def main():
-    content = open(sys.argv[1], "rb").read()
+def read_arrays(path):
+    """name -> (components, numbers) of all arrays, in their order"""
+    content = open(path, "rb").read()
     head = re.match(rb'(.*)<AppendedData encoding="raw">\s*_', content, re.S)
     data = content[head.end() :]
     assert data.endswith(b"\n</AppendedData>\n</VTKFile>\n")
     root = ElementTree.fromstring(head.group(1) + b"</VTKFile>")
     assert root.get("header_type") == "UInt64" and root.get("byte_order") == "LittleEndian"
+    arrays = {}
     for array in root.iter("DataArray"):
         values = unpack(data, int(array.get("offset")), root.get("compressor") is not None)
-        numbers = struct.unpack("<" + str(len(values) // struct.calcsize(LETTERS[array.get("type")])) + LETTERS[array.get("type")], values)
-        assert len(numbers) == int(array.get("NumberOfComponents")) * int(array.get("NumberOfTuples"))
-        print(array.get("Name"), array.get("NumberOfComponents"), len(numbers), "%.6f" % sum(numbers))
+        letter = LETTERS[array.get("type")]
+        numbers = struct.unpack(f"<{len(values) // struct.calcsize(letter)}{letter}", values)
+        components = int(array.get("NumberOfComponents"))
+        assert len(numbers) == components * int(array.get("NumberOfTuples"))
+        arrays[array.get("Name")] = components, numbers
+    return arrays
 
 
-main()
+if __name__ == "__main__":
+    for name, (components, numbers) in read_arrays(sys.argv[1]).items():
+        print(name, components, len(numbers), "%.6f" % sum(numbers))

@@ -27,7 +27,7 @@ static const bad_scene bad_scenes[] = {
     {"version: 1\nduration: 2\nbodies:\n- mesh:\n    shape: torus\n    frequency: 3\n", NULL,
      "a.yaml:6:5: error: unknown key of shape torus: 'frequency'. known are: shape, major_radius, "},
     {BALL "tools: [{shape: box, radius: 1}]\n", NULL,
-     "a.yaml:5:22: error: unknown key of shape box: 'radius'. known are: name, shape, size, "},
+     "a.yaml:5:22: error: unknown key of shape box: 'radius'. known are: name, shape, mesh, size, "},
 
     /* wrong types */
     {BALL "    springs: {stiffness: soft}\n", NULL,
@@ -94,7 +94,7 @@ static const bad_scene bad_scenes[] = {
     {BALL "    mass: {density: 3}\n", NULL, "a.yaml:5:11: error: bodies.0.mass lacks 'thickness'. add 'thickness:"},
     {BALL "tools:\n  - radius: 1\n", NULL, "a.yaml:6:5: error: key 'radius' goes only with: shape. give that beside"},
     {BALL "tools:\n  - press: true\n", NULL,
-     "a.yaml:6:5: error: tools.0 lacks 'shape'. add 'shape:': form of the tool"},
+     "a.yaml:6:5: error: tools.0 lacks one of its main keys. add one of: shape, mesh"},
     {BALL "loads: [{at: all}]\n", NULL, "a.yaml:5:9: error: loads.0 lacks 'force'. add 'force:': the force"},
     {BALL "duration:\n", NULL, "a.yaml:5:1: error: key 'duration' is given twice"},
     {"version: 1\nbodies: [{mesh: {shape: grid}}]\nduration:\n", NULL, "a.yaml:1:1: error: the scene lacks 'duration'"},

@@ -129,7 +129,7 @@ static void test_presets_are_valid(void **unused)
     (void)unused;
     pel_arena arena = {0};
     const pel_scene_table *table = pel_scene_table_create(&arena);
-    const pel_scene_row *shape = pel_scene_row_find(table, "bodies[].mesh", "shape");
+    const pel_scene_row *shape = pel_scene_row_find(table, "<mesh>", "shape");
     for (size_t i = 0; shape->words[i] != NULL; i++) {
         char text[300];
         snprintf(text, sizeof text,

@@ -276,7 +276,7 @@ static void test_not_finite(void **unused)
     assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
     pel_render_def def = make_def(&path, 1, "render-bad.png");
     def.field = "energy";
-    check_refused(&def, PEL_BAD_FORMAT, "field 'energy' is not finite at vertex 1");
+    check_refused(&def, PEL_BAD_FORMAT, "field 'energy' is not a number (NaN)");
     def.output = "render-level.png";
     def.field = "level";
     if (can_draw)

@@ -10,6 +10,12 @@ function element(tag, className, text) {
 
 const count = (number, one, several) => `${number.toLocaleString("en")} ${number === 1 ? one : several}`;
 
+// the least and the largest of some numbers
+function countRange(numbers, one, several) {
+    const [least, most] = [Math.min(...numbers), Math.max(...numbers)];
+    return (least < most ? `${least.toLocaleString("en")} to ` : "") + count(most, one, several);
+}
+
 export function thinned(run) {
     const notes = [...run.notes];
     if (run.series_thinned) notes.push("the plots show some of the rows of series.csv");
@@ -21,10 +27,9 @@ export function showFacts(parent, runs) {
     parent.replaceChildren(
         ...runs.map((run) => {
             const line = element("span", "facts");
-            const [vertices, triangles] = run.topologies[0];
             const parts = [
-                count(vertices, "vertex", "vertices"),
-                count(triangles, "triangle", "triangles"),
+                countRange(run.topologies.map((sizes) => sizes[0]), "vertex", "vertices"),
+                countRange(run.topologies.map((sizes) => sizes[1]), "triangle", "triangles"),
                 count(run.frame_total, "frame", "frames"),
             ];
             if (run.timed) parts.push(`${formatNumber(run.frames.at(-1).time)} s`);

@@ -1,0 +1,20 @@
+/* What the simulation asks of a collider beyond pellicle/collide.h. */
+#ifndef PEL_COLLIDE_COLLIDER_H
+#define PEL_COLLIDE_COLLIDER_H
+
+#include "base/pool.h"
+#include "bvh/candidates.h"
+#include "pellicle/collide.h"
+
+/* Loops run on this pool from now on, which stays the caller's; null = one thread. */
+void pel_collider_use_pool(pel_collider *collider, pel_pool *pool);
+
+/* Only pairs of these groups are found from now on. The arrays stay the caller's and have to live on. */
+void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups);
+
+/* Another surface, valid as for pel_collider_create; limits and groups stay. Allocates. On failure
+   (PEL_OUT_OF_MEMORY) the old surface stays. */
+pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
+                                    const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
+
+#endif

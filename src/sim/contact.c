@@ -1,0 +1,551 @@
+#include "sim/contact.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/tool.h"
+#include "solve/contact.h"
+
+#include <string.h>
+#include <time.h>
+
+enum { SWEEP_PRESET = 10, ROUND_LIMIT = 5, CONTACTS_PER_VERTEX = 8 };
+
+/* distance that the guard keeps, of the thickness */
+#define GUARDED_SHARE 0.3
+/* before a solver with contacts in its loop, pairs are found this much beyond the thickness, and this share of the
+   fastest way beyond that */
+#define REACH_SHARE 0.5
+#define MOTION_SHARE 0.5
+/* depth at which sweeps may end, of the thickness */
+#define SWEEP_TOLERANCE 1e-2
+
+/* ---- creation ---- */
+
+static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
+{
+    const double numbers[] = {def->thickness, def->relative_thickness, def->friction};
+    static const char *const names[] = {"thickness", "relative thickness", "friction"};
+    for (int i = 0; i < 3; i++)
+        if (!(numbers[i] >= 0 && isfinite(numbers[i]))) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "contact %s is %g", names[i], numbers[i]);
+            pel_fail_remedy(error, "give a number of at least 0");
+            return PEL_BAD_ARGUMENT;
+        }
+    if (!(def->thickness > 0) && !(def->relative_thickness > 0)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "contact has no thickness");
+        pel_fail_remedy(error, "give a thickness above 0, such as 1e-4 of the size of the bodies");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (def->sweeps < 0 || def->limit < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a count of contact is below 0");
+    return PEL_OK;
+}
+
+static double diagonal(const pel_model *model)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        for (int k = 0; k < 3 && model->mesh_vertex[v] >= 0; k++) {
+            low[k] = fmin(low[k], (double)model->rest[v][k]);
+            high[k] = fmax(high[k], (double)model->rest[v][k]);
+        }
+    return pel_vec3_distance(low, high);
+}
+
+/* at rest, on the finest level of a body that refines; also the body and vertex where it begins */
+static double shortest_edge(const pel_model *model, int32_t *body, int32_t *vertex)
+{
+    double shortest = HUGE_VAL;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_mesh *mesh = model->bodies[b].mesh;
+        double levels = model->bodies[b].detail != NULL ? ldexp(1, model->bodies[b].detail->def.levels) : 1;
+        for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
+            int32_t v = mesh->triangles[h / 3][h % 3];
+            double length =
+                pel_vec3_distance(mesh->positions[v], mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]]) / levels;
+            if (length < shortest) {
+                shortest = length;
+                *body = b;
+                *vertex = v;
+            }
+        }
+    }
+    return shortest;
+}
+
+/* a thickness that was given is taken or refused; the relative one gives way to short edges */
+static pel_status choose_thickness(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    int32_t body = 0, vertex = 0;
+    double shortest = shortest_edge(sim->given, &body, &vertex);
+    double thickness = contacts->def.thickness;
+    if (thickness > shortest) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g is more than the shortest edge, %g, of body '%s'",
+                 thickness, shortest, sim->given->bodies[body].name);
+        pel_fail_element(error, "vertex", vertex);
+        pel_fail_remedy(error, "use at most %.3g, or a mesh without such short edges", 0.5 * shortest);
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!(thickness > 0))
+        thickness = fmin(contacts->def.relative_thickness * diagonal(sim->given), 0.5 * shortest);
+    if (!(thickness > 0)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has an edge without length", sim->given->bodies[body].name);
+        pel_fail_element(error, "vertex", vertex);
+        pel_fail_remedy(error, "repair the mesh, or give contact a thickness in metres");
+        return PEL_BAD_ARGUMENT;
+    }
+    contacts->thickness = thickness;
+    contacts->guarded = GUARDED_SHARE * thickness;
+    return PEL_OK;
+}
+
+static pel_status allocate_guard(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    size_t places = (size_t)contacts->place_count, nodes = places + (size_t)sim->tool_count;
+    contacts->solved = pel_allocate(places, sizeof *contacts->solved);
+    contacts->shares = pel_allocate(nodes, sizeof *contacts->shares);
+    contacts->group = pel_allocate(nodes, sizeof *contacts->group);
+    contacts->group_share = pel_allocate(nodes, sizeof *contacts->group_share);
+    contacts->wanted = pel_allocate((size_t)sim->tool_count, sizeof *contacts->wanted);
+    bool made = contacts->solved != NULL && contacts->shares != NULL && contacts->group != NULL &&
+                contacts->group_share != NULL && contacts->wanted != NULL;
+    return made ? PEL_OK : pel_fail_memory(error);
+}
+
+/* tools press with the thickness about them */
+static void grow_tools(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        pel_solid *solid = &sim->tools[i].press_solid;
+        solid->radius += sim->contacts->thickness;
+        for (int k = 0; k < 3; k++)
+            solid->half_extents[k] += sim->contacts->thickness;
+    }
+}
+
+static pel_status refuse_mesh_tools(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        if (sim->tools[i].mesh == NULL)
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' is a mesh, which needs contact", sim->tools[i].name);
+        pel_fail_element(error, "tool", i);
+        pel_fail_remedy(error, "switch contact on, or use a sphere, capsule or box");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
+pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_error *error)
+{
+    if (!def->enabled)
+        return refuse_mesh_tools(sim, error);
+    pel_status status = check_numbers(def, error);
+    if (status != PEL_OK)
+        return status;
+    sim->contacts = pel_allocate(1, sizeof *sim->contacts);
+    if (sim->contacts == NULL)
+        return pel_fail_memory(error);
+    sim->contacts->def = *def;
+    if (def->sweeps == 0)
+        sim->contacts->def.sweeps = SWEEP_PRESET;
+    int64_t limit = (int64_t)CONTACTS_PER_VERTEX * sim->model->vertex_count;
+    sim->contacts->limit = def->limit > 0 ? def->limit : (int32_t)(limit < INT32_MAX / 2 ? limit : INT32_MAX / 2);
+    status = choose_thickness(sim, error);
+    if (status == PEL_OK)
+        status = pel_contact_surface_create(sim, error);
+    if (status == PEL_OK)
+        status = allocate_guard(sim, error);
+    if (status == PEL_OK)
+        status = pel_tangles_find(sim, error);
+    if (status == PEL_OK)
+        status = pel_tangles_refuse(sim, error);
+    if (status == PEL_OK)
+        grow_tools(sim);
+    return status;
+}
+
+void pel_contacts_destroy(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    if (contacts == NULL)
+        return;
+    pel_collider_destroy(contacts->collider);
+    void *arrays[] = {contacts->triangles,     contacts->group_of_point, contacts->may_meet,
+                      contacts->revisions,     contacts->tools,          contacts->start,
+                      contacts->end,           contacts->list.contacts,  contacts->keys,
+                      contacts->other_keys,    contacts->other_contacts, contacts->conflicts,
+                      contacts->times,         contacts->solved,         contacts->shares,
+                      contacts->group,         contacts->group_share,    contacts->wanted,
+                      contacts->tangles.pairs, contacts->tangles.keys};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(contacts);
+    sim->contacts = NULL;
+}
+
+/* ---- records ---- */
+
+/* a record from a hit; false when none of its points can move */
+static bool make_contact(const pel_sim *sim, const pel_collision *hit, pel_contact *contact)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    double separation = contacts->thickness, free = 0;
+    *contact = (pel_contact){.friction = (pel_real)contacts->def.friction};
+    double drift[3] = {0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        int32_t point = hit->vertices[i];
+        double weight = hit->hit.weight[i], way[3];
+        if (point < contacts->place_count) {
+            contact->vertices[i] = point;
+            contact->weights[i] = (pel_real)weight;
+            free += (double)sim->model->inverse_mass[point] * weight * weight;
+            continue;
+        }
+        separation -= weight * pel_vec3_dot(contacts->end[point], hit->hit.normal);
+        pel_vec3_subtract(contacts->end[point], contacts->start[point], way);
+        pel_vec3_along(drift, -weight, way, drift);
+    }
+    contact->separation = (pel_real)separation;
+    for (int k = 0; k < 3; k++) {
+        contact->normal[k] = (pel_real)hit->hit.normal[k];
+        contact->drift[k] = (pel_real)drift[k];
+    }
+    return free > 0 && pel_vec3_squared_length(hit->hit.normal) > 0.5;
+}
+
+static pel_contact_key make_key(const pel_sim *sim, const pel_collision *hit)
+{
+    pel_contact_key key = {hit->edge_edge, hit->first, hit->second, -1};
+    for (int i = 0; i < 4 && key.tool < 0; i++)
+        key.tool = pel_contact_tool_of(sim, hit->vertices[i]);
+    return key;
+}
+
+static int compare_keys(const pel_contact_key *a, const pel_contact_key *b)
+{
+    if (a->edge_edge != b->edge_edge)
+        return a->edge_edge ? 1 : -1;
+    if (a->first != b->first)
+        return a->first < b->first ? -1 : 1;
+    return (a->second > b->second) - (a->second < b->second);
+}
+
+static pel_status make_room(pel_sim_contacts *contacts, size_t count, pel_error *error)
+{
+    if (pel_reserve((void **)&contacts->other_contacts, &contacts->other_capacity, count,
+                    sizeof *contacts->other_contacts) &&
+        pel_reserve((void **)&contacts->other_keys, &contacts->other_key_capacity, count, sizeof *contacts->other_keys))
+        return PEL_OK;
+    return pel_fail_memory(error);
+}
+
+/* the merged list becomes the list */
+static void exchange_lists(pel_sim_contacts *contacts, int32_t count)
+{
+    pel_contact *list = contacts->list.contacts;
+    pel_contact_key *keys = contacts->keys;
+    size_t capacity = contacts->capacity, key_capacity = contacts->key_capacity;
+    contacts->list = (pel_contact_list){contacts->other_contacts, count};
+    contacts->keys = contacts->other_keys;
+    contacts->capacity = contacts->other_capacity;
+    contacts->key_capacity = contacts->other_key_capacity;
+    contacts->other_contacts = list;
+    contacts->other_keys = keys;
+    contacts->other_capacity = capacity;
+    contacts->other_key_capacity = key_capacity;
+}
+
+/* puts what was found into the list; a pair that is there already takes the new place and keeps its sums */
+static pel_status merge(pel_sim *sim, const pel_collision_result *found, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    const pel_contact_list *list = &contacts->list;
+    pel_status status = make_room(contacts, (size_t)list->count + (size_t)found->collision_count, error);
+    if (status != PEL_OK)
+        return status;
+    int32_t old = 0, count = 0;
+    for (int64_t i = 0; i <= found->collision_count; i++) {
+        bool last = i == found->collision_count;
+        const pel_collision *hit = &found->collisions[i];
+        pel_contact_key key = {0};
+        if (!last)
+            key = make_key(sim, hit);
+        int order = 1;
+        while (old < list->count && (last || (order = compare_keys(&contacts->keys[old], &key)) < 0)) {
+            contacts->other_keys[count] = contacts->keys[old];
+            contacts->other_contacts[count++] = list->contacts[old++];
+        }
+        pel_contact contact;
+        if (last || (contacts->tangles.count > 0 && pel_tangles_have(contacts, hit)))
+            continue;
+        bool known = old < list->count && order == 0;
+        if (!make_contact(sim, hit, &contact))
+            continue;
+        if (known) {
+            contact.push = list->contacts[old].push;
+            memcpy(contact.tangential, list->contacts[old].tangential, sizeof contact.tangential);
+            old++;
+        } else if (list->count - old + count >= contacts->limit) {
+            contacts->statistics.dropped++;
+            continue;
+        }
+        contacts->other_keys[count] = key;
+        contacts->other_contacts[count++] = contact;
+    }
+    exchange_lists(contacts, count);
+    return PEL_OK;
+}
+
+/* ---- search ---- */
+
+static double seconds_now(void)
+{
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void count_search(pel_contact_statistics *sum, const pel_collision_result *found)
+{
+    const pel_ccd_statistics *kinds[] = {&found->vertex_face, &found->edge_edge};
+    for (int i = 0; i < 2; i++) {
+        sum->candidates += kinds[i]->queries;
+        sum->passed_filter += kinds[i]->passed_filter;
+        sum->passed_hull += kinds[i]->passed_hull;
+        sum->cubics += kinds[i]->passed_hull;
+    }
+}
+
+/* what comes within the distance between start and end */
+static pel_status search(pel_sim *sim, double distance, pel_collision_result *found, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    double began = seconds_now();
+    pel_collision_query query = pel_collision_query_default();
+    query.start = (const double *)contacts->start;
+    query.end = (const double *)contacts->end;
+    query.min_separation = distance;
+    query.tolerance = 1e-2 * contacts->thickness;
+    query.method = contacts->def.method;
+    pel_status status = pel_collider_detect(contacts->collider, &query, found, error);
+    count_search(&contacts->statistics, found);
+    contacts->statistics.find_seconds += seconds_now() - began;
+    return status;
+}
+
+/* the longest way of a step of velocities */
+static double longest_way(const pel_sim_contacts *contacts)
+{
+    double square = 0;
+    for (int32_t p = 0; p < contacts->point_count; p++) {
+        double way[3];
+        pel_vec3_subtract(contacts->end[p], contacts->start[p], way);
+        square = fmax(square, pel_vec3_squared_length(way));
+    }
+    return sqrt(square);
+}
+
+/* tools where they are and where they will want to be */
+static void expect_tools(pel_sim *sim)
+{
+    double next = (double)(sim->state->step + 1) * sim->step.dt;
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        pel_contact_tool *own = &sim->contacts->tools[i];
+        pel_tool *tool = &sim->tools[i];
+        pel_pose wanted = pel_tool_next_pose(tool, next, sim->step.dt);
+        pel_contact_tool_points(own, &tool->pose, sim->contacts->start);
+        pel_contact_tool_points(own, &wanted, sim->contacts->end);
+    }
+}
+
+pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    const pel_state *state = sim->state;
+    contacts->list.count = 0;
+    pel_contact_points(sim);
+    expect_tools(sim);
+    for (int32_t p = 0; p < contacts->place_count; p++)
+        for (int k = 0; k < 3; k++) {
+            double velocity = state->velocity != NULL ? (double)state->velocity[p][k] : 0;
+            contacts->end[p][k] = contacts->start[p][k] + sim->step.dt * velocity;
+        }
+    double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
+    pel_collision_result found;
+    pel_status status = search(sim, fmin(reach, 4 * contacts->thickness), &found, error);
+    return status == PEL_OK ? merge(sim, &found, error) : status;
+}
+
+/* ---- correction ---- */
+
+/* moves the new positions by sweeps over the contacts; velocities follow */
+static void correct(pel_sim *sim, int32_t sweeps)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    pel_state *state = sim->state;
+    double tolerance = SWEEP_TOLERANCE * contacts->thickness;
+    for (int32_t i = 0; i < sweeps; i++)
+        if (pel_contacts_project(&contacts->list, state->position_next, state->position) < tolerance)
+            break;
+    for (int32_t p = 0; p < contacts->place_count; p++)
+        for (int k = 0; k < 3; k++) {
+            double now = (double)state->position_next[p][k], change = now - contacts->end[p][k];
+            contacts->end[p][k] = now;
+            if (state->velocity_next != NULL && change != 0)
+                state->velocity_next[p][k] += (pel_real)(change / sim->step.dt);
+        }
+}
+
+/* the effect of contacts with tools on them */
+static void touch_tools(pel_sim *sim)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        const pel_contact *contact = &contacts->list.contacts[c];
+        if (contacts->keys[c].tool < 0 || !(contact->push > 0))
+            continue;
+        pel_tool *tool = &sim->tools[contacts->keys[c].tool];
+        double free = 0, point[3] = {0, 0, 0}, sum = 0, push[3], force[3], x[3];
+        for (int i = 0; i < 4; i++) {
+            double weight = (double)contact->weights[i];
+            if (weight == 0)
+                continue;
+            free += (double)sim->model->inverse_mass[contact->vertices[i]] * weight * weight;
+            pel_vertex_position(sim->state->position_next, contact->vertices[i], x);
+            pel_vec3_along(point, fabs(weight), x, point);
+            sum += fabs(weight);
+        }
+        if (!(free > 0))
+            continue;
+        for (int k = 0; k < 3; k++)
+            push[k] = (double)contact->push * (double)contact->normal[k] + (double)contact->tangential[k];
+        for (int i = 0; i < 4; i++) {
+            double share = (double)sim->model->inverse_mass[contact->vertices[i]] * (double)contact->weights[i] / free;
+            if (share == 0)
+                continue;
+            pel_touch *touch = pel_tool_touch(tool, contact->vertices[i]);
+            for (int k = 0; k < 3; k++)
+                touch->push[k] += share * (double)contact->push * (double)contact->normal[k];
+        }
+        if (sim->state->velocity_next == NULL)
+            continue;
+        pel_vec3_scale(point, 1 / sum, point);
+        pel_vec3_scale(push, -1 / (free * sim->step.dt * sim->step.dt), force);
+        pel_tool_add_reaction(tool, point, force);
+    }
+}
+
+static bool has_press(const pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        if (sim->tools[i].press && sim->tools[i].mesh == NULL)
+            return true;
+    return false;
+}
+
+/* search and correction until nothing is too near; what is left are the conflicts */
+static pel_status respond(pel_sim *sim, double longest, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    bool once = contacts->def.response == PEL_CONTACT_AFTER;
+    for (int round = 0;; round++) {
+        pel_collision_result found;
+        pel_status status = search(sim, contacts->thickness, &found, error);
+        if (status == PEL_OK)
+            status = pel_contact_find_conflicts(sim, &found, error);
+        if (status != PEL_OK || round == (once ? 1 : ROUND_LIMIT) || (round > 0 && contacts->conflict_count == 0))
+            return status;
+        if (found.collision_count + contacts->list.count == 0 && contacts->conflict_count == 0)
+            return PEL_OK;
+        double began = seconds_now();
+        status = merge(sim, &found, error);
+        if (status != PEL_OK)
+            return status;
+        correct(sim, once ? 1 : contacts->def.sweeps);
+        if (has_press(sim) && contacts->list.count > 0) {
+            pel_tools_press(sim, longest);
+            pel_contact_points(sim);
+        }
+        contacts->statistics.rounds++;
+        contacts->statistics.solve_seconds += seconds_now() - began;
+    }
+}
+
+static pel_status step(pel_sim *sim, double longest, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    pel_tools_press(sim, longest);
+    pel_contact_points(sim);
+    pel_status status = respond(sim, longest, error);
+    if (status != PEL_OK)
+        return status;
+    double began = seconds_now();
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        sim->tools[i].blocked = false;
+    if (contacts->conflict_count > 0)
+        status = pel_contact_guard(sim, error);
+    contacts->statistics.guard_seconds += seconds_now() - began;
+    contacts->statistics.contacts += contacts->list.count;
+    if (status == PEL_OK && contacts->tangles.count > 0) {
+        memcpy(contacts->start, contacts->end, (size_t)contacts->point_count * sizeof *contacts->start);
+        status = pel_tangles_find(sim, error);
+    }
+    return status;
+}
+
+pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error)
+{
+    if (!pel_sim_has_loop_contacts(sim))
+        sim->contacts->list.count = 0;
+    pel_tools_move(sim, time);
+    pel_status status = step(sim, longest, error);
+    if (status != PEL_OK) {
+        for (int32_t i = 0; i < sim->tool_count; i++)
+            sim->tools[i].pose = sim->tools[i].pose_before;
+        return status;
+    }
+    touch_tools(sim);
+    pel_tools_read(sim, time);
+    return PEL_OK;
+}
+
+void pel_contacts_mark(const pel_sim *sim)
+{
+    const pel_contact_list *list = &sim->contacts->list;
+    for (int32_t c = 0; c < list->count; c++)
+        for (int i = 0; i < 4 && list->contacts[c].push > 0; i++)
+            if (list->contacts[c].weights[i] != 0)
+                sim->state->contact[list->contacts[c].vertices[i]] = 1;
+}
+
+pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    bool is_new = !pel_contact_surface_is_present(sim);
+    if (!is_new && contacts->tangles.is_known)
+        return PEL_OK;
+    pel_contact_present_points(sim);
+    pel_status status = pel_contact_surface_update(sim, error);
+    if (status == PEL_OK && (!contacts->tangles.is_known || contacts->tangles.count > 0))
+        status = pel_tangles_find(sim, error);
+    return status;
+}
+
+/* ---- questions ---- */
+
+void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics)
+{
+    *statistics = (pel_contact_statistics){0};
+    if (sim->contacts == NULL)
+        return;
+    *statistics = sim->contacts->statistics;
+    statistics->tangled = sim->contacts->tangles.count;
+}
+
+double pel_sim_contact_thickness(const pel_sim *sim)
+{
+    return sim->contacts != NULL ? sim->contacts->thickness : 0;
+}

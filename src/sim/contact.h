@@ -1,0 +1,133 @@
+/* Inside of contact: all surfaces of a simulation as one, the records of contacts, and the guard of a step's end.
+
+   The points of that surface are the places of the model's vertices, then the vertices of the tools that are boxes or
+   meshes. Spheres and capsules are points and segments with a radius and stand apart (contact_round.c).
+
+   A step from the positions x0 (free of intersections) to x1 goes so:
+     find     pairs that come within the thickness on the way from x0 to x1 become contacts (contact.c)
+     correct  sweeps of Gauss-Seidel over them move x1, tools press, until no pair is too near, or some rounds are over
+     guard    what is too near still is stepped back until the whole way from x0 to x1 is free (contact_guard.c) */
+#ifndef PEL_SIM_CONTACT_H
+#define PEL_SIM_CONTACT_H
+
+#include "collide/collider.h"
+#include "model/contact.h"
+#include "sim/sim.h"
+
+/* which pair a contact is of, in the order of the list; the tool that it is with, -1 = none */
+typedef struct pel_contact_key {
+    bool edge_edge;
+    int32_t first, second;
+    int32_t tool;
+} pel_contact_key;
+
+/* What comes too near on the way of a step. */
+typedef struct pel_conflict {
+    int32_t places[4]; /* in the model's order, -1 = none */
+    int32_t tool;      /* -1 = none */
+    double time;       /* of impact, as part of the way */
+} pel_conflict;
+
+/* tools as a part of the surface */
+typedef struct pel_contact_tool {
+    int32_t point_begin, point_end; /* none for spheres and capsules */
+    const double (*local)[3];       /* (points) in the tool's frame */
+    double corners[8][3];           /* of a box */
+} pel_contact_tool;
+
+/* Pairs of triangles that intersect from the start on and are left alone (contact_tangle.c). */
+typedef struct pel_tangles {
+    bool is_known; /* false = to be found anew, before the next step */
+    int64_t count;
+    pel_pair *pairs; /* (count) triangles of the surface */
+    size_t capacity;
+    uint64_t *keys; /* (9 count) sorted: pairs of their corners */
+    size_t key_capacity;
+} pel_tangles;
+
+struct pel_sim_contacts {
+    pel_contact_def def;
+    double thickness; /* m */
+    double guarded;   /* m, distance that the guard keeps */
+
+    /* the surface */
+    pel_collider *collider;
+    int32_t place_count, point_count, triangle_count;
+    int32_t (*triangles)[3]; /* (triangle_count) those of tools first */
+    int32_t triangle_limit;
+    int32_t *group_of_point; /* (point_count) its body, or body_count and its tool */
+    uint8_t *may_meet;
+    int64_t *revisions;            /* (body_count) of the surface in the collider */
+    pel_contact_tool *tools;       /* (tool_count) */
+    double (*start)[3], (*end)[3]; /* (point_count) */
+
+    /* contacts, sorted by their keys; the second ones are scratch of merging */
+    pel_contact_list list;
+    pel_contact_key *keys, *other_keys;
+    pel_contact *other_contacts;
+    size_t capacity, other_capacity, key_capacity, other_key_capacity;
+    int32_t limit;
+
+    /* the guard */
+    pel_conflict *conflicts; /* of the last look */
+    size_t conflict_count, conflict_capacity;
+    double *times; /* (collisions) scratch: time of impact, above 1 = none */
+    size_t time_capacity;
+    double (*solved)[3]; /* (place_count) end positions before anything was stepped back */
+    double *shares;      /* (place_count + tool_count) how much of its way each goes */
+    int32_t *group;      /* (place_count + tool_count) union-find of the step */
+    double *group_share; /* (place_count + tool_count) */
+    pel_pose *wanted;    /* (tool_count) poses before they were held back */
+    pel_tangles tangles;
+    pel_contact_statistics statistics;
+};
+
+/* ---- contact.c ---- */
+/* Null contacts when they are not enabled. Errors as for pel_sim_create. */
+pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_error *error);
+void pel_contacts_destroy(pel_sim *sim);
+/* Before the solver of a method with contacts in its loop: what may touch in this step. */
+pel_status pel_contacts_find(pel_sim *sim, pel_error *error);
+/* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
+   step. longest: spring length bound. On failure the state and the poses of the tools are those before the step. */
+pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);
+/* Sets the contact flag of the vertices that were pushed. */
+void pel_contacts_mark(const pel_sim *sim);
+/* Before the step: brings the surface after refinement, and what is known of tangled pairs after a snapshot. */
+pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
+
+/* ---- contact_surface.c ---- */
+pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error);
+bool pel_contact_surface_is_present(const pel_sim *sim);
+/* after refinement */
+pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error);
+/* start from the present positions and poses before the step, end from the next positions and present poses */
+void pel_contact_points(pel_sim *sim);
+/* start alone, from the present positions and poses */
+void pel_contact_present_points(pel_sim *sim);
+/* the points of one tool at a pose, into points (point_count) */
+void pel_contact_tool_points(const pel_contact_tool *tool, const pel_pose *pose, double (*points)[3]);
+/* the tool of a point, -1 = a vertex of a body */
+int32_t pel_contact_tool_of(const pel_sim *sim, int32_t point);
+/* the triangles at the present positions, as a mesh that nothing is to be freed of */
+pel_mesh pel_contact_mesh(const pel_sim *sim);
+
+/* ---- contact_round.c ---- */
+/* Adds a conflict for each triangle that comes too near to a sphere or capsule between start and end. */
+pel_status pel_contact_round_conflicts(pel_sim *sim, pel_error *error);
+
+/* ---- contact_guard.c ---- */
+/* Fills `conflicts` from what the collider found between start and end, and from the round tools. */
+pel_status pel_contact_find_conflicts(pel_sim *sim, const pel_collision_result *found, pel_error *error);
+pel_status pel_contact_add_conflict(pel_sim_contacts *contacts, const pel_conflict *conflict, pel_error *error);
+/* Steps back until the way from start to end is free; position_next, velocity_next and the tools follow. */
+pel_status pel_contact_guard(pel_sim *sim, pel_error *error);
+
+/* ---- contact_tangle.c ---- */
+/* Finds what intersects at `start`. */
+pel_status pel_tangles_find(pel_sim *sim, pel_error *error);
+/* true when the points are of a pair that is left alone: vertex and triangle, or two edges */
+bool pel_tangles_have(const pel_sim_contacts *contacts, const pel_collision *collision);
+pel_status pel_tangles_refuse(const pel_sim *sim, pel_error *error);
+
+#endif

@@ -1,0 +1,220 @@
+/* All surfaces of a simulation as one: the bodies' present triangles and those of the tools. */
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+#include <string.h>
+
+enum { BOX_CORNERS = 8, BOX_TRIANGLES = 12 };
+
+static const int32_t box_triangles[BOX_TRIANGLES][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                                        {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                                        {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+/* ---- tools ---- */
+
+static bool is_surface(const pel_tool *tool)
+{
+    return tool->press && (tool->mesh != NULL || tool->solid.kind == PEL_SOLID_BOX);
+}
+
+static int32_t tool_triangle_count(const pel_tool *tool)
+{
+    if (!is_surface(tool))
+        return 0;
+    return tool->mesh != NULL ? tool->mesh->triangle_count : BOX_TRIANGLES;
+}
+
+static void set_tool(const pel_tool *tool, pel_contact_tool *own, int32_t point)
+{
+    own->point_begin = own->point_end = point;
+    if (!is_surface(tool))
+        return;
+    own->point_end += tool->mesh != NULL ? tool->mesh->vertex_count : BOX_CORNERS;
+    own->local = tool->mesh != NULL ? (const double(*)[3])tool->mesh->positions : (const double(*)[3])own->corners;
+    for (int i = 0; i < BOX_CORNERS; i++)
+        for (int k = 0; k < 3; k++)
+            own->corners[i][k] = (i >> k & 1 ? 1 : -1) * tool->solid.half_extents[k];
+}
+
+static void add_tool_triangles(pel_sim_contacts *contacts, const pel_tool *tool, const pel_contact_tool *own)
+{
+    int32_t count = tool_triangle_count(tool);
+    for (int32_t t = 0; t < count; t++)
+        for (int c = 0; c < 3; c++)
+            contacts->triangles[contacts->triangle_count + t][c] =
+                own->point_begin + (tool->mesh != NULL ? tool->mesh->triangles[t][c] : box_triangles[t][c]);
+    contacts->triangle_count += count;
+}
+
+int32_t pel_contact_tool_of(const pel_sim *sim, int32_t point)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    return point < contacts->place_count ? -1 : contacts->group_of_point[point] - sim->model->body_count;
+}
+
+void pel_contact_tool_points(const pel_contact_tool *tool, const pel_pose *pose, double (*points)[3])
+{
+    for (int32_t p = tool->point_begin; p < tool->point_end; p++)
+        pel_pose_to_world(pose, tool->local[p - tool->point_begin], points[p]);
+}
+
+/* ---- points ---- */
+
+void pel_contact_points(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    const pel_state *state = sim->state;
+    for (int32_t p = 0; p < contacts->place_count; p++) {
+        pel_vertex_position(state->position, p, contacts->start[p]);
+        pel_vertex_position(state->position_next, p, contacts->end[p]);
+    }
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        pel_contact_tool_points(&contacts->tools[i], &sim->tools[i].pose_before, contacts->start);
+        pel_contact_tool_points(&contacts->tools[i], &sim->tools[i].pose, contacts->end);
+    }
+}
+
+void pel_contact_present_points(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t p = 0; p < contacts->place_count; p++)
+        pel_vertex_position(sim->state->position, p, contacts->start[p]);
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        pel_contact_tool_points(&contacts->tools[i], &sim->tools[i].pose, contacts->start);
+}
+
+/* ---- triangles ---- */
+
+static void set_triangles(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    contacts->triangle_count = 0;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        add_tool_triangles(contacts, &sim->tools[i], &contacts->tools[i]);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        int32_t count = pel_surface_count(sim->model, b), begin = sim->model->triangle_begin[b];
+        const pel_front_triangle *surface = pel_surface_in_order(sim, b);
+        for (int32_t i = 0; i < count; i++)
+            memcpy(contacts->triangles[contacts->triangle_count++],
+                   sim->model->triangles[begin + (surface != NULL ? pel_surface_number(&surface[i]) : i)],
+                   sizeof contacts->triangles[0]);
+        contacts->revisions[b] = pel_sim_surface_revision(sim, b);
+    }
+}
+
+bool pel_contact_surface_is_present(const pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->contacts->revisions[b] != pel_sim_surface_revision(sim, b))
+            return false;
+    return true;
+}
+
+pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    if (pel_contact_surface_is_present(sim))
+        return PEL_OK;
+    set_triangles(sim);
+    pel_status status =
+        pel_collider_set_surface(contacts->collider, (const double(*)[3])contacts->start, contacts->point_count,
+                                 (const int32_t(*)[3])contacts->triangles, contacts->triangle_count, error);
+    if (status != PEL_OK)
+        contacts->revisions[0] = -1;
+    return status;
+}
+
+/* ---- creation ---- */
+
+/* bodies and tools as groups */
+static void set_groups(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    int32_t body_count = sim->model->body_count, count = body_count + sim->tool_count;
+    for (int32_t p = 0; p < contacts->place_count; p++)
+        contacts->group_of_point[p] = sim->model->body_of_slice[p / PEL_WIDTH];
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t p = contacts->tools[i].point_begin; p < contacts->tools[i].point_end; p++)
+            contacts->group_of_point[p] = body_count + i;
+    for (int32_t a = 0; a < body_count; a++) {
+        for (int32_t b = 0; b < body_count; b++)
+            contacts->may_meet[a * count + b] = a == b ? contacts->def.self : contacts->def.between;
+        for (int32_t i = 0; i < sim->tool_count; i++) {
+            bool meets = sim->tools[i].body < 0 || sim->tools[i].body == a;
+            contacts->may_meet[a * count + body_count + i] = contacts->may_meet[(body_count + i) * count + a] = meets;
+        }
+    }
+}
+
+static pel_status allocate_surface(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    const pel_model *model = sim->model;
+    int32_t point_count = contacts->place_count, group_count = model->body_count + sim->tool_count;
+    contacts->tools = pel_allocate((size_t)sim->tool_count, sizeof *contacts->tools);
+    if (contacts->tools == NULL)
+        return pel_fail_memory(error);
+    contacts->triangle_limit = model->triangle_begin[model->body_count];
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        set_tool(&sim->tools[i], &contacts->tools[i], point_count);
+        point_count = contacts->tools[i].point_end;
+        contacts->triangle_limit += tool_triangle_count(&sim->tools[i]);
+    }
+    contacts->point_count = point_count;
+    contacts->triangles = pel_allocate((size_t)contacts->triangle_limit, sizeof *contacts->triangles);
+    contacts->group_of_point = pel_allocate((size_t)point_count, sizeof *contacts->group_of_point);
+    contacts->may_meet = pel_allocate((size_t)group_count * (size_t)group_count, sizeof *contacts->may_meet);
+    contacts->revisions = pel_allocate((size_t)model->body_count, sizeof *contacts->revisions);
+    contacts->start = pel_allocate((size_t)point_count, sizeof *contacts->start);
+    contacts->end = pel_allocate((size_t)point_count, sizeof *contacts->end);
+    bool made = contacts->triangles != NULL && contacts->group_of_point != NULL && contacts->may_meet != NULL &&
+                contacts->revisions != NULL && contacts->start != NULL && contacts->end != NULL;
+    return made ? PEL_OK : pel_fail_memory(error);
+}
+
+/* of the bodies: tools may have far larger triangles */
+static double mean_edge(const pel_sim_contacts *contacts)
+{
+    double sum = 0;
+    int64_t count = 0;
+    for (int32_t t = 0; t < contacts->triangle_count; t++)
+        for (int c = 0; c < 3 && contacts->triangles[t][0] < contacts->place_count; c++, count++)
+            sum += pel_vec3_distance(contacts->start[contacts->triangles[t][c]],
+                                     contacts->start[contacts->triangles[t][(c + 1) % 3]]);
+    return isfinite(sum) ? sum / (double)count : 0;
+}
+
+pel_mesh pel_contact_mesh(const pel_sim *sim)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    return (pel_mesh){.vertex_count = contacts->point_count,
+                      .triangle_count = contacts->triangle_count,
+                      .positions = contacts->start,
+                      .triangles = contacts->triangles};
+}
+
+pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    contacts->place_count = sim->model->vertex_count;
+    pel_status status = allocate_surface(sim, error);
+    if (status != PEL_OK)
+        return status;
+    set_groups(sim);
+    set_triangles(sim);
+    pel_contact_points(sim);
+    pel_mesh mesh = pel_contact_mesh(sim);
+    pel_collider_def def = pel_collider_def_default();
+    def.mesh = &mesh;
+    def.margin = 0.2 * mean_edge(contacts);
+    status = pel_collider_create(&def, &contacts->collider, error);
+    if (status != PEL_OK)
+        return status;
+    pel_collider_use_pool(contacts->collider, sim->pool);
+    const pel_collision_groups groups = {contacts->group_of_point, contacts->may_meet,
+                                         sim->model->body_count + sim->tool_count};
+    pel_collider_use_groups(contacts->collider, &groups);
+    return PEL_OK;
+}
