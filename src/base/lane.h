@@ -1,7 +1,7 @@
 /* Lanes of the constraint kernels: as many numbers as fit 256 bits, 8 float or 4 double. A source that defines
-   PEL_LANE_SCALAR before it includes this gets plain numbers under the same names, so that one kernel serves as the wide
-   one and as its oracle. Every operation is exact IEEE arithmetic per lane in a fixed order: wide, plain, GCC, Clang,
-   with AVX2 and without give the same bits.
+   PEL_LANE_SCALAR before it includes this gets plain numbers under the same names, so that one kernel serves as the
+   wide one and as its oracle. Every operation is exact IEEE arithmetic per lane in a fixed order: wide, plain, GCC,
+   Clang, with AVX2 and without give the same bits.
 
    Records {x, y, z, w} of a block of particles are loaded whole and transposed in registers; hardware gathers are 3.5
    times slower (docs/performance.md). */
@@ -12,9 +12,6 @@
 
 #include <stdbool.h>
 #include <string.h>
-
-/* constraints of a block, whatever the width of the code that runs over it */
-enum { PEL_BLOCK = 32 / (int)sizeof(pel_real) };
 
 #ifdef PEL_SINGLE
 typedef int32_t pel_lane_integer;
@@ -170,10 +167,19 @@ static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
     static const pel_real c[] = {0.047073481f, -0.084561928f, 0.11040489f, -0.14281588f,
                                  0.19999883f,  -0.33333332f,  1.0f};
 #else
-    static const pel_real c[] = {0.015113765096600924669, -0.033387824501211951519, 0.044995007289840320092,
-                                 -0.052173125740615910016, 0.058768340046141606641, -0.066662052599765261879,
-                                 0.076922810999377432501, -0.090909080590311910269, 0.11111111085322108759,
-                                 -0.14285714285329708164, 0.19999999999997013892, -0.33333333333333324206, 1.0};
+    static const pel_real c[] = {0.015113765096600924669,
+                                 -0.033387824501211951519,
+                                 0.044995007289840320092,
+                                 -0.052173125740615910016,
+                                 0.058768340046141606641,
+                                 -0.066662052599765261879,
+                                 0.076922810999377432501,
+                                 -0.090909080590311910269,
+                                 0.11111111085322108759,
+                                 -0.14285714285329708164,
+                                 0.19999999999997013892,
+                                 -0.33333333333333324206,
+                                 1.0};
 #endif
     pel_lane sum = pel_lane_splat(c[0]);
     for (size_t i = 1; i < sizeof c / sizeof *c; i++)

@@ -9,20 +9,20 @@
 
 /* what a batch asks for, with its numbers per constraint; "compliant" ones are those of xpbd */
 typedef enum pel_constraint {
-    PEL_CONSTRAINT_DISTANCE,             /* rest length */
-    PEL_CONSTRAINT_SPRING,               /* rest length, 1 / stiffness */
-    PEL_CONSTRAINT_MEMBRANE,             /* inverse of the rest matrix (3); one kind for each material from here on */
-    PEL_CONSTRAINT_STRAIN = 8,           /* the same and 1 / (area young thickness); materials but stvk and linear:
-                                            area young thickness */
-    PEL_CONSTRAINT_ISOMETRIC = 16,       /* weights of x1, x2, x3 and |K x|^2 of the rest shape, 0 for the literal form */
-    PEL_CONSTRAINT_ISOMETRIC_COMPLIANT,  /* the same weights and 1 / stiffness */
-    PEL_CONSTRAINT_ANGLE,                /* rest angle */
-    PEL_CONSTRAINT_ANGLE_COMPLIANT,      /* rest angle, 1 / stiffness */
-    PEL_CONSTRAINT_FIBRE,                /* image weights of x0 - x2 and x1 - x2, weight of the region */
-    PEL_CONSTRAINT_FIBRE_SQUARE,         /* the same, energy in the square of the length */
-    PEL_CONSTRAINT_FIBRE_COMPLIANT,      /* the image weights and 1 / (area stiffness weight) */
+    PEL_CONSTRAINT_DISTANCE,       /* rest length */
+    PEL_CONSTRAINT_SPRING,         /* rest length, 1 / stiffness */
+    PEL_CONSTRAINT_MEMBRANE,       /* inverse of the rest matrix (3); one kind for each material from here on */
+    PEL_CONSTRAINT_STRAIN = 8,     /* the same and 1 / (area young thickness); materials but stvk and linear:
+                                      area young thickness */
+    PEL_CONSTRAINT_ISOMETRIC = 16, /* weights of x1, x2, x3 and |K x|^2 of the rest shape, 0 for the literal form */
+    PEL_CONSTRAINT_ISOMETRIC_COMPLIANT, /* the same weights and 1 / stiffness */
+    PEL_CONSTRAINT_ANGLE,               /* rest angle */
+    PEL_CONSTRAINT_ANGLE_COMPLIANT,     /* rest angle, 1 / stiffness */
+    PEL_CONSTRAINT_FIBRE,               /* image weights of x0 - x2 and x1 - x2, weight of the region */
+    PEL_CONSTRAINT_FIBRE_SQUARE,        /* the same, energy in the square of the length */
+    PEL_CONSTRAINT_FIBRE_COMPLIANT,     /* the image weights and 1 / (area stiffness weight) */
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
-    PEL_CONSTRAINT_CAVE,                 /* image weights, weight of the region */
+    PEL_CONSTRAINT_CAVE, /* image weights, weight of the region */
     PEL_CONSTRAINT_CAVE_SQUARE,
     PEL_CONSTRAINT_COUNT
 } pel_constraint;
@@ -43,6 +43,7 @@ typedef struct pel_batch {
     pel_constraint kind;
     pel_batch_law law;
     int arity, number_count, multiplier_count;
+    int32_t region;        /* of the shell whose fibres these are, else -1 */
     int32_t capacity;      /* blocks */
     int32_t block_count;   /* in use */
     int32_t *bundle_begin; /* (bundle_count + 1) first block of each bundle */

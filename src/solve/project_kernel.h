@@ -12,8 +12,8 @@
        sum w g.g' = PP a.a' + PQ (a.b' + b.a') + QQ b.b',      PP = sum w p p and so on
 
    pbd: a, b are the columns of P = F S. xpbd works on the vector of strains c = (e11, e22, 2 e12) with the rows
-   (f1, 0), (0, f2), (f2, f1): a 3 x 3 block G = sum w g g^T. For a quadratic energy c.D c / 2 (stvk; linear with its own
-   strains, those of the triangle factor of F)
+   (f1, 0), (0, f2), (f2, f1): a 3 x 3 block G = sum w g g^T. For a quadratic energy c.D c / 2 (stvk; linear with its
+   own strains, those of the triangle factor of F)
 
        (G + A) dl = -(c + A l),    A = D^-1 / (area dt^2)
 
@@ -22,9 +22,9 @@
 
        (1 + B G) dl = -(l + area dt^2 S),    B = area dt^2 H
 
-   At its fixed point l = -area dt^2 S whatever B is: the stress is the material's own, and H only says how fast one gets
-   there. So parts of H that are not positive definite are left out. With B = L L^T,
-   dl = -L (1 + L^T G L)^-1 L^-1 (l + area dt^2 S): symmetric, and no less than 1 whatever the stiffness.
+   At its fixed point l = -area dt^2 S whatever B is: the stress is the material's own, and H only says how fast one
+   gets there. So parts of H that are not positive definite are left out. With B = L L^T, dl = -L (1 + L^T G L)^-1 L^-1
+   (l + area dt^2 S): symmetric, and no less than 1 whatever the stiffness.
 
    Guards have no scale of their own: steps of the pbd membrane are bounded by the size of the triangle at rest, a
    triangle squeezed to less than half has the gradient of half its size, quotients by zero are zero. */
@@ -95,8 +95,7 @@ static inline void sweep_edges(const pel_batch *batch, int32_t begin, int32_t en
             pel_lane stretch = length - number_of(batch, block, count, 0, lane), mobility = a.fourth + b.fourth;
             pel_lane change = stretch;
             if (compliant) {
-                pel_lane softness =
-                    number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
+                pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
                 pel_lane multiplier = multiplier_of(batch, block, 1, 0, lane);
                 change = (stretch + softness * multiplier) / (mobility + softness);
                 add_multiplier(batch, block, 1, 0, lane, multiplier, -change);
@@ -188,6 +187,8 @@ static inline void respond_stvk(const strain_lanes *s, pel_lane mu, pel_lane lam
     r->stress = (symmetric2){two * mu * s->green.a + volume, two * mu * s->green.b + volume, two * mu * s->green.c};
     r->energy = mu * (s->green.a * s->green.a + s->green.b * s->green.b + two * s->green.c * s->green.c) +
                 half * volume * trace;
+    pel_lane zero = pel_lane_splat(0), along = two * mu + lambda;
+    r->tangent = (symmetric3){along, lambda, zero, along, zero, mu};
 }
 
 /* area ratio and what goes with it; below the floor the inverse stays that of the floor */
@@ -208,8 +209,7 @@ static inline area_lanes area_of(const triangle_lanes *t, const strain_lanes *s)
     pel_lane determinant = s->green.a * s->green.b - s->green.c * s->green.c;
     pel_lane fine = two * (s->green.a + s->green.b) + four * determinant;
     pel_lane coarse = (area.floored - one) * (area.floored + one);
-    area.excess =
-        pel_lane_select(pel_lane_above(pel_lane_splat((pel_real)0.1), pel_lane_abs(coarse)), fine, coarse);
+    area.excess = pel_lane_select(pel_lane_above(pel_lane_splat((pel_real)0.1), pel_lane_abs(coarse)), fine, coarse);
     pel_lane inverse = one / (area.floored * area.floored);
     area.inverse = (symmetric2){s->cauchy.b * inverse, s->cauchy.a * inverse, -(s->cauchy.c * inverse)};
     return area;
@@ -289,12 +289,10 @@ static inline void respond_mooney(const triangle_lanes *t, const strain_lanes *s
     pel_lane along = by_area * floored;
     r->stress = (symmetric2){by_trace + along * c.a, by_trace + along * c.b, along * c.c};
     pel_lane pull = pel_lane_max(-along, pel_lane_splat((pel_real)0.1) * c1), square = floored * floored;
-    symmetric3 safe =
-        combine_tangent(four * ((c1 + c2 * trace) * h + c2 * square), c, pull, pel_lane_splat(0), c);
+    symmetric3 safe = combine_tangent(four * ((c1 + c2 * trace) * h + c2 * square), c, pull, pel_lane_splat(0), c);
     pel_lane coupling = four * c2 * h;
-    symmetric3 full = {safe.a11 - two * coupling * c.a, safe.a12 - coupling * (c.a + c.b),
-                       safe.a13 - coupling * c.c,       safe.a22 - two * coupling * c.b,
-                       safe.a23 - coupling * c.c,       safe.a33};
+    symmetric3 full = {safe.a11 - two * coupling * c.a, safe.a12 - coupling * (c.a + c.b), safe.a13 - coupling * c.c,
+                       safe.a22 - two * coupling * c.b, safe.a23 - coupling * c.c,         safe.a33};
     r->tangent = select_matrix(is_definite(&full), &full, &safe);
 }
 
@@ -415,7 +413,11 @@ static inline symmetric3 mobility_of(const triangle_lanes *t, const strain_lanes
     const pel_lane quarter = pel_lane_splat((pel_real)0.25), two = pel_lane_splat(2);
     pel_lane c11 = pel_lane_max(s->cauchy.a, quarter), c22 = pel_lane_max(s->cauchy.b, quarter), c12 = s->cauchy.c;
     return (symmetric3){
-        t->pp * c11, t->pq * c12, t->pp * c12 + t->pq * c11, t->qq * c22, t->pq * c22 + t->qq * c12,
+        t->pp * c11,
+        t->pq * c12,
+        t->pp * c12 + t->pq * c11,
+        t->qq * c22,
+        t->pq * c22 + t->qq * c12,
         t->pp * c22 + two * t->pq * c12 + t->qq * c11,
     };
 }
@@ -483,11 +485,14 @@ static inline void sweep_strain_linear(const pel_batch *batch, int32_t begin, in
 /* dl = -L (1 + L^T G L)^-1 L^-1 right with B = L L^T; the result replaces right */
 static inline void solve_newton(const symmetric3 *b, const symmetric3 *g, pel_lane right[3])
 {
-    const pel_lane one = pel_lane_splat(1), least = pel_lane_splat(16 * PEL_REAL_EPSILON);
-    pel_lane l11 = pel_lane_sqrt(b->a11), r1 = one / l11, l21 = b->a12 * r1, l31 = b->a13 * r1;
-    pel_lane l22 = pel_lane_sqrt(pel_lane_max(b->a22 - l21 * l21, least * b->a22)), r2 = one / l22;
+    const pel_lane one = pel_lane_splat(1);
+    /* a collapsed triangle may have a tangent of rank one, or none */
+    const pel_lane least =
+        pel_lane_splat(16 * PEL_REAL_EPSILON) * (b->a11 + b->a22 + b->a33) + pel_lane_splat(PEL_REAL_TINY);
+    pel_lane l11 = pel_lane_sqrt(pel_lane_max(b->a11, least)), r1 = one / l11, l21 = b->a12 * r1, l31 = b->a13 * r1;
+    pel_lane l22 = pel_lane_sqrt(pel_lane_max(b->a22 - l21 * l21, least)), r2 = one / l22;
     pel_lane l32 = (b->a23 - l31 * l21) * r2;
-    pel_lane l33 = pel_lane_sqrt(pel_lane_max(b->a33 - l31 * l31 - l32 * l32, least * b->a33));
+    pel_lane l33 = pel_lane_sqrt(pel_lane_max(b->a33 - l31 * l31 - l32 * l32, least));
     pel_lane x1 = g->a11 * l11 + g->a12 * l21 + g->a13 * l31, x2 = g->a12 * l11 + g->a22 * l21 + g->a23 * l31;
     pel_lane x3 = g->a13 * l11 + g->a23 * l21 + g->a33 * l31;
     pel_lane y2 = g->a22 * l22 + g->a23 * l32, y3 = g->a23 * l22 + g->a33 * l32, z3 = g->a33 * l33;
@@ -507,6 +512,17 @@ static inline void solve_newton(const symmetric3 *b, const symmetric3 *g, pel_la
     right[2] = -(l31 * y[0] + l32 * y[1] + l33 * y[2]);
 }
 
+/* factor on a step with the gradients p_k a + q_k b so that no vertex moves by more than 1 / sqrt(i0^2 + i2^2), about
+   0.7 of an edge at rest: barriers of collapsed triangles are steep */
+static inline pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
+{
+    pel_lane square =
+        t->pp * pel_lane3_dot(a, a) + pel_lane_splat(2) * t->pq * pel_lane3_dot(a, b) + t->qq * pel_lane3_dot(b, b);
+    pel_lane mobility = t->point[0].fourth + t->point[1].fourth + t->point[2].fourth;
+    pel_lane share = quotient(pel_lane_splat(1), square * mobility * (t->i0 * t->i0 + t->i2 * t->i2));
+    return pel_lane_sqrt(pel_lane_min(share, pel_lane_splat(1)));
+}
+
 static inline void sweep_strain_newton(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
                                        pel_membrane_kind kind)
 {
@@ -524,10 +540,13 @@ static inline void sweep_strain_newton(const pel_batch *batch, int32_t begin, in
             symmetric3 g = mobility_of(&t, &s);
             symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
             solve_newton(&b, &g, change);
+            pel_lane3 first = pel_lane3_combine(change[0], t.f1, change[2], t.f2);
+            pel_lane3 second = pel_lane3_combine(change[2], t.f1, change[1], t.f2);
+            pel_lane limit = step_limit(&t, first, second);
             for (int i = 0; i < 3; i++)
-                add_multiplier(batch, block, 3, i, lane, old[i], change[i]);
-            move_triangle(batch, block, lane, positions, &t, pel_lane3_combine(change[0], t.f1, change[2], t.f2),
-                          pel_lane3_combine(change[2], t.f1, change[1], t.f2));
+                add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
+            move_triangle(batch, block, lane, positions, &t, pel_lane3_scale(first, limit),
+                          pel_lane3_scale(second, limit));
         }
 }
 
@@ -598,14 +617,12 @@ static inline void sweep_angle(const pel_batch *batch, int32_t begin, int32_t en
             pel_lane t2 = inverse * pel_lane3_dot(to2, edge), t3 = inverse * pel_lane3_dot(to3, edge);
             pel_lane g22 = square * r2, g33 = square * r3, g23 = square * r2 * r3 * cosine;
             pel_lane s2 = one - t2, s3 = one - t3;
-            pel_lane mobility =
-                p[2].fourth * g22 + p[3].fourth * g33 +
-                p[0].fourth * (s2 * s2 * g22 + two * s2 * s3 * g23 + s3 * s3 * g33) +
-                p[1].fourth * (t2 * t2 * g22 + two * t2 * t3 * g23 + t3 * t3 * g33);
+            pel_lane mobility = p[2].fourth * g22 + p[3].fourth * g33 +
+                                p[0].fourth * (s2 * s2 * g22 + two * s2 * s3 * g23 + s3 * s3 * g33) +
+                                p[1].fourth * (t2 * t2 * g22 + two * t2 * t3 * g23 + t3 * t3 * g33);
             pel_lane change;
             if (compliant) {
-                pel_lane softness =
-                    number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
+                pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
                 pel_lane old = multiplier_of(batch, block, 1, 0, lane);
                 change = -((difference + softness * old) / (mobility + softness));
                 add_multiplier(batch, block, 1, 0, lane, old, change);
@@ -682,8 +699,8 @@ static inline void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t e
         }
 }
 
-/* paper B: the gradient of the fibre's energy replaced by the normal, so that a stretched triangle goes inward; for equal
-   masses by strength times the energy density over the stiffness */
+/* paper B: the gradient of the fibre's energy replaced by the normal, so that a stretched triangle goes inward; for
+   equal masses by strength times the energy density over the stiffness */
 static inline void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool squared)
 {
     const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5);
@@ -694,14 +711,13 @@ static inline void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end
             pel_lane strain = squared ? f.square - one : pel_lane_sqrt(f.square) - one;
             pel_lane depth = pel_lane_min(pel_lane_splat(batch->law.strength) * half * strain * strain,
                                           pel_lane_splat(batch->law.max_step));
-            pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at),
-                                               pel_lane3_subtract(p[2].at, p[0].at));
+            pel_lane3 normal =
+                pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at), pel_lane3_subtract(p[2].at, p[0].at));
             pel_lane size = pel_lane_sqrt(pel_lane3_dot(normal, normal));
             pel_lane mass = p[0].fourth + p[1].fourth + p[2].fourth;
             pel_lane scale = quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
             for (int k = 0; k < 3; k++)
-                move_particle(batch, block, k, lane, positions, &p[k],
-                              pel_lane3_scale(normal, scale * p[k].fourth));
+                move_particle(batch, block, k, lane, positions, &p[k], pel_lane3_scale(normal, scale * p[k].fourth));
         }
 }
 
@@ -738,8 +754,7 @@ PEL_PROJECT_SWEEP(sweep_cave_square, sweep_cave(batch, begin, end, positions, tr
 
 #define PEL_PROJECT_TABLE                                                                                              \
     {                                                                                                                  \
-        [PEL_CONSTRAINT_DISTANCE] = sweep_distance,                                                                    \
-        [PEL_CONSTRAINT_SPRING] = sweep_spring,                                                                        \
+        [PEL_CONSTRAINT_DISTANCE] = sweep_distance, [PEL_CONSTRAINT_SPRING] = sweep_spring,                            \
         [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_STVK] = sweep_stvk,                                                    \
         [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_COROTATED] = sweep_corotated,                                          \
         [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_LINEAR] = sweep_linear,                                                \
@@ -750,15 +765,11 @@ PEL_PROJECT_SWEEP(sweep_cave_square, sweep_cave(batch, begin, end, positions, tr
         [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_LINEAR] = sweep_soft_linear,                                             \
         [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_MOONEY_RIVLIN] = sweep_soft_mooney,                                      \
         [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_NEO_HOOKEAN] = sweep_soft_neo,                                           \
-        [PEL_CONSTRAINT_ISOMETRIC] = sweep_bending,                                                                    \
-        [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_soft_bending,                                                     \
-        [PEL_CONSTRAINT_ANGLE] = sweep_hinge,                                                                          \
-        [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge,                                                           \
-        [PEL_CONSTRAINT_FIBRE] = sweep_fibre,                                                                          \
-        [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,                                                            \
+        [PEL_CONSTRAINT_ISOMETRIC] = sweep_bending, [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_soft_bending,         \
+        [PEL_CONSTRAINT_ANGLE] = sweep_hinge, [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge,                     \
+        [PEL_CONSTRAINT_FIBRE] = sweep_fibre, [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,                      \
         [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,                                                           \
-        [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square,                                             \
-        [PEL_CONSTRAINT_CAVE] = sweep_cave_length,                                                                     \
+        [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave_length,  \
         [PEL_CONSTRAINT_CAVE_SQUARE] = sweep_cave_square,                                                              \
     }
 
