@@ -75,6 +75,8 @@ static pel_status write_frame(pel_run_frames *frames, pel_sim *sim, const pel_ru
         .tool_force_max = tool_force,
     };
     pel_sim_measure(sim, &row.measures);
+    pel_sim_get_contact_statistics(sim, &row.contact);
+    row.contact_before = totals->contact;
     pel_run_frame_path(path, frames->folder, row.frame);
     pel_status status = pel_run_surface_write_frame(&frames->surface, sim, &frames->scene->output, path, error);
     if (status != PEL_OK)
@@ -135,6 +137,7 @@ static void begin_interval(pel_run_totals *totals, const pel_sim *sim, double *t
     totals->frame_count++;
     totals->frame_step = pel_sim_step_count(sim);
     totals->frame_seconds = 0;
+    pel_sim_get_contact_statistics(sim, &totals->contact);
     memset(tool_force, 0, (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
 }
 

@@ -12,15 +12,16 @@
 
 /* What is summed up on the way; goes into checkpoints as it stands. */
 typedef struct pel_run_totals {
-    int64_t frame_count;       /* frames written */
-    int64_t frame_step;        /* step of the last one */
-    double frame_seconds;      /* wall time of the steps since then */
-    double step_seconds;       /* wall time of all steps */
-    double wall_seconds;       /* of the calls of pel_run before this one */
-    double max_displacement;   /* m, over the frames */
-    double volume_ratio;       /* of the last frame */
-    int64_t rise_count;        /* frames whose volume is more than that of the frame before */
-    double rise_sum, rise_max; /* of the volume ratio in these */
+    int64_t frame_count;            /* frames written */
+    int64_t frame_step;             /* step of the last one */
+    double frame_seconds;           /* wall time of the steps since then */
+    double step_seconds;            /* wall time of all steps */
+    double wall_seconds;            /* of the calls of pel_run before this one */
+    double max_displacement;        /* m, over the frames */
+    double volume_ratio;            /* of the last frame */
+    int64_t rise_count;             /* frames whose volume is more than that of the frame before */
+    double rise_sum, rise_max;      /* of the volume ratio in these */
+    pel_contact_statistics contact; /* at the last frame */
 } pel_run_totals;
 
 /* What a frame is made of. */

@@ -69,6 +69,17 @@ static void put_tool_column(pel_run_series *series, const char *tool, const char
 static const char *const shell_columns[] = {"membrane_energy", "bending_energy", "fibre_energy"};
 enum { SHELL_COLUMN_COUNT = sizeof shell_columns / sizeof shell_columns[0] };
 
+static const char *const contact_columns[] = {
+    "contact_candidates", "contact_passed_filter", "contact_passed_hull", "contact_cubics",     "contact_pairs",
+    "contact_dropped",    "contact_rounds",        "contact_fall_backs",  "contact_tools_held", "contact_tangled",
+    "contact_find_ms",    "contact_solve_ms",      "contact_guard_ms"};
+enum { CONTACT_COLUMN_COUNT = sizeof contact_columns / sizeof contact_columns[0], CONTACT_TIMES = 3 };
+
+static bool has_contact(const pel_sim *sim)
+{
+    return pel_sim_contact_thickness(sim) > 0;
+}
+
 static void put_header(pel_run_series *series, const pel_sim *sim)
 {
     put_text(series, first_columns);
@@ -78,6 +89,10 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++) {
         put_text(series, ",");
         put_text(series, shell_columns[c]);
+    }
+    for (int c = 0; has_contact(sim) && c < CONTACT_COLUMN_COUNT; c++) {
+        put_text(series, ",");
+        put_text(series, contact_columns[c]);
     }
     put_text(series, "\n");
 }
@@ -96,13 +111,36 @@ static void put_tool(pel_run_series *series, const pel_sim *sim, int32_t tool, d
     put_number(series, force_max);
 }
 
+/* sums over the steps since the last frame */
+static void put_contact(pel_run_series *series, const pel_run_row *row)
+{
+    const pel_contact_statistics *now = &row->contact, *before = &row->contact_before;
+    const int64_t counts[CONTACT_COLUMN_COUNT - CONTACT_TIMES] = {
+        now->candidates - before->candidates,   now->passed_filter - before->passed_filter,
+        now->passed_hull - before->passed_hull, now->cubics - before->cubics,
+        now->contacts - before->contacts,       now->dropped - before->dropped,
+        now->rounds - before->rounds,           now->fall_backs - before->fall_backs,
+        now->tools_held - before->tools_held,   now->tangled,
+    };
+    const double seconds[CONTACT_TIMES] = {
+        now->find_seconds - before->find_seconds,
+        now->solve_seconds - before->solve_seconds,
+        now->guard_seconds - before->guard_seconds,
+    };
+    for (int c = 0; c < CONTACT_COLUMN_COUNT - CONTACT_TIMES; c++)
+        put_count(series, ",", counts[c]);
+    for (int c = 0; c < CONTACT_TIMES; c++)
+        put_number(series, round(seconds[c] * 1e8) / 1e5);
+}
+
 /* ---- the file ---- */
 
 static pel_status prepare(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error)
 {
     size_t tool_room = TOOL_COLUMN_COUNT * (2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE);
     *series = (pel_run_series){.descriptor = -1, .path = path};
-    series->room = sizeof first_columns + (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT) * PEL_NUMBER_SIZE +
+    series->room = sizeof first_columns +
+                   (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + CONTACT_COLUMN_COUNT) * PEL_NUMBER_SIZE +
                    (size_t)pel_sim_tool_count(sim) * tool_room;
     series->line = pel_allocate(series->room, 1);
     return series->line != NULL ? PEL_OK : pel_fail_memory(error);
@@ -206,6 +244,8 @@ pel_status pel_run_series_add(pel_run_series *series, const pel_sim *sim, const 
     const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++)
         put_number(series, energies[c]);
+    if (has_contact(sim))
+        put_contact(series, row);
     put_text(series, "\n");
     return write_line(series, error);
 }

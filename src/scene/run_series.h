@@ -17,7 +17,8 @@ typedef struct pel_run_row {
     int64_t frame;
     double step_ms; /* mean wall time of a step since the last frame */
     pel_sim_measures measures;
-    const double *tool_force_max; /* (tool count) N, largest since the last frame */
+    pel_contact_statistics contact, contact_before; /* sums now and at the last frame; the row has the difference */
+    const double *tool_force_max;                   /* (tool count) N, largest since the last frame */
 } pel_run_row;
 
 /* Begins a new file with the header row. Close also on failure. */

@@ -128,6 +128,34 @@ static void write_tools(pel_file_writer *writer, const pel_run_state *run)
     pel_file_writer_printf(writer, "]");
 }
 
+static void write_contact(pel_file_writer *writer, const pel_sim *sim)
+{
+    pel_contact_statistics s;
+    pel_sim_get_contact_statistics(sim, &s);
+    const struct {
+        const char *name;
+        int64_t count;
+    } counts[] = {{"candidates", s.candidates},   {"passed_filter", s.passed_filter},
+                  {"passed_hull", s.passed_hull}, {"cubics", s.cubics},
+                  {"pairs", s.contacts},          {"dropped", s.dropped},
+                  {"rounds", s.rounds},           {"fall_backs", s.fall_backs},
+                  {"tools_held", s.tools_held},   {"tangled", s.tangled}};
+    begin(writer, "contact");
+    pel_file_writer_printf(writer, "{\"thickness\": ");
+    write_number(writer, pel_sim_contact_thickness(sim));
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++)
+        pel_file_writer_printf(writer, ", \"%s\": %" PRId64, counts[i].name, counts[i].count);
+    pel_file_writer_printf(writer, ", \"cubics_saved\": ");
+    write_number(writer, s.candidates > 0 ? 1 - (double)s.cubics / (double)s.candidates : 1);
+    pel_file_writer_printf(writer, ", \"find_s\": ");
+    write_number(writer, s.find_seconds);
+    pel_file_writer_printf(writer, ", \"solve_s\": ");
+    write_number(writer, s.solve_seconds);
+    pel_file_writer_printf(writer, ", \"guard_s\": ");
+    write_number(writer, s.guard_seconds);
+    pel_file_writer_printf(writer, "}");
+}
+
 static void write_entries(pel_file_writer *writer, const pel_run_state *run, const pel_run_summary *s)
 {
     count_entry(writer, "frames", s->frames);
@@ -154,6 +182,8 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
     count_entry(writer, "threads", s->threads);
     number_entry(writer, "max_tool_force", s->max_tool_force);
     write_tools(writer, run);
+    if (pel_sim_contact_thickness(run->sim) > 0)
+        write_contact(writer, run->sim);
     text_entry(writer, "stop_reason", s->stop_reason);
     count_entry(writer, "volume_rises", s->volume_rises);
     number_entry(writer, "volume_rise_sum", s->volume_rise_sum);

@@ -1,7 +1,7 @@
 /* Getters and setters between the model's vertex order and the mesh's, and sums over everything. */
 #include "base/status.h"
 #include "math/vec3.h"
-#include "sim/sim.h"
+#include "sim/contact.h"
 
 #include <string.h>
 
@@ -140,6 +140,9 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
             sim->state->position_before[i][c] = sim->state->position[i][c];
             forget_history(sim->state, i);
         }
+    /* what intersects now is left alone until it is apart */
+    if (sim->contacts != NULL)
+        sim->contacts->tangles.is_known = false;
     return PEL_OK;
 }
 

@@ -162,6 +162,12 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
         status = pel_tangles_find(sim, error);
     if (status == PEL_OK)
         status = pel_tangles_refuse(sim, error);
+    if (status == PEL_OK && sim->active != NULL) {
+        sim->contacts->event_size = pel_sim_save_size(sim);
+        sim->contacts->before_event = pel_allocate(sim->contacts->event_size, 1);
+        if (sim->contacts->before_event == NULL)
+            return pel_fail_memory(error);
+    }
     if (status == PEL_OK)
         grow_tools(sim);
     return status;
@@ -179,7 +185,7 @@ void pel_contacts_destroy(pel_sim *sim)
                       contacts->other_keys,    contacts->other_contacts, contacts->conflicts,
                       contacts->times,         contacts->solved,         contacts->shares,
                       contacts->group,         contacts->group_share,    contacts->wanted,
-                      contacts->tangles.pairs, contacts->tangles.keys};
+                      contacts->tangles.pairs, contacts->tangles.keys,   contacts->before_event};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(contacts);
@@ -317,6 +323,9 @@ static void count_search(pel_contact_statistics *sum, const pel_collision_result
         sum->passed_hull += kinds[i]->passed_hull;
         sum->cubics += kinds[i]->passed_hull;
     }
+    /* what is too near at the start already needs none */
+    for (int64_t i = 0; i < found->collision_count; i++)
+        sum->cubics -= found->collisions[i].hit.time_of_impact <= 0;
 }
 
 /* what comes within the distance between start and end */
@@ -438,14 +447,6 @@ static void touch_tools(pel_sim *sim)
     }
 }
 
-static bool has_press(const pel_sim *sim)
-{
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        if (sim->tools[i].press && sim->tools[i].mesh == NULL)
-            return true;
-    return false;
-}
-
 /* search and correction until nothing is too near; what is left are the conflicts */
 static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
@@ -454,8 +455,10 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     for (int round = 0;; round++) {
         pel_collision_result found;
         pel_status status = search(sim, contacts->thickness, &found, error);
+        double looked = seconds_now();
         if (status == PEL_OK)
             status = pel_contact_find_conflicts(sim, &found, error);
+        contacts->statistics.guard_seconds += seconds_now() - looked;
         if (status != PEL_OK || round == (once ? 1 : ROUND_LIMIT) || (round > 0 && contacts->conflict_count == 0))
             return status;
         if (found.collision_count + contacts->list.count == 0 && contacts->conflict_count == 0)
@@ -465,10 +468,9 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         if (status != PEL_OK)
             return status;
         correct(sim, once ? 1 : contacts->def.sweeps);
-        if (has_press(sim) && contacts->list.count > 0) {
-            pel_tools_press(sim, longest);
-            pel_contact_points(sim);
-        }
+        /* boxes are in the list */
+        pel_tools_press(sim, longest, true);
+        pel_contact_points(sim);
         contacts->statistics.rounds++;
         contacts->statistics.solve_seconds += seconds_now() - began;
     }
@@ -477,7 +479,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 static pel_status step(pel_sim *sim, double longest, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    pel_tools_press(sim, longest);
+    pel_tools_press(sim, longest, false);
     pel_contact_points(sim);
     pel_status status = respond(sim, longest, error);
     if (status != PEL_OK)

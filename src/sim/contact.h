@@ -78,6 +78,8 @@ struct pel_sim_contacts {
     int32_t *group;      /* (place_count + tool_count) union-find of the step */
     double *group_share; /* (place_count + tool_count) */
     pel_pose *wanted;    /* (tool_count) poses before they were held back */
+    void *before_event;  /* (event_size) snapshot, of models that refine; else null */
+    size_t event_size;
     pel_tangles tangles;
     pel_contact_statistics statistics;
 };

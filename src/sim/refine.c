@@ -320,6 +320,20 @@ static int32_t work_of(const pel_front *front)
     return front->pending_count + front->touched_count;
 }
 
+/* with contact, an event that would make the surface cut itself was taken back: hot vertices stay for as long as they
+   would anyway, candidates may come again */
+static void put_off(pel_sim *sim, int32_t body)
+{
+    pel_refine_body *refine = &sim->refine[body];
+    while (refine->leaving_count > 0) {
+        int32_t v = refine->leaving[--refine->leaving_count];
+        refine->heat[v] = PEL_HOT;
+        refine->warm_step[v] = sim->state->step;
+    }
+    while (refine->waiting_count > 0)
+        take_candidate(refine, false);
+}
+
 /* one event's portion of what the last rounds found */
 static void do_portion(pel_sim *sim, int32_t body)
 {
@@ -327,6 +341,8 @@ static void do_portion(pel_sim *sim, int32_t body)
     pel_refine_body *refine = &sim->refine[body];
     if (refine->leaving_count + refine->waiting_count == 0)
         return;
+    if (sim->contacts != NULL)
+        pel_contacts_before_event(sim);
     bool limited = own->triangle_limit < INT32_MAX;
     int32_t portion = PORTION_LEAST + own->front->triangle_count / PORTION_SHARE;
     while (refine->leaving_count > 0 && work_of(own->front) < portion) {
@@ -349,6 +365,8 @@ static void do_portion(pel_sim *sim, int32_t body)
     }
     pel_front_close(own->front);
     commit(sim, body);
+    if (sim->contacts != NULL && own->front->change_count > 0 && !pel_contacts_accept_event(sim, body))
+        put_off(sim, body);
 }
 
 static void step_body(pel_sim *sim, int32_t body)
@@ -450,6 +468,8 @@ pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t le
         return pel_fail(error, PEL_BAD_ARGUMENT, "vertex %d or level %d does not exist in body '%s'", (int)vertex,
                         (int)level, b->name);
     const pel_active_body *own = &sim->active->bodies[body];
+    if (sim->contacts != NULL)
+        pel_contacts_before_event(sim);
     int32_t before = sim->refine[body].asked_level[vertex];
     ask_to_level(sim, body, vertex, before, false);
     ask_to_level(sim, body, vertex, level, true);
@@ -465,5 +485,9 @@ pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t le
     }
     sim->refine[body].asked_level[vertex] = (uint8_t)level;
     commit(sim, body);
-    return PEL_OK;
+    if (sim->contacts == NULL || own->front->change_count == 0 || pel_contacts_accept_event(sim, body))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' would cut itself or another surface on that level", b->name);
+    pel_fail_remedy(error, "ask again when there is more room around vertex %d", (int)vertex);
+    return PEL_BAD_ARGUMENT;
 }

@@ -333,18 +333,17 @@ static void mark_contacts(pel_sim *sim)
 }
 
 /* new positions and velocities from those of the start of the step, without tools */
-static void solve(pel_sim *sim, pel_step_result *result)
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
-    if (pel_sim_is_projected(sim)) {
-        pel_project_step(sim, NULL, result);
-        return;
-    }
+    if (pel_sim_is_projected(sim))
+        return pel_project_step(sim, result, error);
     if (pel_sim_is_explicit(sim))
         pel_step_explicit(sim->model, sim->state, &sim->step, result);
     else
         pel_step_quasi_static(sim->model, sim->state, &sim->step, result);
     result->diverged |= !pel_loads_apply(sim);
     result->diverged |= !pel_shells_apply(sim);
+    return PEL_OK;
 }
 
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
@@ -355,24 +354,26 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     if (sim->active != NULL)
         pel_refine_step(sim);
     if (sim->contacts != NULL) {
-        pel_status status = pel_contacts_begin_step(sim, error);
-        if (status != PEL_OK)
-            return status;
+        pel_status ready = pel_contacts_begin_step(sim, error);
+        if (ready != PEL_OK)
+            return ready;
     }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
     update_factors(sim, time);
     pel_step_result result;
-    solve(sim, &result);
+    pel_status status = solve(sim, &result, error);
+    if (status != PEL_OK)
+        return status;
     if (result.diverged)
         return report_divergence(sim, error);
-    pel_status status = pel_shells_check_volume(sim, error);
+    status = pel_shells_check_volume(sim, error);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
         return status;
     if (sim->contacts == NULL && sim->tool_count > 0) {
         pel_tools_move(sim, next);
-        pel_tools_press(sim, result.longest);
+        pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
     }
     mark_contacts(sim);

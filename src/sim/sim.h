@@ -175,8 +175,13 @@ static inline bool pel_sim_has_velocity(const pel_sim *sim)
 /* ---- project.c ---- */
 /* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
 pel_status pel_project_create(pel_sim *sim, pel_error *error);
-/* New positions and velocities of a step. contacts: nullable. */
-void pel_project_step(pel_sim *sim, pel_contact_list *contacts, pel_step_result *result);
+/* New positions and velocities of a step; what may touch takes part in the sweeps. Errors of pel_contacts_find. */
+pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+/* ---- contact_event.c ---- */
+/* Contact only: what is needed to take an event of refinement back, before any of it is done. */
+void pel_contacts_before_event(pel_sim *sim);
+/* True when the new surface does not cut itself; else everything is as before. */
+bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
 
 /* ---- loads.c ---- */
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);
@@ -247,8 +252,8 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
 void pel_tools_destroy(pel_sim *sim);
 /* Moves the tools towards their poses at `time`, and what they hold. */
 void pel_tools_move(pel_sim *sim, double time);
-/* Moves the new positions out of the tools. longest: spring length bound. */
-void pel_tools_press(pel_sim *sim, double longest);
+/* Moves the new positions out of the tools, or of spheres and capsules only. longest: spring length bound. */
+void pel_tools_press(pel_sim *sim, double longest, bool only_round);
 /* Reads the forces of the step. */
 void pel_tools_read(pel_sim *sim, double time);
 /* true when a point lies inside a closed body */

@@ -371,13 +371,18 @@ void pel_tools_move(pel_sim *sim, double time)
         carry(sim, &sim->tools[i]);
 }
 
-void pel_tools_press(pel_sim *sim, double longest)
+static bool presses(const pel_tool *tool, bool only_round)
+{
+    return tool->press && tool->mesh == NULL && !(only_round && tool->solid.kind == PEL_SOLID_BOX);
+}
+
+void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 {
     bool moved = true;
     for (int round = 0; moved && round < (sim->tool_count > 1 ? ROUND_LIMIT : 1); round++) {
         moved = false;
         for (int32_t i = 0; i < sim->tool_count; i++)
-            if (sim->tools[i].press && sim->tools[i].mesh == NULL)
+            if (presses(&sim->tools[i], only_round))
                 moved |= pel_tool_press(sim, &sim->tools[i], longest);
     }
 }

@@ -1,0 +1,54 @@
+/* Contact over an event of refinement: the surface changes without a step, and must not cut itself afterwards.
+
+   New vertices stand a little off the middle of their edge (transfer.c), and what is coarsened loses its bulges, so the
+   new surface is tested exactly. When it cuts itself, new vertices go to the middles, which leaves a refined surface
+   where it was; when that does not help, the event is taken back by a snapshot from before it. */
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+void pel_contacts_before_event(pel_sim *sim)
+{
+    pel_sim_save(sim, sim->contacts->before_event);
+}
+
+/* pairs at the present positions; false when that cannot be told */
+static bool count_pairs(pel_sim *sim, int64_t *count)
+{
+    pel_contact_present_points(sim);
+    if (pel_contact_surface_update(sim, NULL) != PEL_OK || pel_tangles_find(sim, NULL) != PEL_OK)
+        return false;
+    *count = sim->contacts->tangles.count;
+    return true;
+}
+
+/* the middle of the edge of a new vertex; velocities stay */
+static void move_to_middle(pel_sim *sim, const pel_active_body *own, int32_t v)
+{
+    const pel_lod_forest *forest = own->front->forest;
+    const pel_topology *coarse = forest->levels[pel_lod_forest_vertex_level(forest, v) - 1];
+    int32_t h = coarse->half_edge_of_edge[v - coarse->vertex_count], place = own->place_of_vertex[v];
+    int32_t a = own->place_of_vertex[pel_half_edge_origin(coarse, h)];
+    int32_t b = own->place_of_vertex[pel_half_edge_target(coarse, h)];
+    pel_state *state = sim->state;
+    for (int k = 0; k < 3; k++) {
+        pel_real middle = (pel_real)0.5 * (state->position[a][k] + state->position[b][k]);
+        state->position_before[place][k] += middle - state->position[place][k];
+        state->position[place][k] = middle;
+    }
+}
+
+bool pel_contacts_accept_event(pel_sim *sim, int32_t body)
+{
+    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_tangles *tangles = &sim->contacts->tangles;
+    int64_t known = tangles->is_known ? tangles->count : 0, count;
+    if (count_pairs(sim, &count) && count <= known)
+        return true;
+    /* ascending: the ends of an edge come first */
+    for (int32_t i = 0; i < own->front->added_count; i++)
+        move_to_middle(sim, own, own->front->added_vertices[i]);
+    if (count_pairs(sim, &count) && count <= known)
+        return true;
+    pel_sim_load(sim, sim->contacts->before_event, sim->contacts->event_size, NULL);
+    return false;
+}
