@@ -57,9 +57,9 @@ static inline pel_particle load_particle(const pel_batch *batch, int32_t block, 
 }
 
 static inline void move_particle(const pel_batch *batch, int32_t block, int k, int32_t lane, pel_record *positions,
-                                 pel_lane3 way)
+                                 const pel_particle *p, pel_lane3 way)
 {
-    pel_particle_move(positions, places_of(batch, block, k), lane, way);
+    pel_particle_move(positions, places_of(batch, block, k), lane, p, way);
 }
 
 static inline pel_lane multiplier_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
@@ -104,8 +104,8 @@ PEL_INLINE void sweep_edges(const pel_batch *batch, int32_t begin, int32_t end, 
             } else {
                 change = quotient(stretch, mobility * length);
             }
-            move_particle(batch, block, 0, lane, positions, pel_lane3_scale(d, a.fourth * change));
-            move_particle(batch, block, 1, lane, positions, pel_lane3_scale(d, -(b.fourth * change)));
+            move_particle(batch, block, 0, lane, positions, &a, pel_lane3_scale(d, a.fourth * change));
+            move_particle(batch, block, 1, lane, positions, &b, pel_lane3_scale(d, -(b.fourth * change)));
         }
 }
 
@@ -143,9 +143,10 @@ static inline void move_triangle(const pel_batch *batch, int32_t block, int32_t 
                                  const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
 {
     const pel_particle *p = t->point;
-    move_particle(batch, block, 0, lane, positions, pel_lane3_combine(p[0].fourth * t->i0, a, p[0].fourth * t->i1, b));
-    move_particle(batch, block, 1, lane, positions, pel_lane3_scale(b, p[1].fourth * t->i2));
-    move_particle(batch, block, 2, lane, positions,
+    move_particle(batch, block, 0, lane, positions, &p[0],
+                  pel_lane3_combine(p[0].fourth * t->i0, a, p[0].fourth * t->i1, b));
+    move_particle(batch, block, 1, lane, positions, &p[1], pel_lane3_scale(b, p[1].fourth * t->i2));
+    move_particle(batch, block, 2, lane, positions, &p[2],
                   pel_lane3_combine(-(p[2].fourth * t->i0), a, -(p[2].fourth * (t->i1 + t->i2)), b));
 }
 
@@ -587,7 +588,7 @@ PEL_INLINE void sweep_isometric(const pel_batch *batch, int32_t begin, int32_t e
                 change = pel_lane3_scale(u, quotient(top, bottom));
             }
             for (int a = 0; a < 4; a++)
-                move_particle(batch, block, a, lane, positions, pel_lane3_scale(change, p[a].fourth * k[a]));
+                move_particle(batch, block, a, lane, positions, &p[a], pel_lane3_scale(change, p[a].fourth * k[a]));
         }
 }
 
@@ -632,10 +633,12 @@ PEL_INLINE void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, 
             pel_lane3 g2 = pel_lane3_scale(n2, -(length * r2 * change));
             pel_lane3 g3 = pel_lane3_scale(n3, -(length * r3 * change));
             pel_lane w0 = p[0].fourth, w1 = p[1].fourth;
-            move_particle(batch, block, 0, lane, positions, pel_lane3_combine(zero - w0 * s2, g2, zero - w0 * s3, g3));
-            move_particle(batch, block, 1, lane, positions, pel_lane3_combine(zero - w1 * t2, g2, zero - w1 * t3, g3));
-            move_particle(batch, block, 2, lane, positions, pel_lane3_scale(g2, p[2].fourth));
-            move_particle(batch, block, 3, lane, positions, pel_lane3_scale(g3, p[3].fourth));
+            move_particle(batch, block, 0, lane, positions, &p[0],
+                          pel_lane3_combine(zero - w0 * s2, g2, zero - w0 * s3, g3));
+            move_particle(batch, block, 1, lane, positions, &p[1],
+                          pel_lane3_combine(zero - w1 * t2, g2, zero - w1 * t3, g3));
+            move_particle(batch, block, 2, lane, positions, &p[2], pel_lane3_scale(g2, p[2].fourth));
+            move_particle(batch, block, 3, lane, positions, &p[3], pel_lane3_scale(g3, p[3].fourth));
         }
 }
 
@@ -690,9 +693,10 @@ PEL_INLINE void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t end,
             }
             pel_lane3 way = pel_lane3_scale(f.image, slope * change);
             const pel_particle *p = f.point;
-            move_particle(batch, block, 0, lane, positions, pel_lane3_scale(way, p[0].fourth * f.c0));
-            move_particle(batch, block, 1, lane, positions, pel_lane3_scale(way, p[1].fourth * f.c1));
-            move_particle(batch, block, 2, lane, positions, pel_lane3_scale(way, -(p[2].fourth * (f.c0 + f.c1))));
+            move_particle(batch, block, 0, lane, positions, &p[0], pel_lane3_scale(way, p[0].fourth * f.c0));
+            move_particle(batch, block, 1, lane, positions, &p[1], pel_lane3_scale(way, p[1].fourth * f.c1));
+            move_particle(batch, block, 2, lane, positions, &p[2],
+                          pel_lane3_scale(way, -(p[2].fourth * (f.c0 + f.c1))));
         }
 }
 
@@ -714,7 +718,7 @@ PEL_INLINE void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end, p
             pel_lane mass = p[0].fourth + p[1].fourth + p[2].fourth;
             pel_lane scale = quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
             for (int k = 0; k < 3; k++)
-                move_particle(batch, block, k, lane, positions, pel_lane3_scale(normal, scale * p[k].fourth));
+                move_particle(batch, block, k, lane, positions, &p[k], pel_lane3_scale(normal, scale * p[k].fourth));
         }
 }
 
@@ -731,8 +735,10 @@ PEL_INLINE void sweep_pressure(const pel_batch *batch, int32_t begin, int32_t en
             pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(b.at, a.at), pel_lane3_subtract(c.at, a.at));
             pel_lane3 force =
                 pel_lane3_scale(normal, pel_lane_splat(batch->law.strength) * number_of(batch, block, 1, 0, lane));
-            for (int k = 0; k < 3; k++)
-                move_particle(batch, block, k, lane, batch->target, force);
+            for (int k = 0; k < 3; k++) {
+                pel_particle sum = load_particle(batch, block, k, lane, batch->target);
+                move_particle(batch, block, k, lane, batch->target, &sum, force);
+            }
         }
 }
 

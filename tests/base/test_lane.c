@@ -96,7 +96,8 @@ static void test_particles_round_trip(void **unused)
     }
     const pel_lane3 way = {pel_lane_splat((pel_real)0.5), pel_lane_splat(0), pel_lane_splat(-1)};
     places[1] = places[0]; /* repeated as in a block that is not full: it moves once */
-    pel_particle_move(records, places, 0, way);
+    p = pel_particle_load(records, places, 0);
+    pel_particle_move(records, places, 0, &p, way);
     for (int i = 0; i < PEL_BLOCK; i++)
         for (int c = 0; c < 4; c++)
             assert_near((double)records[places[i]][c], 4 * places[i] + c + (c == 0 ? 0.5 : c == 2 ? -1 : 0), 0);
