@@ -8,6 +8,7 @@
 #include "model/active.h"
 #include "pellicle/sim.h"
 #include "solve/descent.h"
+#include "solve/project.h"
 #include "solve/stability.h"
 
 typedef struct pel_load {
@@ -131,6 +132,7 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_projector *projector;      /* position-based methods, else null */
     pel_shell_forces *shells;      /* null = no body is a shell */
     pel_sim_descent *descent;      /* null = another method */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
@@ -168,6 +170,23 @@ static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
 void pel_contacts_before_event(pel_sim *sim);
 /* True when the new surface does not cut itself; else everything is as before. */
 bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
+static inline bool pel_sim_is_projected(const pel_sim *sim)
+{
+    pel_method method = sim->solver.method;
+    return method == PEL_METHOD_PBD || method == PEL_METHOD_PBD_DISTANCE || method == PEL_METHOD_XPBD;
+}
+
+/* velocities are part of the state */
+static inline bool pel_sim_has_velocity(const pel_sim *sim)
+{
+    return pel_sim_is_explicit(sim) || pel_sim_is_projected(sim);
+}
+
+/* ---- project.c ---- */
+/* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
+pel_status pel_project_create(pel_sim *sim, pel_error *error);
+/* New positions and velocities of a step. contacts: nullable. */
+void pel_project_step(pel_sim *sim, pel_contact_list *contacts, pel_step_result *result);
 
 /* ---- loads.c ---- */
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);
