@@ -1,6 +1,7 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
  */
 #include "base/status.h"
+#include "sim/contact.h"
 #include "sim/sim.h"
 
 #include <string.h>
@@ -37,6 +38,7 @@ pel_status pel_project_create(pel_sim *sim, pel_error *error)
         solver->iterations = compliant ? 1 : PBD_ITERATIONS;
     if (solver->substeps == 0)
         solver->substeps = compliant ? XPBD_SUBSTEPS : 1;
+    sim->contact_in_loop = true;
     pel_status status = check_bodies(sim, error);
     if (status == PEL_OK && solver->second_order)
         status = pel_state_add_history(sim->model, sim->state, error);
@@ -99,9 +101,13 @@ static bool is_inside(const pel_sim *sim)
     return inside;
 }
 
-void pel_project_step(pel_sim *sim, pel_contact_list *contacts, pel_step_result *result)
+pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
+    pel_contact_list *contacts = pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
+    pel_status status = contacts != NULL ? pel_contacts_find(sim, error) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
     double start = pel_sim_time(sim);
     bool pressure = has_pressure(sim);
     pel_projector_begin(sim->projector, state, start);
@@ -111,5 +117,7 @@ void pel_project_step(pel_sim *sim, pel_contact_list *contacts, pel_step_result 
         pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
     }
     result->diverged = !is_inside(sim);
-    result->longest = sim->tool_count > 0 && !result->diverged ? longest_edge(sim, state->position_next) : 0;
+    bool wanted = (sim->tool_count > 0 || sim->contacts != NULL) && !result->diverged;
+    result->longest = wanted ? longest_edge(sim, state->position_next) : 0;
+    return PEL_OK;
 }

@@ -183,13 +183,12 @@ static pel_status start_refinement(pel_sim *sim, pel_error *error)
     return pel_refine_start(sim, error);
 }
 
-/* what a method needs, and whether it can bear dt or alpha */
 static pel_status prepare_method(pel_sim *sim, pel_error *error)
 {
-    if (sim->solver.method == PEL_METHOD_DESCENT)
-        return pel_sim_descent_create(sim, error);
     if (pel_sim_is_projected(sim))
         return pel_project_create(sim, error);
+    if (sim->solver.method == PEL_METHOD_DESCENT)
+        return pel_sim_descent_create(sim, error);
     return pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
 }
 
@@ -259,8 +258,8 @@ void pel_sim_destroy(pel_sim *sim)
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
-    pel_projector_destroy(sim->projector);
     pel_sim_descent_destroy(sim);
+    pel_projector_destroy(sim->projector);
     pel_shells_destroy(sim);
     pel_active_destroy(sim->active);
     pel_state_destroy(sim->state);
@@ -339,15 +338,13 @@ static void mark_contacts(pel_sim *sim)
 }
 
 /* new positions and velocities from those of the start of the step, without tools */
-static void solve(pel_sim *sim, pel_step_result *result)
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
-    if (pel_sim_is_projected(sim)) {
-        pel_project_step(sim, NULL, result);
-        return;
-    }
+    if (pel_sim_is_projected(sim))
+        return pel_project_step(sim, result, error);
     if (sim->solver.method == PEL_METHOD_DESCENT) {
         pel_sim_descent_step(sim, result);
-        return;
+        return PEL_OK;
     }
     if (pel_sim_is_explicit(sim))
         pel_step_explicit(sim->model, sim->state, &sim->step, result);
@@ -355,6 +352,7 @@ static void solve(pel_sim *sim, pel_step_result *result)
         pel_step_quasi_static(sim->model, sim->state, &sim->step, result);
     result->diverged |= !pel_loads_apply(sim);
     result->diverged |= !pel_shells_apply(sim);
+    return PEL_OK;
 }
 
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
@@ -365,18 +363,20 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     if (sim->active != NULL)
         pel_refine_step(sim);
     if (sim->contacts != NULL) {
-        pel_status status = pel_contacts_begin_step(sim, error);
-        if (status != PEL_OK)
-            return status;
+        pel_status ready = pel_contacts_begin_step(sim, error);
+        if (ready != PEL_OK)
+            return ready;
     }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
-    /* a balance is that of the step's end */
-    update_factors(sim, sim->solver.method == PEL_METHOD_DESCENT ? next : time);
+    bool descends = sim->solver.method == PEL_METHOD_DESCENT;
+    update_factors(sim, descends ? next : time);
     pel_step_result result;
-    solve(sim, &result);
+    pel_status status = solve(sim, &result, error);
+    if (status != PEL_OK)
+        return status;
     if (result.diverged)
         return report_divergence(sim, error);
-    pel_status status = pel_shells_check_volume(sim, error);
+    status = pel_shells_check_volume(sim, error);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)

@@ -165,11 +165,6 @@ static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
     return sim->contacts != NULL && sim->contact_in_loop;
 }
 
-/* ---- contact_event.c ---- */
-/* Contact only: what is needed to take an event of refinement back, before any of it is done. */
-void pel_contacts_before_event(pel_sim *sim);
-/* True when the new surface does not cut itself; else everything is as before. */
-bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
 static inline bool pel_sim_is_projected(const pel_sim *sim)
 {
     pel_method method = sim->solver.method;
@@ -185,8 +180,13 @@ static inline bool pel_sim_has_velocity(const pel_sim *sim)
 /* ---- project.c ---- */
 /* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
 pel_status pel_project_create(pel_sim *sim, pel_error *error);
-/* New positions and velocities of a step. contacts: nullable. */
-void pel_project_step(pel_sim *sim, pel_contact_list *contacts, pel_step_result *result);
+/* New positions and velocities of a step; what may touch takes part in the sweeps. Errors of pel_contacts_find. */
+pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+/* ---- contact_event.c ---- */
+/* Contact only: what is needed to take an event of refinement back, before any of it is done. */
+void pel_contacts_before_event(pel_sim *sim);
+/* True when the new surface does not cut itself; else everything is as before. */
+bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
 
 /* ---- loads.c ---- */
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);
