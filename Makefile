@@ -6,13 +6,13 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test demo bench web format docs pictures install packages clean
+.PHONY: help build program test demo bench bench-peers web format docs pictures install packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):[^#]*## /  make \1\t/p' Makefile | expand -t 18
+	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1\t/p' Makefile | expand -t 18
 
 # the program and its libraries, without the tests
 program: build/$(PRESET)/build.ninja
@@ -28,6 +28,11 @@ bench: program ## run the benchmarks
 	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
+
+bench-peers: packages ## compare subdivision with VTK and OpenMesh (takes libvtk9-dev, libopenmesh-dev; MESH=file)
+	@cmake --preset release -B build/peers -DPELLICLE_PEERS=ON -DPELLICLE_TESTS=OFF -DPELLICLE_PROGRAM=OFF >/dev/null
+	@cmake --build build/peers --target bench_peers $(QUIET)
+	@build/peers/bench/peers/bench_peers $(MESH)
 
 web: build/web/report.html ## build the page that `pellicle report` fills (takes Node.js and the npm registry)
 

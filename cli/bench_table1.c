@@ -6,20 +6,11 @@
 #include <pellicle/sim.h>
 
 #include <stdlib.h>
-#include <time.h>
 
 enum { BASE, LOCAL, DYNAMIC, EVERYWHERE, SPHERES, STEPS = 500, TURN = 25, REPEATS_MAX = 1000, EVENTS = 200 };
 
 /* seconds of 500 steps in the paper (Pentium 4, 2006) */
 static const double paper_base = 0.060, paper_everywhere = 0.194, paper_local = 0.066;
-
-/* seconds of this thread alone */
-static double processor_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 typedef struct sphere {
     pel_model *model;
@@ -123,10 +114,10 @@ static pel_status once(void *inner, pel_error *error)
     double times[SPHERES] = {0};
     for (int first = 0; first < STEPS; first += TURN)
         for (int i = 0; i < SPHERES; i++) {
-            double start = processor_clock();
+            double start = cli_processor_clock();
             for (int n = 0; status == PEL_OK && n < TURN; n++)
                 status = pel_sim_step(table->spheres[i].sim, error);
-            times[i] += processor_clock() - start;
+            times[i] += cli_processor_clock() - start;
         }
     for (int i = 0; i < SPHERES; i++)
         table->times[i][table->repeat] = times[i];
@@ -163,9 +154,9 @@ static pel_status time_events(table1 *table, double *refine, double *coarsen, pe
     pel_status status = PEL_OK;
     for (int n = 0; n < EVENTS; n++)
         for (int i = 0; status == PEL_OK && i < 2; i++) {
-            double start = processor_clock();
+            double start = cli_processor_clock();
             status = pel_sim_refine(table->spheres[LOCAL].sim, 0, table->center, levels[i], error);
-            times[i][n] = processor_clock() - start;
+            times[i][n] = cli_processor_clock() - start;
         }
     *coarsen = median(times[0], EVENTS);
     *refine = median(times[1], EVENTS);

@@ -13,6 +13,7 @@ int cli_subdivide(const cli_call *call);
 int cli_convert(const cli_call *call);
 int cli_render(const cli_call *call);
 int cli_report_page(const cli_call *call);
+int cli_reproduce(const cli_call *call);
 int cli_bench(const cli_call *call);
 int cli_presets(const cli_call *call);
 int cli_reference(const cli_call *call);
@@ -22,12 +23,14 @@ int cli_help(const cli_call *call);
 
 /* additions to help pages */
 void cli_shape_help(FILE *file);
+void cli_reproduce_help(FILE *file);
 void cli_bench_help(FILE *file);
 
 /* names for CLI_WORD values */
 cli_words cli_shape_names;
 cli_words cli_format_names;
 cli_words cli_export_names;
+cli_words cli_experiment_names;
 cli_words cli_bench_names;
 cli_words cli_color_map_names;
 cli_words cli_component_names;

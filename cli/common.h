@@ -24,6 +24,8 @@ const char *cli_share_path(char *path, size_t size, const char *name);
 
 /* seconds of a steady clock */
 double cli_clock(void);
+/* seconds that this thread has used */
+double cli_processor_clock(void);
 
 /* whether the path ends like a scene file (.yaml, .yml, .json) */
 bool cli_is_scene(const char *path);

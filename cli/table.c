@@ -193,7 +193,8 @@ static const cli_command commands[] = {
                 "was changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.\n\n"
                 "When IN is the folder of a run, all its frames are written: to a .pc2 point cache (Blender, Maya), to "
                 "a .glb with one morph target for each frame and an animation, or to numbered mesh files: out.obj "
-                "gives out_00000.obj, out_00001.obj, ...",
+                "gives out_00000.obj, out_00001.obj, ... Frames of a body that refines are put on their finest common "
+                "mesh, so that all files have the same triangles.",
         .slots = {{.name = "IN", .kind = CLI_FILE}, {.name = "OUT", .kind = CLI_FILE}},
         .options = {EXPORT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"
@@ -321,6 +322,27 @@ static const cli_command commands[] = {
                     "pellicle report results/sphere-press results/sphere-press-hollow -o compare.html\n"
                     "pellicle report results/sphere-press --field force --limit 5",
         .run = cli_report_page,
+    },
+    {
+        .name = "reproduce",
+        .summary = "repeat the experiments of the paper",
+        .text = "Runs the experiment NAME, or all of them, compares their numbers with those of the paper and of the "
+                "theory, and leaves a folder for each: the runs with their scenes, numbers.csv, plot.svg and, in a "
+                "program with pictures, picture.png.\n\n"
+                "Exit status 0: every number that does not depend on the machine is as it should be; 1: one is not.",
+        .slots =
+            {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "experiment", .words = cli_experiment_names}},
+        .options = {{.name = "list", .kind = CLI_FLAG, .doc = "list the experiments"},
+                    {.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FOLDER,
+                     .value = "DIR",
+                     .doc = "folder of the results; left out: results/reproduce"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
+                    JSON_OPTION},
+        .more_help = cli_reproduce_help,
+        .examples = "pellicle reproduce figure8\npellicle reproduce -o results/paper --json > numbers.json",
+        .run = cli_reproduce,
     },
     {
         .name = "bench",

@@ -447,7 +447,7 @@ static pel_status add_triangle(pel_common_mesh *common, const key *root, int32_t
         return PEL_OUT_OF_MEMORY;
     pel_status status = find_node(common, n, true, points, rows, &found, &fit);
     if (status == PEL_OK && fit.middle >= 0)
-        common->nodes[found].medians |= (uint8_t)(1 << fit.apex);
+        common->nodes[found].medians = (uint8_t)(common->nodes[found].medians | 1 << fit.apex);
     return status;
 }
 
@@ -611,7 +611,9 @@ static bool add_piece(pel_common_mesh *common, const piece *p)
     bool good = true;
     for (int child = 0; child < 4; child++) {
         piece in;
-        common->nodes[n.children + child].medians |= child == 3 ? n.medians : (uint8_t)(n.medians & (1 << child));
+        int medians = child == 3 ? n.medians : n.medians & (1 << child);
+        node *below = &common->nodes[n.children + child];
+        below->medians = (uint8_t)(below->medians | medians);
         child_piece(common, p, child, &in);
         good = good && add_piece(common, &in);
     }

@@ -84,7 +84,8 @@ pel_status pel_edge_table_build(const int32_t (*triangles)[3], int32_t triangle_
     bool made = table->edge_of_half_edge != NULL && table->half_edge_of_edge != NULL && table->next_in_edge != NULL &&
                 offset != NULL && sorted != NULL && place_of_high != NULL;
     if (made) {
-        memset(table->edge_of_half_edge, -1, half_edge_count * sizeof(int32_t));
+        if (skip != NULL)
+            memset(table->edge_of_half_edge, -1, half_edge_count * sizeof(int32_t));
         memset(table->next_in_edge, -1, half_edge_count * sizeof(int32_t));
         sort_by_low_vertex(triangles, triangle_count, vertex_count, skip, offset, sorted);
         link_chains(triangles, vertex_count, offset, sorted, place_of_high, table);

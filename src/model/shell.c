@@ -8,6 +8,9 @@
 #include <math.h>
 #include <string.h>
 
+/* rest angles beyond this have no side to bend to [rad] */
+#define FOLDED_ANGLE 3.14
+
 pel_shell_def pel_shell_def_default(void)
 {
     return (pel_shell_def){
@@ -256,6 +259,14 @@ static bool setup_hinge(const pel_body *body, const pel_topology *topology, int3
            pel_hinge_setup((const double(*)[3])x, &hinge->hinge);
 }
 
+static pel_status fail_folded(const pel_shell_hinge *hinge, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_MESH, "triangle is folded onto its neighbour %d at rest", (int)hinge->triangles[1]);
+    pel_fail_element(error, "triangle", hinge->triangles[0]);
+    pel_fail_remedy(error, "unfold or remove one of them, or leave out the bending");
+    return PEL_BAD_MESH;
+}
+
 static pel_status create_hinges(const pel_body_def *def, const pel_body *body, const pel_topology *topology,
                                 pel_shell *shell, pel_error *error)
 {
@@ -273,6 +284,8 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
         pel_shell_hinge *hinge = &shell->hinges[shell->hinge_count];
         if (!setup_hinge(body, topology, h, hinge))
             continue;
+        if (fabs(hinge->hinge.rest_angle) > FOLDED_ANGLE)
+            return fail_folded(hinge, error);
         const int32_t ends[2] = {pel_half_edge_origin(topology, h), pel_half_edge_target(topology, h)};
         hinge->stiffness = hinge_stiffness(def, shell, hinge, ends);
         for (int32_t i = 0; i < def->shell.anisotropy_count; i++) {
@@ -375,7 +388,7 @@ static pel_status check_closed(const pel_body_def *def, const pel_body *body, in
     pel_pressure_kind kind = def->shell.pressure.kind;
     if (body->closed || (kind != PEL_PRESSURE_GAS && kind != PEL_PRESSURE_VOLUME))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' encloses no volume: its mesh has a boundary", body->name);
+    pel_fail(error, PEL_BAD_ARGUMENT, "its mesh has a boundary and encloses no volume");
     pel_fail_element(error, "body", index);
     pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or give the pressure as a number");
     return PEL_BAD_ARGUMENT;

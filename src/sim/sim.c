@@ -47,8 +47,19 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
         return PEL_BAD_ARGUMENT;
     }
-    if (solver->method > PEL_METHOD_EXPLICIT)
+    if (solver->method != PEL_METHOD_QUASI_STATIC && solver->method != PEL_METHOD_EXPLICIT &&
+        solver->method != PEL_METHOD_DESCENT)
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
+    if (solver->iterations < 0 || solver->substeps < 0) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver iterations or substeps are below 0");
+        pel_fail_remedy(error, "give at least 1, or 0 for the usual number of the method");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!(solver->drag >= 0 && isfinite(solver->drag))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver drag is %g", solver->drag);
+        pel_fail_remedy(error, "give a finite number of at least 0");
+        return PEL_BAD_ARGUMENT;
+    }
     if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     return PEL_OK;
@@ -173,6 +184,13 @@ static pel_status start_refinement(pel_sim *sim, pel_error *error)
     return pel_refine_start(sim, error);
 }
 
+static pel_status prepare_method(pel_sim *sim, pel_error *error)
+{
+    if (sim->solver.method == PEL_METHOD_DESCENT)
+        return pel_sim_descent_create(sim, error);
+    return pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
+}
+
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->model = sim->given = def->model;
@@ -200,7 +218,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_shells_create(sim, error);
     if (status == PEL_OK)
-        status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
+        status = prepare_method(sim, error);
     if (status == PEL_OK && sim->active != NULL)
         status = start_refinement(sim, error);
     if (status == PEL_OK)
@@ -239,6 +257,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
+    pel_sim_descent_destroy(sim);
     pel_shells_destroy(sim);
     pel_active_destroy(sim->active);
     pel_state_destroy(sim->state);
@@ -327,14 +346,17 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
             return status;
     }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
-    update_factors(sim, time);
+    bool descends = sim->solver.method == PEL_METHOD_DESCENT;
+    update_factors(sim, descends ? next : time);
     pel_step_result result;
-    if (pel_sim_is_explicit(sim))
+    if (descends)
+        pel_sim_descent_step(sim, &result);
+    else if (pel_sim_is_explicit(sim))
         pel_step_explicit(sim->model, state, &sim->step, &result);
     else
         pel_step_quasi_static(sim->model, state, &sim->step, &result);
-    result.diverged |= !pel_loads_apply(sim);
-    result.diverged |= !pel_shells_apply(sim);
+    result.diverged |= !descends && !pel_loads_apply(sim);
+    result.diverged |= !descends && !pel_shells_apply(sim);
     if (result.diverged)
         return report_divergence(sim, error);
     pel_status status = pel_shells_check_volume(sim, error);

@@ -7,6 +7,7 @@
 #include "geom/solid.h"
 #include "model/active.h"
 #include "pellicle/sim.h"
+#include "solve/descent.h"
 #include "solve/stability.h"
 
 typedef struct pel_load {
@@ -116,6 +117,9 @@ typedef struct pel_refine_body {
 
 typedef struct pel_sim_contacts pel_sim_contacts;
 
+/* (descent.c) what the method needs */
+typedef struct pel_sim_descent pel_sim_descent;
+
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
     const pel_model *given;
@@ -128,6 +132,7 @@ struct pel_sim {
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
     pel_shell_forces *shells;      /* null = no body is a shell */
+    pel_sim_descent *descent;      /* null = another method */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
     uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
@@ -176,6 +181,12 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- descent.c ---- */
+pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error);
+void pel_sim_descent_destroy(pel_sim *sim);
+/* new positions with less energy, loads included */
+void pel_sim_descent_step(pel_sim *sim, pel_step_result *result);
 
 /* ---- shells.c ---- */
 /* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */

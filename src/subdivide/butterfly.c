@@ -140,37 +140,56 @@ static void gather_ring(pel_butterfly *butterfly, const pel_topology *level, int
     }
 }
 
-/* the values of all edges around an irregular vertex; half of them where the other end is irregular too: the end with
-   the lower number comes first */
+/* five sums over a ring of one component's differences from the centre: mean, and waves of both harmonics */
+typedef struct ring_sums {
+    double centre, mean, cosine1, sine1, cosine2, sine2;
+} ring_sums;
+
+/* the values of all edges around an irregular vertex, in `count` (at most RING_BLOCK) components from `first` on; half
+   of them where the other end is irregular too: the end with the lower number comes first */
+enum { RING_BLOCK = 3 };
+static inline void ring_block(const pel_butterfly *butterfly, const pel_topology *level, int32_t v, int32_t n,
+                              int32_t first, int32_t count, const double *wave, double *values)
+{
+    const int32_t size = butterfly->ring_size[v], *ring = butterfly->ring;
+    const double second = size == 3 ? 0 : size == 4 ? 0.25 : 0.5, inverse = 1.0 / size;
+    ring_sums sums[RING_BLOCK];
+    memset(sums, 0, sizeof sums);
+    for (int32_t c = 0; c < count; c++)
+        sums[c].centre = values[(size_t)v * (size_t)n + (size_t)(first + c)];
+    for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
+        const double *row = values + (size_t)ring[2 * j] * (size_t)n + first;
+        for (int32_t c = 0; c < count; c++) {
+            double difference = row[c] - sums[c].centre;
+            sums[c].mean += difference;
+            sums[c].cosine1 += wave[2 * j] * difference;
+            sums[c].sine1 += wave[2 * j + 1] * difference;
+            sums[c].cosine2 += wave[2 * k] * difference;
+            sums[c].sine2 += wave[2 * k + 1] * difference;
+        }
+    }
+    for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
+        bool halved = is_irregular(butterfly, ring[2 * j]), added = halved && ring[2 * j] < v;
+        double *row = values + ((size_t)level->vertex_count + (size_t)ring[2 * j + 1]) * (size_t)n + first;
+        for (int32_t c = 0; c < count; c++) {
+            double first_wave = wave[2 * j] * sums[c].cosine1 + wave[2 * j + 1] * sums[c].sine1;
+            double second_wave = wave[2 * k] * sums[c].cosine2 + wave[2 * k + 1] * sums[c].sine2;
+            double value = sums[c].centre + inverse * (0.25 * sums[c].mean + first_wave + second * second_wave);
+            row[c] = halved ? (added ? row[c] : 0) + 0.5 * value : value;
+        }
+    }
+}
+
 static inline void ring_values(pel_butterfly *butterfly, const pel_topology *level, int32_t v, int32_t n,
                                double *values)
 {
-    const int32_t size = butterfly->ring_size[v], *ring = butterfly->ring;
-    const double *wave = wave_of_ring(butterfly, size);
-    const double second = size == 3 ? 0 : size == 4 ? 0.25 : 0.5, inverse = 1.0 / size;
+    const double *wave = wave_of_ring(butterfly, butterfly->ring_size[v]);
     gather_ring(butterfly, level, v);
-    for (int32_t c = 0; c < n; c++) {
-        const double centre = values[(size_t)v * (size_t)n + (size_t)c];
-        double sum = 0, cosine1 = 0, sine1 = 0, cosine2 = 0, sine2 = 0;
-        for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
-            double difference = values[(size_t)ring[2 * j] * (size_t)n + (size_t)c] - centre;
-            sum += difference;
-            cosine1 += wave[2 * j] * difference;
-            sine1 += wave[2 * j + 1] * difference;
-            cosine2 += wave[2 * k] * difference;
-            sine2 += wave[2 * k + 1] * difference;
-        }
-        for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
-            double first_wave = wave[2 * j] * cosine1 + wave[2 * j + 1] * sine1;
-            double second_wave = wave[2 * k] * cosine2 + wave[2 * k + 1] * sine2;
-            double value = centre + inverse * (0.25 * sum + first_wave + second * second_wave);
-            double *row = values + ((size_t)level->vertex_count + (size_t)ring[2 * j + 1]) * (size_t)n;
-            if (!is_irregular(butterfly, ring[2 * j]))
-                row[c] = value;
-            else
-                row[c] = (ring[2 * j] < v ? row[c] : 0) + 0.5 * value;
-        }
-    }
+    int32_t c = 0;
+    for (; c + RING_BLOCK <= n; c += RING_BLOCK)
+        ring_block(butterfly, level, v, n, c, RING_BLOCK, wave, values);
+    for (; c < n; c++)
+        ring_block(butterfly, level, v, n, c, 1, wave, values);
 }
 
 /* a point across an edge: the tip of the triangle there, or p + q - r beyond the boundary edge p q of triangle p q r */

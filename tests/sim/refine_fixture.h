@@ -73,4 +73,11 @@ static inline pel_load_def pole_load(const pel_mesh *mesh, int32_t *pole, double
     return load;
 }
 
+static inline double spring_energy(const bench *made)
+{
+    pel_sim_measures measures;
+    pel_sim_measure(made->sim, &measures);
+    return measures.spring_energy;
+}
+
 #endif

@@ -2,7 +2,7 @@
 // usage: node exports.mjs PROGRAM
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import validator from "gltf-validator";
@@ -29,6 +29,23 @@ assert.equal(run.hasMorphTargets, true);
 
 writeRun(join(folder, "still"), { rings: 5, columns: 6, frames: 1 });
 assert.equal((await validate(join(folder, "still"), "still.glb")).animationCount, 0);
+
+// a body that refines: one set of triangles for all frames
+const scene = join(folder, "refined.yaml");
+writeFileSync(scene, `version: 1
+bodies:
+  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 4 }, mass: { per_vertex: 1 }, springs: { stiffness: 3 },
+      volumetric: { stiffness: 1.5 }, refine: { levels: 2, above: 0.5, dwell: 5, interval: 3 } }
+tools:
+  - { name: probe, shape: sphere, radius: 0.25, body: ball,
+      motion: [{ time: 0, position: [0, 0, 1.3] }, { time: 0.3, position: [0, 0, 0.9] }] }
+solver: { dt: 0.01 }
+duration: 0.4
+output: { every: 0.1 }
+`);
+execFileSync(program, ["run", scene, "-o", join(folder, "refined"), "-q"], { stdio: "inherit" });
+const refined = await validate(join(folder, "refined"), "refined.glb");
+assert.ok(refined.totalTriangleCount > 320 && refined.hasMorphTargets);
 
 execFileSync(program, ["shape", "torus", "-o", join(folder, "torus.ply")], { stdio: "ignore" });
 await validate(join(folder, "torus.ply"), "torus.glb");

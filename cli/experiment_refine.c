@@ -1,0 +1,376 @@
+/* What local refinement costs and gains: table 1 of paper A, and a study of error against cost. */
+#include "bench.h"
+#include "experiment.h"
+
+#include <math.h>
+#include <pellicle/mesh_io.h>
+#include <pellicle/shape.h>
+#include <pellicle/subdivide.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- table 1 ---- */
+
+static pel_status measure_table(void *inner, cli_bench_result *result, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int n = 0; status == PEL_OK && n < cli_bench_table1.repeats; n++) {
+        status = cli_bench_table1.rewind(inner, error);
+        if (status == PEL_OK)
+            status = cli_bench_table1.once(inner, error);
+    }
+    return status == PEL_OK ? cli_bench_table1.finish(inner, result, error) : status;
+}
+
+static double number_of(const cli_bench_result *result, const char *name)
+{
+    for (int i = 0; i < result->number_count; i++)
+        if (strcmp(result->numbers[i].name, name) == 0)
+            return result->numbers[i].value;
+    return (double)NAN;
+}
+
+static pel_status run_table_1(cli_experiment *experiment)
+{
+    static const struct {
+        const char *name, *number;
+        double paper;
+    } rows[] = {
+        {"base, 500 steps [ms]", "base_ms", 60},
+        {"global, 500 steps [ms]", "everywhere_ms", 194},
+        {"local, 500 steps [ms]", "local_ms", 66},
+        {"global / base", "everywhere_over_base", 194.0 / 60},
+        {"local / base", "local_over_base", 66.0 / 60},
+        {"local by the criterion / base", "dynamic_over_base", 66.0 / 60},
+        {"base: faster than the paper", "base_faster_than_paper", 30},
+        {"global: faster than the paper", "everywhere_faster_than_paper", 30},
+        {"local: faster than the paper", "local_faster_than_paper", 30},
+        {"event that refines [us]", "refine_event_us", (double)NAN},
+        {"event that coarsens [us]", "coarsen_event_us", (double)NAN},
+    };
+    cli_bench_result result = {0};
+    void *inner = NULL;
+    pel_status status = cli_bench_table1.begin(&inner, experiment->error);
+    if (status == PEL_OK)
+        status = measure_table(inner, &result, experiment->error);
+    cli_bench_table1.end(inner);
+    for (size_t i = 0; status == PEL_OK && i < sizeof rows / sizeof *rows; i++)
+        cli_experiment_tell(experiment, rows[i].name, number_of(&result, rows[i].number), rows[i].paper,
+                            isnan(rows[i].paper)    ? ""
+                            : rows[i].paper == 30.0 ? "aim: at least that"
+                                                    : "paper A, Pentium 4, 2006");
+    if (status == PEL_OK)
+        cli_experiment_check(experiment, "local: triangles", number_of(&result, "local_triangles"), 584, 0, "paper A");
+    return status;
+}
+
+const cli_experiment_case cli_table_1 = {
+    .name = "table1",
+    .doc = "times of 500 steps on the base, globally and locally refined",
+    .run = run_table_1,
+};
+
+/* ---- error against cost ---- */
+
+/* A smooth pull on a patch: under tension the net of springs has one solution that finer meshes come close to (pressed,
+   it wrinkles as fine as the mesh allows). */
+static const char patch[] = "version: 1\n"
+                            "title: ball pulled at a patch\n"
+                            "bodies:\n"
+                            "  - name: ball\n"
+                            "    mesh: { shape: geodesic-sphere, frequency: 5, radius: 1 }\n"
+                            "    mass: { per_vertex: 1 }\n"
+                            "    springs: { stiffness: 3, damping: 0.5 }\n"
+                            "    volumetric: { stiffness: 1.5, damping: 0.5 }\n"
+                            "    scale_with_area: true\n"
+                            "loads:\n"
+                            "  - { body: ball, force: [0, 0, 2], at: { nearest: [0, 0, 1], falloff: 0.6 } }\n"
+                            "solver: { method: quasi-static, dt: 0.01 }\n"
+                            "duration: 20\n"
+                            "output: { every: 1000, fields: [displacement] }\n";
+
+enum { LEVELS = 3, REFERENCE = 5, BASE_VERTICES = 252 };
+
+/* radius of the zone, about the pole, in which errors are measured: that which level 1 refines */
+#define ZONE 0.5
+
+typedef struct solution {
+    double at[BASE_VERTICES][3]; /* where the base's vertices are */
+    double step_us, triangles;
+} solution;
+
+static pel_status parse_patch(const char *refine, pel_scene **scene, pel_error *error)
+{
+    char setting[128];
+    const char *overrides[] = {setting};
+    snprintf(setting, sizeof setting, "bodies.ball.refine=%s", refine);
+    return pel_scene_parse("patch", patch, strlen(patch), overrides, 1, NULL, scene, error);
+}
+
+/* a sim of the patch with its model, one thread */
+static pel_status start(const char *refine, pel_scene **scene, pel_model **model, pel_sim **sim, pel_error *error)
+{
+    *scene = NULL;
+    *model = NULL;
+    *sim = NULL;
+    pel_status status = parse_patch(refine, scene, error);
+    if (status == PEL_OK)
+        status = pel_model_create(&(*scene)->model, model, error);
+    if (status != PEL_OK)
+        return status;
+    pel_sim_def def = (*scene)->sim;
+    def.model = *model;
+    def.thread_count = 1;
+    return pel_sim_create(&def, sim, error);
+}
+
+static pel_status settle(pel_sim *sim, int steps, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int n = 0; status == PEL_OK && n < steps; n++)
+        status = pel_sim_step(sim, error);
+    return status;
+}
+
+/* processor time of a step once the surface has settled, the least of some tries */
+static pel_status time_step(const char *refine, double *step_us, pel_error *error)
+{
+    enum { STEPS = 100, TRIES = 25, BEFORE = 1000 };
+    pel_scene *scene;
+    pel_model *model;
+    pel_sim *sim;
+    *step_us = (double)INFINITY;
+    pel_status status = start(refine, &scene, &model, &sim, error);
+    if (status == PEL_OK)
+        status = settle(sim, BEFORE, error);
+    for (int n = 0; status == PEL_OK && n < TRIES; n++) {
+        double begin = cli_processor_clock();
+        status = settle(sim, STEPS, error);
+        *step_us = fmin(*step_us, 1e6 * (cli_processor_clock() - begin) / STEPS);
+    }
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+    return status;
+}
+
+static pel_status solve(cli_experiment *experiment, const char *run, const char *refine, int duration, solution *made)
+{
+    char settings[2][128], name[64], path[CLI_EXPERIMENT_PATH];
+    snprintf(settings[0], sizeof settings[0], "bodies.ball.refine=%s", refine);
+    snprintf(settings[1], sizeof settings[1], "duration=%d", duration);
+    const char *overrides[] = {settings[0], settings[1], NULL};
+    pel_run_summary summary;
+    pel_status status = cli_experiment_run(experiment, run, patch, overrides, &summary);
+    if (status == PEL_OK)
+        status = time_step(refine, &made->step_us, experiment->error);
+    if (status != PEL_OK)
+        return status;
+    made->triangles = (double)summary.triangles_final;
+    pel_mesh *mesh;
+    snprintf(name, sizeof name, "%s/final.ply", run);
+    status =
+        pel_mesh_read(cli_experiment_path(experiment, name, path), PEL_FORMAT_AUTO, NULL, &mesh, experiment->error);
+    if (status == PEL_OK)
+        memcpy(made->at, mesh->positions, sizeof made->at);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* largest distance over the base's vertices in the zone, relative to the largest displacement there */
+static double error_of(const solution *base_shape, const solution *reference, const solution *made)
+{
+    double most = 0, largest = 0;
+    for (int v = 0; v < BASE_VERTICES; v++) {
+        const double *rest = base_shape->at[v];
+        double error = 0, way = 0;
+        if (rest[0] * rest[0] + rest[1] * rest[1] + (rest[2] - 1) * (rest[2] - 1) > ZONE * ZONE)
+            continue;
+        for (int i = 0; i < 3; i++) {
+            error += pow(made->at[v][i] - reference->at[v][i], 2);
+            way += pow(reference->at[v][i] - rest[i], 2);
+        }
+        most = fmax(most, sqrt(error));
+        largest = fmax(largest, sqrt(way));
+    }
+    return most / largest;
+}
+
+/* ---- the reference ---- */
+
+/* steps on each level; the finer the mesh, the slower what is smooth settles, and the nearer it starts */
+static const int reference_steps[REFERENCE + 1] = {2000, 2000, 4000, 8000, 8000, 8000};
+
+/* from the displacements that are a field of the mesh, the surface of the level at rest, to those at equilibrium */
+static pel_status settle_from(pel_sim *sim, pel_mesh *mesh, int steps, pel_error *error)
+{
+    size_t count = 3 * (size_t)mesh->vertex_count;
+    const double *rest = mesh->positions[0];
+    double *shift = mesh->fields[0].values, *at = malloc(count * sizeof *at);
+    if (at == NULL)
+        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+    for (size_t i = 0; i < count; i++)
+        at[i] = rest[i] + shift[i];
+    pel_status status = pel_sim_set_positions(sim, 0, at, error);
+    if (status == PEL_OK)
+        status = settle(sim, steps, error);
+    pel_sim_get_positions(sim, 0, at);
+    for (size_t i = 0; i < count; i++)
+        shift[i] = at[i] - rest[i];
+    free(at);
+    return status;
+}
+
+static pel_status settle_level(int level, pel_mesh *mesh, pel_error *error)
+{
+    char refine[64] = "";
+    pel_scene *scene;
+    pel_model *model;
+    pel_sim *sim;
+    if (level > 0)
+        snprintf(refine, sizeof refine, "{ everywhere: true, levels: %d }", level);
+    pel_status status = start(refine, &scene, &model, &sim, error);
+    if (status == PEL_OK)
+        status = settle_from(sim, mesh, reference_steps[level], error);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+    return status;
+}
+
+/* level by level, each started from what the one before gives between its vertices */
+static pel_status solve_reference(cli_experiment *experiment, solution *made)
+{
+    pel_mesh *mesh, *fine;
+    pel_error *error = experiment->error;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_status status = pel_shape_create(&shape, &mesh, error);
+    if (status == PEL_OK)
+        status = pel_mesh_add_field(mesh, "displacement", 3, NULL, error);
+    pel_subdivide_def once = pel_subdivide_def_default();
+    once.clamp_fields = false;
+    for (int level = 0; status == PEL_OK && level <= REFERENCE; level++) {
+        if (!experiment->quiet)
+            fprintf(stderr, "  settle reference, level %d\n", level);
+        status = settle_level(level, mesh, error);
+        if (status != PEL_OK || level == REFERENCE)
+            break;
+        status = pel_mesh_subdivide_with(mesh, &once, &fine, error);
+        if (status != PEL_OK)
+            break;
+        pel_mesh_destroy(mesh);
+        mesh = fine;
+    }
+    for (int v = 0; status == PEL_OK && v < BASE_VERTICES; v++)
+        for (int i = 0; i < 3; i++)
+            made->at[v][i] = mesh->positions[v][i] + mesh->fields[0].values[3 * v + i];
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* three ways to refine: by force per area above this, on so many rings; and everywhere */
+enum { NARROW, WIDE, GLOBAL, WAYS };
+static const struct {
+    const char *run, *name, *refine;
+} ways[WAYS] = {
+    {"narrow", "refined locally, narrow", "{ levels: %d, above: 1.5, rings: 1, interval: 50 }"},
+    {"wide", "refined locally, wide", "{ levels: %d, above: 0.3, rings: 2, interval: 50 }"},
+    {"global", "refined everywhere", "{ levels: %d, everywhere: true }"},
+};
+
+typedef struct study {
+    solution rest, base, reference, ways[WAYS][LEVELS];
+} study;
+
+static pel_status solve_all(cli_experiment *experiment, study *all)
+{
+    /* nothing pulls: where the base's vertices are at rest; in the file's precision, like all others */
+    const char *rest[] = {"loads=[]", "duration=0.01", NULL};
+    pel_run_summary summary;
+    char path[CLI_EXPERIMENT_PATH];
+    pel_mesh *mesh;
+    pel_status status = cli_experiment_run(experiment, "rest", patch, rest, &summary);
+    if (status == PEL_OK)
+        status = pel_mesh_read(cli_experiment_path(experiment, "rest/final.ply", path), PEL_FORMAT_AUTO, NULL, &mesh,
+                               experiment->error);
+    if (status != PEL_OK)
+        return status;
+    memcpy(all->rest.at, mesh->positions, sizeof all->rest.at);
+    pel_mesh_destroy(mesh);
+    status = solve(experiment, "base", "", 20, &all->base);
+    for (int way = 0; way < WAYS; way++)
+        for (int level = 1; status == PEL_OK && level <= LEVELS; level++) {
+            char run[32], refine[96];
+            snprintf(run, sizeof run, "%s-%d", ways[way].run, level);
+            /* finer meshes settle later */
+            snprintf(refine, sizeof refine, ways[way].refine, level);
+            status = solve(experiment, run, refine, 10 << level, &all->ways[way][level - 1]);
+        }
+    return status == PEL_OK ? solve_reference(experiment, &all->reference) : status;
+}
+
+static void tell_costs(cli_experiment *experiment, const study *all)
+{
+    for (int way = 0; way < WAYS; way++)
+        for (int i = 0; i < LEVELS; i++) {
+            const solution *one = &all->ways[way][i];
+            char name[64];
+            double apart = error_of(&all->rest, &all->ways[GLOBAL][i], one);
+            snprintf(name, sizeof name, "%s %d: from global", ways[way].run, i + 1);
+            if (way != GLOBAL)
+                cli_experiment_limit(experiment, name, apart, 0.05, "5 % at most");
+            snprintf(name, sizeof name, "%s %d: error", ways[way].run, i + 1);
+            cli_experiment_tell(experiment, name, error_of(&all->rest, &all->reference, one), 0, "level 5 everywhere");
+            snprintf(name, sizeof name, "%s %d: triangles / base", ways[way].run, i + 1);
+            cli_experiment_tell(experiment, name, one->triangles / all->base.triangles, (double)NAN, "");
+            snprintf(name, sizeof name, "%s %d: time / base", ways[way].run, i + 1);
+            cli_experiment_tell(experiment, name, one->step_us / all->base.step_us, (double)NAN, "");
+        }
+    double error = error_of(&all->rest, &all->reference, &all->base);
+    cli_experiment_tell(experiment, "base: error", error, 0, "level 5 everywhere");
+}
+
+static pel_status plot_errors(cli_experiment *experiment, const study *all)
+{
+    double cost[WAYS][LEVELS + 1], error[WAYS][LEVELS + 1];
+    cli_plot plot = {.title = "ball pulled at a patch: error against cost",
+                     .x_name = "processor time of a step [us]",
+                     .y_name = "largest error in the refined zone",
+                     .log_x = true,
+                     .log_y = true,
+                     .curve_count = WAYS};
+    for (int way = 0; way < WAYS; way++) {
+        for (int i = 0; i <= LEVELS; i++) {
+            const solution *one = i == 0 ? &all->base : &all->ways[way][i - 1];
+            cost[way][i] = one->step_us;
+            error[way][i] = error_of(&all->rest, &all->reference, one);
+        }
+        plot.curves[way] = (cli_curve){ways[way].name, cost[way], error[way], LEVELS + 1, true};
+    }
+    return cli_experiment_plot(experiment, &plot);
+}
+
+static pel_status run_accuracy(cli_experiment *experiment)
+{
+    static study all;
+    pel_status status = solve_all(experiment, &all);
+    if (status != PEL_OK)
+        return status;
+    tell_costs(experiment, &all);
+    status = plot_errors(experiment, &all);
+    const cli_picture picture = {.runs = {"base", "narrow-3", "global-3"},
+                                 .labels = {"base", "three levels, locally", "three levels, everywhere"},
+                                 .run_count = 3,
+                                 .frames = {-1},
+                                 .frame_count = 1,
+                                 .azimuth = 35,
+                                 .elevation = 45,
+                                 .edges = true};
+    return status == PEL_OK ? cli_experiment_draw(experiment, &picture) : status;
+}
+
+const cli_experiment_case cli_accuracy = {
+    .name = "accuracy",
+    .doc = "displacement under a load, local refinement against global and a reference (a few minutes)",
+    .run = run_accuracy,
+};

@@ -1,0 +1,146 @@
+#include "plot.h"
+#include "common.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* sizes in pixels */
+enum { WIDTH = 720, HEIGHT = 460, LEFT = 80, RIGHT = 20, TOP = 44, BOTTOM = 56 };
+
+/* Okabe and Ito 2008: told apart also by the colour-blind */
+static const char *const colors[CLI_CURVES] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                               "#e69f00", "#56b4e9", "#000000", "#999999"};
+
+typedef struct axis {
+    bool log;
+    double low, high; /* of the value or of its logarithm to base 10 */
+    double step;      /* between ticks */
+    int from, to;     /* pixels */
+} axis;
+
+static double on_scale(const axis *a, double value)
+{
+    return a->log ? log10(value) : value;
+}
+
+static double pixel(const axis *a, double value)
+{
+    return a->from + (on_scale(a, value) - a->low) / (a->high - a->low) * (a->to - a->from);
+}
+
+/* 1, 2 or 5 times a power of ten, so that about `count` steps make up the span */
+static double round_step(double span, int count)
+{
+    double power = pow(10, floor(log10(span / count))), rest = span / count / power;
+    return power * (rest < 1.5 ? 1 : rest < 3.5 ? 2 : rest < 7.5 ? 5 : 10);
+}
+
+static void fit_axis(const cli_plot *plot, bool vertical, axis *a)
+{
+    a->low = HUGE_VAL;
+    a->high = -HUGE_VAL;
+    for (int c = 0; c < plot->curve_count; c++)
+        for (int i = 0; i < plot->curves[c].count; i++) {
+            double value = on_scale(a, vertical ? plot->curves[c].y[i] : plot->curves[c].x[i]);
+            a->low = fmin(a->low, value);
+            a->high = fmax(a->high, value);
+        }
+    if (!(a->high > a->low)) {
+        a->low -= 0.5;
+        a->high += 0.5;
+    }
+    a->step = a->log && a->high - a->low > 2 ? 1 : round_step(a->high - a->low, 6);
+    a->low = a->step * floor(a->low / a->step + 1e-9);
+    a->high = a->step * ceil(a->high / a->step - 1e-9);
+}
+
+static void write_text(FILE *file, double x, double y, const char *anchor, const char *text)
+{
+    fprintf(file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">", x, y, anchor);
+    for (; *text != '\0'; text++) {
+        if (*text == '<' || *text == '&')
+            fputs(*text == '<' ? "&lt;" : "&amp;", file);
+        else
+            fputc(*text, file);
+    }
+    fputs("</text>\n", file);
+}
+
+static void write_axis(FILE *file, const axis *a, bool vertical)
+{
+    int count = (int)lround((a->high - a->low) / a->step);
+    for (int i = 0; i <= count; i++) {
+        double value = a->low + i * a->step, at = a->from + (double)i / count * (a->to - a->from);
+        char text[32];
+        snprintf(text, sizeof text, "%.4g", a->log ? pow(10, value) : fabs(value) < 1e-9 * a->step ? 0 : value);
+        if (vertical) {
+            fprintf(file, "<path d=\"M%d %.1fH%d\" stroke=\"#ddd\"/>\n", LEFT, at, WIDTH - RIGHT);
+            write_text(file, LEFT - 8, at + 4, "end", text);
+        } else {
+            fprintf(file, "<path d=\"M%.1f %dV%d\" stroke=\"#ddd\"/>\n", at, TOP, HEIGHT - BOTTOM);
+            write_text(file, at, HEIGHT - BOTTOM + 18, "middle", text);
+        }
+    }
+}
+
+static void write_curve(FILE *file, const cli_curve *curve, const char *color, const axis *x, const axis *y)
+{
+    fprintf(file, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"", color);
+    for (int i = 0; i < curve->count; i++)
+        fprintf(file, "%c%.2f %.2f", i == 0 ? 'M' : 'L', pixel(x, curve->x[i]), pixel(y, curve->y[i]));
+    fputs("\"/>\n", file);
+    for (int i = 0; curve->marks && i < curve->count; i++)
+        fprintf(file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"4\" fill=\"%s\"/>\n", pixel(x, curve->x[i]),
+                pixel(y, curve->y[i]), color);
+}
+
+static void write_legend(FILE *file, const cli_plot *plot)
+{
+    for (int c = 0; c < plot->curve_count; c++) {
+        int y = TOP + 16 + 18 * c, x = WIDTH - RIGHT - 210;
+        fprintf(file, "<path d=\"M%d %dh24\" stroke=\"%s\" stroke-width=\"2\"/>\n", x, y - 4, colors[c]);
+        write_text(file, x + 30, y, "start", plot->curves[c].name);
+    }
+}
+
+static void write_plot(FILE *file, const cli_plot *plot)
+{
+    axis x = {.log = plot->log_x, .from = LEFT, .to = WIDTH - RIGHT};
+    axis y = {.log = plot->log_y, .from = HEIGHT - BOTTOM, .to = TOP};
+    fit_axis(plot, false, &x);
+    fit_axis(plot, true, &y);
+    fprintf(file,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
+            "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
+            WIDTH, HEIGHT, WIDTH, HEIGHT);
+    write_axis(file, &x, false);
+    write_axis(file, &y, true);
+    fprintf(file, "<path d=\"M%d %dV%dH%d\" fill=\"none\" stroke=\"black\"/>\n", LEFT, TOP, HEIGHT - BOTTOM,
+            WIDTH - RIGHT);
+    for (int c = 0; c < plot->curve_count; c++)
+        write_curve(file, &plot->curves[c], colors[c], &x, &y);
+    write_legend(file, plot);
+    write_text(file, WIDTH / 2.0, 26, "middle", plot->title);
+    write_text(file, (LEFT + WIDTH - RIGHT) / 2.0, HEIGHT - 14, "middle", plot->x_name);
+    fprintf(file, "<g transform=\"translate(20 %d) rotate(-90)\">", HEIGHT / 2);
+    write_text(file, 0, 0, "middle", plot->y_name);
+    fputs("</g>\n</svg>\n", file);
+}
+
+pel_status cli_plot_write(const char *path, const cli_plot *plot, pel_error *error)
+{
+    FILE *file = fopen(path, "w");
+    if (file == NULL) {
+        cli_fail(error, PEL_BAD_FILE, "cannot write the plot");
+        cli_name_file(error, path);
+        return PEL_BAD_FILE;
+    }
+    write_plot(file, plot);
+    bool whole = ferror(file) == 0;
+    if (fclose(file) != 0 || !whole) {
+        cli_fail(error, PEL_BAD_FILE, "the plot was not written whole");
+        cli_name_file(error, path);
+        return PEL_BAD_FILE;
+    }
+    return PEL_OK;
+}
