@@ -8,6 +8,7 @@
 #include "model/active.h"
 #include "pellicle/sim.h"
 #include "solve/descent.h"
+#include "solve/project.h"
 #include "solve/stability.h"
 
 typedef struct pel_load {
@@ -131,6 +132,7 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_projector *projector;      /* position-based methods, else null */
     pel_shell_forces *shells;      /* null = no body is a shell */
     pel_sim_descent *descent;      /* null = another method */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
@@ -163,6 +165,23 @@ static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
     return sim->contacts != NULL && sim->contact_in_loop;
 }
 
+static inline bool pel_sim_is_projected(const pel_sim *sim)
+{
+    pel_method method = sim->solver.method;
+    return method == PEL_METHOD_PBD || method == PEL_METHOD_PBD_DISTANCE || method == PEL_METHOD_XPBD;
+}
+
+/* velocities are part of the state */
+static inline bool pel_sim_has_velocity(const pel_sim *sim)
+{
+    return pel_sim_is_explicit(sim) || pel_sim_is_projected(sim);
+}
+
+/* ---- project.c ---- */
+/* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
+pel_status pel_project_create(pel_sim *sim, pel_error *error);
+/* New positions and velocities of a step; what may touch takes part in the sweeps. Errors of pel_contacts_find. */
+pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 /* ---- contact_event.c ---- */
 /* Contact only: what is needed to take an event of refinement back, before any of it is done. */
 void pel_contacts_before_event(pel_sim *sim);
