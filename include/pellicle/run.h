@@ -73,8 +73,9 @@ typedef struct pel_run_summary {
     uint64_t state_hash;
     double alpha, alpha_limit;
     int32_t threads;
+    pel_solver_reading solver; /* of the last step */
     const char *stop_reason; /* what ended the run: "duration", "max_frames" or a key of the scene's `stop`; "" when it
-                                was stopped or failed; lives forever */
+                              was stopped or failed; lives forever */
     int64_t volume_rises;    /* frames whose volume is more than that of the frame before */
     double volume_rise_sum, volume_rise_max; /* of volume over that at rest, in these */
     char checkpoint[PEL_RUN_PATH_SIZE + 64]; /* path of the last good state, empty when none was written */

@@ -244,6 +244,16 @@ double pel_sim_contact_thickness(const pel_sim *sim);
    (pel_mesh_self_intersections); spheres and capsules take no part. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);
 
+/* How the last step of PEL_METHOD_DESCENT went; all zero for other methods. */
+typedef struct pel_solver_reading {
+    int32_t iterations;
+    int32_t evaluations; /* of energy and forces */
+    double energy;       /* J, with the potential of loads and pressure */
+    double residual;     /* N, root of the sum of squares of the forces on all vertices that can move */
+    bool converged;      /* it is 1e-6 of that of loads and pressure at most */
+} pel_solver_reading;
+void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
+
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
     double volume_ratio;      /* enclosed volume of closed bodies over that at rest; 1 when none is closed */

@@ -14,6 +14,8 @@
 #endif
 
 enum { PEL_WIDTH = 4 };
+/* lanes of a block of constraints (lane.h): 256 bits */
+enum { PEL_BLOCK = 32 / (int)sizeof(pel_real) };
 
 #ifdef PEL_SINGLE
 typedef float pel_wide __attribute__((vector_size(16)));

@@ -22,6 +22,7 @@ typedef struct shell_body {
     const pel_shell *shell;
     int32_t body;
     int32_t first_place, place_count;
+    int pressure_part;      /* which of the parts its pressure is; 0 = none */
     pel_membrane_law *laws; /* (triangle_count), or one when the material is uniform */
     int32_t *fibre_begin;   /* (triangle_count + 1); null without fibres */
     triangle_fibre *fibres;
@@ -144,7 +145,7 @@ static void triangle_chunk(void *context, int32_t chunk)
             membrane += membrane_energy(own, t, (const double(*)[3])x, rows);
         if ((loop->parts & PEL_SHELL_FIBRES) != 0)
             fibres += fibre_energies(own, t, loop->time, (const double(*)[3])x, rows);
-        if ((loop->parts & PEL_SHELL_PRESSURE) != 0 && shell->pressure.kind != PEL_PRESSURE_NONE)
+        if ((loop->parts & own->pressure_part) != 0)
             add_pressure(loop, t, (const double(*)[3])x, rows);
     }
     own->energies[chunk][0] = membrane;
@@ -217,7 +218,7 @@ static void vertex_chunk(void *context, int32_t chunk)
     const shell_loop *loop = context;
     const shell_body *own = loop->own;
     int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    bool normal_form = own->area_vectors != NULL && (loop->parts & PEL_SHELL_PRESSURE) != 0;
+    bool normal_form = own->area_vectors != NULL && (loop->parts & own->pressure_part) != 0;
     for (int32_t v = first; v < end && v < own->place_count; v++) {
         double sum[3] = {0, 0, 0};
         for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1]; i++)
@@ -250,9 +251,9 @@ static double find_pressure(const pel_model *model, shell_loop *loop, pel_pool *
 {
     const pel_body *body = &model->bodies[loop->own->body];
     const pel_shell *shell = loop->own->shell;
-    if ((loop->parts & PEL_SHELL_PRESSURE) == 0 || shell->pressure.kind == PEL_PRESSURE_NONE)
+    if ((loop->parts & loop->own->pressure_part) == 0)
         return 0;
-    bool conservative = pel_pressure_is_conservative(body);
+    bool conservative = loop->own->pressure_part == PEL_SHELL_CONSERVATIVE;
     double volume = body->rest_volume;
     if (conservative || shell->pressure.kind != PEL_PRESSURE_GIVEN)
         volume = body_volume(loop, pool);
@@ -595,6 +596,8 @@ pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **fo
             continue;
         shell_body *own = &made->bodies[made->count++];
         *own = (shell_body){.shell = body->shell, .body = b, .first_place = body->slice_begin * PEL_WIDTH};
+        if (body->shell->pressure.kind != PEL_PRESSURE_NONE)
+            own->pressure_part = pel_pressure_is_conservative(body) ? PEL_SHELL_CONSERVATIVE : PEL_SHELL_FOLLOWER;
         own->place_count = (body->slice_end - body->slice_begin) * PEL_WIDTH;
         status = check_bending(own, error);
         if (status == PEL_OK)

@@ -14,9 +14,11 @@ typedef enum pel_shell_part {
     PEL_SHELL_MEMBRANE = 1,
     PEL_SHELL_BENDING = 2,
     PEL_SHELL_FIBRES = 4,
-    PEL_SHELL_PRESSURE = 8,
+    PEL_SHELL_CONSERVATIVE = 8, /* pressure on bodies where it has a potential */
+    PEL_SHELL_FOLLOWER = 16,    /* pressure on the others */
+    PEL_SHELL_PRESSURE = PEL_SHELL_CONSERVATIVE | PEL_SHELL_FOLLOWER,
     PEL_SHELL_ELASTIC = PEL_SHELL_MEMBRANE | PEL_SHELL_BENDING | PEL_SHELL_FIBRES,
-    PEL_SHELL_ALL = 15
+    PEL_SHELL_ALL = PEL_SHELL_ELASTIC | PEL_SHELL_PRESSURE
 } pel_shell_part;
 
 /* Sums over all bodies [J]. */

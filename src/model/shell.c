@@ -388,7 +388,7 @@ static pel_status check_closed(const pel_body_def *def, const pel_body *body, in
     pel_pressure_kind kind = def->shell.pressure.kind;
     if (body->closed || (kind != PEL_PRESSURE_GAS && kind != PEL_PRESSURE_VOLUME))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' encloses no volume: its mesh has a boundary", body->name);
+    pel_fail(error, PEL_BAD_ARGUMENT, "its mesh has a boundary and encloses no volume");
     pel_fail_element(error, "body", index);
     pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or give the pressure as a number");
     return PEL_BAD_ARGUMENT;

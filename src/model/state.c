@@ -39,6 +39,14 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
     return PEL_OK;
 }
 
+pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error)
+{
+    size_t count = (size_t)model->vertex_count;
+    state->older_position = pel_allocate_aligned(count, sizeof *state->older_position);
+    state->older_velocity = pel_allocate_aligned(count, sizeof *state->older_velocity);
+    return state->older_position != NULL && state->older_velocity != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
 void pel_state_destroy(pel_state *state)
 {
     if (state == NULL)
@@ -48,6 +56,8 @@ void pel_state_destroy(pel_state *state)
     pel_free(state->position_next);
     pel_free(state->velocity);
     pel_free(state->velocity_next);
+    pel_free(state->older_position);
+    pel_free(state->older_velocity);
     pel_free(state->contact);
     pel_free(state->factors);
     pel_free(state);

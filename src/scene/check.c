@@ -390,8 +390,8 @@ static pel_status add_preset(pel_scene_reader *reader, const pel_scene_row *row,
     return PEL_OK;
 }
 
-/* when no alternative is given: the one with a default, or an error when there is none */
-static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix, pel_scene_value *map)
+/* when no alternative is given: the one with a default, or, when one is needed, an error when there is none */
+static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix, bool needed, pel_scene_value *map)
 {
     const pel_scene_row *last = NULL, *chosen = NULL;
     char names[200] = "";
@@ -408,7 +408,7 @@ static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix,
     }
     if (chosen != NULL)
         return add_preset(reader, chosen, pel_scene_row_name(chosen, prefix), map);
-    if (last == NULL)
+    if (last == NULL || !needed)
         return PEL_OK;
     if (strchr(names, ',') == NULL)
         return fail_missing_key(reader, map, names, last->doc);
@@ -450,10 +450,13 @@ static pel_status check_map(pel_scene_reader *reader, const pel_scene_row *row, 
         return status;
     remove_nulls(map);
     status = check_alternatives(reader, prefix, limits, map);
+    /* the default first: keys may go with it */
+    if (status == PEL_OK)
+        status = fill_alternative(reader, prefix, false, map);
     if (status == PEL_OK)
         status = check_conditions(reader, prefix, map);
     if (status == PEL_OK)
-        status = fill_alternative(reader, prefix, map);
+        status = fill_alternative(reader, prefix, true, map);
     if (status == PEL_OK)
         status = fill_entries(reader, prefix, map);
     for (pel_scene_value *entry = map->first; status == PEL_OK && entry != NULL; entry = entry->next) {

@@ -72,6 +72,15 @@ static pel_status set_copy(pel_scene_reader *reader, pel_scene_value *map, const
     return status;
 }
 
+/* the number of an entry, 0 when it is none above 0 */
+static double positive(pel_scene_value *map, const char *key)
+{
+    const pel_scene_value *value = find(map, key);
+    double number = 0;
+    bool is_number = value != NULL && value->kind == PEL_SCENE_SCALAR && pel_scene_parse_number(value->text, &number);
+    return is_number && number > 0 ? number : 0;
+}
+
 /* the preset that a membrane names, null for none; a wrong name comes before what is missing without it */
 static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset **preset)
 {
@@ -117,6 +126,9 @@ static pel_status imply_mass(pel_scene_reader *reader, pel_scene_value *body, pe
 {
     pel_scene_value *thickness = find(membrane, "thickness"), *mass = find(body, "mass");
     if (thickness == NULL || (mass != NULL && mass->kind != PEL_SCENE_MAP))
+        return PEL_OK;
+    /* a wrong thickness is to be told where it stands */
+    if (thickness->kind == PEL_SCENE_SCALAR && !(positive(membrane, "thickness") > 0))
         return PEL_OK;
     if (mass == NULL && (mass = add(reader, body, "mass", PEL_SCENE_MAP)) == NULL)
         return PEL_OUT_OF_MEMORY;
@@ -171,15 +183,6 @@ static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
     if (solver == NULL && (solver = add(reader, root, "solver", PEL_SCENE_MAP)) == NULL)
         return PEL_OUT_OF_MEMORY;
     return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
-}
-
-/* the number of an entry, 0 when it is none above 0 */
-static double positive(pel_scene_value *map, const char *key)
-{
-    const pel_scene_value *value = find(map, key);
-    double number = 0;
-    bool is_number = value != NULL && value->kind == PEL_SCENE_SCALAR && pel_scene_parse_number(value->text, &number);
-    return is_number && number > 0 ? number : 0;
 }
 
 static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root)

@@ -222,10 +222,25 @@ static bool report(const pel_run_state *run)
     return def->progress(def->user, &progress);
 }
 
+/* nothing moves before the first step, whatever is about to push */
 static bool is_settled(const pel_run_state *run)
 {
     double speed = run->scene->rest_speed;
-    return speed > 0 && pel_sim_time(run->sim) >= run->plan.settled_time && pel_sim_max_speed(run->sim) <= speed;
+    return speed > 0 && pel_sim_step_count(run->sim) > 0 && pel_sim_time(run->sim) >= run->plan.settled_time &&
+           pel_sim_max_speed(run->sim) <= speed;
+}
+
+/* whether bodies touch: contacts of this or an earlier step; without contact, at frames, triangles that cut each other
+ */
+static bool is_touching(const pel_run_state *run, bool at_frame)
+{
+    pel_contact_statistics statistics;
+    int64_t count = 0;
+    if (pel_sim_contact_thickness(run->sim) > 0) {
+        pel_sim_get_contact_statistics(run->sim, &statistics);
+        return statistics.contacts > 0;
+    }
+    return at_frame && pel_sim_intersections(run->sim, &count, NULL) == PEL_OK && count > 0;
 }
 
 /* the rule that ends the run at the present step, null when none does; rest is looked for at frames only */
@@ -234,6 +249,8 @@ static const char *find_stop(const pel_run_state *run, bool at_frame)
     const pel_scene *scene = run->scene;
     if (scene->least_volume_ratio > 0 && pel_sim_volume_ratio(run->sim) < scene->least_volume_ratio)
         return "volume_ratio_below";
+    if (scene->stop_at_contact && is_touching(run, at_frame))
+        return "self_contact";
     if (at_frame && is_settled(run))
         return "at_rest";
     if (scene->frame_limit > 0 && pel_sim_step_count(run->sim) >= scene->frame_limit)

@@ -59,6 +59,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .volume_rise_sum = totals->rise_sum,
         .volume_rise_max = totals->rise_max,
     };
+    pel_sim_get_solver(sim, &summary->solver);
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
     memcpy(summary->checkpoint, run->checkpoint_path, sizeof summary->checkpoint);
@@ -182,6 +183,12 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
     count_entry(writer, "threads", s->threads);
     number_entry(writer, "max_tool_force", s->max_tool_force);
     write_tools(writer, run);
+    if (run->scene->sim.solver.method == PEL_METHOD_DESCENT) {
+        count_entry(writer, "solver_iterations", s->solver.iterations);
+        number_entry(writer, "solver_residual", s->solver.residual);
+        begin(writer, "solver_converged");
+        pel_file_writer_printf(writer, s->solver.converged ? "true" : "false");
+    }
     if (pel_sim_contact_thickness(run->sim) > 0)
         write_contact(writer, run->sim);
     text_entry(writer, "stop_reason", s->stop_reason);

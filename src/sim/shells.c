@@ -31,8 +31,7 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
             return PEL_BAD_ARGUMENT;
         }
         if (body->detail != NULL) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' is a shell and refines: these do not go together yet",
-                     body->name);
+            pel_fail(error, PEL_BAD_ARGUMENT, "a shell does not refine yet");
             pel_fail_element(error, "body", b);
             pel_fail_remedy(error, "leave out `refine`, or subdivide the mesh beforehand");
             return PEL_BAD_ARGUMENT;

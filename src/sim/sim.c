@@ -47,8 +47,18 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
         return PEL_BAD_ARGUMENT;
     }
-    if (solver->method > PEL_METHOD_EXPLICIT)
+    if (solver->method > PEL_METHOD_DESCENT)
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
+    if (solver->iterations < 0 || solver->substeps < 0) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver iterations or substeps are below 0");
+        pel_fail_remedy(error, "give at least 1, or 0 for the usual number of the method");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!(solver->drag >= 0 && isfinite(solver->drag))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver drag is %g", solver->drag);
+        pel_fail_remedy(error, "give a finite number of at least 0");
+        return PEL_BAD_ARGUMENT;
+    }
     if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     return PEL_OK;
@@ -168,9 +178,18 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
 
 static pel_status start_refinement(pel_sim *sim, pel_error *error)
 {
-    double dt = sim->step.dt, factor = pel_sim_is_explicit(sim) ? 0 : sim->step.alpha * dt * dt;
+    double dt = sim->step.dt, factor = pel_sim_has_velocity(sim) ? 0 : sim->step.alpha * dt * dt;
     sim->active->relaxation = (pel_relaxation){factor, dt, sim->solver.keep_velocity};
     return pel_refine_start(sim, error);
+}
+
+static pel_status prepare_method(pel_sim *sim, pel_error *error)
+{
+    if (pel_sim_is_projected(sim))
+        return pel_project_create(sim, error);
+    if (sim->solver.method == PEL_METHOD_DESCENT)
+        return pel_sim_descent_create(sim, error);
+    return pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
 }
 
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -194,13 +213,13 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         return pel_fail_memory(error);
     pel_status status = start_threads(sim, def->thread_count, error);
     if (status == PEL_OK)
-        status = pel_state_create(sim->model, pel_sim_is_explicit(sim), &sim->state, error);
+        status = pel_state_create(sim->model, pel_sim_has_velocity(sim), &sim->state, error);
     if (status == PEL_OK)
         status = pel_refine_create(sim, error);
     if (status == PEL_OK)
         status = pel_shells_create(sim, error);
     if (status == PEL_OK)
-        status = pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
+        status = prepare_method(sim, error);
     if (status == PEL_OK && sim->active != NULL)
         status = start_refinement(sim, error);
     if (status == PEL_OK)
@@ -239,6 +258,8 @@ void pel_sim_destroy(pel_sim *sim)
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
+    pel_sim_descent_destroy(sim);
+    pel_projector_destroy(sim->projector);
     pel_shells_destroy(sim);
     pel_active_destroy(sim->active);
     pel_state_destroy(sim->state);
@@ -279,7 +300,9 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
     pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
              (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
     pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
-    if (pel_sim_is_explicit(sim))
+    if (pel_sim_is_projected(sim))
+        pel_fail_remedy(error, "make solver dt (%g) smaller, or use more substeps, or smaller loads", sim->step.dt);
+    else if (pel_sim_is_explicit(sim))
         pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);
     else
         pel_fail_remedy(error, "make solver alpha (%g) smaller, or the loads", sim->step.alpha);
@@ -314,6 +337,24 @@ static void mark_contacts(pel_sim *sim)
         pel_contacts_mark(sim);
 }
 
+/* new positions and velocities from those of the start of the step, without tools */
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    if (pel_sim_is_projected(sim))
+        return pel_project_step(sim, result, error);
+    if (sim->solver.method == PEL_METHOD_DESCENT) {
+        pel_sim_descent_step(sim, result);
+        return PEL_OK;
+    }
+    if (pel_sim_is_explicit(sim))
+        pel_step_explicit(sim->model, sim->state, &sim->step, result);
+    else
+        pel_step_quasi_static(sim->model, sim->state, &sim->step, result);
+    result->diverged |= !pel_loads_apply(sim);
+    result->diverged |= !pel_shells_apply(sim);
+    return PEL_OK;
+}
+
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
@@ -322,22 +363,20 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     if (sim->active != NULL)
         pel_refine_step(sim);
     if (sim->contacts != NULL) {
-        pel_status status = pel_contacts_begin_step(sim, error);
-        if (status != PEL_OK)
-            return status;
+        pel_status ready = pel_contacts_begin_step(sim, error);
+        if (ready != PEL_OK)
+            return ready;
     }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
-    update_factors(sim, time);
+    bool descends = sim->solver.method == PEL_METHOD_DESCENT;
+    update_factors(sim, descends ? next : time);
     pel_step_result result;
-    if (pel_sim_is_explicit(sim))
-        pel_step_explicit(sim->model, state, &sim->step, &result);
-    else
-        pel_step_quasi_static(sim->model, state, &sim->step, &result);
-    result.diverged |= !pel_loads_apply(sim);
-    result.diverged |= !pel_shells_apply(sim);
+    pel_status status = solve(sim, &result, error);
+    if (status != PEL_OK)
+        return status;
     if (result.diverged)
         return report_divergence(sim, error);
-    pel_status status = pel_shells_check_volume(sim, error);
+    status = pel_shells_check_volume(sim, error);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
@@ -349,6 +388,8 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     }
     mark_contacts(sim);
     accept(state);
+    if (sim->projector != NULL)
+        pel_projector_accept(sim->projector, state);
     return PEL_OK;
 }
 
@@ -379,8 +420,8 @@ size_t pel_sim_step_bytes(const pel_sim *sim)
     }
     /* position, rest and new position; with velocities the older or both velocity records, and the damping numbers */
     size_t records = 3, numbers = 0;
-    if (pel_sim_is_explicit(sim) || sim->solver.keep_velocity) {
-        records += pel_sim_is_explicit(sim) ? 2 : 1;
+    if (pel_sim_has_velocity(sim) || sim->solver.keep_velocity) {
+        records += pel_sim_has_velocity(sim) ? 2 : 1;
         numbers = 2;
     }
     return slots * (sizeof *model->neighbours + sizeof *model->rest_lengths) +
@@ -396,7 +437,7 @@ const pel_model *pel_sim_model(const pel_sim *sim)
 
 double pel_sim_alpha(const pel_sim *sim)
 {
-    return pel_sim_is_explicit(sim) ? 0 : sim->step.alpha;
+    return pel_sim_has_velocity(sim) ? 0 : sim->step.alpha;
 }
 
 double pel_sim_alpha_limit(const pel_sim *sim)

@@ -7,6 +7,8 @@
 #include "geom/solid.h"
 #include "model/active.h"
 #include "pellicle/sim.h"
+#include "solve/descent.h"
+#include "solve/project.h"
 #include "solve/stability.h"
 
 typedef struct pel_load {
@@ -116,6 +118,9 @@ typedef struct pel_refine_body {
 
 typedef struct pel_sim_contacts pel_sim_contacts;
 
+/* (descent.c) what the method needs */
+typedef struct pel_sim_descent pel_sim_descent;
+
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
     const pel_model *given;
@@ -127,7 +132,9 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_projector *projector;      /* position-based methods, else null */
     pel_shell_forces *shells;      /* null = no body is a shell */
+    pel_sim_descent *descent;      /* null = another method */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
     uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
@@ -158,6 +165,23 @@ static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
     return sim->contacts != NULL && sim->contact_in_loop;
 }
 
+static inline bool pel_sim_is_projected(const pel_sim *sim)
+{
+    pel_method method = sim->solver.method;
+    return method == PEL_METHOD_PBD || method == PEL_METHOD_PBD_DISTANCE || method == PEL_METHOD_XPBD;
+}
+
+/* velocities are part of the state */
+static inline bool pel_sim_has_velocity(const pel_sim *sim)
+{
+    return pel_sim_is_explicit(sim) || pel_sim_is_projected(sim);
+}
+
+/* ---- project.c ---- */
+/* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
+pel_status pel_project_create(pel_sim *sim, pel_error *error);
+/* New positions and velocities of a step; what may touch takes part in the sweeps. Errors of pel_contacts_find. */
+pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 /* ---- contact_event.c ---- */
 /* Contact only: what is needed to take an event of refinement back, before any of it is done. */
 void pel_contacts_before_event(pel_sim *sim);
@@ -176,6 +200,12 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- descent.c ---- */
+pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error);
+void pel_sim_descent_destroy(pel_sim *sim);
+/* new positions with less energy, loads included */
+void pel_sim_descent_step(pel_sim *sim, pel_step_result *result);
 
 /* ---- shells.c ---- */
 /* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */

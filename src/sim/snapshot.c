@@ -77,6 +77,10 @@ uint64_t pel_sim_fingerprint(const pel_sim *sim)
     hash = hash_double(hash_double(hash, sim->step.dt), sim->step.alpha);
     hash = pel_hash_word(hash, (uint64_t)sim->solver.method * 4 + (uint64_t)sim->solver.keep_velocity * 2 +
                                    (uint64_t)sim->solver.symplectic);
+    if (pel_sim_is_projected(sim)) {
+        hash = pel_hash_word(hash, (uint64_t)sim->solver.iterations * 2 + (uint64_t)sim->solver.second_order);
+        hash = hash_double(pel_hash_word(hash, (uint64_t)sim->solver.substeps), sim->solver.drag);
+    }
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body_detail *detail = model->bodies[b].detail;
         if (model->bodies[b].shell != NULL)
@@ -215,6 +219,10 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     transfer(at, state->position_before, count * sizeof *state->position_before);
     if (state->velocity != NULL)
         transfer(at, state->velocity, count * sizeof *state->velocity);
+    if (state->older_position != NULL) {
+        transfer(at, state->older_position, count * sizeof *state->older_position);
+        transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
+    }
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
     for (int32_t l = 0; l < sim->load_count; l++)

@@ -1,0 +1,154 @@
+/* Times sweeps of position-based dynamics on a geodesic sphere: the wide kernels, with one thread and more, beside the
+   plain ones, which run the same source lane by lane in the same order and give the same bits. Sweeps alone, without
+   prediction, pressure and contacts; docs/performance.md has what other libraries need for the same work.
+   usage: bench_project [frequency, 32 by default] [threads, 2 by default] */
+#include "model/state.h"
+#include "pellicle/shape.h"
+#include "solve/project.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { ROUNDS = 25, SWEEPS = 5 };
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void check(pel_status status, const pel_error *error)
+{
+    char text[800];
+    if (status == PEL_OK)
+        return;
+    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
+    exit(1);
+}
+
+static pel_model *make_model(int32_t frequency, pel_membrane_kind material, pel_bending_model bending)
+{
+    pel_error error;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = frequency;
+    pel_mesh *mesh;
+    check(pel_shape_create(&shape, &mesh, &error), &error);
+    pel_body_def body = pel_body_def_default();
+    body.name = "sphere";
+    body.mesh = mesh;
+    body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
+    body.shell.membrane.on = true;
+    body.shell.membrane.kind = material;
+    body.shell.membrane.young.value = 1e6;
+    body.shell.membrane.thickness.value = 0.01;
+    body.shell.bending.model = bending;
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    pel_model *model;
+    check(pel_model_create(&def, &model, &error), &error);
+    pel_mesh_destroy(mesh);
+    return model;
+}
+
+/* the rest shape moved by up to 2 % of an edge, so that no constraint is met */
+static void disturb(const pel_model *model, pel_state *state)
+{
+    uint32_t seed = 1;
+    for (int32_t v = 0; v < model->vertex_count; v++) {
+        state->position_next[v] = model->rest[v];
+        for (int i = 0; i < 3; i++) {
+            seed = seed * 1664525u + 1013904223u;
+            state->position_next[v][i] += (pel_real)((seed / 4294967296.0 - 0.5) * 0.001);
+        }
+        state->position_next[v][3] = model->inverse_mass[v];
+    }
+}
+
+static double time_sweeps(pel_projector *projector, const pel_model *model, pel_state *state, double *least)
+{
+    double times[ROUNDS];
+    for (int round = 0; round < ROUNDS; round++) {
+        disturb(model, state);
+        pel_projector_begin(projector, state, 0);
+        double begin = seconds();
+        for (int i = 0; i < SWEEPS; i++)
+            pel_project_sweep(projector, state->position_next);
+        times[round] = seconds() - begin;
+    }
+    qsort(times, ROUNDS, sizeof *times, by_size);
+    *least = times[0];
+    return times[ROUNDS / 2];
+}
+
+static double constraint_count(const pel_projector *projector)
+{
+    double count = 0;
+    for (int32_t i = 0; i < projector->bodies[0].batch_count; i++) {
+        const pel_batch *batch = &projector->bodies[0].batches[i];
+        for (int32_t block = 0; block < batch->block_count; block++)
+            count += batch->lane_counts[block];
+    }
+    return count;
+}
+
+static void bench(const char *name, int32_t frequency, pel_method method, pel_membrane_kind material,
+                  pel_bending_model bending, int threads)
+{
+    pel_error error;
+    pel_model *model = make_model(frequency, material, bending);
+    const pel_solver_def solver = {.method = method, .dt = 1.0 / 60, .iterations = 1, .substeps = 1};
+    pel_projector *projector;
+    pel_state *state;
+    pel_pool *pool;
+    check(pel_projector_create(model, &solver, &projector, &error), &error);
+    check(pel_state_create(model, true, &state, &error), &error);
+    check(pel_pool_create(threads, &pool, &error), &error);
+    double least[3], median[3], count = constraint_count(projector) * SWEEPS;
+    projector->is_plain = true;
+    median[0] = time_sweeps(projector, model, state, &least[0]);
+    projector->is_plain = false;
+    median[1] = time_sweeps(projector, model, state, &least[1]);
+    projector->pool = pool;
+    median[2] = time_sweeps(projector, model, state, &least[2]);
+    printf("%-34s", name);
+    for (int i = 0; i < 3; i++)
+        printf("  %7.3f %7.3f %6.2f", 1e3 * least[i], 1e3 * median[i], 1e9 * median[i] / count);
+    printf("\n");
+    pel_pool_destroy(pool);
+    pel_state_destroy(state);
+    pel_projector_destroy(projector);
+    pel_model_destroy(model);
+}
+
+int main(int argc, char **argv)
+{
+    int32_t frequency = argc > 1 ? atoi(argv[1]) : 32;
+    int threads = argc > 2 ? atoi(argv[2]) : 2;
+    printf("%d vertices, %d triangles, %d sweeps, %s, blocks of %d\n", 10 * frequency * frequency + 2,
+           20 * frequency * frequency, SWEEPS, sizeof(pel_real) == 8 ? "double" : "float", PEL_BLOCK);
+    printf("%-34s  plain min  median ms  ns | wide min median ms  ns | %d threads\n", "", threads);
+    const pel_membrane_kind stvk = PEL_MEMBRANE_STVK;
+    bench("pbd-distance", frequency, PEL_METHOD_PBD_DISTANCE, stvk, PEL_BENDING_OFF, threads);
+    bench("pbd stvk", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_OFF, threads);
+    bench("pbd stvk + isometric", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_ISOMETRIC, threads);
+    bench("pbd stvk + hinge", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_HINGE, threads);
+    bench("pbd corotated + isometric", frequency, PEL_METHOD_PBD, PEL_MEMBRANE_COROTATED, PEL_BENDING_ISOMETRIC,
+          threads);
+    bench("pbd neo-hookean + isometric", frequency, PEL_METHOD_PBD, PEL_MEMBRANE_NEO_HOOKEAN, PEL_BENDING_ISOMETRIC,
+          threads);
+    bench("xpbd stvk + isometric", frequency, PEL_METHOD_XPBD, stvk, PEL_BENDING_ISOMETRIC, threads);
+    bench("xpbd stvk + hinge", frequency, PEL_METHOD_XPBD, stvk, PEL_BENDING_HINGE, threads);
+    bench("xpbd mooney-rivlin + hinge", frequency, PEL_METHOD_XPBD, PEL_MEMBRANE_MOONEY_RIVLIN, PEL_BENDING_HINGE,
+          threads);
+    return 0;
+}

@@ -1,0 +1,342 @@
+/* Lanes of the constraint kernels: as many numbers as fit 256 bits, 8 float or 4 double. A source that defines
+   PEL_LANE_SCALAR before it includes this gets plain numbers under the same names, so that one kernel serves as the
+   wide one and as its oracle. Every operation is exact IEEE arithmetic per lane in a fixed order: wide, plain, GCC,
+   Clang, with AVX2 and without give the same bits.
+
+   Records {x, y, z, w} of a block of particles are loaded whole and transposed in registers; hardware gathers are 3.5
+   times slower (docs/performance.md). */
+#ifndef PEL_BASE_LANE_H
+#define PEL_BASE_LANE_H
+
+#include "base/wide.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#ifdef PEL_SINGLE
+typedef int32_t pel_lane_integer;
+#define PEL_REAL_EPSILON 1.1920929e-7f
+#else
+typedef int64_t pel_lane_integer;
+#define PEL_REAL_EPSILON 2.220446049250313e-16
+#endif
+
+#ifdef PEL_LANE_SCALAR
+
+typedef pel_real pel_lane;
+typedef pel_lane_integer pel_lane_mask; /* 0 or -1 */
+
+static inline pel_lane pel_lane_splat(pel_real a)
+{
+    return a;
+}
+static inline int32_t pel_lane_passes(int32_t lane_count)
+{
+    return lane_count;
+}
+static inline pel_lane pel_lane_load(const pel_real *numbers, int32_t lane)
+{
+    return numbers[lane];
+}
+static inline void pel_lane_store(pel_real *numbers, int32_t lane, pel_lane a)
+{
+    numbers[lane] = a;
+}
+static inline pel_lane_mask pel_lane_above(pel_lane a, pel_lane b)
+{
+    return a > b ? -1 : 0;
+}
+static inline pel_lane pel_lane_sqrt(pel_lane a)
+{
+    return pel_sqrt(a);
+}
+
+#else
+
+typedef pel_real pel_lane __attribute__((vector_size(32), may_alias));
+typedef pel_lane_integer pel_lane_mask __attribute__((vector_size(32), may_alias));
+
+static inline pel_lane pel_lane_splat(pel_real a)
+{
+#ifdef PEL_SINGLE
+    return (pel_lane){a, a, a, a, a, a, a, a};
+#else
+    return (pel_lane){a, a, a, a};
+#endif
+}
+/* all lanes at once: unused ones repeat a used one */
+static inline int32_t pel_lane_passes(int32_t lane_count)
+{
+    (void)lane_count;
+    return 1;
+}
+static inline pel_lane pel_lane_load(const pel_real *numbers, int32_t lane)
+{
+    (void)lane;
+    return *(const pel_lane *)numbers;
+}
+static inline void pel_lane_store(pel_real *numbers, int32_t lane, pel_lane a)
+{
+    (void)lane;
+    *(pel_lane *)numbers = a;
+}
+static inline pel_lane_mask pel_lane_above(pel_lane a, pel_lane b)
+{
+    return a > b;
+}
+static inline pel_lane pel_lane_sqrt(pel_lane a)
+{
+#if defined(PEL_SINGLE) && defined(__AVX__)
+    return (pel_lane)_mm256_sqrt_ps((__m256)a);
+#elif defined(__AVX__)
+    return (pel_lane)_mm256_sqrt_pd((__m256d)a);
+#else
+    for (int i = 0; i < PEL_BLOCK; i++)
+        a[i] = pel_sqrt(a[i]);
+    return a;
+#endif
+}
+
+#endif
+
+/* ---- selection ---- */
+
+static inline pel_lane_mask pel_lane_bits(pel_lane a)
+{
+    pel_lane_mask bits;
+    memcpy(&bits, &a, sizeof bits);
+    return bits;
+}
+
+static inline pel_lane pel_lane_from_bits(pel_lane_mask bits)
+{
+    pel_lane a;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
+/* a where the mask is set, else 0 */
+static inline pel_lane pel_lane_where(pel_lane_mask mask, pel_lane a)
+{
+    return pel_lane_from_bits(pel_lane_bits(a) & mask);
+}
+
+static inline pel_lane pel_lane_select(pel_lane_mask mask, pel_lane a, pel_lane b)
+{
+    return pel_lane_from_bits((pel_lane_bits(a) & mask) | (pel_lane_bits(b) & ~mask));
+}
+
+/* b where either is NaN */
+static inline pel_lane pel_lane_max(pel_lane a, pel_lane b)
+{
+#if !defined(PEL_LANE_SCALAR) && defined(PEL_SINGLE) && defined(__AVX__)
+    return (pel_lane)_mm256_max_ps((__m256)a, (__m256)b);
+#elif !defined(PEL_LANE_SCALAR) && !defined(PEL_SINGLE) && defined(__AVX__)
+    return (pel_lane)_mm256_max_pd((__m256d)a, (__m256d)b);
+#else
+    return pel_lane_select(pel_lane_above(a, b), a, b);
+#endif
+}
+
+static inline pel_lane pel_lane_min(pel_lane a, pel_lane b)
+{
+    return pel_lane_select(pel_lane_above(b, a), a, b);
+}
+
+static inline pel_lane pel_lane_abs(pel_lane a)
+{
+    return pel_lane_max(a, -a);
+}
+
+/* ---- functions ---- */
+
+/* Angle of (x, y) in (-pi, pi]; 0 for (0, 0). The quotient of the smaller by the larger is reduced by pi/4 to at most
+   tan(pi/8), where a Chebyshev fit of atan(t)/t in t^2 has an error of 5e-20 (float: 2e-11). */
+static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
+{
+    const pel_real eighth_tangent = (pel_real)0.41421356237309504880;
+    const pel_lane quarter_turn = pel_lane_splat((pel_real)0.78539816339744830962), one = pel_lane_splat(1);
+    pel_lane ax = pel_lane_abs(x), ay = pel_lane_abs(y);
+    pel_lane_mask steep = pel_lane_above(ay, ax);
+    pel_lane small = pel_lane_select(steep, ax, ay), large = pel_lane_select(steep, ay, ax);
+    pel_lane t = pel_lane_where(pel_lane_above(large, pel_lane_splat(0)), small / large);
+    pel_lane_mask beyond = pel_lane_above(t, pel_lane_splat(eighth_tangent));
+    t = pel_lane_select(beyond, (t - one) / (t + one), t);
+    pel_lane z = t * t;
+#ifdef PEL_SINGLE
+    static const pel_real c[] = {0.047073481f, -0.084561928f, 0.11040489f, -0.14281588f,
+                                 0.19999883f,  -0.33333332f,  1.0f};
+#else
+    static const pel_real c[] = {0.015113765096600924669,
+                                 -0.033387824501211951519,
+                                 0.044995007289840320092,
+                                 -0.052173125740615910016,
+                                 0.058768340046141606641,
+                                 -0.066662052599765261879,
+                                 0.076922810999377432501,
+                                 -0.090909080590311910269,
+                                 0.11111111085322108759,
+                                 -0.14285714285329708164,
+                                 0.19999999999997013892,
+                                 -0.33333333333333324206,
+                                 1.0};
+#endif
+    pel_lane sum = pel_lane_splat(c[0]);
+    for (size_t i = 1; i < sizeof c / sizeof *c; i++)
+        sum = sum * z + pel_lane_splat(c[i]);
+    pel_lane angle = pel_lane_where(beyond, quarter_turn) + t * sum;
+    angle = pel_lane_select(steep, quarter_turn + quarter_turn - angle, angle);
+    pel_lane_mask behind = pel_lane_above(pel_lane_splat(0), x);
+    angle = pel_lane_select(behind, pel_lane_splat((pel_real)3.14159265358979323846) - angle, angle);
+    return pel_lane_select(pel_lane_above(pel_lane_splat(0), y), -angle, angle);
+}
+
+/* ln(1 + x) for 1 + x > 0 and normal: 1 + x = 2^e m with m in [1/sqrt 2, sqrt 2), ln m = 2 artanh((m - 1) / (m + 1));
+   a small x keeps all its digits */
+static inline pel_lane pel_lane_log1p(pel_lane x)
+{
+    const pel_lane one = pel_lane_splat(1);
+#ifdef PEL_SINGLE
+    const int mantissa = 23;
+    const pel_lane_integer offset = 0x3f3504f3; /* bits of sqrt(1/2) */
+    static const pel_real c[] = {0.23616359f, 0.28535051f, 0.40000385f, 0.66666665f, 2.0f};
+#else
+    const int mantissa = 52;
+    const pel_lane_integer offset = 0x3fe6a09e667f3bcd;
+    static const pel_real c[] = {0.13262103674021809098, 0.13248763083460115888, 0.15387160926134079899,
+                                 0.18181773738016305815, 0.22222222676929540265, 0.28571428568819126944,
+                                 0.40000000000007493931, 0.66666666666666658387, 2.0};
+#endif
+    const pel_lane_integer fraction = ((pel_lane_integer)1 << mantissa) - 1;
+    pel_lane_mask bits = pel_lane_bits(one + x) - offset, exponent = bits >> mantissa;
+    pel_lane m = pel_lane_from_bits(pel_lane_bits(one + x) - (bits & ~fraction));
+    pel_lane e = pel_lane_splat(0);
+#ifdef PEL_LANE_SCALAR
+    e = (pel_lane)exponent;
+#else
+    e = __builtin_convertvector(exponent, pel_lane);
+#endif
+    pel_lane_mask shifted = pel_lane_above(pel_lane_abs(e), pel_lane_splat((pel_real)0.5));
+    pel_lane above = pel_lane_select(shifted, m - one, x), s = above / (one + one + above), z = s * s;
+    pel_lane sum = pel_lane_splat(c[0]);
+    for (size_t i = 1; i < sizeof c / sizeof *c; i++)
+        sum = sum * z + pel_lane_splat(c[i]);
+    return e * pel_lane_splat((pel_real)0.69314718055994530942) + s * sum;
+}
+
+/* ---- three components ---- */
+
+typedef struct pel_lane3 {
+    pel_lane x, y, z;
+} pel_lane3;
+
+static inline pel_lane3 pel_lane3_add(pel_lane3 a, pel_lane3 b)
+{
+    return (pel_lane3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline pel_lane3 pel_lane3_subtract(pel_lane3 a, pel_lane3 b)
+{
+    return (pel_lane3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static inline pel_lane3 pel_lane3_scale(pel_lane3 a, pel_lane scale)
+{
+    return (pel_lane3){a.x * scale, a.y * scale, a.z * scale};
+}
+/* s a + t b */
+static inline pel_lane3 pel_lane3_combine(pel_lane s, pel_lane3 a, pel_lane t, pel_lane3 b)
+{
+    return (pel_lane3){s * a.x + t * b.x, s * a.y + t * b.y, s * a.z + t * b.z};
+}
+static inline pel_lane pel_lane3_dot(pel_lane3 a, pel_lane3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline pel_lane3 pel_lane3_cross(pel_lane3 a, pel_lane3 b)
+{
+    return (pel_lane3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/* ---- particles ---- */
+
+typedef struct pel_particle {
+    pel_lane3 at;
+    pel_lane fourth; /* inverse mass */
+} pel_particle;
+
+#ifdef PEL_LANE_SCALAR
+
+static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
+{
+    const pel_record r = records[places[lane]];
+    return (pel_particle){{r[0], r[1], r[2]}, r[3]};
+}
+static inline void pel_particle_store(pel_record *records, const int32_t *places, int32_t lane, pel_lane3 at,
+                                      pel_lane fourth)
+{
+    records[places[lane]] = (pel_record){at.x, at.y, at.z, fourth};
+}
+
+#elif defined(PEL_SINGLE)
+
+/* both halves of four rows: a 4 x 4 transpose in each, its own inverse */
+static inline void pel_lane_transpose(pel_lane *a, pel_lane *b, pel_lane *c, pel_lane *d)
+{
+    pel_lane ab_low = __builtin_shufflevector(*a, *b, 0, 8, 1, 9, 4, 12, 5, 13);
+    pel_lane ab_high = __builtin_shufflevector(*a, *b, 2, 10, 3, 11, 6, 14, 7, 15);
+    pel_lane cd_low = __builtin_shufflevector(*c, *d, 0, 8, 1, 9, 4, 12, 5, 13);
+    pel_lane cd_high = __builtin_shufflevector(*c, *d, 2, 10, 3, 11, 6, 14, 7, 15);
+    *a = __builtin_shufflevector(ab_low, cd_low, 0, 1, 8, 9, 4, 5, 12, 13);
+    *b = __builtin_shufflevector(ab_low, cd_low, 2, 3, 10, 11, 6, 7, 14, 15);
+    *c = __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13);
+    *d = __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+static inline pel_lane pel_lane_join(pel_record low, pel_record high)
+{
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
+{
+    (void)lane;
+    pel_lane a = pel_lane_join(records[places[0]], records[places[4]]);
+    pel_lane b = pel_lane_join(records[places[1]], records[places[5]]);
+    pel_lane c = pel_lane_join(records[places[2]], records[places[6]]);
+    pel_lane d = pel_lane_join(records[places[3]], records[places[7]]);
+    pel_lane_transpose(&a, &b, &c, &d);
+    return (pel_particle){{a, b, c}, d};
+}
+static inline void pel_particle_store(pel_record *records, const int32_t *places, int32_t lane, pel_lane3 at,
+                                      pel_lane fourth)
+{
+    (void)lane;
+    pel_lane a = at.x, b = at.y, c = at.z, d = fourth;
+    pel_lane_transpose(&a, &b, &c, &d);
+    const pel_lane rows[4] = {a, b, c, d};
+    for (int i = 0; i < 4; i++) {
+        records[places[i]] = __builtin_shufflevector(rows[i], rows[i], 0, 1, 2, 3);
+        records[places[i + 4]] = __builtin_shufflevector(rows[i], rows[i], 4, 5, 6, 7);
+    }
+}
+
+#else
+
+static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
+{
+    (void)lane;
+    pel_wide a = records[places[0]], b = records[places[1]], c = records[places[2]], d = records[places[3]];
+    pel_wide_transpose(&a, &b, &c, &d);
+    return (pel_particle){{a, b, c}, d};
+}
+static inline void pel_particle_store(pel_record *records, const int32_t *places, int32_t lane, pel_lane3 at,
+                                      pel_lane fourth)
+{
+    (void)lane;
+    pel_wide a = at.x, b = at.y, c = at.z, d = fourth;
+    pel_wide_transpose(&a, &b, &c, &d);
+    records[places[0]] = a;
+    records[places[1]] = b;
+    records[places[2]] = c;
+    records[places[3]] = d;
+}
+
+#endif
+#endif

@@ -1,0 +1,123 @@
+/* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
+ */
+#include "base/status.h"
+#include "sim/contact.h"
+#include "sim/sim.h"
+
+#include <string.h>
+
+/* iterations and substeps where the def leaves them open */
+enum { PBD_ITERATIONS = 5, XPBD_SUBSTEPS = 16 };
+
+static pel_status refuse_body(pel_error *error, int32_t body, const char *what, const char *remedy)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_bodies(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->detail != NULL)
+            return refuse_body(error, b, "a body that refines does not go with position-based methods yet",
+                               "leave out `refine`, or use the explicit or the quasi-static method");
+    }
+    return PEL_OK;
+}
+
+pel_status pel_project_create(pel_sim *sim, pel_error *error)
+{
+    if (!pel_sim_is_projected(sim))
+        return PEL_OK;
+    pel_solver_def *solver = &sim->solver;
+    bool compliant = solver->method == PEL_METHOD_XPBD;
+    if (solver->iterations == 0)
+        solver->iterations = compliant ? 1 : PBD_ITERATIONS;
+    if (solver->substeps == 0)
+        solver->substeps = compliant ? XPBD_SUBSTEPS : 1;
+    sim->contact_in_loop = true;
+    pel_status status = check_bodies(sim, error);
+    if (status == PEL_OK && solver->second_order)
+        status = pel_state_add_history(sim->model, sim->state, error);
+    if (status == PEL_OK)
+        status = pel_projector_create(sim->model, solver, &sim->projector, error);
+    if (status == PEL_OK)
+        sim->projector->pool = sim->pool;
+    return status;
+}
+
+static bool has_pressure(const pel_sim *sim)
+{
+    for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        if (shell != NULL && shell->pressure.kind != PEL_PRESSURE_NONE)
+            return true;
+    }
+    return false;
+}
+
+/* loads and pressure at a time into sim->force */
+static void find_forces(pel_sim *sim, double time, bool pressure, const pel_record *positions)
+{
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_loads_add(sim, time, sim->force);
+    if (pressure)
+        pel_shell_forces_add(sim->shells, positions, time, PEL_SHELL_PRESSURE, sim->pool, sim->force);
+}
+
+static double edge_length(const pel_record *positions, int32_t a, int32_t b)
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++) {
+        double d = (double)positions[b][i] - (double)positions[a][i];
+        square += d * d;
+    }
+    return sqrt(square);
+}
+
+/* the longest edge of all surfaces, for the tools */
+static double longest_edge(const pel_sim *sim, const pel_record *positions)
+{
+    double longest = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
+            const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, b, i)];
+            for (int k = 0; k < 3; k++)
+                longest = fmax(longest, edge_length(positions, v[k], v[(k + 1) % 3]));
+        }
+    return longest;
+}
+
+static bool is_inside(const pel_sim *sim)
+{
+    const pel_record *x = sim->state->position_next;
+    pel_real square = (pel_real)(sim->step.bound * sim->step.bound);
+    bool inside = true;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        inside &= x[v][0] * x[v][0] + x[v][1] * x[v][1] + x[v][2] * x[v][2] < square;
+    return inside;
+}
+
+pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_state *state = sim->state;
+    pel_contact_list *contacts = pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
+    pel_status status = contacts != NULL ? pel_contacts_find(sim, error) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
+    double start = pel_sim_time(sim);
+    bool pressure = has_pressure(sim);
+    pel_projector_begin(sim->projector, state, start);
+    for (int32_t s = 0; s < sim->solver.substeps; s++) {
+        find_forces(sim, start + s * sim->projector->substep, pressure,
+                    s == 0 ? state->position : state->position_next);
+        pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
+    }
+    result->diverged = !is_inside(sim);
+    bool wanted = (sim->tool_count > 0 || sim->contacts != NULL) && !result->diverged;
+    result->longest = wanted ? longest_edge(sim, state->position_next) : 0;
+    return PEL_OK;
+}

@@ -1,0 +1,39 @@
+/* Minimisation of an energy over the positions of vertices: L-BFGS (Nocedal, Wright 2006, algorithm 7.4, eight pairs)
+   or gradient descent, both with a line search that asks for enough decrease of the energy or, where rounding hides
+   that, of its slope (Hager, Zhang 2005). Nothing is allocated while it runs. */
+#ifndef PEL_SOLVE_DESCENT_H
+#define PEL_SOLVE_DESCENT_H
+
+#include "model/state.h"
+
+/* Returns the energy [J] at positions (vertex_count) and writes the forces, its negative gradient [N]. */
+typedef double pel_descent_energy(void *context, pel_record *position, pel_record *force);
+
+typedef struct pel_descent_problem {
+    const pel_real *inverse_mass; /* (vertex_count) 0 = stays where it is */
+    pel_descent_energy *energy;
+    void *context;
+    double longest_move; /* m, no vertex goes farther in one iteration */
+    double tolerance;    /* N, root of the sum of squares of all forces at which it has converged */
+    int32_t iterations;  /* at most */
+    bool gradient_only;
+} pel_descent_problem;
+
+typedef struct pel_descent_result {
+    int32_t iterations, evaluations;
+    double energy;   /* J, at the end */
+    double residual; /* N, root of the sum of squares of all forces */
+    bool converged;
+    bool stuck; /* no step downhill could be found: as near as rounding allows, or the energy is not smooth */
+} pel_descent_result;
+
+typedef struct pel_descent pel_descent;
+
+pel_status pel_descent_create(int32_t vertex_count, pel_descent **descent, pel_error *error);
+void pel_descent_destroy(pel_descent *descent);
+
+/* Moves positions (vertex_count) downhill. The energy never rises but by rounding. */
+void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, pel_record *position,
+                     pel_descent_result *result);
+
+#endif

@@ -1,0 +1,282 @@
+#include "solve/project.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "solve/contact.h"
+
+#include <math.h>
+#include <string.h>
+
+/* vertices of one chunk of a loop over vertices */
+enum { VERTEX_CHUNK = 2048 };
+
+/* ---- creation ---- */
+
+/* the number of bundles of a phase: pieces, even seams, odd seams, the rest */
+static int32_t bundle_count(const pel_project_body *body, int phase)
+{
+    int32_t seams = body->piece_count - 1;
+    const int32_t counts[PEL_PHASE_COUNT] = {body->piece_count, (seams + 1) / 2, seams / 2, seams > 0};
+    return counts[phase];
+}
+
+static int32_t bundle_number(const pel_project_body *body, int phase, int32_t i)
+{
+    const int32_t numbers[PEL_PHASE_COUNT] = {i, body->piece_count + 2 * i, body->piece_count + 2 * i + 1,
+                                              2 * body->piece_count - 1};
+    return numbers[phase];
+}
+
+static pel_status make_phases(pel_projector *projector, pel_error *error)
+{
+    int32_t count = 0;
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        count += 2 * projector->bodies[b].piece_count;
+    projector->bundles = pel_allocate((size_t)count, sizeof *projector->bundles);
+    if (projector->bundles == NULL)
+        return pel_fail_memory(error);
+    count = 0;
+    for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
+        projector->phase_begin[phase] = count;
+        for (int32_t b = 0; b < projector->model->body_count; b++)
+            for (int32_t i = 0; i < bundle_count(&projector->bodies[b], phase); i++)
+                projector->bundles[count++] = (pel_bundle){b, bundle_number(&projector->bodies[b], phase, i)};
+    }
+    projector->phase_begin[PEL_PHASE_COUNT] = count;
+    return PEL_OK;
+}
+
+static pel_status build(pel_projector *projector, pel_error *error)
+{
+    const pel_model *model = projector->model;
+    size_t count = (size_t)model->vertex_count;
+    projector->bodies = pel_allocate((size_t)model->body_count, sizeof *projector->bodies);
+    projector->base = pel_allocate_aligned(count, sizeof *projector->base);
+    if (projector->bodies == NULL || projector->base == NULL)
+        return pel_fail_memory(error);
+    if (projector->solver.second_order) {
+        projector->older_position = pel_allocate_aligned(count, sizeof *projector->older_position);
+        projector->older_velocity = pel_allocate_aligned(count, sizeof *projector->older_velocity);
+        if (projector->older_position == NULL || projector->older_velocity == NULL)
+            return pel_fail_memory(error);
+    }
+    pel_status status = PEL_OK;
+    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
+        status = pel_project_body_create(model, b, &projector->solver, &projector->bodies[b], error);
+    return status == PEL_OK ? make_phases(projector, error) : status;
+}
+
+pel_status pel_projector_create(const pel_model *model, const pel_solver_def *solver, pel_projector **projector,
+                                pel_error *error)
+{
+    *projector = NULL;
+    pel_projector *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->model = model;
+    made->solver = *solver;
+    made->substep = solver->dt / solver->substeps;
+    pel_status status = build(made, error);
+    if (status == PEL_OK)
+        *projector = made;
+    else
+        pel_projector_destroy(made);
+    return status;
+}
+
+void pel_projector_destroy(pel_projector *projector)
+{
+    if (projector == NULL)
+        return;
+    for (int32_t b = 0; projector->bodies != NULL && b < projector->model->body_count; b++)
+        pel_project_body_destroy(&projector->bodies[b]);
+    void *arrays[] = {projector->bodies, projector->bundles, projector->base, projector->older_position,
+                      projector->older_velocity};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(projector);
+}
+
+/* ---- sweeps ---- */
+
+typedef struct sweep_job {
+    const pel_projector *projector;
+    pel_record *positions;
+    int32_t first; /* bundle of the phase */
+} sweep_job;
+
+static void sweep_bundle(void *context, int32_t chunk)
+{
+    const sweep_job *job = context;
+    const pel_bundle *bundle = &job->projector->bundles[job->first + chunk];
+    const pel_project_body *body = &job->projector->bodies[bundle->body];
+    pel_batch_sweep *const *kernels = job->projector->is_plain ? pel_project_plain : pel_project_wide;
+    for (int32_t i = 0; i < body->batch_count; i++) {
+        const pel_batch *batch = &body->batches[i];
+        if (body->is_on[i])
+            kernels[batch->kind](batch, batch->bundle_begin[bundle->number], batch->bundle_begin[bundle->number + 1],
+                                 job->positions);
+    }
+}
+
+void pel_project_sweep(const pel_projector *projector, pel_record *positions)
+{
+    for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
+        sweep_job job = {projector, positions, projector->phase_begin[phase]};
+        pel_pool_run(projector->pool, projector->phase_begin[phase + 1] - job.first, sweep_bundle, &job);
+    }
+}
+
+static void forget_multipliers(const pel_projector *projector)
+{
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        for (int32_t i = 0; i < projector->bodies[b].batch_count; i++) {
+            const pel_batch *batch = &projector->bodies[b].batches[i];
+            size_t count = (size_t)batch->block_count * PEL_BLOCK * (size_t)batch->multiplier_count;
+            if (batch->multipliers != NULL)
+                memset(batch->multipliers, 0, count * sizeof *batch->multipliers);
+        }
+}
+
+/* ---- vertices ---- */
+
+typedef struct vertex_job {
+    pel_projector *projector;
+    pel_state *state;
+    const pel_record *force;
+    bool first; /* substep of the step */
+    double tau;
+} vertex_job;
+
+/* y and u of a vertex, see project.h */
+typedef struct launch {
+    pel_record base, velocity;
+} launch;
+
+static launch second_order_launch(const vertex_job *job, int32_t v, pel_record x, pel_record speed)
+{
+    pel_projector *projector = job->projector;
+    const pel_state *state = job->state;
+    pel_record x1 = job->first ? state->older_position[v] : projector->older_position[v];
+    pel_record v1 = job->first ? state->older_velocity[v] : projector->older_velocity[v];
+    projector->older_position[v] = x;
+    projector->older_velocity[v] = speed;
+    projector->older_velocity[v][3] = 1;
+    const pel_real third = (pel_real)(1.0 / 3);
+    /* without a past: as if it had come with this velocity */
+    if (v1[3] == 0)
+        return (launch){x + (pel_real)(projector->substep / 3) * speed, speed};
+    return (launch){third * (4 * x - x1), third * (4 * speed - v1)};
+}
+
+/* damping of the motion along the volumetric spring, implicit: v -= (1 - 1 / (1 + tau w d')) (v.e) e / |e|^2 */
+static pel_record damp_radially(pel_record velocity, pel_record offset, double rate)
+{
+    double along = 0, square = 0;
+    for (int i = 0; i < 3; i++) {
+        along += (double)velocity[i] * (double)offset[i];
+        square += (double)offset[i] * (double)offset[i];
+    }
+    double change = square > 0 ? rate / (1 + rate) * along / square : 0;
+    return velocity - (pel_real)change * offset;
+}
+
+static void predict_vertex(const vertex_job *job, int32_t v, const double *factors)
+{
+    const pel_model *model = job->projector->model;
+    pel_state *state = job->state;
+    pel_real w = model->inverse_mass[v], tau = (pel_real)job->tau;
+    pel_record x = job->first ? state->position[v] : state->position_next[v];
+    pel_record speed = job->first ? state->velocity[v] : state->velocity_next[v];
+    launch from = {x, speed};
+    if (state->older_position != NULL)
+        from = second_order_launch(job, v, x, speed);
+    job->projector->base[v] = from.base;
+    if (!(w > 0)) {
+        x[3] = 0;
+        state->position_next[v] = job->projector->base[v] = x;
+        return;
+    }
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
+    if (radial > 0)
+        from.velocity = damp_radially(from.velocity, x - model->rest[v], job->tau * (double)w * radial);
+    pel_record next = from.base + tau * from.velocity;
+    if (job->force != NULL)
+        next += tau * tau * w * job->force[v];
+    /* drag and volumetric spring as a larger mass, see project.h */
+    pel_real drag = (pel_real)(factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * w) * job->tau);
+    pel_real spring =
+        (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * w) * job->tau * job->tau);
+    if (drag + spring > 0) {
+        pel_real share = 1 / (1 + drag + spring);
+        next = share * (next + drag * from.base + spring * model->rest[v]);
+        w *= share;
+    }
+    next[3] = w;
+    state->position_next[v] = next;
+}
+
+static void predict_chunk(void *context, int32_t chunk)
+{
+    const vertex_job *job = context;
+    const pel_model *model = job->projector->model;
+    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
+    for (int32_t v = first; v < end && v < model->vertex_count; v++)
+        predict_vertex(job, v, job->state->factors[model->body_of_slice[v / PEL_WIDTH]]);
+}
+
+static void measure_velocity_chunk(void *context, int32_t chunk)
+{
+    const vertex_job *job = context;
+    const pel_projector *projector = job->projector;
+    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
+    pel_real rate = (pel_real)(exp(-projector->solver.drag * projector->substep) / job->tau);
+    for (int32_t v = first; v < end && v < projector->model->vertex_count; v++) {
+        pel_record velocity = rate * (job->state->position_next[v] - projector->base[v]);
+        velocity[3] = 0;
+        job->state->velocity_next[v] = velocity;
+        job->state->position_next[v][3] = projector->model->inverse_mass[v];
+    }
+}
+
+/* ---- steps ---- */
+
+static double tau_of(const pel_projector *projector)
+{
+    return projector->solver.second_order ? 2 * projector->substep / 3 : projector->substep;
+}
+
+void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
+{
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b], state->position,
+                               time, tau_of(projector), 1.0 / projector->solver.substeps);
+}
+
+void pel_project_substep(pel_projector *projector, pel_state *state, const pel_record *force,
+                         pel_contact_list *contacts, bool first)
+{
+    vertex_job job = {projector, state, force, first, tau_of(projector)};
+    int32_t chunk_count = (projector->model->vertex_count + VERTEX_CHUNK - 1) / VERTEX_CHUNK;
+    pel_pool_run(projector->pool, chunk_count, predict_chunk, &job);
+    forget_multipliers(projector);
+    if (contacts != NULL && first)
+        pel_contacts_begin(contacts);
+    for (int32_t i = 0; i < projector->solver.iterations; i++) {
+        pel_project_sweep(projector, state->position_next);
+        if (contacts != NULL)
+            pel_contacts_project(contacts, state->position_next, state->position);
+    }
+    pel_pool_run(projector->pool, chunk_count, measure_velocity_chunk, &job);
+}
+
+void pel_projector_accept(pel_projector *projector, pel_state *state)
+{
+    if (state->older_position == NULL)
+        return;
+    pel_record *position = state->older_position, *velocity = state->older_velocity;
+    state->older_position = projector->older_position;
+    state->older_velocity = projector->older_velocity;
+    projector->older_position = position;
+    projector->older_velocity = velocity;
+}

@@ -1,0 +1,111 @@
+/* Position-based dynamics: pbd as in paper B (energies as constraints), pbd-distance (edge lengths) and xpbd.
+
+   A substep of length h predicts from velocity, forces and springs to the rest places, projects, and takes the velocity
+   from the way that was gone. With the base y and the time tau, first order y = x, tau = h; second order (BDF2)
+   y = (4 x - x') / 3, tau = 2 h / 3 with x' one substep before and velocities alike:
+
+       x* = y + tau u + tau^2 w f,      u = v or (4 v - v') / 3
+       v  = (x - y) / tau               after the sweeps
+
+   Volumetric springs k' and drag d of a vertex are quadratic in its own position: they are taken up exactly by a mass
+   that is larger by tau d + tau^2 k', with x* drawn to the rest place; no constraint is needed for them.
+
+   Sweeps go body by body over springs, triangles, hinges and fibres, then over the contacts. The constraints of a body
+   stand in bundles that share no vertex: pieces of the surface, then the seams between neighbouring pieces, even and
+   odd ones, then the few that touch other pairs of pieces. Bundles of a phase may run at once; the order within a
+   bundle is fixed, and so are the bits. */
+#ifndef PEL_SOLVE_PROJECT_H
+#define PEL_SOLVE_PROJECT_H
+
+#include "base/pool.h"
+#include "model/contact.h"
+#include "model/state.h"
+#include "pellicle/sim.h"
+#include "solve/project_batch.h"
+
+/* all that a body's sweeps need */
+typedef struct pel_project_body {
+    int32_t piece_count;     /* bundles: pieces, seams (piece_count - 1), the rest */
+    int32_t *piece_of_place; /* (places of the body) */
+    int32_t batch_count;     /* in the order of the sweep */
+    pel_batch *batches;
+    uint8_t *is_on; /* (batch_count) 0 = has no effect at present */
+} pel_project_body;
+
+typedef struct pel_bundle {
+    int32_t body, number;
+} pel_bundle;
+
+enum { PEL_PHASE_COUNT = 4 };
+
+typedef struct pel_projector {
+    const pel_model *model;
+    pel_solver_def solver;
+    bool is_plain; /* runs the plain kernels: for tests and benchmarks */
+    double substep;
+    pel_project_body *bodies;                    /* (model body_count) */
+    pel_bundle *bundles;                         /* by phase */
+    int32_t phase_begin[PEL_PHASE_COUNT + 1];    /* in bundles */
+    pel_record *base;                            /* (vertex_count) y of the substep */
+    pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
+    pel_pool *pool;                              /* set by the owner; null = one thread */
+} pel_projector;
+
+/* Lays out the constraints of all bodies for the solver's method. iterations and substeps have to be above 0. Errors:
+   PEL_OUT_OF_MEMORY. */
+pel_status pel_projector_create(const pel_model *model, const pel_solver_def *solver, pel_projector **projector,
+                                pel_error *error);
+void pel_projector_destroy(pel_projector *projector);
+
+/* Before the substeps of a step: keyed numbers at a time, and directions that follow the state. */
+void pel_projector_begin(pel_projector *projector, const pel_state *state, double time);
+
+/* One substep from state->position and velocity (first) or from position_next and velocity_next, to position_next and
+   velocity_next. force (vertex_count): at its start, nullable. contacts: nullable. */
+void pel_project_substep(pel_projector *projector, pel_state *state, const pel_record *force,
+                         pel_contact_list *contacts, bool first);
+
+/* After a step that is accepted: what the next one has to know of this one goes to the state. */
+void pel_projector_accept(pel_projector *projector, pel_state *state);
+
+/* One sweep over the constraints of all bodies, contacts excluded. */
+void pel_project_sweep(const pel_projector *projector, pel_record *positions);
+
+/* ---- project_body.c ---- */
+
+/* Constraints and bundles of a body. PEL_OUT_OF_MEMORY. */
+pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
+                                   pel_project_body *made, pel_error *error);
+void pel_project_body_destroy(pel_project_body *body);
+/* numbers of its batches at a time; tau: of a substep, share: of a step that a substep is */
+void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors,
+                            const pel_record *positions, double time, double tau, double share);
+
+/* ---- project_build.c ---- */
+
+/* constraints to be laid out: vertices (count x arity) in the order of their numbers */
+typedef struct pel_constraint_source {
+    const int32_t *vertices;
+    int32_t count;
+} pel_constraint_source;
+
+typedef struct pel_build_scratch {
+    int32_t *vertices;               /* (4 x count_limit) room for a list of constraints */
+    int32_t *origins;                /* (count_limit) */
+    int32_t *order, *sorted, *color; /* (count_limit) */
+    int32_t *counts;                 /* (place or constraint number + 2, whichever is more) */
+    uint64_t *masks;                 /* (model vertex_count) colours taken at a vertex */
+    int32_t count_limit;
+} pel_build_scratch;
+
+pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model *model, int32_t count_limit,
+                                    pel_error *error);
+void pel_build_scratch_destroy(pel_build_scratch *scratch);
+
+/* Fills bundles and blocks of a batch, of which kind, arity and counts are set, from scratch->vertices (count x arity);
+   sources are scratch->origins. Allocates its arrays when they are null. The numbers are left to the caller. */
+pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32_t first_place, int32_t place_count,
+                           int32_t count, bool with_multipliers, pel_build_scratch *scratch, pel_error *error);
+void pel_batch_destroy(pel_batch *batch);
+
+#endif

@@ -1,0 +1,64 @@
+/* Constraints of one kind in blocks of PEL_BLOCK that share no vertex, so that a block is projected at once. A block's
+   vertices and numbers stand together, lane by lane; the unused lanes of a last block repeat a used one, which changes
+   nothing when all lanes are loaded before any is stored. */
+#ifndef PEL_SOLVE_PROJECT_BATCH_H
+#define PEL_SOLVE_PROJECT_BATCH_H
+
+#include "base/wide.h"
+#include "pellicle/base.h"
+
+/* what a batch asks for, with its numbers per constraint; "compliant" ones are those of xpbd */
+typedef enum pel_constraint {
+    PEL_CONSTRAINT_DISTANCE,       /* rest length */
+    PEL_CONSTRAINT_SPRING,         /* rest length, 1 / stiffness */
+    PEL_CONSTRAINT_MEMBRANE,       /* inverse of the rest matrix (3); one kind for each material from here on */
+    PEL_CONSTRAINT_STRAIN = 8,     /* the same and 1 / (area young thickness); materials but stvk and linear:
+                                      area young thickness */
+    PEL_CONSTRAINT_ISOMETRIC = 16, /* weights of x1, x2, x3 and |K x|^2 of the rest shape, 0 for the literal form */
+    PEL_CONSTRAINT_ISOMETRIC_COMPLIANT, /* the same weights and 1 / stiffness */
+    PEL_CONSTRAINT_ANGLE,               /* rest angle */
+    PEL_CONSTRAINT_ANGLE_COMPLIANT,     /* rest angle, 1 / stiffness */
+    PEL_CONSTRAINT_FIBRE,               /* image weights of x0 - x2 and x1 - x2, weight of the region */
+    PEL_CONSTRAINT_FIBRE_SQUARE,        /* the same, energy in the square of the length */
+    PEL_CONSTRAINT_FIBRE_COMPLIANT,     /* the image weights and 1 / (area stiffness weight) */
+    PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
+    PEL_CONSTRAINT_CAVE, /* image weights, weight of the region */
+    PEL_CONSTRAINT_CAVE_SQUARE,
+    PEL_CONSTRAINT_COUNT
+} pel_constraint;
+
+/* numbers that all constraints of a batch share */
+typedef struct pel_batch_law {
+    pel_real first, second;  /* membrane: mu and lambda, or c1 and c2, over young times thickness; second: poisson of
+                                the strain forms of stvk and linear */
+    pel_real weight;         /* bending of pbd: k_B */
+    pel_real rest_length;    /* fibres: factor on the length at rest, now */
+    pel_real strength;       /* cave [m] */
+    pel_real max_step;       /* cave [m] */
+    pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
+    pel_real inverse_square; /* its inverse */
+} pel_batch_law;
+
+typedef struct pel_batch {
+    pel_constraint kind;
+    pel_batch_law law;
+    int arity, number_count, multiplier_count;
+    int32_t region;        /* of the shell whose fibres these are, else -1 */
+    int32_t capacity;      /* blocks */
+    int32_t block_count;   /* in use */
+    int32_t *bundle_begin; /* (bundle_count + 1) first block of each bundle */
+    int32_t *vertices;     /* (capacity x arity x PEL_BLOCK) places in the model's order */
+    pel_real *numbers;     /* (capacity x number_count x PEL_BLOCK) */
+    pel_real *multipliers; /* (capacity x multiplier_count x PEL_BLOCK) of xpbd with iterations; else null */
+    int32_t *sources;      /* (capacity x PEL_BLOCK) the constraint in a lane, numbered as it was given */
+    uint8_t *lane_counts;  /* (capacity) lanes used */
+} pel_batch;
+
+/* projects the blocks begin .. end - 1 of a batch in their order */
+typedef void pel_batch_sweep(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions);
+
+/* the kernels for all lanes at once, and the plain ones lane by lane: the same bits */
+extern pel_batch_sweep *const pel_project_wide[PEL_CONSTRAINT_COUNT];
+extern pel_batch_sweep *const pel_project_plain[PEL_CONSTRAINT_COUNT];
+
+#endif

@@ -1,0 +1,359 @@
+/* Which constraints a body has under a method, and their numbers. */
+#include "base/memory.h"
+#include "base/status.h"
+#include "material/membrane.h"
+#include "math/vec3.h"
+#include "model/shell.h"
+#include "solve/project.h"
+
+#include <string.h>
+
+/* vertices of a piece: its records and constraints fit the nearer caches, and it is worth a thread */
+enum { PIECE_SIZE = 2048 };
+
+/* what building a body hands around */
+typedef struct plan {
+    const pel_model *model;
+    const pel_body *body;
+    const pel_solver_def *solver;
+    pel_project_body *made;
+    pel_build_scratch scratch;
+    bool compliant, with_multipliers;
+    int32_t first_place, place_count;
+} plan;
+
+static double edge_stiffness(const plan *p, int32_t slot, int32_t lane)
+{
+    return p->body->uniform_spring >= 0 ? p->body->uniform_spring : (double)p->model->stiffnesses[slot][lane];
+}
+
+static bool can_move(const plan *p, const int32_t *places, int count)
+{
+    for (int k = 0; k < count; k++)
+        if (p->model->inverse_mass[places[k]] > 0)
+            return true;
+    return false;
+}
+
+static void add_constraint(plan *p, const int32_t *places, int arity, int32_t origin, int32_t *count)
+{
+    if (!can_move(p, places, arity))
+        return;
+    memcpy(p->scratch.vertices + (size_t)*count * (size_t)arity, places, (size_t)arity * sizeof *places);
+    p->scratch.origins[(*count)++] = origin;
+}
+
+/* ---- lists ---- */
+
+static int32_t list_edges(plan *p)
+{
+    const pel_model *model = p->model;
+    int32_t count = 0;
+    for (int32_t v = p->first_place; v < p->first_place + p->place_count; v++) {
+        int32_t slice = v / PEL_WIDTH, lane = v % PEL_WIDTH;
+        for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+            const int32_t ends[2] = {v, model->neighbours[slot][lane]};
+            bool all = p->solver->method == PEL_METHOD_PBD_DISTANCE;
+            if (ends[1] > v && (all || edge_stiffness(p, slot, lane) > 0))
+                add_constraint(p, ends, 2, slot * PEL_WIDTH + lane, &count);
+        }
+    }
+    return count;
+}
+
+static int32_t list_triangles(plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t count = 0;
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        add_constraint(p, shell->triangles[t].vertices, 3, t, &count);
+    return count;
+}
+
+static int32_t list_hinges(plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t count = 0;
+    for (int32_t h = 0; h < shell->hinge_count; h++)
+        if (!p->compliant || shell->hinges[h].stiffness > 0)
+            add_constraint(p, shell->hinges[h].vertices, 4, h, &count);
+    return count;
+}
+
+static int32_t list_fibres(plan *p, const pel_shell_region *region)
+{
+    int32_t count = 0;
+    for (int32_t f = 0; f < region->fibre_count; f++)
+        add_constraint(p, p->body->shell->triangles[region->fibres[f].triangle].vertices, 3, f, &count);
+    return count;
+}
+
+/* ---- numbers ---- */
+
+static pel_real *number_at(const pel_batch *batch, int32_t lane_index, int j)
+{
+    size_t block = (size_t)lane_index / PEL_BLOCK, lane = (size_t)lane_index % PEL_BLOCK;
+    return &batch->numbers[(block * (size_t)batch->number_count + (size_t)j) * PEL_BLOCK + lane];
+}
+
+static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
+{
+    int32_t slot = batch->sources[i] / PEL_WIDTH, lane = batch->sources[i] % PEL_WIDTH;
+    *number_at(batch, i, 0) = p->model->rest_lengths[slot][lane];
+    if (p->compliant)
+        *number_at(batch, i, 1) = (pel_real)(1 / edge_stiffness(p, slot, lane));
+}
+
+static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
+{
+    const pel_shell_triangle *t = &p->body->shell->triangles[batch->sources[i]];
+    for (int j = 0; j < 3; j++)
+        *number_at(batch, i, j) = (pel_real)t->rest.inverse[j];
+    if (!p->compliant)
+        return;
+    double stiffness = t->rest.area * t->young * t->thickness;
+    pel_membrane_kind kind = (pel_membrane_kind)(batch->kind - PEL_CONSTRAINT_STRAIN);
+    bool quadratic = kind == PEL_MEMBRANE_STVK || kind == PEL_MEMBRANE_LINEAR;
+    *number_at(batch, i, 3) = (pel_real)(quadratic ? 1 / stiffness : stiffness);
+}
+
+static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
+{
+    const pel_shell *shell = p->body->shell;
+    const pel_shell_hinge *h = &shell->hinges[batch->sources[i]];
+    if (shell->bending == PEL_BENDING_HINGE) {
+        *number_at(batch, i, 0) = (pel_real)h->hinge.rest_angle;
+        if (p->compliant)
+            *number_at(batch, i, 1) = (pel_real)(1 / (h->stiffness * h->hinge.factor));
+        return;
+    }
+    for (int j = 0; j < 3; j++)
+        *number_at(batch, i, j) = (pel_real)h->isometric.weight[j + 1];
+    double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * h->isometric.rest_energy / h->isometric.factor;
+    /* E = D / 3 times factor / 2 |K x|^2 stands for a plate (theory page, section 5) */
+    *number_at(batch, i, 3) = (pel_real)(p->compliant ? 3 / (h->stiffness * h->isometric.factor) : square);
+}
+
+static void set_direction(const pel_batch *batch, int32_t i, const pel_rest_triangle *rest, const double direction[2])
+{
+    *number_at(batch, i, 0) = (pel_real)(rest->inverse[0] * direction[0] + rest->inverse[1] * direction[1]);
+    *number_at(batch, i, 1) = (pel_real)(rest->inverse[2] * direction[1]);
+}
+
+static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_region *region, int32_t i)
+{
+    const pel_shell_fibre *fibre = &region->fibres[batch->sources[i]];
+    const pel_rest_triangle *rest = &p->body->shell->triangles[fibre->triangle].rest;
+    set_direction(batch, i, rest, fibre->direction);
+    bool soft = batch->kind == PEL_CONSTRAINT_FIBRE_COMPLIANT || batch->kind == PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT;
+    *number_at(batch, i, 2) =
+        (pel_real)(soft ? 1 / (rest->area * region->def.stiffness * fibre->weight) : fibre->weight);
+}
+
+/* ---- batches ---- */
+
+/* lays out the constraints that were listed */
+static pel_status add_batch(plan *p, pel_batch batch, int32_t count, int32_t region, pel_error *error)
+{
+    batch.region = region;
+    pel_batch *made = &p->made->batches[p->made->batch_count++];
+    *made = batch;
+    pel_status status =
+        pel_batch_build(made, p->made, p->first_place, p->place_count, count, p->with_multipliers, &p->scratch, error);
+    for (int32_t i = 0; status == PEL_OK && i < made->block_count * PEL_BLOCK; i++) {
+        if (made->arity == 2)
+            fill_edge(p, made, i);
+        else if (made->arity == 4)
+            fill_hinge(p, made, i);
+        else if (region < 0)
+            fill_triangle(p, made, i);
+        else
+            fill_fibre(p, made, &p->body->shell->regions[region], i);
+    }
+    return status;
+}
+
+static pel_status add_membrane(plan *p, pel_error *error)
+{
+    pel_membrane_material material = p->body->shell->material;
+    material.young = material.thickness = 1;
+    pel_membrane_law law = pel_membrane_law_of(&material);
+    pel_batch batch = {.arity = 3, .number_count = p->compliant ? 4 : 3, .multiplier_count = 3};
+    batch.kind =
+        (pel_constraint)((int)(p->compliant ? PEL_CONSTRAINT_STRAIN : PEL_CONSTRAINT_MEMBRANE) + (int)law.kind);
+    batch.law.first = (pel_real)law.first;
+    batch.law.second = (pel_real)law.second;
+    if (p->compliant && (law.kind == PEL_MEMBRANE_STVK || law.kind == PEL_MEMBRANE_LINEAR))
+        batch.law.second = (pel_real)material.poisson;
+    return add_batch(p, batch, list_triangles(p), -1, error);
+}
+
+static pel_status add_bending(plan *p, pel_error *error)
+{
+    const pel_shell *shell = p->body->shell;
+    bool hinge = shell->bending == PEL_BENDING_HINGE;
+    pel_batch batch = {.arity = 4, .number_count = 4, .multiplier_count = 3};
+    batch.kind = p->compliant ? PEL_CONSTRAINT_ISOMETRIC_COMPLIANT : PEL_CONSTRAINT_ISOMETRIC;
+    if (hinge) {
+        batch.kind = p->compliant ? PEL_CONSTRAINT_ANGLE_COMPLIANT : PEL_CONSTRAINT_ANGLE;
+        batch.number_count = p->compliant ? 2 : 1;
+        batch.multiplier_count = 1;
+    }
+    batch.law.weight = (pel_real)shell->bending_weight;
+    return add_batch(p, batch, list_hinges(p), -1, error);
+}
+
+static pel_status add_region(plan *p, int32_t r, pel_error *error)
+{
+    const pel_shell_region *region = &p->body->shell->regions[r];
+    bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
+    pel_batch batch = {.arity = 3, .number_count = 3, .multiplier_count = 1, .law.rest_length = 1};
+    if (region->def.mode == PEL_FIBRE_CAVE)
+        batch.kind = squared ? PEL_CONSTRAINT_CAVE_SQUARE : PEL_CONSTRAINT_CAVE;
+    else if (p->compliant)
+        batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
+    else
+        batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
+    return add_batch(p, batch, list_fibres(p, region), r, error);
+}
+
+static bool has_springs(const plan *p)
+{
+    return p->solver->method == PEL_METHOD_PBD_DISTANCE || p->body->uniform_spring != 0;
+}
+
+static pel_status add_batches(plan *p, pel_error *error)
+{
+    const pel_shell *shell = p->solver->method == PEL_METHOD_PBD_DISTANCE ? NULL : p->body->shell;
+    int32_t most = 2 + (shell != NULL ? 1 + shell->region_count : 0);
+    p->made->batches = pel_allocate((size_t)most, sizeof *p->made->batches);
+    p->made->is_on = pel_allocate((size_t)most, sizeof *p->made->is_on);
+    if (p->made->batches == NULL || p->made->is_on == NULL)
+        return pel_fail_memory(error);
+    pel_status status = PEL_OK;
+    if (has_springs(p))
+        status = add_batch(p,
+                           (pel_batch){.kind = p->compliant ? PEL_CONSTRAINT_SPRING : PEL_CONSTRAINT_DISTANCE,
+                                       .arity = 2,
+                                       .number_count = p->compliant ? 2 : 1,
+                                       .multiplier_count = 1},
+                           list_edges(p), -1, error);
+    if (shell == NULL)
+        return status;
+    if (status == PEL_OK && shell->has_membrane)
+        status = add_membrane(p, error);
+    if (status == PEL_OK && shell->bending != PEL_BENDING_OFF)
+        status = add_bending(p, error);
+    for (int32_t r = 0; status == PEL_OK && r < shell->region_count; r++)
+        if (shell->regions[r].def.mode != PEL_FIBRE_CURL)
+            status = add_region(p, r, error);
+    return status;
+}
+
+/* the largest list: edges, triangles or hinges */
+static int32_t count_limit(const plan *p)
+{
+    const pel_model *model = p->model;
+    int32_t slots = model->slot_begin[p->body->slice_end] - model->slot_begin[p->body->slice_begin];
+    int32_t most = slots * PEL_WIDTH;
+    if (p->body->shell != NULL && p->body->shell->triangle_count > most)
+        most = p->body->shell->triangle_count;
+    if (p->body->shell != NULL && p->body->shell->hinge_count > most)
+        most = p->body->shell->hinge_count;
+    return most;
+}
+
+pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
+                                   pel_project_body *made, pel_error *error)
+{
+    const pel_body *b = &model->bodies[body];
+    plan p = {.model = model, .body = b, .solver = solver, .made = made};
+    p.compliant = solver->method == PEL_METHOD_XPBD;
+    p.with_multipliers = p.compliant && solver->iterations > 1;
+    p.first_place = b->slice_begin * PEL_WIDTH;
+    p.place_count = b->slice_end * PEL_WIDTH - p.first_place;
+    int32_t pieces = (p.place_count + PIECE_SIZE / 2) / PIECE_SIZE;
+    made->piece_count = pieces > 1 ? pieces : 1;
+    made->piece_of_place = pel_allocate((size_t)p.place_count, sizeof *made->piece_of_place);
+    if (made->piece_of_place == NULL)
+        return pel_fail_memory(error);
+    for (int32_t i = 0; i < p.place_count; i++)
+        made->piece_of_place[i] = i / PIECE_SIZE < made->piece_count ? i / PIECE_SIZE : made->piece_count - 1;
+    pel_status status = pel_build_scratch_create(&p.scratch, model, count_limit(&p), error);
+    if (status == PEL_OK)
+        status = add_batches(&p, error);
+    pel_build_scratch_destroy(&p.scratch);
+    return status;
+}
+
+void pel_project_body_destroy(pel_project_body *body)
+{
+    for (int32_t i = 0; i < body->batch_count; i++)
+        pel_batch_destroy(&body->batches[i]);
+    pel_free(body->batches);
+    pel_free(body->is_on);
+    pel_free(body->piece_of_place);
+}
+
+/* ---- numbers that change ---- */
+
+/* the direction of the rest frame in which a triangle is stretched most */
+static void principal_direction(const pel_shell_triangle *triangle, const pel_record *positions, double direction[2])
+{
+    double x[3][3], f[6], c[3] = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            x[k][i] = (double)positions[triangle->vertices[k]][i];
+    pel_deformation_gradient(&triangle->rest, (const double(*)[3])x, f);
+    for (int i = 0; i < 3; i++) {
+        c[0] += f[2 * i] * f[2 * i];
+        c[1] += f[2 * i + 1] * f[2 * i + 1];
+        c[2] += f[2 * i] * f[2 * i + 1];
+    }
+    /* half the angle of (c11 - c22, 2 c12), by the half-angle formulas */
+    double u = c[0] - c[1], v = 2 * c[2], length = sqrt(u * u + v * v);
+    double cosine = length > 0 ? u / length : 1;
+    direction[0] = sqrt(fmax(0.5 * (1 + cosine), 0));
+    direction[1] = copysign(sqrt(fmax(0.5 * (1 - cosine), 0)), v);
+}
+
+static void follow_principal(const pel_batch *batch, const pel_shell *shell, const pel_record *positions)
+{
+    const pel_shell_region *region = &shell->regions[batch->region];
+    for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
+        const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
+        double direction[2];
+        principal_direction(triangle, positions, direction);
+        set_direction(batch, i, &triangle->rest, direction);
+    }
+}
+
+static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_record *positions, double time,
+                         double share)
+{
+    const pel_shell_region *region = &shell->regions[batch->region];
+    const pel_anisotropy_def *def = &region->def;
+    if (def->mode == PEL_FIBRE_ACTIVE)
+        batch->law.rest_length =
+            (pel_real)(def->rest_length.value *
+                       pel_curve_value(region->rest_length.keys, region->rest_length.key_count, time));
+    batch->law.strength = (pel_real)(def->strength * share);
+    batch->law.max_step = (pel_real)(def->max_step * shell->mean_edge * share);
+    if (def->direction == PEL_FIBRE_PRINCIPAL)
+        follow_principal(batch, shell, positions);
+}
+
+void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors,
+                            const pel_record *positions, double time, double tau, double share)
+{
+    for (int32_t i = 0; i < own->batch_count; i++) {
+        pel_batch *batch = &own->batches[i];
+        double factor = batch->arity == 2 ? factors[PEL_SPRING_STIFFNESS] : 1;
+        bool paper = batch->kind == PEL_CONSTRAINT_ISOMETRIC || batch->kind == PEL_CONSTRAINT_ANGLE;
+        own->is_on[i] = factor > 0 && !(paper && batch->law.weight == 0);
+        batch->law.square_time = (pel_real)(tau * tau * factor);
+        batch->law.inverse_square = (pel_real)(1 / (tau * tau * factor));
+        if (batch->region >= 0)
+            begin_region(batch, body->shell, positions, time, share);
+    }
+}

@@ -1,0 +1,224 @@
+/* The layout of constraints: bundles by the pieces that their vertices lie in, colours within a bundle, blocks within a
+   colour. Everything follows from the lists alone, so that it is the same on every machine.
+
+   Colours are given greedily, the lowest one that none of a constraint's vertices has yet, with a mask of 64 bits at
+   each vertex; what finds none takes part in another round of 64. Constraints are taken by their first vertex in the
+   model's order, which goes over the surface in rings: sorted so, those of one colour lie near each other. */
+#include "base/memory.h"
+#include "base/status.h"
+#include "solve/project.h"
+
+#include <string.h>
+
+enum { COLORS = 64 };
+
+pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model *model, int32_t count_limit,
+                                    pel_error *error)
+{
+    *scratch = (pel_build_scratch){.count_limit = count_limit};
+    size_t count = (size_t)count_limit, places = (size_t)model->vertex_count;
+    scratch->vertices = pel_allocate(4 * count, sizeof *scratch->vertices);
+    scratch->origins = pel_allocate(count, sizeof *scratch->origins);
+    scratch->order = pel_allocate(count, sizeof *scratch->order);
+    scratch->sorted = pel_allocate(count, sizeof *scratch->sorted);
+    scratch->color = pel_allocate(count, sizeof *scratch->color);
+    scratch->counts = pel_allocate((places > count ? places : count) + COLORS + 2, sizeof *scratch->counts);
+    scratch->masks = pel_allocate(places, sizeof *scratch->masks);
+    if (scratch->vertices != NULL && scratch->origins != NULL && scratch->order != NULL && scratch->sorted != NULL &&
+        scratch->color != NULL && scratch->counts != NULL && scratch->masks != NULL)
+        return PEL_OK;
+    pel_build_scratch_destroy(scratch);
+    return pel_fail_memory(error);
+}
+
+void pel_build_scratch_destroy(pel_build_scratch *scratch)
+{
+    void *arrays[] = {scratch->vertices, scratch->origins, scratch->order, scratch->sorted,
+                      scratch->color,    scratch->counts,  scratch->masks};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    *scratch = (pel_build_scratch){0};
+}
+
+/* counts of the keys 0 .. key_count - 1 stand in begin[1 ..]; makes begin[key] the first place of a key */
+static void sum_counts(int32_t *begin, int32_t key_count)
+{
+    begin[0] = 0;
+    for (int32_t k = 0; k < key_count; k++)
+        begin[k + 1] += begin[k];
+}
+
+typedef struct build {
+    const int32_t *vertices;
+    int arity;
+    int32_t count, first_place, place_count, bundle_count;
+    const pel_project_body *body;
+    pel_build_scratch *scratch;
+} build;
+
+static int32_t lowest_place(const build *job, int32_t c)
+{
+    const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity;
+    int32_t least = v[0];
+    for (int k = 1; k < job->arity; k++)
+        least = v[k] < least ? v[k] : least;
+    return least - job->first_place;
+}
+
+static int32_t bundle_of(const build *job, int32_t c)
+{
+    const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity, pieces = job->body->piece_count;
+    int32_t low = job->body->piece_of_place[v[0] - job->first_place], high = low;
+    for (int k = 1; k < job->arity; k++) {
+        int32_t piece = job->body->piece_of_place[v[k] - job->first_place];
+        low = piece < low ? piece : low;
+        high = piece > high ? piece : high;
+    }
+    return high == low ? low : high == low + 1 ? pieces + low : 2 * pieces - 1;
+}
+
+/* counting sort by place into order, then by bundle into sorted; begin (bundle_count + 1) */
+static void sort_constraints(const build *job, int32_t *begin)
+{
+    pel_build_scratch *s = job->scratch;
+    memset(s->counts, 0, ((size_t)job->place_count + 1) * sizeof *s->counts);
+    for (int32_t c = 0; c < job->count; c++)
+        s->counts[lowest_place(job, c) + 1]++;
+    sum_counts(s->counts, job->place_count);
+    for (int32_t c = 0; c < job->count; c++)
+        s->order[s->counts[lowest_place(job, c)]++] = c;
+    memset(s->counts, 0, ((size_t)job->bundle_count + 1) * sizeof *s->counts);
+    for (int32_t c = 0; c < job->count; c++)
+        s->counts[bundle_of(job, c) + 1]++;
+    sum_counts(s->counts, job->bundle_count);
+    memcpy(begin, s->counts, ((size_t)job->bundle_count + 1) * sizeof *begin);
+    for (int32_t i = 0; i < job->count; i++)
+        s->sorted[s->counts[bundle_of(job, s->order[i])]++] = s->order[i];
+}
+
+/* gives the constraints sorted[from .. to - 1] colours; returns their number */
+static int32_t color_bundle(const build *job, int32_t from, int32_t to)
+{
+    pel_build_scratch *s = job->scratch;
+    int32_t left = to - from, color_count = 0;
+    for (int32_t i = from; i < to; i++)
+        s->color[s->sorted[i]] = -1;
+    for (int32_t round = 0; left > 0; round += COLORS) {
+        for (int32_t i = from; i < to; i++) {
+            int32_t c = s->sorted[i];
+            const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity;
+            uint64_t taken = 0;
+            for (int k = 0; k < job->arity; k++)
+                taken |= s->masks[v[k]];
+            if (s->color[c] >= 0 || taken == UINT64_MAX)
+                continue;
+            int32_t color = __builtin_ctzll(~taken);
+            for (int k = 0; k < job->arity; k++)
+                s->masks[v[k]] |= (uint64_t)1 << color;
+            s->color[c] = round + color;
+            color_count = round + color >= color_count ? round + color + 1 : color_count;
+            left--;
+        }
+        for (int32_t i = from; i < to; i++)
+            for (int k = 0; k < job->arity; k++)
+                s->masks[job->vertices[(size_t)s->sorted[i] * (size_t)job->arity + (size_t)k]] = 0;
+    }
+    return color_count;
+}
+
+/* sorts a coloured bundle by colour into order, counts (color_count + 1) being where colours begin; returns blocks */
+static int32_t sort_colors(const build *job, int32_t from, int32_t to, int32_t color_count)
+{
+    pel_build_scratch *s = job->scratch;
+    int32_t blocks = 0;
+    memset(s->counts, 0, ((size_t)color_count + 1) * sizeof *s->counts);
+    for (int32_t i = from; i < to; i++)
+        s->counts[s->color[s->sorted[i]] + 1]++;
+    for (int32_t c = 1; c <= color_count; c++)
+        blocks += (s->counts[c] + PEL_BLOCK - 1) / PEL_BLOCK;
+    sum_counts(s->counts, color_count);
+    for (int32_t i = from; i < to; i++)
+        s->order[from + s->counts[s->color[s->sorted[i]]]++] = s->sorted[i];
+    return blocks;
+}
+
+static void fill_block(pel_batch *batch, const build *job, int32_t block, const int32_t *members, int32_t member_count)
+{
+    batch->lane_counts[block] = (uint8_t)member_count;
+    for (int32_t lane = 0; lane < PEL_BLOCK; lane++) {
+        int32_t c = members[lane < member_count ? lane : member_count - 1];
+        batch->sources[(size_t)block * PEL_BLOCK + (size_t)lane] = job->scratch->origins[c];
+        for (int k = 0; k < job->arity; k++)
+            batch->vertices[((size_t)block * (size_t)job->arity + (size_t)k) * PEL_BLOCK + (size_t)lane] =
+                job->vertices[(size_t)c * (size_t)job->arity + (size_t)k];
+    }
+}
+
+/* the blocks of a bundle, colour after colour (sorted in order, counts at the ends of colours); returns the next one */
+static int32_t fill_bundle(pel_batch *batch, const build *job, int32_t block, int32_t from, int32_t color_count)
+{
+    const pel_build_scratch *s = job->scratch;
+    int32_t begin = from;
+    for (int32_t c = 0; c < color_count; c++) {
+        int32_t end = from + s->counts[c];
+        for (; begin < end; begin += PEL_BLOCK) {
+            int32_t left = end - begin;
+            fill_block(batch, job, block++, s->order + begin, left < PEL_BLOCK ? left : PEL_BLOCK);
+        }
+        begin = end;
+    }
+    return block;
+}
+
+static pel_status allocate_blocks(pel_batch *batch, int32_t capacity, bool with_multipliers, pel_error *error)
+{
+    size_t lanes = (size_t)capacity * PEL_BLOCK;
+    batch->capacity = capacity;
+    batch->vertices = pel_allocate_aligned(lanes * (size_t)batch->arity, sizeof *batch->vertices);
+    batch->numbers = pel_allocate_aligned(lanes * (size_t)batch->number_count, sizeof *batch->numbers);
+    batch->sources = pel_allocate(lanes, sizeof *batch->sources);
+    batch->lane_counts = pel_allocate((size_t)capacity, sizeof *batch->lane_counts);
+    if (with_multipliers)
+        batch->multipliers = pel_allocate_aligned(lanes * (size_t)batch->multiplier_count, sizeof *batch->multipliers);
+    bool room = batch->vertices != NULL && batch->numbers != NULL && batch->sources != NULL &&
+                batch->lane_counts != NULL && (!with_multipliers || batch->multipliers != NULL);
+    return room ? PEL_OK : pel_fail_memory(error);
+}
+
+pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32_t first_place, int32_t place_count,
+                           int32_t count, bool with_multipliers, pel_build_scratch *scratch, pel_error *error)
+{
+    build job = {scratch->vertices, batch->arity,          count, first_place,
+                 place_count,       2 * body->piece_count, body,  scratch};
+    if (batch->bundle_begin == NULL)
+        batch->bundle_begin = pel_allocate((size_t)job.bundle_count + 1, sizeof *batch->bundle_begin);
+    if (batch->bundle_begin == NULL)
+        return pel_fail_memory(error);
+    int32_t *begin = batch->bundle_begin;
+    sort_constraints(&job, begin);
+    if (batch->vertices == NULL) {
+        int32_t blocks = 0;
+        for (int32_t b = 0; b < job.bundle_count; b++)
+            blocks += sort_colors(&job, begin[b], begin[b + 1], color_bundle(&job, begin[b], begin[b + 1]));
+        pel_status status = allocate_blocks(batch, blocks, with_multipliers, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    int32_t block = 0;
+    for (int32_t b = 0; b < job.bundle_count; b++) {
+        int32_t from = begin[b], to = begin[b + 1], colors = color_bundle(&job, from, to);
+        sort_colors(&job, from, to, colors);
+        begin[b] = block;
+        block = fill_bundle(batch, &job, block, from, colors);
+    }
+    begin[job.bundle_count] = batch->block_count = block;
+    return PEL_OK;
+}
+
+void pel_batch_destroy(pel_batch *batch)
+{
+    void *arrays[] = {batch->bundle_begin, batch->vertices, batch->numbers,
+                      batch->multipliers,  batch->sources,  batch->lane_counts};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+}
