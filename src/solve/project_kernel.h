@@ -623,7 +623,7 @@ PEL_INLINE void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, 
                                 p[1].fourth * (t2 * t2 * g22 + two * t2 * t3 * g23 + t3 * t3 * g33);
             pel_lane change;
             if (compliant) {
-                pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
+                pel_lane softness = number_of(batch, block, count, 2, lane) * pel_lane_splat(batch->law.inverse_square);
                 pel_lane old = multiplier_of(batch, block, 1, 0, lane);
                 change = -((difference + softness * old) / (mobility + softness));
                 add_multiplier(batch, block, 1, 0, lane, old, change);
