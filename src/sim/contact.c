@@ -148,6 +148,7 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
     if (sim->contacts == NULL)
         return pel_fail_memory(error);
     sim->contacts->def = *def;
+    sim->contact_in_loop &= def->response == PEL_CONTACT_IN_LOOP;
     if (def->sweeps == 0)
         sim->contacts->def.sweeps = SWEEP_PRESET;
     int64_t limit = (int64_t)CONTACTS_PER_VERTEX * sim->model->vertex_count;
