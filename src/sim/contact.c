@@ -516,7 +516,10 @@ static pel_status step(pel_sim *sim, double longest, pel_error *error)
     double began = seconds_now();
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].blocked = false;
-    if (contacts->conflict_count > 0)
+    /* the cubic may have missed some */
+    if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
+        status = pel_contact_look(sim, error);
+    if (status == PEL_OK && contacts->conflict_count > 0)
         status = pel_contact_guard(sim, error);
     contacts->statistics.guard_seconds += seconds_now() - began;
     contacts->statistics.contacts += contacts->list.count;

@@ -138,6 +138,8 @@ pel_status pel_contact_round_conflicts(pel_sim *sim, pel_error *error);
 /* Fills `conflicts` from what the collider found between start and end, and from the round tools. */
 pel_status pel_contact_find_conflicts(pel_sim *sim, const pel_collision_result *found, pel_error *error);
 pel_status pel_contact_add_conflict(pel_sim_contacts *contacts, const pel_conflict *conflict, pel_error *error);
+/* The same with a search of its own, by the conservative test, for what comes nearer than the guarded distance. */
+pel_status pel_contact_look(pel_sim *sim, pel_error *error);
 /* Steps back until the way from start to end is free; position_next, velocity_next and the tools follow. */
 pel_status pel_contact_guard(pel_sim *sim, pel_error *error);
 

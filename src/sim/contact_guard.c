@@ -322,7 +322,7 @@ static void finish(pel_sim *sim)
         contacts->statistics.tools_held += sim->tools[i].blocked;
 }
 
-static pel_status look(pel_sim *sim, pel_error *error)
+pel_status pel_contact_look(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     pel_collision_query query = pel_collision_query_default();
@@ -348,7 +348,7 @@ pel_status pel_contact_guard(pel_sim *sim, pel_error *error)
         contacts->conflict_count = 0;
         if (round == LAST_ROUND)
             break;
-        pel_status status = look(sim, error);
+        pel_status status = pel_contact_look(sim, error);
         if (status != PEL_OK)
             return status;
     }
