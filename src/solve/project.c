@@ -249,8 +249,9 @@ static double tau_of(const pel_projector *projector)
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
 {
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b], state->position,
-                               time, tau_of(projector), 1.0 / projector->solver.substeps);
+        pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b],
+                               state->bending[b].weight, state->position, time, tau_of(projector),
+                               1.0 / projector->solver.substeps);
 }
 
 void pel_project_substep(pel_projector *projector, pel_state *state, const pel_record *force,

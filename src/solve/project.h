@@ -77,8 +77,10 @@ void pel_project_sweep(const pel_projector *projector, pel_record *positions);
 pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
                                    pel_project_body *made, pel_error *error);
 void pel_project_body_destroy(pel_project_body *body);
-/* numbers of its batches at a time; tau: of a substep, share: of a step that a substep is */
-void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors,
+/* numbers of its batches at a time; weight: of the bending of pbd; tau: of a substep, share: of a step that a substep
+ * is
+ */
+void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
                             const pel_record *positions, double time, double tau, double share);
 
 /* ---- project_build.c ---- */

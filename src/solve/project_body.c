@@ -199,7 +199,6 @@ static pel_status add_bending(plan *p, pel_error *error)
         batch.number_count = p->compliant ? 2 : 1;
         batch.multiplier_count = 1;
     }
-    batch.law.weight = (pel_real)shell->bending_weight;
     return add_batch(p, batch, list_hinges(p), -1, error);
 }
 
@@ -343,14 +342,15 @@ static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_rec
         follow_principal(batch, shell, positions);
 }
 
-void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors,
+void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
                             const pel_record *positions, double time, double tau, double share)
 {
     for (int32_t i = 0; i < own->batch_count; i++) {
         pel_batch *batch = &own->batches[i];
         double factor = batch->arity == 2 ? factors[PEL_SPRING_STIFFNESS] : 1;
         bool paper = batch->kind == PEL_CONSTRAINT_ISOMETRIC || batch->kind == PEL_CONSTRAINT_ANGLE;
-        own->is_on[i] = factor > 0 && !(paper && batch->law.weight == 0);
+        batch->law.weight = (pel_real)weight;
+        own->is_on[i] = factor > 0 && !(paper && weight == 0);
         batch->law.square_time = (pel_real)(tau * tau * factor);
         batch->law.inverse_square = (pel_real)(1 / (tau * tau * factor));
         if (batch->region >= 0)
