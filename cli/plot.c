@@ -5,17 +5,20 @@
 #include <stdio.h>
 
 /* sizes in pixels */
-enum { WIDTH = 720, HEIGHT = 460, LEFT = 80, RIGHT = 20, TOP = 44, BOTTOM = 56 };
+enum { WIDTH = 720, HEIGHT = 460, LEFT = 96, RIGHT = 20, TOP = 44, BOTTOM = 56 };
 
 /* Okabe and Ito 2008: told apart also by the colour-blind */
 static const char *const colors[CLI_CURVES] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                "#e69f00", "#56b4e9", "#000000", "#999999"};
 
+enum { TICKS = 64 };
+
 typedef struct axis {
     bool log;
     double low, high; /* of the value or of its logarithm to base 10 */
-    double step;      /* between ticks */
-    int from, to;     /* pixels */
+    double ticks[TICKS];
+    int tick_count;
+    int from, to; /* pixels */
 } axis;
 
 static double on_scale(const axis *a, double value)
@@ -35,6 +38,34 @@ static double round_step(double span, int count)
     return power * (rest < 1.5 ? 1 : rest < 3.5 ? 2 : rest < 7.5 ? 5 : 10);
 }
 
+/* multiples of a round step, the first at or below the lowest value, the last at or above the highest */
+static void set_ticks(axis *a)
+{
+    double step = round_step(a->high - a->low, 6);
+    for (double i = floor(a->low / step + 1e-9); a->tick_count < TICKS; i++) {
+        a->ticks[a->tick_count++] = i * step;
+        if (i * step >= a->high - 1e-9 * step)
+            break;
+    }
+}
+
+/* 1, 2 and 5 times the powers of ten, likewise; the powers alone when the span is wide */
+static void set_log_ticks(axis *a)
+{
+    static const double parts[3] = {1, 2, 5};
+    bool wide = a->high - a->low > 3;
+    double last = pow(10, a->high), first = pow(10, a->low);
+    for (double power = pow(10, floor(a->low)); a->tick_count < TICKS; power *= 10)
+        for (int i = 0; i < (wide ? 1 : 3); i++) {
+            double tick = power * parts[i];
+            if (tick <= first * (1 + 1e-9))
+                a->tick_count = 0;
+            a->ticks[a->tick_count++] = tick;
+            if (tick >= last * (1 - 1e-9))
+                return;
+        }
+}
+
 static void fit_axis(const cli_plot *plot, bool vertical, axis *a)
 {
     a->low = HUGE_VAL;
@@ -49,9 +80,12 @@ static void fit_axis(const cli_plot *plot, bool vertical, axis *a)
         a->low -= 0.5;
         a->high += 0.5;
     }
-    a->step = a->log && a->high - a->low > 2 ? 1 : round_step(a->high - a->low, 6);
-    a->low = a->step * floor(a->low / a->step + 1e-9);
-    a->high = a->step * ceil(a->high / a->step - 1e-9);
+    if (a->log)
+        set_log_ticks(a);
+    else
+        set_ticks(a);
+    a->low = on_scale(a, a->ticks[0]);
+    a->high = on_scale(a, a->ticks[a->tick_count - 1]);
 }
 
 static void write_text(FILE *file, double x, double y, const char *anchor, const char *text)
@@ -68,11 +102,11 @@ static void write_text(FILE *file, double x, double y, const char *anchor, const
 
 static void write_axis(FILE *file, const axis *a, bool vertical)
 {
-    int count = (int)lround((a->high - a->low) / a->step);
-    for (int i = 0; i <= count; i++) {
-        double value = a->low + i * a->step, at = a->from + (double)i / count * (a->to - a->from);
+    double step = a->tick_count > 1 ? a->ticks[1] - a->ticks[0] : 1;
+    for (int i = 0; i < a->tick_count; i++) {
+        double value = a->ticks[i], at = pixel(a, value);
         char text[32];
-        snprintf(text, sizeof text, "%.4g", a->log ? pow(10, value) : fabs(value) < 1e-9 * a->step ? 0 : value);
+        snprintf(text, sizeof text, "%.6g", fabs(value) < 1e-9 * step ? 0 : value);
         if (vertical) {
             fprintf(file, "<path d=\"M%d %.1fH%d\" stroke=\"#ddd\"/>\n", LEFT, at, WIDTH - RIGHT);
             write_text(file, LEFT - 8, at + 4, "end", text);

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { SWEEP_PRESET = 10, ROUND_LIMIT = 5, CONTACTS_PER_VERTEX = 8 };
+enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 8 };
 
 /* distance that the guard keeps, of the thickness */
 #define GUARDED_SHARE 0.3
@@ -105,12 +105,11 @@ static pel_status allocate_guard(pel_sim *sim, pel_error *error)
     pel_sim_contacts *contacts = sim->contacts;
     size_t places = (size_t)contacts->place_count, nodes = places + (size_t)sim->tool_count;
     contacts->solved = pel_allocate(places, sizeof *contacts->solved);
-    contacts->shares = pel_allocate(nodes, sizeof *contacts->shares);
-    contacts->group = pel_allocate(nodes, sizeof *contacts->group);
-    contacts->group_share = pel_allocate(nodes, sizeof *contacts->group_share);
+    contacts->zones = pel_allocate(nodes, sizeof *contacts->zones);
+    contacts->rings = pel_allocate(nodes, sizeof *contacts->rings);
     contacts->wanted = pel_allocate((size_t)sim->tool_count, sizeof *contacts->wanted);
-    bool made = contacts->solved != NULL && contacts->shares != NULL && contacts->group != NULL &&
-                contacts->group_share != NULL && contacts->wanted != NULL;
+    bool made =
+        contacts->solved != NULL && contacts->zones != NULL && contacts->rings != NULL && contacts->wanted != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -149,6 +148,7 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
     if (sim->contacts == NULL)
         return pel_fail_memory(error);
     sim->contacts->def = *def;
+    sim->contact_in_loop &= def->response == PEL_CONTACT_IN_LOOP;
     if (def->sweeps == 0)
         sim->contacts->def.sweeps = SWEEP_PRESET;
     int64_t limit = (int64_t)CONTACTS_PER_VERTEX * sim->model->vertex_count;
@@ -179,13 +179,13 @@ void pel_contacts_destroy(pel_sim *sim)
     if (contacts == NULL)
         return;
     pel_collider_destroy(contacts->collider);
-    void *arrays[] = {contacts->triangles,     contacts->group_of_point, contacts->may_meet,
-                      contacts->revisions,     contacts->tools,          contacts->start,
-                      contacts->end,           contacts->list.contacts,  contacts->keys,
-                      contacts->other_keys,    contacts->other_contacts, contacts->conflicts,
-                      contacts->times,         contacts->solved,         contacts->shares,
-                      contacts->group,         contacts->group_share,    contacts->wanted,
-                      contacts->tangles.pairs, contacts->tangles.keys,   contacts->before_event};
+    void *arrays[] = {contacts->triangles,    contacts->group_of_point, contacts->may_meet,
+                      contacts->revisions,    contacts->tools,          contacts->start,
+                      contacts->end,          contacts->list.contacts,  contacts->keys,
+                      contacts->other_keys,   contacts->other_contacts, contacts->conflicts,
+                      contacts->impacts,      contacts->solved,         contacts->zones,
+                      contacts->rings,        contacts->wanted,         contacts->tangles.pairs,
+                      contacts->tangles.keys, contacts->before_event};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(contacts);
@@ -194,37 +194,37 @@ void pel_contacts_destroy(pel_sim *sim)
 
 /* ---- records ---- */
 
-/* a record from a hit; false when none of its points can move */
-static bool make_contact(const pel_sim *sim, const pel_collision *hit, pel_contact *contact)
+/* a record from a pair and where it meets; false when none of its points can move */
+static bool make_contact(const pel_sim *sim, const pel_collision *pair, const pel_ccd_hit *hit, pel_contact *contact)
 {
     const pel_sim_contacts *contacts = sim->contacts;
     double separation = contacts->thickness, free = 0;
     *contact = (pel_contact){.friction = (pel_real)contacts->def.friction};
     double drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
-        int32_t point = hit->vertices[i];
-        double weight = hit->hit.weight[i], way[3];
+        int32_t point = pair->vertices[i];
+        double weight = hit->weight[i], way[3];
         if (point < contacts->place_count) {
             contact->vertices[i] = point;
             contact->weights[i] = (pel_real)weight;
             free += (double)sim->model->inverse_mass[point] * weight * weight;
             continue;
         }
-        separation -= weight * pel_vec3_dot(contacts->end[point], hit->hit.normal);
+        separation -= weight * pel_vec3_dot(contacts->end[point], hit->normal);
         pel_vec3_subtract(contacts->end[point], contacts->start[point], way);
         pel_vec3_along(drift, -weight, way, drift);
     }
     contact->separation = (pel_real)separation;
     for (int k = 0; k < 3; k++) {
-        contact->normal[k] = (pel_real)hit->hit.normal[k];
+        contact->normal[k] = (pel_real)hit->normal[k];
         contact->drift[k] = (pel_real)drift[k];
     }
-    return free > 0 && pel_vec3_squared_length(hit->hit.normal) > 0.5;
+    return free > 0 && pel_vec3_squared_length(hit->normal) > 0.5;
 }
 
 static pel_contact_key make_key(const pel_sim *sim, const pel_collision *hit)
 {
-    pel_contact_key key = {hit->edge_edge, hit->first, hit->second, -1};
+    pel_contact_key key = {hit->edge_edge, hit->first, hit->second, -1, false};
     for (int i = 0; i < 4 && key.tool < 0; i++)
         key.tool = pel_contact_tool_of(sim, hit->vertices[i]);
     return key;
@@ -264,44 +264,64 @@ static void exchange_lists(pel_sim_contacts *contacts, int32_t count)
     contacts->other_key_capacity = key_capacity;
 }
 
-/* puts what was found into the list; a pair that is there already takes the new place and keeps its sums */
-static pel_status merge(pel_sim *sim, const pel_collision_result *found, pel_error *error)
+/* what was found on its way into the list */
+typedef struct merger {
+    pel_sim *sim;
+    const pel_ccd_hit *impacts; /* of conflicts among what was found; null = not looked for */
+    int32_t old, count;         /* contacts of the list that were taken over, contacts of the merged list */
+} merger;
+
+/* takes over what comes before a key, all when it is null; true when the next one has this key */
+static bool take_over(merger *m, const pel_contact_key *key)
+{
+    pel_sim_contacts *contacts = m->sim->contacts;
+    for (; m->old < contacts->list.count; m->old++) {
+        int order = key != NULL ? compare_keys(&contacts->keys[m->old], key) : -1;
+        if (order >= 0)
+            return order == 0;
+        contacts->other_keys[m->count] = contacts->keys[m->old];
+        contacts->other_contacts[m->count++] = contacts->list.contacts[m->old];
+    }
+    return false;
+}
+
+/* a pair that is in the list takes the new place and keeps its sums, unless its place says more */
+static void add_found(merger *m, const pel_collision *pair, int64_t number)
+{
+    pel_sim_contacts *contacts = m->sim->contacts;
+    pel_contact_key key = make_key(m->sim, pair);
+    key.is_impact = m->impacts != NULL && m->impacts[number].time_of_impact <= 1;
+    bool known = take_over(m, &key);
+    pel_contact contact, *old = known ? &contacts->list.contacts[m->old] : NULL;
+    if (known && contacts->keys[m->old].is_impact && !key.is_impact)
+        return;
+    if (!make_contact(m->sim, pair, key.is_impact ? &m->impacts[number] : &pair->hit, &contact))
+        return;
+    if (known) {
+        contact.push = old->push;
+        memcpy(contact.tangential, old->tangential, sizeof contact.tangential);
+        m->old++;
+    } else if (contacts->list.count - m->old + m->count >= contacts->limit) {
+        contacts->statistics.dropped++;
+        return;
+    }
+    contacts->other_keys[m->count] = key;
+    contacts->other_contacts[m->count++] = contact;
+}
+
+/* puts what was found into the list */
+static pel_status merge(pel_sim *sim, const pel_collision_result *found, const pel_ccd_hit *impacts, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    const pel_contact_list *list = &contacts->list;
-    pel_status status = make_room(contacts, (size_t)list->count + (size_t)found->collision_count, error);
+    merger m = {.sim = sim, .impacts = impacts};
+    pel_status status = make_room(contacts, (size_t)contacts->list.count + (size_t)found->collision_count, error);
     if (status != PEL_OK)
         return status;
-    int32_t old = 0, count = 0;
-    for (int64_t i = 0; i <= found->collision_count; i++) {
-        bool last = i == found->collision_count;
-        const pel_collision *hit = &found->collisions[i];
-        pel_contact_key key = {0};
-        if (!last)
-            key = make_key(sim, hit);
-        int order = 1;
-        while (old < list->count && (last || (order = compare_keys(&contacts->keys[old], &key)) < 0)) {
-            contacts->other_keys[count] = contacts->keys[old];
-            contacts->other_contacts[count++] = list->contacts[old++];
-        }
-        pel_contact contact;
-        if (last || (contacts->tangles.count > 0 && pel_tangles_have(contacts, hit)))
-            continue;
-        bool known = old < list->count && order == 0;
-        if (!make_contact(sim, hit, &contact))
-            continue;
-        if (known) {
-            contact.push = list->contacts[old].push;
-            memcpy(contact.tangential, list->contacts[old].tangential, sizeof contact.tangential);
-            old++;
-        } else if (list->count - old + count >= contacts->limit) {
-            contacts->statistics.dropped++;
-            continue;
-        }
-        contacts->other_keys[count] = key;
-        contacts->other_contacts[count++] = contact;
-    }
-    exchange_lists(contacts, count);
+    for (int64_t i = 0; i < found->collision_count; i++)
+        if (contacts->tangles.count == 0 || !pel_tangles_have(contacts, &found->collisions[i]))
+            add_found(&m, &found->collisions[i], i);
+    take_over(&m, NULL);
+    exchange_lists(contacts, m.count);
     return PEL_OK;
 }
 
@@ -385,7 +405,7 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
     double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
     pel_collision_result found;
     pel_status status = search(sim, fmin(reach, 4 * contacts->thickness), &found, error);
-    return status == PEL_OK ? merge(sim, &found, error) : status;
+    return status == PEL_OK ? merge(sim, &found, NULL, error) : status;
 }
 
 /* ---- correction ---- */
@@ -464,7 +484,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         if (found.collision_count + contacts->list.count == 0 && contacts->conflict_count == 0)
             return PEL_OK;
         double began = seconds_now();
-        status = merge(sim, &found, error);
+        status = merge(sim, &found, contacts->impacts, error);
         if (status != PEL_OK)
             return status;
         correct(sim, once ? 1 : contacts->def.sweeps);

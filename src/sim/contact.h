@@ -19,6 +19,7 @@ typedef struct pel_contact_key {
     bool edge_edge;
     int32_t first, second;
     int32_t tool;
+    bool is_impact; /* its place is that of a conflict in this step, which says more than where the step began */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */
@@ -27,6 +28,19 @@ typedef struct pel_conflict {
     int32_t tool;      /* -1 = none */
     double time;       /* of impact, as part of the way */
 } pel_conflict;
+
+/* What goes as one in the guard: a vertex or tool at first. Numbers of a zone stand at its root, but for is_stopped. */
+typedef struct pel_zone {
+    int32_t parent;     /* of a forest; itself = root */
+    bool is_joined;     /* more than one */
+    bool is_scaled;     /* has a tool or what cannot move: goes a share of its ways */
+    bool is_new;        /* joined in this round */
+    bool is_stopped;    /* this node stays */
+    double share;       /* of the way */
+    double impact;      /* earliest in this round, 1 = none that counts */
+    double mass;        /* kg */
+    double momentum[3]; /* kg m: sum of mass times way */
+} pel_zone;
 
 /* tools as a part of the surface */
 typedef struct pel_contact_tool {
@@ -71,12 +85,11 @@ struct pel_sim_contacts {
     /* the guard */
     pel_conflict *conflicts; /* of the last look */
     size_t conflict_count, conflict_capacity;
-    double *times; /* (collisions) scratch: time of impact, above 1 = none */
-    size_t time_capacity;
+    pel_ccd_hit *impacts; /* (collisions of the last look) where they are conflicts; time above 1 = they are not */
+    size_t impact_capacity;
     double (*solved)[3]; /* (place_count) end positions before anything was stepped back */
-    double *shares;      /* (place_count + tool_count) how much of its way each goes */
-    int32_t *group;      /* (place_count + tool_count) union-find of the step */
-    double *group_share; /* (place_count + tool_count) */
+    pel_zone *zones;     /* (place_count + tool_count) */
+    int32_t *rings;      /* (same) scratch */
     pel_pose *wanted;    /* (tool_count) poses before they were held back */
     void *before_event;  /* (event_size) snapshot, of models that refine; else null */
     size_t event_size;

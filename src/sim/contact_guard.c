@@ -1,18 +1,19 @@
 /* The guard: no step ends with an intersection that it did not begin with.
 
-   Every vertex goes a share s of its way from the start x0 of the step to the end x1, at first 1; so does every tool.
-   A conflict is a pair that comes nearer than it may on the ways x0 .. x0 + s (x1 - x0), by the conservative test,
-   which misses none. While there are conflicts, shares fall:
+   A conflict is a pair that comes nearer than it may between the start x0 of the step and its end x1, all points going
+   straight, by the conservative test, which misses none. While there are conflicts the ways get shorter:
 
-     rounds 0 .. 3    of the vertices and tools of each connected group of conflicts, by 0.9 times the earliest time of
-                      impact in it
-     rounds 4 .. 11   those of conflicts, and ever more rings of vertices around them, to 0
-     round 12         all, to 0
+     rounds 0 .. 9    the points of conflicts, connected ones together, become zones. A zone goes as one, by the mean of
+                      its ways weighted with mass (the impact zones of Provot 1997 and Bridson et al. 2002, without
+                      rotation), so that momentum stays. One with a tool or a vertex that cannot move goes a share of
+                      its ways instead, and so does one with a conflict inside: 0.9 of the time of impact, each time
+     rounds 10 .. 15  the points of conflicts, and ever more rings around them, stay where they were
+     round 16         everything stays
 
-   A pair whose points all have share 0 does not move, hence is as free as at the start: it is no conflict. So the loop
-   ends after 13 rounds at the latest, and ends free: without a conflict no two features that have no vertex in common
-   touch on the way, and an intersection of two triangles that was not there begins with such a touch, also where they
-   are neighbours. End positions are rounded to pel_real before they are tested.
+   A pair whose points all stay is as free as at the start: it is no conflict. So the loop ends after 17 rounds at the
+   latest, and it ends free: without a conflict no two features that have no vertex in common touch on the way, and an
+   intersection of two triangles that was not there begins with such a touch, also where they are neighbours. End
+   positions are rounded to pel_real before they are tested.
 
    How near may a pair come? To the guarded distance; when it starts nearer than that, to 0.99 of where it starts, so
    that it can part and slide but not close in. */
@@ -24,7 +25,7 @@
 
 #include <string.h>
 
-enum { SCALED_ROUNDS = 4, LAST_ROUND = 12, HITS_OF_CHUNK = 64 };
+enum { ZONE_ROUNDS = 10, LAST_ROUND = 16, HITS_OF_CHUNK = 64 };
 
 #define APPROACH 0.99
 #define SAFE_TIME 0.9
@@ -59,9 +60,10 @@ static double longest_approach(const double start[4][3], const double end[4][3],
     return side[0] + side[1];
 }
 
-/* time of impact of what the guard minds, NO_IMPACT when there is none */
-static double impact_time(const pel_sim_contacts *contacts, const pel_collision *hit)
+/* impact of what the guard minds; time NO_IMPACT when there is none */
+static pel_ccd_hit find_impact(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
+    pel_ccd_hit impact = {.time_of_impact = NO_IMPACT};
     double start[4][3], end[4][3], distance = start_distance(contacts, hit);
     for (int i = 0; i < 4; i++) {
         pel_vec3_copy(contacts->start[hit->vertices[i]], start[i]);
@@ -71,14 +73,15 @@ static double impact_time(const pel_sim_contacts *contacts, const pel_collision 
     double separation = fmin(contacts->guarded, APPROACH * distance);
     /* twice, to be far from rounding */
     if (approach == 0 || distance - 2 * approach > separation)
-        return NO_IMPACT;
-    pel_ccd_hit impact;
+        return impact;
     double tolerance = 1e-3 * separation;
     bool hits =
         hit->edge_edge
             ? pel_ccd_edge_edge((const double(*)[3])start, (const double(*)[3])end, separation, tolerance, &impact)
             : pel_ccd_vertex_face((const double(*)[3])start, (const double(*)[3])end, separation, tolerance, &impact);
-    return hits ? impact.time_of_impact : NO_IMPACT;
+    if (!hits)
+        impact.time_of_impact = NO_IMPACT;
+    return impact;
 }
 
 static void check_chunk(void *context, int32_t chunk)
@@ -86,7 +89,7 @@ static void check_chunk(void *context, int32_t chunk)
     const check *c = context;
     int64_t begin = (int64_t)chunk * HITS_OF_CHUNK, end = begin + HITS_OF_CHUNK;
     for (int64_t i = begin; i < end && i < c->found->collision_count; i++)
-        c->contacts->times[i] = impact_time(c->contacts, &c->found->collisions[i]);
+        c->contacts->impacts[i] = find_impact(c->contacts, &c->found->collisions[i]);
 }
 
 pel_status pel_contact_add_conflict(pel_sim_contacts *contacts, const pel_conflict *conflict, pel_error *error)
@@ -113,38 +116,28 @@ pel_status pel_contact_find_conflicts(pel_sim *sim, const pel_collision_result *
 {
     pel_sim_contacts *contacts = sim->contacts;
     contacts->conflict_count = 0;
-    if (!pel_reserve((void **)&contacts->times, &contacts->time_capacity, (size_t)found->collision_count,
-                     sizeof *contacts->times))
+    if (!pel_reserve((void **)&contacts->impacts, &contacts->impact_capacity, (size_t)found->collision_count,
+                     sizeof *contacts->impacts))
         return pel_fail_memory(error);
     check all = {contacts, found};
     pel_pool_run(sim->pool, (int32_t)((found->collision_count + HITS_OF_CHUNK - 1) / HITS_OF_CHUNK), check_chunk, &all);
     pel_status status = PEL_OK;
     for (int64_t i = 0; status == PEL_OK && i < found->collision_count; i++) {
         const pel_collision *hit = &found->collisions[i];
-        if (contacts->times[i] > 1 || (contacts->tangles.count > 0 && pel_tangles_have(contacts, hit)))
+        if (contacts->impacts[i].time_of_impact > 1 || (contacts->tangles.count > 0 && pel_tangles_have(contacts, hit)))
             continue;
-        status = add_hit(sim, hit, contacts->times[i], error);
+        status = add_hit(sim, hit, contacts->impacts[i].time_of_impact, error);
     }
     return status == PEL_OK ? pel_contact_round_conflicts(sim, error) : status;
 }
 
-/* ---- groups ---- */
+/* ---- zones ---- */
 
-static int32_t find_group(int32_t *group, int32_t node)
+static int32_t find_zone(pel_zone *zones, int32_t node)
 {
-    while (group[node] != node)
-        node = group[node] = group[group[node]];
+    while (zones[node].parent != node)
+        node = zones[node].parent = zones[zones[node].parent].parent;
     return node;
-}
-
-static void join(int32_t *group, int32_t a, int32_t b)
-{
-    a = find_group(group, a);
-    b = find_group(group, b);
-    if (a < b)
-        group[b] = a;
-    else
-        group[a] = b;
 }
 
 /* the nodes of a conflict: places, then the tool; returns how many */
@@ -159,109 +152,163 @@ static int nodes_of(const pel_sim_contacts *contacts, const pel_conflict *confli
     return count;
 }
 
-/* each group of conflicts goes on to 0.9 of its earliest impact */
-static void scale_groups(pel_sim_contacts *contacts, int32_t node_count)
+/* every node a zone of its own, going all of its way */
+static void begin_zones(pel_sim *sim)
 {
-    int32_t nodes[5];
-    for (int32_t i = 0; i < node_count; i++) {
-        contacts->group[i] = i;
-        contacts->group_share[i] = 1;
-    }
-    for (size_t c = 0; c < contacts->conflict_count; c++) {
-        int count = nodes_of(contacts, &contacts->conflicts[c], nodes);
-        for (int i = 1; i < count; i++)
-            join(contacts->group, nodes[0], nodes[i]);
-    }
-    for (size_t c = 0; c < contacts->conflict_count; c++) {
-        nodes_of(contacts, &contacts->conflicts[c], nodes);
-        double *share = &contacts->group_share[find_group(contacts->group, nodes[0])];
-        *share = fmin(*share, SAFE_TIME * contacts->conflicts[c].time);
-    }
-    for (int32_t i = 0; i < node_count; i++) {
-        double share = contacts->shares[i] * contacts->group_share[find_group(contacts->group, i)];
-        contacts->shares[i] = share < LEAST_SHARE ? 0 : share;
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t i = 0; i < contacts->place_count + sim->tool_count; i++) {
+        pel_zone *zone = &contacts->zones[i];
+        *zone = (pel_zone){.parent = i, .share = 1, .is_scaled = true};
+        if (i >= contacts->place_count || sim->model->inverse_mass[i] <= 0)
+            continue;
+        double mass = (double)sim->model->mass[i];
+        *zone = (pel_zone){.parent = i, .share = 1, .mass = mass};
+        for (int k = 0; k < 3; k++)
+            zone->momentum[k] = mass * (contacts->solved[i][k] - contacts->start[i][k]);
     }
 }
 
-/* conflicts and some rings around them stay where they were; group is scratch: 1 = to be stopped */
+/* returns the zone of both */
+static int32_t join(pel_zone *zones, int32_t a, int32_t b)
+{
+    a = find_zone(zones, a);
+    b = find_zone(zones, b);
+    if (a == b)
+        return a;
+    pel_zone *kept = &zones[a < b ? a : b];
+    const pel_zone *gone = &zones[a < b ? b : a];
+    kept->is_joined = true;
+    kept->is_scaled |= gone->is_scaled;
+    kept->share = fmin(kept->share, gone->share);
+    kept->mass += gone->mass;
+    pel_vec3_add(kept->momentum, gone->momentum, kept->momentum);
+    zones[a < b ? b : a].parent = a < b ? a : b;
+    return a < b ? a : b;
+}
+
+/* conflicts join zones; one inside a zone, or with what cannot go as one, shortens its way */
+static void join_conflicts(pel_sim_contacts *contacts, int32_t node_count)
+{
+    pel_zone *zones = contacts->zones;
+    int32_t nodes[5];
+    for (int32_t i = 0; i < node_count; i++)
+        zones[i].impact = 1;
+    for (size_t c = 0; c < contacts->conflict_count; c++) {
+        const pel_conflict *conflict = &contacts->conflicts[c];
+        int count = nodes_of(contacts, conflict, nodes);
+        int32_t zone = find_zone(zones, nodes[0]);
+        bool inside = true;
+        for (int i = 1; i < count; i++)
+            inside &= find_zone(zones, nodes[i]) == zone;
+        /* a pair that conflicts while it goes as one, by its zone as it was before this round */
+        if (inside && !zones[zone].is_new)
+            zones[zone].impact = fmin(zones[zone].impact, conflict->time);
+        for (int i = 1; i < count; i++) {
+            double impact = fmin(zones[zone].impact, zones[find_zone(zones, nodes[i])].impact);
+            zone = join(zones, zone, nodes[i]);
+            zones[zone].impact = impact;
+            zones[zone].is_new |= !inside;
+        }
+        if (zones[zone].is_scaled)
+            zones[zone].impact = fmin(zones[zone].impact, conflict->time);
+    }
+    for (int32_t i = 0; i < node_count; i++) {
+        pel_zone *zone = &zones[i];
+        zone->is_new = false;
+        if (zone->parent != i || zone->impact >= 1)
+            continue;
+        zone->share *= SAFE_TIME * zone->impact;
+        if (zone->share < LEAST_SHARE)
+            zone->share = 0;
+    }
+}
+
+/* conflicts and some rings around them stay where they were */
 static void stop_conflicts(pel_sim_contacts *contacts, int32_t node_count, int rings)
 {
-    int32_t nodes[5];
-    memset(contacts->group, 0, (size_t)node_count * sizeof *contacts->group);
+    int32_t nodes[5], *ring_of = contacts->rings;
+    memset(ring_of, 0, (size_t)node_count * sizeof *ring_of);
     for (size_t c = 0; c < contacts->conflict_count; c++)
         for (int i = nodes_of(contacts, &contacts->conflicts[c], nodes) - 1; i >= 0; i--)
-            contacts->group[nodes[i]] = 1;
+            ring_of[nodes[i]] = 1;
     for (int ring = 1; ring <= rings; ring++)
         for (int32_t t = 0; t < contacts->triangle_count; t++) {
             const int32_t *v = contacts->triangles[t];
-            if (v[0] >= contacts->place_count)
-                continue;
-            for (int i = 0; i < 3; i++)
-                if (contacts->group[v[i]] >= 1 && contacts->group[v[i]] <= ring)
-                    for (int k = 0; k < 3; k++)
-                        if (contacts->group[v[k]] == 0)
-                            contacts->group[v[k]] = ring + 1;
+            for (int i = 0; i < 3 && v[0] < contacts->place_count; i++)
+                for (int k = 0; k < 3; k++)
+                    if (ring_of[v[i]] == ring && ring_of[v[k]] == 0)
+                        ring_of[v[k]] = ring + 1;
         }
     for (int32_t i = 0; i < node_count; i++)
-        if (contacts->group[i] != 0)
-            contacts->shares[i] = 0;
+        contacts->zones[i].is_stopped |= ring_of[i] != 0;
 }
 
-static void fall_back(pel_sim_contacts *contacts, int32_t node_count, int round)
+static void shorten_ways(pel_sim_contacts *contacts, int32_t node_count, int round)
 {
-    if (round < SCALED_ROUNDS)
-        scale_groups(contacts, node_count);
+    if (round < ZONE_ROUNDS)
+        join_conflicts(contacts, node_count);
     else if (round < LAST_ROUND)
-        stop_conflicts(contacts, node_count, round - SCALED_ROUNDS);
+        stop_conflicts(contacts, node_count, round - ZONE_ROUNDS);
     else
-        memset(contacts->shares, 0, (size_t)node_count * sizeof *contacts->shares);
+        for (int32_t i = 0; i < node_count; i++)
+            contacts->zones[i].is_stopped = true;
 }
 
 /* ---- positions ---- */
 
-static void move_places(pel_sim *sim)
+static void move_place(pel_sim *sim, int32_t p)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    pel_state *state = sim->state;
-    for (int32_t p = 0; p < contacts->place_count; p++) {
-        double share = contacts->shares[p];
-        if (share >= 1)
-            continue;
-        for (int k = 0; k < 3; k++) {
-            double x = contacts->start[p][k] + share * (contacts->solved[p][k] - contacts->start[p][k]);
-            state->position_next[p][k] = share > 0 ? (pel_real)x : state->position[p][k];
-            contacts->end[p][k] = (double)state->position_next[p][k];
-        }
+    const pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)];
+    pel_record *next = &sim->state->position_next[p];
+    const double *start = contacts->start[p], *solved = contacts->solved[p];
+    bool stays = contacts->zones[p].is_stopped || zone->share <= 0, goes_as_one = zone->is_joined && !zone->is_scaled;
+    if (!stays && !goes_as_one && zone->share >= 1)
+        return;
+    for (int k = 0; k < 3; k++) {
+        double way = goes_as_one ? zone->momentum[k] / zone->mass : solved[k] - start[k];
+        (*next)[k] = stays ? sim->state->position[p][k] : (pel_real)(start[k] + zone->share * way);
+        contacts->end[p][k] = (double)(*next)[k];
     }
 }
 
-static void move_tools(pel_sim *sim)
+static void move_tool(pel_sim *sim, int32_t i)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    for (int32_t i = 0; i < sim->tool_count; i++) {
-        pel_tool *tool = &sim->tools[i];
-        double share = contacts->shares[contacts->place_count + i];
-        if (share >= 1)
-            continue;
-        tool->blocked = true;
-        pel_tool_pose_between(&tool->pose_before, &contacts->wanted[i], share, &tool->pose);
-        pel_contact_tool_points(&contacts->tools[i], &tool->pose, contacts->end);
-    }
+    int32_t node = contacts->place_count + i;
+    double share = contacts->zones[node].is_stopped ? 0 : contacts->zones[find_zone(contacts->zones, node)].share;
+    if (share >= 1)
+        return;
+    pel_tool *tool = &sim->tools[i];
+    tool->blocked = true;
+    pel_tool_pose_between(&tool->pose_before, &contacts->wanted[i], share, &tool->pose);
+    pel_contact_tool_points(&contacts->tools[i], &tool->pose, contacts->end);
 }
 
+static void move_all(pel_sim *sim)
+{
+    for (int32_t p = 0; p < sim->contacts->place_count; p++)
+        move_place(sim, p);
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        move_tool(sim, i);
+}
+
+/* velocities follow what became of the positions */
 static void finish(pel_sim *sim)
 {
     pel_sim_contacts *contacts = sim->contacts;
     pel_state *state = sim->state;
     for (int32_t p = 0; p < contacts->place_count; p++) {
-        if (contacts->shares[p] >= 1)
+        double change[3];
+        pel_vec3_subtract(contacts->end[p], contacts->solved[p], change);
+        if (change[0] == 0 && change[1] == 0 && change[2] == 0)
             continue;
-        contacts->statistics.fall_backs += sim->model->mesh_vertex[p] >= 0;
+        contacts->statistics.fall_backs++;
         for (int k = 0; k < 3 && state->velocity_next != NULL; k++)
-            state->velocity_next[p][k] += (pel_real)((contacts->end[p][k] - contacts->solved[p][k]) / sim->step.dt);
+            state->velocity_next[p][k] += (pel_real)(change[k] / sim->step.dt);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
-        contacts->statistics.tools_held += contacts->shares[contacts->place_count + i] < 1;
+        contacts->statistics.tools_held += sim->tools[i].blocked;
 }
 
 static pel_status look(pel_sim *sim, pel_error *error)
@@ -281,14 +328,12 @@ pel_status pel_contact_guard(pel_sim *sim, pel_error *error)
     pel_sim_contacts *contacts = sim->contacts;
     int32_t node_count = contacts->place_count + sim->tool_count;
     memcpy(contacts->solved, contacts->end, (size_t)contacts->place_count * sizeof *contacts->solved);
-    for (int32_t i = 0; i < node_count; i++)
-        contacts->shares[i] = 1;
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->wanted[i] = sim->tools[i].pose;
+    begin_zones(sim);
     for (int round = 0; contacts->conflict_count > 0; round++) {
-        fall_back(contacts, node_count, round);
-        move_places(sim);
-        move_tools(sim);
+        shorten_ways(contacts, node_count, round);
+        move_all(sim);
         contacts->conflict_count = 0;
         if (round == LAST_ROUND)
             break;

@@ -49,23 +49,27 @@ pel_status pel_project_create(pel_sim *sim, pel_error *error)
     return status;
 }
 
-static bool has_pressure(const pel_sim *sim)
+/* a pressure that the projector does not know */
+static bool has_normal_pressure(const pel_sim *sim)
 {
     for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
         const pel_shell *shell = sim->model->bodies[b].shell;
-        if (shell != NULL && shell->pressure.kind != PEL_PRESSURE_NONE)
+        if (shell != NULL && shell->pressure.kind != PEL_PRESSURE_NONE &&
+            shell->pressure.form != PEL_PRESSURE_CONSISTENT)
             return true;
     }
     return false;
 }
 
 /* loads and pressure at a time into sim->force */
-static void find_forces(pel_sim *sim, double time, bool pressure, const pel_record *positions)
+static void find_forces(pel_sim *sim, double time, bool normal_pressure, const pel_record *positions)
 {
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_loads_add(sim, time, sim->force);
-    if (pressure)
+    if (normal_pressure)
         pel_shell_forces_add(sim->shells, positions, time, PEL_SHELL_PRESSURE, sim->pool, sim->force);
+    else
+        pel_projector_add_pressure(sim->projector, positions, time, sim->force);
 }
 
 static double edge_length(const pel_record *positions, int32_t a, int32_t b)
@@ -109,10 +113,10 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
     if (status != PEL_OK)
         return status;
     double start = pel_sim_time(sim);
-    bool pressure = has_pressure(sim);
+    bool normal_pressure = has_normal_pressure(sim);
     pel_projector_begin(sim->projector, state, start);
     for (int32_t s = 0; s < sim->solver.substeps; s++) {
-        find_forces(sim, start + s * sim->projector->substep, pressure,
+        find_forces(sim, start + s * sim->projector->substep, normal_pressure,
                     s == 0 ? state->position : state->position_next);
         pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
     }

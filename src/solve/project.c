@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "force/pressure.h"
 #include "solve/contact.h"
 
 #include <math.h>
@@ -127,6 +128,38 @@ void pel_project_sweep(const pel_projector *projector, pel_record *positions)
     }
 }
 
+static void press_bundle(void *context, int32_t chunk)
+{
+    const sweep_job *job = context;
+    const pel_bundle *bundle = &job->projector->bundles[job->first + chunk];
+    const pel_batch *batch = job->projector->bodies[bundle->body].pressure;
+    if (batch != NULL)
+        pel_project_wide[batch->kind](batch, batch->bundle_begin[bundle->number],
+                                      batch->bundle_begin[bundle->number + 1], job->positions);
+}
+
+void pel_projector_add_pressure(pel_projector *projector, const pel_record *positions, double time, pel_record *force)
+{
+    const pel_model *model = projector->model;
+    bool any = false;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b];
+        pel_batch *batch = projector->bodies[b].pressure;
+        if (batch == NULL)
+            continue;
+        any = true;
+        bool by_volume = body->shell->pressure.kind != PEL_PRESSURE_GIVEN;
+        double volume = by_volume ? pel_body_volume(model, b, positions) : body->rest_volume;
+        batch->law.strength = (pel_real)(pel_pressure_difference(body->shell, time, volume, body->rest_volume) / 6);
+        batch->target = force;
+    }
+    for (int phase = 0; any && phase < PEL_PHASE_COUNT; phase++) {
+        /* the kernel reads positions only */
+        sweep_job job = {projector, (pel_record *)(uintptr_t)positions, projector->phase_begin[phase]};
+        pel_pool_run(projector->pool, projector->phase_begin[phase + 1] - job.first, press_bundle, &job);
+    }
+}
+
 static void forget_multipliers(const pel_projector *projector)
 {
     for (int32_t b = 0; b < projector->model->body_count; b++)
@@ -181,6 +214,23 @@ static pel_record damp_radially(pel_record velocity, pel_record offset, double r
     return velocity - (pel_real)change * offset;
 }
 
+/* drag and volumetric spring as a larger mass, see project.h */
+static pel_record hold_back(const vertex_job *job, int32_t v, const double *factors, pel_record x, const launch *from,
+                            pel_record push, pel_real *w)
+{
+    const pel_model *model = job->projector->model;
+    pel_record velocity = from->velocity;
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
+    if (radial > 0)
+        velocity = damp_radially(velocity, x - model->rest[v], job->tau * (double)*w * radial);
+    pel_real drag = (pel_real)(factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * *w) * job->tau);
+    pel_real spring =
+        (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * *w) * job->tau * job->tau);
+    pel_real share = 1 / (1 + drag + spring);
+    *w *= share;
+    return share * (from->base + (pel_real)job->tau * velocity + push + drag * from->base + spring * model->rest[v]);
+}
+
 static void predict_vertex(const vertex_job *job, int32_t v, const double *factors)
 {
     const pel_model *model = job->projector->model;
@@ -191,29 +241,15 @@ static void predict_vertex(const vertex_job *job, int32_t v, const double *facto
     launch from = {x, speed};
     if (state->older_position != NULL)
         from = second_order_launch(job, v, x, speed);
-    job->projector->base[v] = from.base;
-    if (!(w > 0)) {
-        x[3] = 0;
-        state->position_next[v] = job->projector->base[v] = x;
-        return;
-    }
-    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
-    if (radial > 0)
-        from.velocity = damp_radially(from.velocity, x - model->rest[v], job->tau * (double)w * radial);
-    pel_record next = from.base + tau * from.velocity;
-    if (job->force != NULL)
-        next += tau * tau * w * job->force[v];
-    /* drag and volumetric spring as a larger mass, see project.h */
-    pel_real drag = (pel_real)(factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * w) * job->tau);
-    pel_real spring =
-        (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * w) * job->tau * job->tau);
-    if (drag + spring > 0) {
-        pel_real share = 1 / (1 + drag + spring);
-        next = share * (next + drag * from.base + spring * model->rest[v]);
-        w *= share;
-    }
+    if (!(w > 0))
+        from = (launch){x, speed - speed};
+    pel_record push = tau * tau * w * job->force[v];
+    pel_record next = from.base + tau * from.velocity + push;
+    if (model->damping[v] + model->rest[v][3] + model->volumetric_damping[v] > 0)
+        next = hold_back(job, v, factors, x, &from, push, &w);
     next[3] = w;
     state->position_next[v] = next;
+    job->projector->base[v] = from.base;
 }
 
 static void predict_chunk(void *context, int32_t chunk)
@@ -221,7 +257,8 @@ static void predict_chunk(void *context, int32_t chunk)
     const vertex_job *job = context;
     const pel_model *model = job->projector->model;
     int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    for (int32_t v = first; v < end && v < model->vertex_count; v++)
+    end = end < model->vertex_count ? end : model->vertex_count;
+    for (int32_t v = first; v < end; v++)
         predict_vertex(job, v, job->state->factors[model->body_of_slice[v / PEL_WIDTH]]);
 }
 

@@ -29,7 +29,8 @@ typedef struct pel_project_body {
     int32_t *piece_of_place; /* (places of the body) */
     int32_t batch_count;     /* in the order of the sweep */
     pel_batch *batches;
-    uint8_t *is_on; /* (batch_count) 0 = has no effect at present */
+    uint8_t *is_on;      /* (batch_count) 0 = has no effect at present */
+    pel_batch *pressure; /* of the consistent form; else null */
 } pel_project_body;
 
 typedef struct pel_bundle {
@@ -60,8 +61,11 @@ void pel_projector_destroy(pel_projector *projector);
 /* Before the substeps of a step: keyed numbers at a time, and directions that follow the state. */
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time);
 
+/* Adds the forces of all pressures in the consistent form at a time to force (vertex_count). */
+void pel_projector_add_pressure(pel_projector *projector, const pel_record *positions, double time, pel_record *force);
+
 /* One substep from state->position and velocity (first) or from position_next and velocity_next, to position_next and
-   velocity_next. force (vertex_count): at its start, nullable. contacts: nullable. */
+   velocity_next. force (vertex_count): at its start. contacts: nullable. */
 void pel_project_substep(pel_projector *projector, pel_state *state, const pel_record *force,
                          pel_contact_list *contacts, bool first);
 

@@ -24,6 +24,7 @@ typedef enum pel_constraint {
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
     PEL_CONSTRAINT_CAVE, /* image weights, weight of the region */
     PEL_CONSTRAINT_CAVE_SQUARE,
+    PEL_CONSTRAINT_PRESSURE, /* weight; no constraint: adds forces to `target` */
     PEL_CONSTRAINT_COUNT
 } pel_constraint;
 
@@ -33,7 +34,7 @@ typedef struct pel_batch_law {
                                 the strain forms of stvk and linear */
     pel_real weight;         /* bending of pbd: k_B */
     pel_real rest_length;    /* fibres: factor on the length at rest, now */
-    pel_real strength;       /* cave [m] */
+    pel_real strength;       /* cave [m]; pressure: a sixth of it [Pa] */
     pel_real max_step;       /* cave [m] */
     pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
     pel_real inverse_square; /* its inverse */
@@ -52,6 +53,7 @@ typedef struct pel_batch {
     pel_real *multipliers; /* (capacity x multiplier_count x PEL_BLOCK) of xpbd with iterations; else null */
     int32_t *sources;      /* (capacity x PEL_BLOCK) the constraint in a lane, numbered as it was given */
     uint8_t *lane_counts;  /* (capacity) lanes used */
+    pel_record *target;    /* (model vertex_count) of a pressure, else null */
 } pel_batch;
 
 /* projects the blocks begin .. end - 1 of a batch in their order */

@@ -70,6 +70,16 @@ static int32_t list_triangles(plan *p)
     return count;
 }
 
+static int32_t list_pressed(plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t count = 0;
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        if (shell->pressure_weights == NULL || shell->pressure_weights[t] != 0)
+            add_constraint(p, shell->triangles[t].vertices, 3, t, &count);
+    return count;
+}
+
 static int32_t list_hinges(plan *p)
 {
     const pel_shell *shell = p->body->shell;
@@ -117,14 +127,21 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
     *number_at(batch, i, 3) = (pel_real)(quadratic ? 1 / stiffness : stiffness);
 }
 
+static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
+{
+    const double *weights = p->body->shell->pressure_weights;
+    *number_at(batch, i, 0) = (pel_real)(weights != NULL ? weights[batch->sources[i]] : 1);
+}
+
 static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
 {
     const pel_shell *shell = p->body->shell;
     const pel_shell_hinge *h = &shell->hinges[batch->sources[i]];
     if (shell->bending == PEL_BENDING_HINGE) {
-        *number_at(batch, i, 0) = (pel_real)h->hinge.rest_angle;
+        *number_at(batch, i, 0) = (pel_real)cos(h->hinge.rest_angle);
+        *number_at(batch, i, 1) = (pel_real)sin(h->hinge.rest_angle);
         if (p->compliant)
-            *number_at(batch, i, 1) = (pel_real)(1 / (h->stiffness * h->hinge.factor));
+            *number_at(batch, i, 2) = (pel_real)(1 / (h->stiffness * h->hinge.factor));
         return;
     }
     for (int j = 0; j < 3; j++)
@@ -153,11 +170,10 @@ static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_re
 /* ---- batches ---- */
 
 /* lays out the constraints that were listed */
-static pel_status add_batch(plan *p, pel_batch batch, int32_t count, int32_t region, pel_error *error)
+static pel_status make_batch(plan *p, pel_batch *made, pel_batch batch, int32_t count, int32_t region, pel_error *error)
 {
-    batch.region = region;
-    pel_batch *made = &p->made->batches[p->made->batch_count++];
     *made = batch;
+    made->region = region;
     pel_status status =
         pel_batch_build(made, p->made, p->first_place, p->place_count, count, p->with_multipliers, &p->scratch, error);
     for (int32_t i = 0; status == PEL_OK && i < made->block_count * PEL_BLOCK; i++) {
@@ -165,12 +181,32 @@ static pel_status add_batch(plan *p, pel_batch batch, int32_t count, int32_t reg
             fill_edge(p, made, i);
         else if (made->arity == 4)
             fill_hinge(p, made, i);
-        else if (region < 0)
-            fill_triangle(p, made, i);
-        else
+        else if (region >= 0)
             fill_fibre(p, made, &p->body->shell->regions[region], i);
+        else if (made->kind == PEL_CONSTRAINT_PRESSURE)
+            fill_pressed(p, made, i);
+        else
+            fill_triangle(p, made, i);
     }
     return status;
+}
+
+static pel_status add_batch(plan *p, pel_batch batch, int32_t count, int32_t region, pel_error *error)
+{
+    return make_batch(p, &p->made->batches[p->made->batch_count++], batch, count, region, error);
+}
+
+/* the vertex-normal form needs sums around each vertex first: it is left to force/shell_force.c */
+static pel_status make_pressure(plan *p, pel_error *error)
+{
+    const pel_shell *shell = p->body->shell;
+    if (shell == NULL || shell->pressure.kind == PEL_PRESSURE_NONE || shell->pressure.form != PEL_PRESSURE_CONSISTENT)
+        return PEL_OK;
+    p->made->pressure = pel_allocate(1, sizeof *p->made->pressure);
+    if (p->made->pressure == NULL)
+        return pel_fail_memory(error);
+    pel_batch batch = {.kind = PEL_CONSTRAINT_PRESSURE, .arity = 3, .number_count = 1};
+    return make_batch(p, p->made->pressure, batch, list_pressed(p), -1, error);
 }
 
 static pel_status add_membrane(plan *p, pel_error *error)
@@ -196,7 +232,7 @@ static pel_status add_bending(plan *p, pel_error *error)
     batch.kind = p->compliant ? PEL_CONSTRAINT_ISOMETRIC_COMPLIANT : PEL_CONSTRAINT_ISOMETRIC;
     if (hinge) {
         batch.kind = p->compliant ? PEL_CONSTRAINT_ANGLE_COMPLIANT : PEL_CONSTRAINT_ANGLE;
-        batch.number_count = p->compliant ? 2 : 1;
+        batch.number_count = p->compliant ? 3 : 2;
         batch.multiplier_count = 1;
     }
     return add_batch(p, batch, list_hinges(p), -1, error);
@@ -281,6 +317,8 @@ pel_status pel_project_body_create(const pel_model *model, int32_t body, const p
     pel_status status = pel_build_scratch_create(&p.scratch, model, count_limit(&p), error);
     if (status == PEL_OK)
         status = add_batches(&p, error);
+    if (status == PEL_OK)
+        status = make_pressure(&p, error);
     pel_build_scratch_destroy(&p.scratch);
     return status;
 }
@@ -289,6 +327,9 @@ void pel_project_body_destroy(pel_project_body *body)
 {
     for (int32_t i = 0; i < body->batch_count; i++)
         pel_batch_destroy(&body->batches[i]);
+    if (body->pressure != NULL)
+        pel_batch_destroy(body->pressure);
+    pel_free(body->pressure);
     pel_free(body->batches);
     pel_free(body->is_on);
     pel_free(body->piece_of_place);

@@ -178,6 +178,7 @@ static pel_status allocate_blocks(pel_batch *batch, int32_t capacity, bool with_
     batch->numbers = pel_allocate_aligned(lanes * (size_t)batch->number_count, sizeof *batch->numbers);
     batch->sources = pel_allocate(lanes, sizeof *batch->sources);
     batch->lane_counts = pel_allocate((size_t)capacity, sizeof *batch->lane_counts);
+    with_multipliers &= batch->multiplier_count > 0;
     if (with_multipliers)
         batch->multipliers = pel_allocate_aligned(lanes * (size_t)batch->multiplier_count, sizeof *batch->multipliers);
     bool room = batch->vertices != NULL && batch->numbers != NULL && batch->sources != NULL &&

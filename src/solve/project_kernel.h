@@ -35,6 +35,9 @@
 #include "pellicle/material.h"
 #include "solve/project_batch.h"
 
+/* a copy for each kind and material: the flags that tell them apart are constants */
+#define PEL_INLINE static inline __attribute__((always_inline))
+
 /* ---- access ---- */
 
 static inline const int32_t *places_of(const pel_batch *batch, int32_t block, int k)
@@ -53,11 +56,10 @@ static inline pel_particle load_particle(const pel_batch *batch, int32_t block, 
     return pel_particle_load(positions, places_of(batch, block, k), lane);
 }
 
-/* moves a particle by way and stores it */
 static inline void move_particle(const pel_batch *batch, int32_t block, int k, int32_t lane, pel_record *positions,
                                  const pel_particle *p, pel_lane3 way)
 {
-    pel_particle_store(positions, places_of(batch, block, k), lane, pel_lane3_add(p->at, way), p->fourth);
+    pel_particle_move(positions, places_of(batch, block, k), lane, p, way);
 }
 
 static inline pel_lane multiplier_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
@@ -82,8 +84,7 @@ static inline pel_lane quotient(pel_lane a, pel_lane b)
 
 /* ---- springs ---- */
 
-static inline void sweep_edges(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                               bool compliant)
+PEL_INLINE void sweep_edges(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool compliant)
 {
     const int count = compliant ? 2 : 1;
     for (int32_t block = begin; block < end; block++)
@@ -363,8 +364,8 @@ static inline pel_lane linear_stress(const pel_batch_law *law, const triangle_la
 }
 
 /* pbd: the energy is the constraint */
-static inline void sweep_membrane(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                                  pel_membrane_kind kind)
+PEL_INLINE void sweep_membrane(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
+                               pel_membrane_kind kind)
 {
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
@@ -442,7 +443,7 @@ static inline void solve_quadratic(const pel_batch *batch, int32_t block, int32_
         add_multiplier(batch, block, 3, i, lane, old[i], change[i]);
 }
 
-static inline void sweep_strain_stvk(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
+PEL_INLINE void sweep_strain_stvk(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
 {
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
@@ -458,7 +459,7 @@ static inline void sweep_strain_stvk(const pel_batch *batch, int32_t begin, int3
 }
 
 /* strains a - 1, c - 1, b of the triangle factor, with the rows (t1, 0), (-b/a t2, t2), (c/a t2, t1) */
-static inline void sweep_strain_linear(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
+PEL_INLINE void sweep_strain_linear(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
 {
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2);
     for (int32_t block = begin; block < end; block++)
@@ -523,8 +524,8 @@ static inline pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane
     return pel_lane_sqrt(pel_lane_min(share, pel_lane_splat(1)));
 }
 
-static inline void sweep_strain_newton(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                                       pel_membrane_kind kind)
+PEL_INLINE void sweep_strain_newton(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
+                                    pel_membrane_kind kind)
 {
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
@@ -553,8 +554,8 @@ static inline void sweep_strain_newton(const pel_batch *batch, int32_t begin, in
 /* ---- bending ---- */
 
 /* u = K x has the gradient K_a on each component: rank one, four numbers instead of a 4 x 4 matrix */
-static inline void sweep_isometric(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                                   bool compliant)
+PEL_INLINE void sweep_isometric(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
+                                bool compliant)
 {
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
@@ -593,12 +594,10 @@ static inline void sweep_isometric(const pel_batch *batch, int32_t begin, int32_
 
 /* the dihedral angle and its gradients g2, g3 on the tips; on the ends they are -(1 - t2) g2 - (1 - t3) g3 and
    -t2 g2 - t3 g3 (element/bending.c) */
-static inline void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                               bool compliant)
+PEL_INLINE void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool compliant)
 {
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2), zero = pel_lane_splat(0);
-    const pel_lane half_turn = pel_lane_splat((pel_real)3.14159265358979323846);
-    const int count = compliant ? 2 : 1;
+    const int count = compliant ? 3 : 2;
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
             pel_particle p[4];
@@ -608,10 +607,12 @@ static inline void sweep_angle(const pel_batch *batch, int32_t begin, int32_t en
             pel_lane3 to3 = pel_lane3_subtract(p[3].at, p[0].at);
             pel_lane3 n2 = pel_lane3_cross(edge, to2), n3 = pel_lane3_cross(to3, edge);
             pel_lane square = pel_lane3_dot(edge, edge), length = pel_lane_sqrt(square), cosine = pel_lane3_dot(n2, n3);
-            pel_lane angle = pel_lane_atan2(-(length * pel_lane3_dot(to3, n2)), cosine);
-            pel_lane difference = angle - number_of(batch, block, count, 0, lane);
-            difference = difference - pel_lane_where(pel_lane_above(difference, half_turn), two * half_turn) +
-                         pel_lane_where(pel_lane_above(-half_turn, difference), two * half_turn);
+            pel_lane sine = -(length * pel_lane3_dot(to3, n2));
+            /* turned back by the rest angle: the difference comes out the short way round */
+            pel_lane rest_cosine = number_of(batch, block, count, 0, lane);
+            pel_lane rest_sine = number_of(batch, block, count, 1, lane);
+            pel_lane difference =
+                pel_lane_atan2(sine * rest_cosine - cosine * rest_sine, cosine * rest_cosine + sine * rest_sine);
             pel_lane r2 = quotient(one, pel_lane3_dot(n2, n2)), r3 = quotient(one, pel_lane3_dot(n3, n3));
             pel_lane inverse = quotient(one, square);
             pel_lane t2 = inverse * pel_lane3_dot(to2, edge), t3 = inverse * pel_lane3_dot(to3, edge);
@@ -667,8 +668,8 @@ static inline fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int3
     return f;
 }
 
-static inline void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool squared,
-                                bool compliant)
+PEL_INLINE void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool squared,
+                             bool compliant)
 {
     const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5);
     for (int32_t block = begin; block < end; block++)
@@ -701,7 +702,7 @@ static inline void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t e
 
 /* paper B: the gradient of the fibre's energy replaced by the normal, so that a stretched triangle goes inward; for
    equal masses by strength times the energy density over the stiffness */
-static inline void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool squared)
+PEL_INLINE void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool squared)
 {
     const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5);
     for (int32_t block = begin; block < end; block++)
@@ -718,6 +719,26 @@ static inline void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end
             pel_lane scale = quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
             for (int k = 0; k < 3; k++)
                 move_particle(batch, block, k, lane, positions, &p[k], pel_lane3_scale(normal, scale * p[k].fourth));
+        }
+}
+
+/* ---- pressure ---- */
+
+/* a third of pressure times area along the normal on each corner (element/triangle.c) */
+PEL_INLINE void sweep_pressure(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
+{
+    for (int32_t block = begin; block < end; block++)
+        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
+            pel_particle a = load_particle(batch, block, 0, lane, positions);
+            pel_particle b = load_particle(batch, block, 1, lane, positions);
+            pel_particle c = load_particle(batch, block, 2, lane, positions);
+            pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(b.at, a.at), pel_lane3_subtract(c.at, a.at));
+            pel_lane3 force =
+                pel_lane3_scale(normal, pel_lane_splat(batch->law.strength) * number_of(batch, block, 1, 0, lane));
+            for (int k = 0; k < 3; k++) {
+                pel_particle sum = load_particle(batch, block, k, lane, batch->target);
+                move_particle(batch, block, k, lane, batch->target, &sum, force);
+            }
         }
 }
 
@@ -751,6 +772,7 @@ PEL_PROJECT_SWEEP(sweep_soft_fibre, sweep_fibres(batch, begin, end, positions, f
 PEL_PROJECT_SWEEP(sweep_soft_fibre_square, sweep_fibres(batch, begin, end, positions, true, true))
 PEL_PROJECT_SWEEP(sweep_cave_length, sweep_cave(batch, begin, end, positions, false))
 PEL_PROJECT_SWEEP(sweep_cave_square, sweep_cave(batch, begin, end, positions, true))
+PEL_PROJECT_SWEEP(add_pressure, sweep_pressure(batch, begin, end, positions))
 
 #define PEL_PROJECT_TABLE                                                                                              \
     {                                                                                                                  \
@@ -770,7 +792,7 @@ PEL_PROJECT_SWEEP(sweep_cave_square, sweep_cave(batch, begin, end, positions, tr
         [PEL_CONSTRAINT_FIBRE] = sweep_fibre, [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,                      \
         [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,                                                           \
         [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave_length,  \
-        [PEL_CONSTRAINT_CAVE_SQUARE] = sweep_cave_square,                                                              \
+        [PEL_CONSTRAINT_CAVE_SQUARE] = sweep_cave_square, [PEL_CONSTRAINT_PRESSURE] = add_pressure,                    \
     }
 
 #endif

@@ -271,7 +271,7 @@ static void test_bending(void **unused)
         for (int form = 0; form < 3; form++) {
             static sample s;
             bool hinge = form == 2;
-            make_batch(&s, hinge ? PEL_CONSTRAINT_ANGLE : PEL_CONSTRAINT_ISOMETRIC, 4, hinge ? 1 : 4, 3);
+            make_batch(&s, hinge ? PEL_CONSTRAINT_ANGLE : PEL_CONSTRAINT_ISOMETRIC, 4, hinge ? 2 : 4, 3);
             random_points(&random, &s, 0.3, n % 2 == 1);
             s.batch.law.weight = (pel_real)0.4;
             pel_bending_isometric stencils[PEL_BLOCK];
@@ -283,8 +283,10 @@ static void test_bending(void **unused)
                     s.numbers[j * PEL_BLOCK + lane] = (pel_real)stencils[lane].weight[j + 1];
                 s.numbers[3 * PEL_BLOCK + lane] =
                     (pel_real)(form == 1 ? 2 * stencils[lane].rest_energy / stencils[lane].factor : 0);
-                if (hinge)
-                    s.numbers[lane] = (pel_real)hinges[lane].rest_angle;
+                if (hinge) {
+                    s.numbers[lane] = (pel_real)cos(hinges[lane].rest_angle);
+                    s.numbers[PEL_BLOCK + lane] = (pel_real)sin(hinges[lane].rest_angle);
+                }
             }
             project(&s);
             for (int lane = 0; lane < PEL_BLOCK; lane++) {
@@ -392,7 +394,7 @@ static void test_cave(void **unused)
 static void test_collapsed(void **unused)
 {
     (void)unused;
-    for (int kind = 0; kind < PEL_CONSTRAINT_COUNT; kind++) {
+    for (int kind = 0; kind < PEL_CONSTRAINT_PRESSURE; kind++) {
         if (pel_project_wide[kind] == NULL)
             continue;
         for (int shape = 0; shape < 5; shape++) {
@@ -404,7 +406,7 @@ static void test_collapsed(void **unused)
             bool strain = kind >= PEL_CONSTRAINT_STRAIN && kind < PEL_CONSTRAINT_ISOMETRIC;
             bool fibre = kind >= PEL_CONSTRAINT_FIBRE;
             int count = edge    ? 1 + (kind == PEL_CONSTRAINT_SPRING)
-                        : angle ? 1 + (kind == PEL_CONSTRAINT_ANGLE_COMPLIANT)
+                        : angle ? 2 + (kind == PEL_CONSTRAINT_ANGLE_COMPLIANT)
                                 : (fibre             ? 3
                                    : hinge || strain ? 4
                                                      : 3);

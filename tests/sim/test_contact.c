@@ -1,0 +1,482 @@
+/* Contact: after every step of every scene the exact test finds no two triangles that cut each other; tools are held
+   where a body cannot give way; the same bits for any number of threads and after a snapshot; bad input is refused. */
+#include "sim/contact_scene.h"
+
+#include "failing_malloc.h"
+
+/* ---- scenes ---- */
+
+static void test_folded_sheet(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = folded_sheet(&scene, 14);
+    assert_true(run_free(sim, 700) > 50);
+    /* the upper leg lies on the lower one, about the thickness above it */
+    double positions[3 * 15 * 15], lowest = 1;
+    pel_sim_get_positions(sim, 0, positions);
+    for (int v = 0; v < 15 * 15; v++)
+        if (v % 15 > 10)
+            lowest = fmin(lowest, positions[3 * v + 2]);
+    assert_true(lowest > 0.25 * pel_sim_contact_thickness(sim));
+    assert_true(lowest < 3 * pel_sim_contact_thickness(sim));
+    scene_end(&scene, sim);
+}
+
+static void press_flat(pel_method method)
+{
+    contact_scene scene;
+    pel_sim *sim = pressed_flat(&scene, method, 5, 0.02, 300);
+    assert_true(run_free(sim, 300) > 100);
+    pel_sim_measures measures;
+    pel_sim_measure(sim, &measures);
+    assert_true(measures.volume_ratio < 0.05);
+    for (int i = 0; i < 2; i++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(sim, i, &reading);
+        assert_near(fabs(reading.position[2]), 0.11, 1e-12);
+        assert_true(reading.contact_count > 10);
+    }
+    scene_end(&scene, sim);
+}
+
+static void test_pressed_flat(void **unused)
+{
+    (void)unused;
+    press_flat(PEL_METHOD_QUASI_STATIC);
+    press_flat(PEL_METHOD_EXPLICIT);
+}
+
+/* plates that would leave less room than the layers need are held back, and say so */
+static void test_held_tools(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, 0, 300);
+    run_free(sim, 300);
+    pel_tool_reading upper, lower;
+    pel_sim_get_tool(sim, 0, &upper);
+    pel_sim_get_tool(sim, 1, &lower);
+    assert_true(upper.position[2] - lower.position[2] > 0.2 + pel_sim_contact_thickness(sim));
+    assert_true(statistics_of(sim).tools_held > 0);
+    scene_end(&scene, sim);
+}
+
+static void test_ring(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = tight_ring(&scene, 1);
+    assert_true(run_free(sim, 320) > 300);
+    pel_sim_measures measures;
+    pel_sim_measure(sim, &measures);
+    assert_true(measures.volume_ratio < 0.05);
+    scene_end(&scene, sim);
+}
+
+static void test_two_bodies(void **unused)
+{
+    (void)unused;
+    for (int self = 0; self < 2; self++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_EXPLICIT);
+        scene_body(&scene, make_sphere(5));
+        scene_body(&scene, make_moved_sphere(4, 2.05, 0.1, 0.05));
+        scene.def.contact.self = self == 1;
+        pel_sim *sim = scene_create(&scene);
+        shoot(sim, 0, 4, 0, 0);
+        shoot(sim, 1, -4, 0, 0);
+        print_message("most %d\n", (int)run_free(sim, 300));
+        /* what touches shares its motion: momentum stays */
+        double momentum = 0, *velocities = malloc(3 * 1000 * sizeof *velocities);
+        for (int b = 0; b < 2; b++) {
+            int32_t count = pel_sim_vertex_count(sim, b);
+            pel_sim_get_velocities(sim, b, velocities);
+            for (int32_t v = 0; v < count; v++)
+                momentum += 0.01 * velocities[3 * v];
+        }
+        free(velocities);
+        assert_true(fabs(momentum) < 0.01 * 4 * 252);
+        scene_end(&scene, sim);
+    }
+}
+
+/* a ring is pushed through a ball, which is held by nothing but its own inertia and another tool */
+static void test_mesh_tool(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+    scene_body(&scene, make_sphere(5));
+    scene.def.contact.friction = 0.4;
+    scene.tool_mesh = make_shape(PEL_SHAPE_TORUS);
+    scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
+    scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
+    scene_move(&scene, 0, 0.1, 0, 1.3, 0.3, 1.5);
+    scene_move(&scene, 1, 0, 0.1, -1.3, -0.3, 1.5);
+    pel_sim *sim = scene_create(&scene);
+    assert_true(run_free(sim, 200) > 50);
+    pel_tool_reading reading;
+    pel_sim_get_tool(sim, 0, &reading);
+    assert_true(reading.force[2] > 0);
+    scene_end(&scene, sim);
+}
+
+/* distance of the surface from the axis of a sphere or capsule along z */
+static double axis_distance(const pel_sim *sim, const pel_mesh *mesh, double half_length)
+{
+    pel_tool_reading reading;
+    double *x = malloc(3 * (size_t)mesh->vertex_count * sizeof *x), least = HUGE_VAL;
+    pel_sim_get_tool(sim, 0, &reading);
+    pel_sim_get_positions(sim, 0, x);
+    double ends[2][3];
+    for (int i = 0; i < 2; i++) {
+        memcpy(ends[i], reading.position, sizeof ends[i]);
+        ends[i][2] += i == 0 ? -half_length : half_length;
+    }
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        double weights[5];
+        least = fmin(least,
+                     pel_closest_segment_triangle(ends[0], ends[1], x + 3 * v[0], x + 3 * v[1], x + 3 * v[2], weights));
+    }
+    free(x);
+    return sqrt(least);
+}
+
+/* faster than its own size in a step, through a ball that is hit from above: nothing gets into the tool, and the tool
+   does not get into the ball */
+static void test_fast_round_tools(void **unused)
+{
+    (void)unused;
+    for (int shape = 0; shape < 2; shape++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+        scene_body(&scene, make_sphere(4));
+        pel_tool_def *tool = scene_tool(&scene, shape == 0 ? PEL_TOOL_SPHERE : PEL_TOOL_CAPSULE);
+        tool->radius = 0.1;
+        tool->half_length = shape == 0 ? 0 : 0.1;
+        scene_move(&scene, 0, 0.05, 0.02, 1.6, -3, 0.04);
+        pel_sim *sim = scene_create(&scene);
+        for (int n = 0; n < 60; n++) {
+            assert_int_equal(run_free(sim, 1) >= 0, 1);
+            assert_true(axis_distance(sim, scene.meshes[0], tool->half_length) > tool->radius);
+        }
+        assert_true(statistics_of(sim).tools_held > 0);
+        scene_end(&scene, sim);
+    }
+}
+
+/* velocities that no contact can answer: the guard alone keeps the surfaces free */
+static void test_shaken(void **unused)
+{
+    (void)unused;
+    const double speeds[] = {5, 40, 300};
+    uint64_t random = 88172645463325252;
+    for (int i = 0; i < 3; i++) {
+        contact_scene scene;
+        pel_sim *sim = two_spheres(&scene);
+        for (int n = 0; n < 8; n++) {
+            shake(sim, 0, speeds[i], &random);
+            shake(sim, 1, speeds[i], &random);
+            run_free(sim, 10);
+        }
+        assert_true(i < 2 || statistics_of(sim).fall_backs > 0);
+        scene_end(&scene, sim);
+    }
+}
+
+/* refined and coarsened while it is pressed */
+static void test_refinement(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+    scene_body(&scene, make_sphere(4));
+    scene.bodies[0].refine.levels = 2;
+    scene.bodies[0].refine.above = 30;
+    scene.bodies[0].refine.below = 25;
+    scene.bodies[0].refine.dwell = 5;
+    scene.bodies[0].refine.interval = 4;
+    for (int i = 0; i < 2; i++) {
+        pel_tool_def *tool = scene_tool(&scene, PEL_TOOL_BOX);
+        tool->half_extents[0] = tool->half_extents[1] = 2;
+        tool->half_extents[2] = 0.1;
+        double side = i == 0 ? 1 : -1;
+        scene_move(&scene, i, 0, 0, 1.15 * side, 0.3 * side, 0.6);
+        scene.keys[i][2] = (pel_pose_key){1, {0, 0, 1.15 * side}, {0, 0, 0, 1}};
+        scene.tools[i].key_count = 3;
+    }
+    pel_sim *sim = scene_create(&scene);
+    int32_t most = 0;
+    for (int n = 0; n < 130; n++) {
+        run_free(sim, 1);
+        int32_t count = pel_sim_triangle_count(sim, 0);
+        most = count > most ? count : most;
+    }
+    assert_true(most > scene.meshes[0]->triangle_count);
+    assert_true(pel_sim_triangle_count(sim, 0) < most);
+    scene_end(&scene, sim);
+}
+
+/* ---- tangled starts ---- */
+
+static pel_sim *tangled(contact_scene *scene)
+{
+    scene_begin(scene, PEL_METHOD_EXPLICIT);
+    scene_body(scene, make_sphere(4));
+    scene_body(scene, make_moved_sphere(4, 1.9, 0.1, 0.05));
+    scene->def.contact.allow_tangled = true;
+    return scene_create(scene);
+}
+
+static void test_tangled_start(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = tangled(&scene), *refused;
+    int64_t first = statistics_of(sim).tangled, pairs;
+    assert_true(first > 5);
+    assert_int_equal(pel_sim_intersections(sim, &pairs, NULL), PEL_OK);
+    assert_int_equal(pairs, first);
+    scene.def.contact.allow_tangled = false;
+    pel_error error;
+    assert_int_equal(pel_sim_create(&scene.def, &refused, &error), PEL_BAD_ARGUMENT);
+    assert_null(refused);
+    assert_non_null(strstr(error.what, "pairs of triangles intersect at the start: body 'first'"));
+    assert_non_null(strstr(error.remedy, "start: tangled"));
+    /* pulled apart they become free, and stay so when they meet again */
+    shoot(sim, 0, -3, 0, 0);
+    shoot(sim, 1, 3, 0, 0);
+    run_steps(sim, 150);
+    assert_int_equal(statistics_of(sim).tangled, 0);
+    shoot(sim, 0, 4, 0, 0);
+    shoot(sim, 1, -4, 0, 0);
+    run_free(sim, 300);
+    scene_end(&scene, sim);
+}
+
+/* ---- the same bits ---- */
+
+static uint64_t hash_of_run(int threads, int save_at)
+{
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_EXPLICIT);
+    scene_body(&scene, make_sphere(12));
+    scene_body(&scene, make_moved_sphere(5, 1.9, 0.1, 0.05));
+    scene.def.contact.allow_tangled = true;
+    scene.def.contact.friction = 0.3;
+    scene.def.thread_count = threads;
+    pel_tool_def *tool = scene_tool(&scene, PEL_TOOL_BOX);
+    tool->half_extents[0] = tool->half_extents[1] = tool->half_extents[2] = 0.5;
+    scene_move(&scene, 0, 0, 0, 1.51, 0.5, 0.1);
+    pel_sim *sim = scene_create(&scene);
+    uint64_t random = 123456789;
+    shake(sim, 0, 10, &random);
+    shake(sim, 1, 10, &random);
+    run_steps(sim, save_at);
+    void *snapshot = malloc(pel_sim_save_size(sim));
+    if (save_at > 0) {
+        pel_sim_save(sim, snapshot);
+        pel_sim *other = make_sim(&scene.def);
+        assert_int_equal(pel_sim_load(other, snapshot, pel_sim_save_size(other), NULL), PEL_OK);
+        pel_sim_destroy(sim);
+        sim = other;
+    }
+    free(snapshot);
+    run_steps(sim, 40 - save_at);
+    uint64_t hash = pel_sim_hash(sim);
+    scene_end(&scene, sim);
+    return hash;
+}
+
+static void test_same_bits(void **unused)
+{
+    (void)unused;
+    uint64_t hash = hash_of_run(1, 0);
+    assert_true(hash_of_run(2, 0) == hash);
+    assert_true(hash_of_run(4, 0) == hash);
+    assert_true(hash_of_run(1, 13) == hash);
+    assert_true(hash_of_run(2, 30) == hash);
+}
+
+/* ---- bad input and limits ---- */
+
+static void assert_refused(contact_scene *scene, const char *what)
+{
+    pel_sim *sim;
+    pel_error error;
+    pel_status status = pel_sim_create(&scene->def, &sim, &error);
+    if (status != PEL_BAD_ARGUMENT || strstr(error.what, what) == NULL)
+        print_error("%d: %s\n", (int)status, error.what);
+    assert_int_equal(status, PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, what));
+    assert_true(error.remedy[0] != '\0');
+    assert_null(sim);
+}
+
+static void test_bad_input(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+    scene_body(&scene, make_sphere(4));
+    pel_sim *sim = scene_create(&scene);
+    pel_contact_def good = scene.def.contact, *contact = &scene.def.contact;
+    assert_near(pel_sim_contact_thickness(sim), 1e-4 * sqrt(12), 2e-5);
+    contact->thickness = 1;
+    assert_refused(&scene, "more than the shortest edge");
+    contact->thickness = (double)NAN;
+    assert_refused(&scene, "thickness");
+    contact->thickness = 0;
+    contact->relative_thickness = 0;
+    assert_refused(&scene, "no thickness");
+    *contact = good;
+    contact->friction = -1;
+    assert_refused(&scene, "friction");
+    *contact = good;
+    /* the relative thickness gives way to short edges */
+    contact->relative_thickness = 1;
+    pel_sim *clamped = make_sim(&scene.def);
+    assert_true(pel_sim_contact_thickness(clamped) < 0.3);
+    pel_sim_destroy(clamped);
+    *contact = good;
+    /* a tool that cuts the body, one that is inside, one that needs contact */
+    scene.tool_mesh = make_sphere(3);
+    scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
+    scene_move(&scene, 0, 0.5, 0, 0.5, 0, 1);
+    assert_refused(&scene, "tool starts inside a body");
+    pel_transform transform = pel_transform_default();
+    transform.scale[0] = transform.scale[1] = transform.scale[2] = 0.3;
+    assert_int_equal(pel_mesh_transform(scene.tool_mesh, &transform, NULL), PEL_OK);
+    scene_move(&scene, 0, 0, 0, 0, 0, 1);
+    assert_refused(&scene, "starts inside body 'first'");
+    contact->enabled = false;
+    assert_refused(&scene, "needs contact");
+    scene.tools[0].mesh = NULL;
+    assert_refused(&scene, "has no mesh");
+    scene_end(&scene, sim);
+}
+
+/* a single contact fits: the guard does the rest */
+static void test_limit(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_EXPLICIT);
+    scene_body(&scene, make_sphere(5));
+    scene_body(&scene, make_moved_sphere(4, 2.05, 0.1, 0.05));
+    scene.def.contact.limit = 1;
+    pel_sim *sim = scene_create(&scene);
+    shoot(sim, 0, 4, 0, 0);
+    shoot(sim, 1, -4, 0, 0);
+    run_free(sim, 150);
+    assert_true(statistics_of(sim).dropped > 0);
+    scene_end(&scene, sim);
+}
+
+static void test_nothing_moves(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_EXPLICIT);
+    scene_body(&scene, make_sphere(3));
+    pel_sim *sim = scene_create(&scene);
+    double before[3 * 92], after[3 * 92];
+    pel_sim_get_positions(sim, 0, before);
+    run_free(sim, 20);
+    pel_sim_get_positions(sim, 0, after);
+    for (int i = 0; i < 3 * 92; i++)
+        assert_near(after[i], before[i], 1e-6);
+    assert_int_equal(statistics_of(sim).fall_backs, 0);
+    scene_end(&scene, sim);
+}
+
+/* paper B's cubic, and its single correction after the step */
+static void test_paper_method(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_EXPLICIT);
+    scene_body(&scene, make_sphere(5));
+    scene_body(&scene, make_moved_sphere(4, 2.05, 0.1, 0.05));
+    scene.def.contact.method = PEL_CCD_BRIDSON;
+    scene.def.contact.response = PEL_CONTACT_AFTER;
+    pel_sim *sim = scene_create(&scene);
+    shoot(sim, 0, 4, 0, 0);
+    run_free(sim, 150);
+    assert_true(statistics_of(sim).contacts > 0);
+    scene_end(&scene, sim);
+}
+
+/* ---- memory ---- */
+
+static pel_status create_and_step(const void *data, pel_error *error)
+{
+    const contact_scene *scene = data;
+    pel_sim *sim;
+    pel_status status = pel_sim_create(&scene->def, &sim, error);
+    assert_true((sim == NULL) == (status != PEL_OK));
+    for (int n = 0; n < 3 && status == PEL_OK; n++) {
+        uint64_t before = pel_sim_hash(sim);
+        status = pel_sim_step(sim, error);
+        assert_true(status == PEL_OK || pel_sim_hash(sim) == before);
+    }
+    pel_sim_destroy(sim);
+    return status;
+}
+
+static void test_every_allocation(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+    scene_body(&scene, make_sphere(3));
+    scene_body(&scene, make_moved_sphere(3, 1.9, 0.1, 0.05));
+    scene.def.contact.allow_tangled = true;
+    scene.tool_mesh = make_sphere(2);
+    scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
+    scene_move(&scene, 0, 0, 0, 2.02, 1.5, 0.02);
+    pel_sim *sim = scene_create(&scene);
+    assert_true(for_every_allocation_failure(create_and_step, &scene) > 40);
+    scene_end(&scene, sim);
+}
+
+/* once as many pairs were there as ever will be */
+static void test_steps_do_not_allocate(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, 0.4, 100);
+    run_steps(sim, 400);
+    failing_malloc_begin(0);
+    run_steps(sim, 100);
+    allocation_count count = failing_malloc_end();
+    assert_int_equal(count.calls, 0);
+    assert_true(statistics_of(sim).contacts > 1000);
+    scene_end(&scene, sim);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_folded_sheet),
+        cmocka_unit_test(test_pressed_flat),
+        cmocka_unit_test(test_held_tools),
+        cmocka_unit_test(test_ring),
+        cmocka_unit_test(test_two_bodies),
+        cmocka_unit_test(test_mesh_tool),
+        cmocka_unit_test(test_fast_round_tools),
+        cmocka_unit_test(test_shaken),
+        cmocka_unit_test(test_refinement),
+        cmocka_unit_test(test_tangled_start),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_nothing_moves),
+        cmocka_unit_test(test_paper_method),
+        cmocka_unit_test(test_every_allocation),
+        cmocka_unit_test(test_steps_do_not_allocate),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
