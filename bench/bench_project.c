@@ -80,6 +80,7 @@ static double time_sweeps(pel_projector *projector, const pel_model *model, pel_
     for (int round = 0; round < ROUNDS; round++) {
         disturb(model, state);
         pel_projector_begin(projector, state, 0);
+        pel_project_body_set_time(&projector->bodies[0], state->factors[0], projector->substep);
         double begin = seconds();
         for (int i = 0; i < SWEEPS; i++)
             pel_project_sweep(projector, state->position_next);

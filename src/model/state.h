@@ -17,12 +17,12 @@ struct pel_state {
     /* (vertex_count) position and inverse mass: now, one step ago, and scratch of the step in progress; they change
        places when a step is accepted */
     pel_record *position, *position_before, *position_next;
-    pel_record *velocity, *velocity_next; /* (vertex_count) explicit and position-based methods, else null */
-    /* (vertex_count) one substep ago, fourth number of the velocity 1 = known; second order methods only, else null */
-    pel_record *older_position, *older_velocity;
-    uint8_t *contact;                       /* (vertex_count) 1 = a tool touches or holds it */
-    double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) present factor of each keyed parameter */
-    pel_bending_control *bending;           /* (body_count) */
+    pel_record *velocity, *velocity_next;        /* (vertex_count) explicit and position-based methods, else null */
+    pel_record *older_position, *older_velocity; /* (vertex_count) one substep ago; second order methods, else null */
+    bool older_is_known;                         /* false after the start, setters and events of refinement */
+    uint8_t *contact;                            /* (vertex_count) 1 = a tool touches or holds it */
+    double (*factors)[PEL_PARAMETER_COUNT];      /* (body_count) present factor of each keyed parameter */
+    pel_bending_control *bending;                /* (body_count) */
 };
 
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error);

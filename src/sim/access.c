@@ -116,13 +116,6 @@ static pel_status check_body(const pel_sim *sim, int32_t body, pel_error *error)
     return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist", (int)body);
 }
 
-/* a vertex that was set from outside has no past */
-static void forget_history(pel_state *state, int32_t i)
-{
-    if (state->older_velocity != NULL)
-        state->older_velocity[i][3] = 0;
-}
-
 pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *positions, pel_error *error)
 {
     pel_status status = check_body(sim, body, error);
@@ -131,6 +124,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
     if (status != PEL_OK)
         return status;
     sim->force_is_present = false;
+    sim->state->older_is_known = false;
     int32_t count = pel_row_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
@@ -138,7 +132,6 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
             sim->state->position[i][c] = (pel_real)positions[3 * (size_t)v + (size_t)c];
             /* a displaced body starts at rest */
             sim->state->position_before[i][c] = sim->state->position[i][c];
-            forget_history(sim->state, i);
         }
     /* what intersects now is left alone until it is apart */
     if (sim->contacts != NULL)
@@ -160,7 +153,6 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
         for (int c = 0; c < 3; c++) {
             int32_t i = pel_row_place(sim, body, v);
             double value = sim->model->inverse_mass[i] > 0 ? velocities[3 * (size_t)v + (size_t)c] : 0;
-            forget_history(state, i);
             if (state->velocity != NULL)
                 state->velocity[i][c] = (pel_real)value;
             else

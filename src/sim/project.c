@@ -115,8 +115,10 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
     double start = pel_sim_time(sim);
     bool normal_pressure = has_normal_pressure(sim);
     pel_projector_begin(sim->projector, state, start);
+    /* second order: forces belong to the end of a substep */
+    double lead = sim->solver.second_order ? sim->projector->substep : 0;
     for (int32_t s = 0; s < sim->solver.substeps; s++) {
-        find_forces(sim, start + s * sim->projector->substep, normal_pressure,
+        find_forces(sim, start + lead + s * sim->projector->substep, normal_pressure,
                     s == 0 ? state->position : state->position_next);
         pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
     }

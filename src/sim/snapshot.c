@@ -222,6 +222,7 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     if (state->older_position != NULL) {
         transfer(at, state->older_position, count * sizeof *state->older_position);
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
+        transfer(at, &state->older_is_known, sizeof state->older_is_known);
     }
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);

@@ -177,8 +177,8 @@ typedef struct vertex_job {
     pel_projector *projector;
     pel_state *state;
     const pel_record *force;
-    bool first; /* substep of the step */
-    double tau;
+    bool first;        /* substep of the step */
+    bool second_order; /* there is a past */
 } vertex_job;
 
 /* y and u of a vertex, see project.h */
@@ -194,11 +194,9 @@ static launch second_order_launch(const vertex_job *job, int32_t v, pel_record x
     pel_record v1 = job->first ? state->older_velocity[v] : projector->older_velocity[v];
     projector->older_position[v] = x;
     projector->older_velocity[v] = speed;
-    projector->older_velocity[v][3] = 1;
+    if (!job->second_order)
+        return (launch){x, speed};
     const pel_real third = (pel_real)(1.0 / 3);
-    /* without a past: as if it had come with this velocity */
-    if (v1[3] == 0)
-        return (launch){x + (pel_real)(projector->substep / 3) * speed, speed};
     return (launch){third * (4 * x - x1), third * (4 * speed - v1)};
 }
 
@@ -222,20 +220,21 @@ static pel_record hold_back(const vertex_job *job, int32_t v, const double *fact
     pel_record velocity = from->velocity;
     double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
     if (radial > 0)
-        velocity = damp_radially(velocity, x - model->rest[v], job->tau * (double)*w * radial);
-    pel_real drag = (pel_real)(factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * *w) * job->tau);
-    pel_real spring =
-        (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * *w) * job->tau * job->tau);
+        velocity = damp_radially(velocity, x - model->rest[v], job->projector->tau * (double)*w * radial);
+    pel_real drag = (pel_real)(factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * *w) * job->projector->tau);
+    pel_real spring = (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * *w) *
+                                 job->projector->tau * job->projector->tau);
     pel_real share = 1 / (1 + drag + spring);
     *w *= share;
-    return share * (from->base + (pel_real)job->tau * velocity + push + drag * from->base + spring * model->rest[v]);
+    return share *
+           (from->base + (pel_real)job->projector->tau * velocity + push + drag * from->base + spring * model->rest[v]);
 }
 
 static void predict_vertex(const vertex_job *job, int32_t v, const double *factors)
 {
     const pel_model *model = job->projector->model;
     pel_state *state = job->state;
-    pel_real w = model->inverse_mass[v], tau = (pel_real)job->tau;
+    pel_real w = model->inverse_mass[v], tau = (pel_real)job->projector->tau;
     pel_record x = job->first ? state->position[v] : state->position_next[v];
     pel_record speed = job->first ? state->velocity[v] : state->velocity_next[v];
     launch from = {x, speed};
@@ -267,7 +266,7 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
     const vertex_job *job = context;
     const pel_projector *projector = job->projector;
     int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    pel_real rate = (pel_real)(exp(-projector->solver.drag * projector->substep) / job->tau);
+    pel_real rate = (pel_real)(exp(-projector->solver.drag * projector->substep) / projector->tau);
     for (int32_t v = first; v < end && v < projector->model->vertex_count; v++) {
         pel_record velocity = rate * (job->state->position_next[v] - projector->base[v]);
         velocity[3] = 0;
@@ -278,23 +277,26 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
 
 /* ---- steps ---- */
 
-static double tau_of(const pel_projector *projector)
-{
-    return projector->solver.second_order ? 2 * projector->substep / 3 : projector->substep;
-}
-
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
 {
     for (int32_t b = 0; b < projector->model->body_count; b++)
         pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b],
-                               state->bending[b].weight, state->position, time, tau_of(projector),
-                               1.0 / projector->solver.substeps);
+                               state->bending[b].weight, state->position, time, 1.0 / projector->solver.substeps);
+}
+
+static void set_time(pel_projector *projector, const pel_state *state, double tau)
+{
+    projector->tau = tau;
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        pel_project_body_set_time(&projector->bodies[b], state->factors[b], tau);
 }
 
 void pel_project_substep(pel_projector *projector, pel_state *state, const pel_record *force,
                          pel_contact_list *contacts, bool first)
 {
-    vertex_job job = {projector, state, force, first, tau_of(projector)};
+    bool has_past = projector->solver.second_order && (!first || state->older_is_known);
+    set_time(projector, state, has_past ? 2 * projector->substep / 3 : projector->substep);
+    vertex_job job = {projector, state, force, first, has_past};
     int32_t chunk_count = (projector->model->vertex_count + VERTEX_CHUNK - 1) / VERTEX_CHUNK;
     pel_pool_run(projector->pool, chunk_count, predict_chunk, &job);
     forget_multipliers(projector);
@@ -315,6 +317,7 @@ void pel_projector_accept(pel_projector *projector, pel_state *state)
     pel_record *position = state->older_position, *velocity = state->older_velocity;
     state->older_position = projector->older_position;
     state->older_velocity = projector->older_velocity;
+    state->older_is_known = true;
     projector->older_position = position;
     projector->older_velocity = velocity;
 }

@@ -7,6 +7,9 @@
        x* = y + tau u + tau^2 w f,      u = v or (4 v - v') / 3
        v  = (x - y) / tau               after the sweeps
 
+   A substep without a past, the first one, is of first order. (Velocities from three positions and x* = x + h v, as
+   often done, are not consistent: a free fall gets twice its acceleration.)
+
    Volumetric springs k' and drag d of a vertex are quadratic in its own position: they are taken up exactly by a mass
    that is larger by tau d + tau^2 k', with x* drawn to the rest place; no constraint is needed for them.
 
@@ -42,8 +45,8 @@ enum { PEL_PHASE_COUNT = 4 };
 typedef struct pel_projector {
     const pel_model *model;
     pel_solver_def solver;
-    bool is_plain; /* runs the plain kernels: for tests and benchmarks */
-    double substep;
+    bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
+    double substep, tau;                         /* s; tau of the present substep */
     pel_project_body *bodies;                    /* (model body_count) */
     pel_bundle *bundles;                         /* by phase */
     int32_t phase_begin[PEL_PHASE_COUNT + 1];    /* in bundles */
@@ -81,11 +84,11 @@ void pel_project_sweep(const pel_projector *projector, pel_record *positions);
 pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
                                    pel_project_body *made, pel_error *error);
 void pel_project_body_destroy(pel_project_body *body);
-/* numbers of its batches at a time; weight: of the bending of pbd; tau: of a substep, share: of a step that a substep
- * is
- */
+/* numbers of its batches at a time; weight: of the bending of pbd; share: of a step that a substep is */
 void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
-                            const pel_record *positions, double time, double tau, double share);
+                            const pel_record *positions, double time, double share);
+/* the time that compliances are over */
+void pel_project_body_set_time(pel_project_body *own, const double *factors, double tau);
 
 /* ---- project_build.c ---- */
 

@@ -384,17 +384,25 @@ static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_rec
 }
 
 void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
-                            const pel_record *positions, double time, double tau, double share)
+                            const pel_record *positions, double time, double share)
 {
     for (int32_t i = 0; i < own->batch_count; i++) {
         pel_batch *batch = &own->batches[i];
-        double factor = batch->arity == 2 ? factors[PEL_SPRING_STIFFNESS] : 1;
         bool paper = batch->kind == PEL_CONSTRAINT_ISOMETRIC || batch->kind == PEL_CONSTRAINT_ANGLE;
         batch->law.weight = (pel_real)weight;
-        own->is_on[i] = factor > 0 && !(paper && weight == 0);
-        batch->law.square_time = (pel_real)(tau * tau * factor);
-        batch->law.inverse_square = (pel_real)(1 / (tau * tau * factor));
+        own->is_on[i] =
+            !(batch->arity == 2 && !(factors[PEL_SPRING_STIFFNESS] > 0)) && !(paper && weight == 0);
         if (batch->region >= 0)
             begin_region(batch, body->shell, positions, time, share);
+    }
+}
+
+void pel_project_body_set_time(pel_project_body *own, const double *factors, double tau)
+{
+    for (int32_t i = 0; i < own->batch_count; i++) {
+        pel_batch_law *law = &own->batches[i].law;
+        double factor = own->batches[i].arity == 2 ? factors[PEL_SPRING_STIFFNESS] : 1;
+        law->square_time = (pel_real)(tau * tau * factor);
+        law->inverse_square = (pel_real)(1 / (tau * tau * factor));
     }
 }

@@ -616,14 +616,14 @@ PEL_INLINE void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, 
             pel_lane r2 = quotient(one, pel_lane3_dot(n2, n2)), r3 = quotient(one, pel_lane3_dot(n3, n3));
             pel_lane inverse = quotient(one, square);
             pel_lane t2 = inverse * pel_lane3_dot(to2, edge), t3 = inverse * pel_lane3_dot(to3, edge);
-            pel_lane g22 = square * r2, g33 = square * r3, g23 = square * r2 * r3 * cosine;
+            pel_lane g22 = square * r2, g33 = square * r3, g23 = g22 * (r3 * cosine);
             pel_lane s2 = one - t2, s3 = one - t3;
             pel_lane mobility = p[2].fourth * g22 + p[3].fourth * g33 +
                                 p[0].fourth * (s2 * s2 * g22 + two * s2 * s3 * g23 + s3 * s3 * g33) +
                                 p[1].fourth * (t2 * t2 * g22 + two * t2 * t3 * g23 + t3 * t3 * g33);
             pel_lane change;
             if (compliant) {
-                pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
+                pel_lane softness = number_of(batch, block, count, 2, lane) * pel_lane_splat(batch->law.inverse_square);
                 pel_lane old = multiplier_of(batch, block, 1, 0, lane);
                 change = -((difference + softness * old) / (mobility + softness));
                 add_multiplier(batch, block, 1, 0, lane, old, change);

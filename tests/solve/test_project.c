@@ -172,6 +172,7 @@ static void test_wide_is_plain(void **unused)
                     projector->pool = run == 2 ? pool : NULL;
                     disturb(model, state, 0.01);
                     pel_projector_begin(projector, state, 0);
+                    pel_project_body_set_time(&projector->bodies[0], state->factors[0], projector->substep);
                     for (int i = 0; i < 3; i++)
                         pel_project_sweep(projector, state->position_next);
                     size_t size = (size_t)model->vertex_count * sizeof(pel_record);
@@ -316,7 +317,9 @@ static void test_weight_order(void **unused)
         print_message("k_B %g: V/V0 %.3f, %d rises\n", weights[i], volumes[i], rises[i]);
     }
     assert_true(volumes[0] > 0.95 && volumes[1] > 0.9);
-    assert_true(volumes[1] > volumes[2] + 0.05 && volumes[2] > volumes[3] && volumes[3] > volumes[4]);
+    assert_true(volumes[1] > volumes[2] + 0.05 && volumes[2] > volumes[3] + 0.1);
+    /* the two smallest differ by little: less than float can tell */
+    assert_true(volumes[3] > volumes[4] - (sizeof(pel_real) == 8 ? 0 : 0.02));
     assert_true(rises[0] > rises[4] + 10);
 }
 
@@ -373,7 +376,7 @@ static void test_hashes(void **unused)
 {
     (void)unused;
     static const uint64_t golden[4] = {UINT64_C(0x8b42a12a80d51911), UINT64_C(0x86220cbf2fbfe4ea),
-                                       UINT64_C(0x089764d759b825ee), UINT64_C(0x379b5fbb1632e633)};
+                                       UINT64_C(0x089764d759b825ee), UINT64_C(0x9005d68d19ce25c9)};
     pel_mesh *mesh = make_sphere(24);
     pel_model *model = squeezed_model(mesh, PEL_BENDING_ISOMETRIC);
     int wrong = 0;

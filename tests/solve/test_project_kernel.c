@@ -443,6 +443,50 @@ static void test_collapsed(void **unused)
     }
 }
 
+/* repeated with its multiplier, a compliant constraint ends where the multiplier is -stiffness dt^2 C */
+static void test_compliance(void **unused)
+{
+    (void)unused;
+    random_state random = {10};
+    const pel_constraint kinds[4] = {PEL_CONSTRAINT_SPRING, PEL_CONSTRAINT_ANGLE_COMPLIANT,
+                                     PEL_CONSTRAINT_FIBRE_COMPLIANT, PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT};
+    const int arities[4] = {2, 4, 3, 3}, counts[4] = {2, 3, 3, 3};
+    for (int n = 0; n < ROUNDS; n++)
+        for (int c = 0; c < 4; c++) {
+            static sample s;
+            double stiffness = random_between(&random, 0.1, 2), square_time = random_between(&random, 0.1, 0.5);
+            make_batch(&s, kinds[c], arities[c], counts[c], 1);
+            s.batch.multipliers = s.multipliers;
+            memset(s.multipliers, 0, sizeof s.multipliers);
+            random_points(&random, &s, 0.2, false);
+            s.batch.law.inverse_square = (pel_real)(1 / square_time);
+            s.batch.law.rest_length = (pel_real)0.8;
+            for (int lane = 0; lane < PEL_BLOCK; lane++) {
+                s.numbers[lane] = (pel_real)(c == 0 ? 0.9 : c == 1 ? cos(0.3) : 1.1);
+                s.numbers[PEL_BLOCK + lane] = (pel_real)(c == 0 ? 1 / stiffness : c == 1 ? sin(0.3) : 0.2);
+                s.numbers[2 * PEL_BLOCK + lane] = (pel_real)(1 / stiffness);
+            }
+            for (int i = 0; i < 100; i++)
+                project(&s);
+            for (int lane = 0; lane < PEL_BLOCK; lane++) {
+                double x[4][3], value, square = 0, edge = 0;
+                points_of(&s, s.x, lane, x);
+                for (int i = 0; i < 3; i++) {
+                    double image = (double)s.numbers[lane] * (x[0][i] - x[2][i]) +
+                                   (double)s.numbers[PEL_BLOCK + lane] * (x[1][i] - x[2][i]);
+                    square += image * image;
+                    edge += (x[1][i] - x[0][i]) * (x[1][i] - x[0][i]);
+                }
+                value = c == 0   ? sqrt(edge) - 0.9
+                        : c == 1 ? pel_dihedral_angle((const double(*)[3])x, NULL) - 0.3
+                        : c == 2 ? sqrt(square) - 0.8
+                                 : square - 1;
+                assert_near((double)s.multipliers[lane], -stiffness * square_time * value,
+                            sizeof(pel_real) == 8 ? 1e-7 : 1e-4);
+            }
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -452,6 +496,7 @@ int main(void)
         cmocka_unit_test(test_bending),
         cmocka_unit_test(test_fibres),
         cmocka_unit_test(test_cave),
+        cmocka_unit_test(test_compliance),
         cmocka_unit_test(test_collapsed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
