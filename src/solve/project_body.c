@@ -390,8 +390,7 @@ void pel_project_body_begin(pel_project_body *own, const pel_body *body, const d
         pel_batch *batch = &own->batches[i];
         bool paper = batch->kind == PEL_CONSTRAINT_ISOMETRIC || batch->kind == PEL_CONSTRAINT_ANGLE;
         batch->law.weight = (pel_real)weight;
-        own->is_on[i] =
-            !(batch->arity == 2 && !(factors[PEL_SPRING_STIFFNESS] > 0)) && !(paper && weight == 0);
+        own->is_on[i] = !(batch->arity == 2 && !(factors[PEL_SPRING_STIFFNESS] > 0)) && !(paper && weight == 0);
         if (batch->region >= 0)
             begin_region(batch, body->shell, positions, time, share);
     }
