@@ -7,7 +7,8 @@
 #include <sys/stat.h>
 
 static const cli_experiment_case *const cases[] = {
-    &cli_figure_6_7, &cli_figure_8, &cli_figure_9, &cli_table_1, &cli_accuracy,
+    &cli_figure_6_7,   &cli_figure_8,  &cli_figure_9,  &cli_table_1,      &cli_accuracy,     &cli_shell_checks,
+    &cli_figure_11_13, &cli_figure_14, &cli_figure_15, &cli_figure_16_18, &cli_figure_19_20,
 };
 
 enum { CASE_COUNT = sizeof cases / sizeof *cases };
@@ -20,7 +21,7 @@ const char *cli_experiment_names(int index)
 static void print_cases(FILE *file)
 {
     for (int i = 0; i < CASE_COUNT; ++i)
-        fprintf(file, "  %-10s %s\n", cases[i]->name, cases[i]->doc);
+        fprintf(file, "  %-14s %s\n", cases[i]->name, cases[i]->doc);
 }
 
 void cli_reproduce_help(FILE *file)

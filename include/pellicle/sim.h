@@ -244,6 +244,11 @@ double pel_sim_contact_thickness(const pel_sim *sim);
    (pel_mesh_self_intersections); spheres and capsules take no part. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);
 
+/* xpbd: about how much more a shell gives way than its material, as a share (0.1 = 10 %), because a sweep in a substep
+   does not bring stretch to its end: it goes with the square of the substep over the longest one that an explicit
+   method can bear (measured; docs/shells.md). 0 for other methods. */
+double pel_sim_softness(const pel_sim *sim);
+
 /* How the last step of PEL_METHOD_DESCENT went; all zero for other methods. */
 typedef struct pel_solver_reading {
     int32_t iterations;

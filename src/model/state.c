@@ -15,12 +15,13 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
     made->position_next = pel_allocate_aligned(count, sizeof *made->position);
     made->contact = pel_allocate(count, sizeof *made->contact);
     made->factors = pel_allocate((size_t)model->body_count, sizeof *made->factors);
+    made->bending = pel_allocate((size_t)model->body_count, sizeof *made->bending);
     if (with_velocity) {
         made->velocity = pel_allocate_aligned(count, sizeof *made->velocity);
         made->velocity_next = pel_allocate_aligned(count, sizeof *made->velocity);
     }
     if (made->position == NULL || made->position_before == NULL || made->position_next == NULL ||
-        made->contact == NULL || made->factors == NULL ||
+        made->contact == NULL || made->factors == NULL || made->bending == NULL ||
         (with_velocity && (made->velocity == NULL || made->velocity_next == NULL))) {
         pel_state_destroy(made);
         return pel_fail_memory(error);
@@ -60,5 +61,6 @@ void pel_state_destroy(pel_state *state)
     pel_free(state->older_velocity);
     pel_free(state->contact);
     pel_free(state->factors);
+    pel_free(state->bending);
     pel_free(state);
 }

@@ -4,6 +4,14 @@
 
 #include "model/model.h"
 
+/* What the automatic weight of a body's bending knows (sim/weight.c). */
+typedef struct pel_bending_control {
+    double weight;       /* k_B at present; of bodies with a given weight that one */
+    double volume_ratio; /* one step ago */
+    double change;       /* of it in the last step that changed it */
+    double calm_count;   /* steps since the volume turned round */
+} pel_bending_control;
+
 struct pel_state {
     int64_t step;
     /* (vertex_count) position and inverse mass: now, one step ago, and scratch of the step in progress; they change
@@ -14,6 +22,7 @@ struct pel_state {
     bool older_is_known;                         /* false after the start, setters and events of refinement */
     uint8_t *contact;                            /* (vertex_count) 1 = a tool touches or holds it */
     double (*factors)[PEL_PARAMETER_COUNT];      /* (body_count) present factor of each keyed parameter */
+    pel_bending_control *bending;                /* (body_count) */
 };
 
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error);

@@ -18,6 +18,10 @@
 
 enum { RUN_COOKIE = 0x72756e21 };
 
+/* of xpbd, beyond which a note is worth it; and the substeps of a scene that leaves them to the method */
+#define SOFTNESS_TOLD 0.25
+enum { DEFAULT_SUBSTEPS = 16 };
+
 /* changes of the volume ratio below this are rounding */
 #define VOLUME_NOISE 1e-12
 
@@ -110,11 +114,29 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
     return PEL_BAD_SCENE;
 }
 
+/* xpbd is as stiff as the material only when its substeps are short */
+static void note_softness(const pel_run_state *run)
+{
+    double softness = pel_sim_softness(run->sim);
+    const pel_solver_def *solver = &run->scene->sim.solver;
+    if (!(softness > SOFTNESS_TOLD))
+        return;
+    int32_t substeps = solver->substeps > 0 ? solver->substeps : DEFAULT_SUBSTEPS;
+    double needed = substeps * sqrt(softness / SOFTNESS_TOLD);
+    pel_log_line(
+        run->def->log,
+        "xpbd with %d substeps is softer than the material (about %.3g times its stretch); %.0f substeps would "
+        "bring that below %.0f %%, as would the methods explicit and descent",
+        (int)substeps, 1 + softness, ceil(needed), 100 * SOFTNESS_TOLD);
+}
+
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
     if (status == PEL_OK)
         status = check_stop(run, error);
+    if (status == PEL_OK)
+        note_softness(run);
     if (status != PEL_OK)
         return status;
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);

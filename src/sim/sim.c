@@ -219,6 +219,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_shells_create(sim, error);
     if (status == PEL_OK)
+        pel_weights_start(sim);
+    if (status == PEL_OK)
         status = prepare_method(sim, error);
     if (status == PEL_OK && sim->active != NULL)
         status = start_refinement(sim, error);
@@ -390,6 +392,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     }
     mark_contacts(sim);
     accept(state);
+    pel_weights_follow(sim);
     if (sim->projector != NULL)
         pel_projector_accept(sim->projector, state);
     return PEL_OK;

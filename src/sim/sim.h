@@ -213,6 +213,12 @@ void pel_sim_descent_destroy(pel_sim *sim);
 /* new positions with less energy, loads included */
 void pel_sim_descent_step(pel_sim *sim, pel_step_result *result);
 
+/* ---- weight.c ---- */
+/* the weights at the start */
+void pel_weights_start(pel_sim *sim);
+/* Brings the automatic ones after the volumes of a step that was accepted. */
+void pel_weights_follow(pel_sim *sim);
+
 /* ---- shells.c ---- */
 /* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
 pel_status pel_shells_create(pel_sim *sim, pel_error *error);

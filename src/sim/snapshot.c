@@ -224,10 +224,9 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
     }
-    for (int32_t b = 0; sim->projector != NULL && b < sim->model->body_count; b++)
-        transfer(at, &sim->projector->bodies[b].auto_weight, sizeof sim->projector->bodies[b].auto_weight);
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
+    transfer(at, state->bending, (size_t)sim->model->body_count * sizeof *state->bending);
     for (int32_t l = 0; l < sim->load_count; l++)
         transfer(at, sim->loads[l].force, sizeof sim->loads[l].force);
     for (int32_t t = 0; t < sim->tool_count; t++)

@@ -280,8 +280,8 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
 {
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b], state->position,
-                               time, 1.0 / projector->solver.substeps);
+        pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b],
+                               state->bending[b].weight, state->position, time, 1.0 / projector->solver.substeps);
 }
 
 static void set_time(pel_projector *projector, const pel_state *state, double tau)
@@ -312,11 +312,6 @@ void pel_project_substep(pel_projector *projector, pel_state *state, const pel_r
 
 void pel_projector_accept(pel_projector *projector, pel_state *state)
 {
-    for (int32_t b = 0; b < projector->model->body_count; b++) {
-        pel_project_body *own = &projector->bodies[b];
-        if (own->has_auto_weight && projector->model->bodies[b].closed)
-            pel_auto_weight_follow(&own->auto_weight, pel_body_volume(projector->model, b, state->position));
-    }
     if (state->older_position == NULL)
         return;
     pel_record *position = state->older_position, *velocity = state->older_velocity;

@@ -26,19 +26,11 @@
 #include "pellicle/sim.h"
 #include "solve/project_batch.h"
 
-/* The automatic weight of bending, see weight.c. */
-typedef struct pel_auto_weight {
-    double weight; /* k_B of the next step */
-    double volume; /* of the last one [m3] */
-} pel_auto_weight;
-
 /* all that a body's sweeps need */
 typedef struct pel_project_body {
-    bool has_auto_weight;
-    pel_auto_weight auto_weight; /* part of the state */
-    int32_t piece_count;         /* bundles: pieces, seams (piece_count - 1), the rest */
-    int32_t *piece_of_place;     /* (places of the body) */
-    int32_t batch_count;         /* in the order of the sweep */
+    int32_t piece_count;     /* bundles: pieces, seams (piece_count - 1), the rest */
+    int32_t *piece_of_place; /* (places of the body) */
+    int32_t batch_count;     /* in the order of the sweep */
     pel_batch *batches;
     uint8_t *is_on;      /* (batch_count) 0 = has no effect at present */
     pel_batch *pressure; /* of the consistent form; else null */
@@ -92,17 +84,11 @@ void pel_project_sweep(const pel_projector *projector, pel_record *positions);
 pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
                                    pel_project_body *made, pel_error *error);
 void pel_project_body_destroy(pel_project_body *body);
-/* numbers of its batches at a time; share: of a step that a substep is */
-void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors,
+/* numbers of its batches at a time; weight: of the bending of pbd; share: of a step that a substep is */
+void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
                             const pel_record *positions, double time, double share);
 /* the time that compliances are over */
 void pel_project_body_set_time(pel_project_body *own, const double *factors, double tau);
-
-/* ---- weight.c ---- */
-
-void pel_auto_weight_begin(pel_auto_weight *weight, double volume);
-/* after a step that ended with this volume */
-void pel_auto_weight_follow(pel_auto_weight *weight, double volume);
 
 /* ---- project_build.c ---- */
 

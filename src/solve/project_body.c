@@ -235,11 +235,6 @@ static pel_status add_bending(plan *p, pel_error *error)
         batch.number_count = p->compliant ? 3 : 2;
         batch.multiplier_count = 1;
     }
-    batch.law.weight = (pel_real)shell->bending_weight;
-    if (shell->bending_weight < 0 && !p->compliant) {
-        p->made->has_auto_weight = true;
-        pel_auto_weight_begin(&p->made->auto_weight, p->body->rest_volume);
-    }
     return add_batch(p, batch, list_hinges(p), -1, error);
 }
 
@@ -388,16 +383,14 @@ static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_rec
         follow_principal(batch, shell, positions);
 }
 
-void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors,
+void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
                             const pel_record *positions, double time, double share)
 {
     for (int32_t i = 0; i < own->batch_count; i++) {
         pel_batch *batch = &own->batches[i];
         bool paper = batch->kind == PEL_CONSTRAINT_ISOMETRIC || batch->kind == PEL_CONSTRAINT_ANGLE;
-        if (paper && own->has_auto_weight)
-            batch->law.weight = (pel_real)own->auto_weight.weight;
-        own->is_on[i] =
-            !(batch->arity == 2 && !(factors[PEL_SPRING_STIFFNESS] > 0)) && !(paper && batch->law.weight == 0);
+        batch->law.weight = (pel_real)weight;
+        own->is_on[i] = !(batch->arity == 2 && !(factors[PEL_SPRING_STIFFNESS] > 0)) && !(paper && weight == 0);
         if (batch->region >= 0)
             begin_region(batch, body->shell, positions, time, share);
     }
