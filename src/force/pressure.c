@@ -54,12 +54,15 @@ double pel_pressure_potential(const pel_shell *shell, double time, double volume
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position)
 {
     const pel_record *origin = &position[model->bodies[body].slot_of_vertex[0]];
+    /* a shell's triangles stand in an order that does not depend on how a refined surface came about */
+    const pel_shell *shell = model->bodies[body].shell;
     double volume = 0, at[3];
     for (int c = 0; c < 3; c++)
         at[c] = (double)(*origin)[c];
     int32_t count = pel_surface_count(model, body);
     for (int32_t i = 0; i < count; i++) {
-        const int32_t *v = model->triangles[pel_surface_triangle(model, body, i)];
+        const int32_t *v =
+            shell != NULL ? shell->triangles[i].vertices : model->triangles[pel_surface_triangle(model, body, i)];
         double x[3][3];
         for (int k = 0; k < 3; k++)
             for (int c = 0; c < 3; c++)

@@ -319,15 +319,22 @@ void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *positio
     }
 }
 
-static void share(double energy, const int32_t *vertices, int count, const int32_t *mesh_vertex, double *values)
+/* the row of a place: its number in the mesh or forest, or what row_of_vertex says of that */
+typedef struct row_map {
+    const int32_t *mesh_vertex, *row_of_vertex;
+} row_map;
+
+static void share(double energy, const int32_t *vertices, int count, const row_map *rows, double *values)
 {
-    for (int i = 0; i < count; i++)
-        values[mesh_vertex[vertices[i]]] += energy / count;
+    for (int i = 0; i < count; i++) {
+        int32_t v = rows->mesh_vertex[vertices[i]];
+        values[rows->row_of_vertex != NULL ? rows->row_of_vertex[v] : v] += energy / count;
+    }
 }
 
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
-                               const pel_record *position, double time, double *membrane, double *bending,
-                               double *fibres)
+                               const int32_t *row_of_vertex, const pel_record *position, double time, double *membrane,
+                               double *bending, double *fibres)
 {
     const shell_body *own = NULL;
     for (int32_t i = 0; forces != NULL && i < forces->count; i++)
@@ -338,19 +345,57 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     if (own == NULL)
         return;
     const pel_shell *shell = own->shell;
-    const int32_t *mesh_vertex = forces->model->mesh_vertex;
+    const row_map rows = {forces->model->mesh_vertex, row_of_vertex};
     double x[4][3];
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         const pel_shell_triangle *triangle = &shell->triangles[t];
         load_points(position, triangle->vertices, 3, x);
-        share(membrane_energy(own, t, (const double(*)[3])x, NULL), triangle->vertices, 3, mesh_vertex, membrane);
-        share(fibre_energies(own, t, time, (const double(*)[3])x, NULL), triangle->vertices, 3, mesh_vertex, fibres);
+        share(membrane_energy(own, t, (const double(*)[3])x, NULL), triangle->vertices, 3, &rows, membrane);
+        share(fibre_energies(own, t, time, (const double(*)[3])x, NULL), triangle->vertices, 3, &rows, fibres);
     }
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge *hinge = &shell->hinges[i];
         load_points(position, hinge->vertices, 4, x);
         double energy = pel_shell_hinge_factor(shell, hinge) * hinge_energy(shell, hinge, (const double(*)[3])x, NULL);
-        share(energy, hinge->vertices, 4, mesh_vertex, bending);
+        share(energy, hinge->vertices, 4, &rows, bending);
+    }
+}
+
+/* ---- one vertex ---- */
+
+/* elastic force of one element on one of its corners */
+static void element_force(const shell_body *own, const pel_record *position, double time, int32_t row, double force[3])
+{
+    const pel_shell *shell = own->shell;
+    int32_t h = row - 3 * shell->triangle_count;
+    double x[4][3], rows[4][3] = {{0}};
+    if (h >= 0) {
+        const pel_shell_hinge *hinge = &shell->hinges[h / 4];
+        load_points(position, hinge->vertices, 4, x);
+        hinge_energy(shell, hinge, (const double(*)[3])x, rows);
+        pel_vec3_scale(rows[h % 4], -pel_shell_hinge_factor(shell, hinge), force);
+        return;
+    }
+    load_points(position, shell->triangles[row / 3].vertices, 3, x);
+    membrane_energy(own, row / 3, (const double(*)[3])x, rows);
+    fibre_energies(own, row / 3, time, (const double(*)[3])x, rows);
+    pel_vec3_copy(rows[row % 3], force);
+}
+
+void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
+                                int32_t place, double force[3])
+{
+    pel_vec3_set(force, 0, 0, 0);
+    for (int32_t b = 0; forces != NULL && b < forces->count; b++) {
+        const shell_body *own = &forces->bodies[b];
+        if (own->body != body)
+            continue;
+        int32_t v = place - own->first_place;
+        for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1]; i++) {
+            double part[3];
+            element_force(own, position, time, own->gather[i], part);
+            pel_vec3_add(force, part, force);
+        }
     }
 }
 
@@ -485,17 +530,21 @@ static pel_status make_laws(shell_body *own, pel_error *error)
     const pel_shell *shell = own->shell;
     if (!shell->has_membrane)
         return PEL_OK;
-    int32_t count = shell->uniform ? 1 : shell->triangle_count;
+    int32_t count = shell->uniform ? 1 : shell->triangle_limit;
     own->laws = pel_allocate((size_t)count, sizeof *own->laws);
-    if (own->laws == NULL)
-        return pel_fail_memory(error);
-    for (int32_t t = 0; t < count; t++) {
+    return own->laws != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+static void fill_laws(shell_body *own)
+{
+    const pel_shell *shell = own->shell;
+    int32_t count = shell->uniform ? 1 : shell->triangle_count;
+    for (int32_t t = 0; own->laws != NULL && t < count; t++) {
         pel_membrane_material material = shell->material;
         material.young = shell->triangles[t].young;
         material.thickness = shell->triangles[t].thickness;
         own->laws[t] = pel_membrane_law_of(&material);
     }
-    return PEL_OK;
 }
 
 /* Lists by owner: counts stand two places after their owner's number, sums make them begins one place after; filling
@@ -512,19 +561,27 @@ static int32_t force_fibre_count(const pel_shell_region *region)
     return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
 }
 
-/* the fibres of all regions by triangle */
 static pel_status make_fibres(shell_body *own, pel_error *error)
 {
     const pel_shell *shell = own->shell;
-    int32_t count = 0;
+    size_t count = 0;
     for (int32_t r = 0; r < shell->region_count; r++)
-        count += force_fibre_count(&shell->regions[r]);
+        if (force_fibre_count(&shell->regions[r]) > 0)
+            count += (size_t)shell->regions[r].fibre_limit;
     if (count == 0)
         return PEL_OK;
-    own->fibre_begin = pel_allocate((size_t)shell->triangle_count + 2, sizeof *own->fibre_begin);
-    own->fibres = pel_allocate((size_t)count, sizeof *own->fibres);
-    if (own->fibre_begin == NULL || own->fibres == NULL)
-        return pel_fail_memory(error);
+    own->fibre_begin = pel_allocate((size_t)shell->triangle_limit + 2, sizeof *own->fibre_begin);
+    own->fibres = pel_allocate(count, sizeof *own->fibres);
+    return own->fibre_begin != NULL && own->fibres != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+/* the fibres of all regions by triangle */
+static void fill_fibres(shell_body *own)
+{
+    const pel_shell *shell = own->shell;
+    if (own->fibre_begin == NULL)
+        return;
+    memset(own->fibre_begin, 0, ((size_t)shell->triangle_count + 2) * sizeof *own->fibre_begin);
     for (int32_t r = 0; r < shell->region_count; r++)
         for (int32_t i = 0; i < force_fibre_count(&shell->regions[r]); i++)
             own->fibre_begin[shell->regions[r].fibres[i].triangle + 2]++;
@@ -536,7 +593,6 @@ static pel_status make_fibres(shell_body *own, pel_error *error)
             *made = (triangle_fibre){.region = r, .stiffness = shell->regions[r].def.stiffness * fibre->weight};
             memcpy(made->direction, fibre->direction, sizeof made->direction);
         }
-    return PEL_OK;
 }
 
 /* counts the rows of each vertex, or lists them; triangles come first */
@@ -558,8 +614,8 @@ static void visit_rows(shell_body *own, bool list)
 static pel_status make_rows(shell_body *own, pel_error *error)
 {
     const pel_shell *shell = own->shell;
-    size_t triangles = (size_t)shell->triangle_count, rows = 3 * triangles + 4 * (size_t)shell->hinge_count;
-    int32_t most = shell->triangle_count > shell->hinge_count ? shell->triangle_count : shell->hinge_count;
+    size_t triangles = (size_t)shell->triangle_limit, rows = 3 * triangles + 4 * (size_t)shell->hinge_limit;
+    int32_t most = shell->triangle_limit > shell->hinge_limit ? shell->triangle_limit : shell->hinge_limit;
     own->rows = pel_allocate(rows, sizeof *own->rows);
     own->gather = pel_allocate(rows, sizeof *own->gather);
     own->gather_begin = pel_allocate((size_t)own->place_count + 2, sizeof *own->gather_begin);
@@ -570,10 +626,39 @@ static pel_status make_rows(shell_body *own, pel_error *error)
     if (own->rows == NULL || own->gather == NULL || own->gather_begin == NULL || own->energies == NULL ||
         (normal_form && own->area_vectors == NULL))
         return pel_fail_memory(error);
+    return PEL_OK;
+}
+
+static void fill_rows(shell_body *own)
+{
+    memset(own->gather_begin, 0, ((size_t)own->place_count + 2) * sizeof *own->gather_begin);
     visit_rows(own, false);
     sum_counts(own->gather_begin, own->place_count);
     visit_rows(own, true);
-    return PEL_OK;
+}
+
+static void fill_body(shell_body *own)
+{
+    fill_laws(own);
+    fill_fibres(own);
+    fill_rows(own);
+}
+
+void pel_shell_forces_rebuild(pel_shell_forces *forces, int32_t body)
+{
+    for (int32_t i = 0; forces != NULL && i < forces->count; i++)
+        if (forces->bodies[i].body == body)
+            fill_body(&forces->bodies[i]);
+}
+
+/* places of a body, with those that are not in use when it refines */
+static int32_t body_places(const pel_model *model, int32_t b)
+{
+    const pel_body *body = &model->bodies[b];
+    int32_t end = body->slice_end;
+    if (body->front != NULL)
+        end = b + 1 < model->body_count ? model->bodies[b + 1].slice_begin : model->slice_count;
+    return (end - body->slice_begin) * PEL_WIDTH;
 }
 
 pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **forces, pel_error *error)
@@ -598,7 +683,7 @@ pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **fo
         *own = (shell_body){.shell = body->shell, .body = b, .first_place = body->slice_begin * PEL_WIDTH};
         if (body->shell->pressure.kind != PEL_PRESSURE_NONE)
             own->pressure_part = pel_pressure_is_conservative(body) ? PEL_SHELL_CONSERVATIVE : PEL_SHELL_FOLLOWER;
-        own->place_count = (body->slice_end - body->slice_begin) * PEL_WIDTH;
+        own->place_count = body_places(model, b);
         status = check_bending(own, error);
         if (status == PEL_OK)
             status = make_laws(own, error);
@@ -606,6 +691,8 @@ pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **fo
             status = make_fibres(own, error);
         if (status == PEL_OK)
             status = make_rows(own, error);
+        if (status == PEL_OK)
+            fill_body(own);
     }
     if (status == PEL_OK)
         *forces = made;

@@ -42,11 +42,19 @@ void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *positio
 pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, double time, int parts,
                                       pel_pool *pool, pel_record *force);
 
-/* Energies on the vertices of one body by mesh vertex: a third of each triangle, a quarter of each hinge there. The
-   arrays are overwritten, with zeros for a body that is no shell. */
+/* After the surface of a body that refines has changed: makes its lists anew, without allocation. */
+void pel_shell_forces_rebuild(pel_shell_forces *forces, int32_t body);
+
+/* Force of membrane, bending and fibres on one vertex, from the elements at it alone. */
+void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
+                                int32_t place, double force[3]);
+
+/* Energies on the vertices of one body by row: a third of each triangle, a quarter of each hinge there. Rows are the
+   vertices of the mesh, or what row_of_vertex says of vertices of the forest. The arrays (vertex_count) are
+   overwritten, with zeros for a body that is no shell. */
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
-                               const pel_record *position, double time, double *membrane, double *bending,
-                               double *fibres);
+                               const int32_t *row_of_vertex, const pel_record *position, double time, double *membrane,
+                               double *bending, double *fibres);
 
 /* D of a hinge as the factor of its energy element: D for hinges, D / 3 for the isometric model */
 double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hinge);

@@ -530,6 +530,11 @@ static void update_body(pel_active *active, int32_t body)
     bool base = own->front->red_count == 0 || b->detail->def.springs == PEL_REFINE_UNCHANGED;
     b->uniform_spring = base ? given : -1;
     b->slice_end = (own->fine_end + PEL_WIDTH - 1) / PEL_WIDTH;
+    if (own->shell == NULL)
+        return;
+    pel_shell_front_update(own->shell, own->front, own->place_of_vertex);
+    b->rest_volume = own->front->red_count == 0 ? active->given->bodies[body].rest_volume
+                                                : pel_shell_front_rest_volume(own->shell, own->front);
 }
 
 void pel_active_commit(pel_active *active, int32_t body, pel_state *state)
@@ -638,6 +643,25 @@ static void start_body(pel_active *active, int32_t b)
     pel_active_rebuild(active, b, NULL);
 }
 
+static pel_status create_shell(pel_active *active, int32_t b, pel_error *error)
+{
+    const pel_body *given = &active->given->bodies[b];
+    pel_body *body = &active->model.bodies[b];
+    pel_active_body *own = &active->bodies[b];
+    if (given->shell == NULL)
+        return PEL_OK;
+    int32_t shift = (body->slice_begin - given->slice_begin) * PEL_WIDTH, limit = given->shell->triangle_count;
+    if (body->front != NULL) {
+        const pel_lod_forest *forest = body->front->forest;
+        limit = forest->levels[forest->depth]->triangle_count;
+        limit = own->triangle_limit < limit ? own->triangle_limit : limit;
+    }
+    pel_status status = pel_shell_front_create(given, body, shift, own->fine_limit, limit, &own->shell, error);
+    if (status == PEL_OK)
+        body->shell = &own->shell->shell;
+    return status;
+}
+
 static pel_status build(pel_active *active, pel_error *error)
 {
     pel_model *model = &active->model;
@@ -653,6 +677,9 @@ static pel_status build(pel_active *active, pel_error *error)
         const pel_front *front = model->bodies[b].front;
         model->triangle_begin[b + 1] =
             model->triangle_begin[b] + (front != NULL ? 2 * front->node_count : model->bodies[b].mesh->triangle_count);
+        status = create_shell(active, b, error);
+        if (status != PEL_OK)
+            return status;
         start_body(active, b);
     }
     return PEL_OK;
@@ -692,6 +719,7 @@ void pel_active_destroy(pel_active *active)
         return;
     pel_model *model = &active->model;
     for (int32_t b = 0; active->bodies != NULL && model->bodies != NULL && b < model->body_count; b++) {
+        pel_shell_front_destroy(active->bodies[b].shell);
         pel_front_destroy(active->bodies[b].front);
         pel_free(active->bodies[b].place_of_vertex);
         pel_free(active->bodies[b].used);

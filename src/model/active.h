@@ -20,6 +20,7 @@
 #define PEL_MODEL_ACTIVE_H
 
 #include "model/detail.h"
+#include "model/shell_front.h"
 #include "model/state.h"
 
 /* The quasi-static method moves a vertex by factor F / m; on a finer level m falls by 4, and the factor of a vertex is
@@ -39,6 +40,7 @@ typedef struct pel_active_body {
     uint64_t *used;           /* a bit for each place from fine_begin */
     int32_t lowest_free;      /* no place below it is free, counted from fine_begin */
     int32_t triangle_limit;   /* a front with more triangles has no room */
+    pel_shell_front *shell;   /* null = no shell */
 } pel_active_body;
 
 typedef struct pel_active {

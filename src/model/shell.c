@@ -189,7 +189,7 @@ static double mean_weight(const double *weights, const int32_t vertices[3])
 static pel_status create_triangles(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
 {
     const pel_mesh *mesh = body->mesh;
-    shell->triangle_count = mesh->triangle_count;
+    shell->triangle_count = shell->triangle_limit = mesh->triangle_count;
     shell->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *shell->triangles);
     if (shell->triangles == NULL)
         return pel_fail_memory(error);
@@ -224,6 +224,33 @@ static pel_status create_triangles(const pel_body_def *def, const pel_body *body
     return PEL_OK;
 }
 
+/* D of a triangle by its material; 0 without a membrane */
+static double triangle_bending(const pel_shell *shell, const pel_shell_triangle *triangle)
+{
+    if (!shell->has_membrane)
+        return 0;
+    double poisson = shell->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN ? 0.5 : shell->material.poisson;
+    return pel_bending_stiffness(triangle->young, poisson, triangle->thickness);
+}
+
+/* what hinges between parts of a triangle take from it */
+static void set_bending(const pel_body_def *def, const pel_body *body, pel_shell *shell)
+{
+    const pel_quantity *given = &def->shell.bending.stiffness;
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        pel_shell_triangle *triangle = &shell->triangles[t];
+        const int32_t *v = body->mesh->triangles[t];
+        bool own = given->field == NULL && given->value < 0;
+        triangle->bending = own ? triangle_bending(shell, triangle) : corner_mean(given, v);
+        triangle->curl = 1;
+        for (int32_t i = 0; i < def->shell.anisotropy_count; i++) {
+            const pel_anisotropy_def *curl = &def->shell.anisotropies[i];
+            if (curl->mode == PEL_FIBRE_CURL)
+                triangle->curl *= 1 + mean_weight(curl->weights, v) * (curl->curvature - 1);
+        }
+    }
+}
+
 /* D of a hinge: given, or that of the two triangles beside it */
 static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, const pel_shell_hinge *hinge,
                               const int32_t ends[2])
@@ -233,13 +260,8 @@ static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, c
         return 0.5 * (given->field[ends[0]] + given->field[ends[1]]);
     if (!(given->value < 0))
         return given->value;
-    double sum = 0;
-    for (int i = 0; shell->has_membrane && i < 2; i++) {
-        const pel_shell_triangle *t = &shell->triangles[hinge->triangles[i]];
-        double poisson = shell->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN ? 0.5 : shell->material.poisson;
-        sum += 0.5 * pel_bending_stiffness(t->young, poisson, t->thickness);
-    }
-    return sum;
+    return 0.5 * triangle_bending(shell, &shell->triangles[hinge->triangles[0]]) +
+           0.5 * triangle_bending(shell, &shell->triangles[hinge->triangles[1]]);
 }
 
 static bool setup_hinge(const pel_body *body, const pel_topology *topology, int32_t h, pel_shell_hinge *hinge)
@@ -300,16 +322,13 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
     return PEL_OK;
 }
 
-/* the direction of a fibre in the rest frame of triangle t */
-static void fibre_direction(const pel_anisotropy_def *def, const pel_mesh *mesh, int32_t t, double direction[2])
+void pel_shell_fibre_direction(const pel_anisotropy_def *def, const double x[3][3], double direction[2])
 {
-    double x[3][3], along[3];
-    for (int i = 0; i < 3; i++)
-        memcpy(x[i], mesh->positions[mesh->triangles[t][i]], sizeof x[i]);
+    double along[3];
     for (int i = 0; i < 3; i++)
         along[i] =
             def->direction == PEL_FIBRE_ALONG ? def->axis[i] : def->center[i] - (x[0][i] + x[1][i] + x[2][i]) / 3;
-    pel_rest_triangle_direction((const double(*)[3])x, along, direction);
+    pel_rest_triangle_direction(x, along, direction);
 }
 
 static pel_status create_region(const pel_anisotropy_def *def, const pel_body *body, pel_shell_region *region,
@@ -336,7 +355,10 @@ static pel_status create_region(const pel_anisotropy_def *def, const pel_body *b
             continue;
         pel_shell_fibre *fibre = &region->fibres[region->fibre_count++];
         *fibre = (pel_shell_fibre){.triangle = t, .weight = weight};
-        fibre_direction(def, mesh, t, fibre->direction);
+        double x[3][3];
+        for (int i = 0; i < 3; i++)
+            memcpy(x[i], mesh->positions[mesh->triangles[t][i]], sizeof x[i]);
+        pel_shell_fibre_direction(def, (const double(*)[3])x, fibre->direction);
     }
     return PEL_OK;
 }
@@ -410,6 +432,11 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
         status = create_hinges(def, b, topology, shell, error);
     if (status == PEL_OK)
         status = create_regions(def, b, shell, error);
+    if (status == PEL_OK)
+        set_bending(def, b, shell);
+    shell->hinge_limit = shell->hinge_count;
+    for (int32_t i = 0; i < shell->region_count; i++)
+        shell->regions[i].fibre_limit = shell->regions[i].fibre_count;
     return status == PEL_OK ? create_pressure(def, b, shell, error) : status;
 }
 

@@ -12,6 +12,8 @@ typedef struct pel_shell_triangle {
     int32_t vertices[3];
     pel_rest_triangle rest;
     double young, thickness; /* means of the corners */
+    double bending;          /* D, N m, for hinges where it is refined; 0 = unknown */
+    double curl;             /* factor on rest angles, for the same */
 } pel_shell_triangle;
 
 /* Two triangles that share an edge: vertices as in pellicle/bending.h. */
@@ -33,7 +35,7 @@ typedef struct pel_shell_fibre {
 typedef struct pel_shell_region {
     pel_anisotropy_def def; /* pointers null */
     pel_curve rest_length;  /* with def.rest_length.value as its factor */
-    int32_t fibre_count;
+    int32_t fibre_count, fibre_limit;
     pel_shell_fibre *fibres; /* (fibre_count) by rising triangle; none for PEL_FIBRE_CURL */
 } pel_shell_region;
 
@@ -41,12 +43,13 @@ struct pel_shell {
     bool has_membrane;
     pel_membrane_material material; /* young and thickness: those of the first triangle */
     bool uniform;                   /* all triangles have them */
-    int32_t triangle_count;
+    /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
+    int32_t triangle_count, triangle_limit;
     pel_shell_triangle *triangles; /* (triangle_count) also without a membrane */
 
     pel_bending_model bending;
     double bending_weight; /* k_B; negative = automatic */
-    int32_t hinge_count;
+    int32_t hinge_count, hinge_limit;
     pel_shell_hinge *hinges; /* (hinge_count) by rising edge number of the topology; none without bending */
 
     int32_t region_count;
@@ -69,5 +72,8 @@ bool pel_shell_is_on(const pel_shell_def *def);
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
                                  pel_error *error);
 void pel_shell_destroy(pel_shell *shell);
+
+/* Direction of a region's fibres in the frame of a rest triangle. */
+void pel_shell_fibre_direction(const pel_anisotropy_def *def, const double x[3][3], double direction[2]);
 
 #endif

@@ -1,8 +1,8 @@
 /* Where a body refines: what is measured at a vertex, and over what threshold.
 
-   Force (paper A, section 3.2): the elastic force, springs and volumetric spring, over the vertex's share of the area.
-   At rest it balances what acts on the vertex from outside, tools and loads, per area; it is nothing where nothing
-   acts.
+   Force (paper A, section 3.2): the elastic force, springs, volumetric spring and shell, over the vertex's share of the
+   area. At rest it balances what acts on the vertex from outside, tools and loads, per area; it is nothing where
+   nothing acts.
 
    Curvature: |H - H of the rest shape|, with H = (sum of |e| 2 tan(angle / 2) over the edges e at the vertex) / (4 A),
    the angles those between the triangles beside e, A a third of the area around. On a sphere H is 1 / radius. The angle
@@ -163,6 +163,18 @@ static void look_at_tools(look *at, double near, pel_verdict *verdict)
     }
 }
 
+/* size of the elastic force on a vertex: springs, volumetric spring and shell */
+static double elastic_force(const pel_sim *sim, int32_t body, int32_t place, const pel_wide3 *springs, int32_t lane)
+{
+    double force[3], shell[3];
+    pel_vec3_set(force, (double)springs->x[lane], (double)springs->y[lane], (double)springs->z[lane]);
+    if (sim->model->bodies[body].shell != NULL) {
+        pel_shell_elastic_force_at(sim->shells, body, sim->state->position, pel_sim_time(sim), place, shell);
+        pel_vec3_add(force, shell, force);
+    }
+    return pel_vec3_length(force);
+}
+
 void pel_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
                          pel_verdict verdicts[PEL_WIDTH])
 {
@@ -171,7 +183,6 @@ void pel_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_bo
     pel_slice own = pel_slice_load(sim->state->position, slice);
     pel_wide longest = pel_wide_splat(0);
     pel_wide3 force = pel_elastic_force(model, sim->state->position, slice, &own.position, numbers, &longest);
-    pel_wide square = pel_wide3_dot(force, force);
     for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
         int32_t place = slice * PEL_WIDTH + lane;
         verdicts[lane] = (pel_verdict){0};
@@ -179,7 +190,8 @@ void pel_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_bo
             continue;
         look at = {.sim = sim, .body = body, .place = place, .longest = (double)longest[lane]};
         if (def->above > 0 && model->inverse_mass[place] > 0)
-            note(&verdicts[lane], 3 * sqrt((double)square[lane]) / sim->active->areas[place], def->above, def->below);
+            note(&verdicts[lane], 3 * elastic_force(sim, body, place, &force, lane) / sim->active->areas[place],
+                 def->above, def->below);
         if (def->curvature_above > 0) {
             const pel_front_corner *fan = fan_of(&at);
             note(&verdicts[lane], curvature_change(sim, body, place, fan, at.fan_count), def->curvature_above,

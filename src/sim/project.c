@@ -1,6 +1,5 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
  */
-#include "base/status.h"
 #include "sim/contact.h"
 #include "sim/sim.h"
 
@@ -8,25 +7,6 @@
 
 /* iterations and substeps where the def leaves them open */
 enum { PBD_ITERATIONS = 5, XPBD_SUBSTEPS = 16 };
-
-static pel_status refuse_body(pel_error *error, int32_t body, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
-static pel_status check_bodies(const pel_sim *sim, pel_error *error)
-{
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body *body = &sim->model->bodies[b];
-        if (body->detail != NULL)
-            return refuse_body(error, b, "a body that refines does not go with position-based methods yet",
-                               "leave out `refine`, or use the explicit or the quasi-static method");
-    }
-    return PEL_OK;
-}
 
 pel_status pel_project_create(pel_sim *sim, pel_error *error)
 {
@@ -39,14 +19,22 @@ pel_status pel_project_create(pel_sim *sim, pel_error *error)
     if (solver->substeps == 0)
         solver->substeps = compliant ? XPBD_SUBSTEPS : 1;
     sim->contact_in_loop = true;
-    pel_status status = check_bodies(sim, error);
-    if (status == PEL_OK && solver->second_order)
+    pel_status status = PEL_OK;
+    if (solver->second_order)
         status = pel_state_add_history(sim->model, sim->state, error);
     if (status == PEL_OK)
         status = pel_projector_create(sim->model, solver, &sim->projector, error);
     if (status == PEL_OK)
         sim->projector->pool = sim->pool;
     return status;
+}
+
+void pel_project_follow(pel_sim *sim, int32_t body)
+{
+    sim->state->older_is_known = false;
+    pel_shell_forces_rebuild(sim->shells, body);
+    if (sim->projector != NULL)
+        pel_projector_follow(sim->projector, body);
 }
 
 /* a pressure that the projector does not know */

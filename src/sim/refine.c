@@ -170,6 +170,7 @@ static void commit(pel_sim *sim, int32_t body)
         refine->rest_curvatures[own->place_of_vertex[active->dirty[d]] - first] = (double)NAN;
     pel_loads_update(sim, body);
     pel_tools_update(sim, body);
+    pel_project_follow(sim, body);
 }
 
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)

@@ -54,6 +54,12 @@ int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v)
     return v < sim->model->bodies[body].mesh->vertex_count ? v : rows_of(sim, body)->row_of_vertex[v];
 }
 
+const int32_t *pel_row_numbers(const pel_sim *sim, int32_t body)
+{
+    const pel_refine_body *rows = rows_of(sim, body);
+    return rows != NULL ? rows->row_of_vertex : NULL;
+}
+
 const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
 {
     const pel_refine_body *rows = rows_of(sim, body);

@@ -35,12 +35,6 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
             pel_fail_remedy(error, "use the method pbd, or one of the modes strain, active and curl");
             return PEL_BAD_ARGUMENT;
         }
-        if (body->detail != NULL) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "a shell does not refine yet");
-            pel_fail_element(error, "body", b);
-            pel_fail_remedy(error, "leave out `refine`, or subdivide the mesh beforehand");
-            return PEL_BAD_ARGUMENT;
-        }
     }
     return PEL_OK;
 }
@@ -153,8 +147,8 @@ bool pel_sim_has_shells(const pel_sim *sim)
 void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre)
 {
     pel_shell_forces_follow(sim->shells, sim->state->position);
-    pel_shell_vertex_energies(sim->shells, body, pel_row_count(sim, body), sim->state->position, pel_sim_time(sim),
-                              membrane, bending, fibre);
+    pel_shell_vertex_energies(sim->shells, body, pel_row_count(sim, body), pel_row_numbers(sim, body),
+                              sim->state->position, pel_sim_time(sim), membrane, bending, fibre);
 }
 
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)

@@ -186,6 +186,8 @@ static inline bool pel_sim_has_velocity(const pel_sim *sim)
 /* ---- project.c ---- */
 /* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
 pel_status pel_project_create(pel_sim *sim, pel_error *error);
+/* After an event of refinement: shells and constraints of the body on its new surface. */
+void pel_project_follow(pel_sim *sim, int32_t body);
 /* New positions and velocities of a step; what may touch takes part in the sweeps. Errors of pel_contacts_find. */
 pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 /* ---- contact_event.c ---- */
@@ -264,6 +266,8 @@ static inline bool pel_criterion_is_used(const pel_refine_def *def)
 int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v);
 int32_t pel_row_count(const pel_sim *sim, int32_t body);
 int32_t pel_row_place(const pel_sim *sim, int32_t body, int32_t row);
+/* row of each vertex of the forest that is active; null = rows are the vertices of the mesh */
+const int32_t *pel_row_numbers(const pel_sim *sim, int32_t body);
 /* the triangles of the surface in an order that depends on the surface alone, for sums; null = those of the mesh in
    their order */
 const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);

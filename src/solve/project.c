@@ -98,6 +98,11 @@ void pel_projector_destroy(pel_projector *projector)
     pel_free(projector);
 }
 
+void pel_projector_follow(pel_projector *projector, int32_t body)
+{
+    pel_project_body_follow(projector->model, body, &projector->solver, &projector->bodies[body]);
+}
+
 /* ---- sweeps ---- */
 
 typedef struct sweep_job {

@@ -28,9 +28,10 @@
 
 /* all that a body's sweeps need */
 typedef struct pel_project_body {
-    int32_t piece_count;     /* bundles: pieces, seams (piece_count - 1), the rest */
-    int32_t *piece_of_place; /* (places of the body) */
-    int32_t batch_count;     /* in the order of the sweep */
+    struct pel_build_scratch *scratch; /* kept when the body refines, else null */
+    int32_t piece_count;               /* bundles: pieces, seams (piece_count - 1), the rest */
+    int32_t *piece_of_place;           /* (places of the body) */
+    int32_t batch_count;               /* in the order of the sweep */
     pel_batch *batches;
     uint8_t *is_on;      /* (batch_count) 0 = has no effect at present */
     pel_batch *pressure; /* of the consistent form; else null */
@@ -61,6 +62,9 @@ pel_status pel_projector_create(const pel_model *model, const pel_solver_def *so
                                 pel_error *error);
 void pel_projector_destroy(pel_projector *projector);
 
+/* After the surface of a body that refines has changed. */
+void pel_projector_follow(pel_projector *projector, int32_t body);
+
 /* Before the substeps of a step: keyed numbers at a time, and directions that follow the state. */
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time);
 
@@ -84,6 +88,9 @@ void pel_project_sweep(const pel_projector *projector, pel_record *positions);
 pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
                                    pel_project_body *made, pel_error *error);
 void pel_project_body_destroy(pel_project_body *body);
+/* After the surface of a body that refines has changed: lays out its constraints anew, without allocation. */
+void pel_project_body_follow(const pel_model *model, int32_t body, const pel_solver_def *solver,
+                             pel_project_body *made);
 /* numbers of its batches at a time; weight: of the bending of pbd; share: of a step that a substep is */
 void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
                             const pel_record *positions, double time, double share);
@@ -104,15 +111,23 @@ typedef struct pel_build_scratch {
     int32_t *order, *sorted, *color; /* (count_limit) */
     int32_t *counts;                 /* (place or constraint number + 2, whichever is more) */
     uint64_t *masks;                 /* (model vertex_count) colours taken at a vertex */
+    int32_t *bundles;                /* (bundle_count + 1) */
     int32_t count_limit;
 } pel_build_scratch;
 
 pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model *model, int32_t count_limit,
-                                    pel_error *error);
+                                    int32_t bundle_count, pel_error *error);
 void pel_build_scratch_destroy(pel_build_scratch *scratch);
 
+/* Room for `capacity` blocks in `bundle_count` bundles of a batch, of which arity and counts are set. */
+pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_count, bool with_multipliers,
+                             pel_error *error);
+
+/* Blocks that suffice for count_limit constraints on any surface on which no vertex has more than `most` of them. */
+int32_t pel_batch_bound(const pel_batch *batch, int32_t count_limit, int32_t bundle_count, int32_t most);
+
 /* Fills bundles and blocks of a batch, of which kind, arity and counts are set, from scratch->vertices (count x arity);
-   sources are scratch->origins. Allocates its arrays when they are null. The numbers are left to the caller. */
+   sources are scratch->origins. Makes room first when there is none. The numbers are left to the caller. */
 pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32_t first_place, int32_t place_count,
                            int32_t count, bool with_multipliers, pel_build_scratch *scratch, pel_error *error);
 void pel_batch_destroy(pel_batch *batch);

@@ -17,7 +17,7 @@ typedef struct plan {
     const pel_body *body;
     const pel_solver_def *solver;
     pel_project_body *made;
-    pel_build_scratch scratch;
+    pel_build_scratch *scratch;
     bool compliant, with_multipliers;
     int32_t first_place, place_count;
 } plan;
@@ -39,8 +39,8 @@ static void add_constraint(plan *p, const int32_t *places, int arity, int32_t or
 {
     if (!can_move(p, places, arity))
         return;
-    memcpy(p->scratch.vertices + (size_t)*count * (size_t)arity, places, (size_t)arity * sizeof *places);
-    p->scratch.origins[(*count)++] = origin;
+    memcpy(p->scratch->vertices + (size_t)*count * (size_t)arity, places, (size_t)arity * sizeof *places);
+    p->scratch->origins[(*count)++] = origin;
 }
 
 /* ---- lists ---- */
@@ -66,7 +66,8 @@ static int32_t list_triangles(plan *p)
     const pel_shell *shell = p->body->shell;
     int32_t count = 0;
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        add_constraint(p, shell->triangles[t].vertices, 3, t, &count);
+        if (shell->triangles[t].rest.area > 0)
+            add_constraint(p, shell->triangles[t].vertices, 3, t, &count);
     return count;
 }
 
@@ -93,8 +94,11 @@ static int32_t list_hinges(plan *p)
 static int32_t list_fibres(plan *p, const pel_shell_region *region)
 {
     int32_t count = 0;
-    for (int32_t f = 0; f < region->fibre_count; f++)
-        add_constraint(p, p->body->shell->triangles[region->fibres[f].triangle].vertices, 3, f, &count);
+    for (int32_t f = 0; f < region->fibre_count; f++) {
+        const pel_shell_triangle *triangle = &p->body->shell->triangles[region->fibres[f].triangle];
+        if (triangle->rest.area > 0)
+            add_constraint(p, triangle->vertices, 3, f, &count);
+    }
     return count;
 }
 
@@ -169,31 +173,89 @@ static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_re
 
 /* ---- batches ---- */
 
-/* lays out the constraints that were listed */
-static pel_status make_batch(plan *p, pel_batch *made, pel_batch batch, int32_t count, int32_t region, pel_error *error)
+/* the constraints of a batch into the scratch; returns how many */
+static int32_t list_constraints(plan *p, const pel_batch *batch)
 {
-    *made = batch;
-    made->region = region;
+    if (batch->arity == 2)
+        return list_edges(p);
+    if (batch->arity == 4)
+        return list_hinges(p);
+    if (batch->region >= 0)
+        return list_fibres(p, &p->body->shell->regions[batch->region]);
+    return batch->kind == PEL_CONSTRAINT_PRESSURE ? list_pressed(p) : list_triangles(p);
+}
+
+static void fill_number(const plan *p, const pel_batch *batch, int32_t i)
+{
+    if (batch->arity == 2)
+        fill_edge(p, batch, i);
+    else if (batch->arity == 4)
+        fill_hinge(p, batch, i);
+    else if (batch->region >= 0)
+        fill_fibre(p, batch, &p->body->shell->regions[batch->region], i);
+    else if (batch->kind == PEL_CONSTRAINT_PRESSURE)
+        fill_pressed(p, batch, i);
+    else
+        fill_triangle(p, batch, i);
+}
+
+/* lays out the constraints that the body has at present */
+static pel_status fill_batch(plan *p, pel_batch *batch, pel_error *error)
+{
+    int32_t count = list_constraints(p, batch);
     pel_status status =
-        pel_batch_build(made, p->made, p->first_place, p->place_count, count, p->with_multipliers, &p->scratch, error);
-    for (int32_t i = 0; status == PEL_OK && i < made->block_count * PEL_BLOCK; i++) {
-        if (made->arity == 2)
-            fill_edge(p, made, i);
-        else if (made->arity == 4)
-            fill_hinge(p, made, i);
-        else if (region >= 0)
-            fill_fibre(p, made, &p->body->shell->regions[region], i);
-        else if (made->kind == PEL_CONSTRAINT_PRESSURE)
-            fill_pressed(p, made, i);
-        else
-            fill_triangle(p, made, i);
-    }
+        pel_batch_build(batch, p->made, p->first_place, p->place_count, count, p->with_multipliers, p->scratch, error);
+    for (int32_t i = 0; status == PEL_OK && i < batch->block_count * PEL_BLOCK; i++)
+        fill_number(p, batch, i);
     return status;
 }
 
-static pel_status add_batch(plan *p, pel_batch batch, int32_t count, int32_t region, pel_error *error)
+/* edges of the body, at most */
+static int32_t edge_limit(const plan *p)
 {
-    return make_batch(p, &p->made->batches[p->made->batch_count++], batch, count, region, error);
+    int32_t first = p->first_place / PEL_WIDTH, slices = p->place_count / PEL_WIDTH;
+    /* each stands at both of its ends */
+    return (p->model->slot_begin[first + slices] - p->model->slot_begin[first]) * PEL_WIDTH / 2;
+}
+
+/* edges, and triangles, at a vertex on any surface that the body can have */
+static int32_t valence_limit(const plan *p)
+{
+    int32_t most = 0, first = p->first_place / PEL_WIDTH;
+    for (int32_t s = first; s < first + p->place_count / PEL_WIDTH; s++) {
+        int32_t room = p->model->slot_begin[s + 1] - p->model->slot_begin[s];
+        most = room > most ? room : most;
+    }
+    return most;
+}
+
+/* room for whatever the surface of a body that refines can become */
+static pel_status reserve_batch(const plan *p, pel_batch *batch, pel_error *error)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t valence = valence_limit(p), bundles = 2 * p->made->piece_count, limit = 0;
+    if (batch->arity == 2)
+        limit = edge_limit(p);
+    else if (batch->arity == 4)
+        limit = shell->hinge_limit;
+    else
+        limit = batch->region >= 0 ? shell->regions[batch->region].fibre_limit : shell->triangle_limit;
+    /* a hinge has edges at two of its vertices, and lies across from the two others */
+    int32_t bound = pel_batch_bound(batch, limit, bundles, batch->arity == 4 ? 2 * valence : valence);
+    return pel_batch_reserve(batch, bound, bundles, p->with_multipliers, error);
+}
+
+static pel_status make_batch(plan *p, pel_batch *made, pel_batch batch, int32_t region, pel_error *error)
+{
+    *made = batch;
+    made->region = region;
+    pel_status status = p->body->front != NULL ? reserve_batch(p, made, error) : PEL_OK;
+    return status == PEL_OK ? fill_batch(p, made, error) : status;
+}
+
+static pel_status add_batch(plan *p, pel_batch batch, int32_t region, pel_error *error)
+{
+    return make_batch(p, &p->made->batches[p->made->batch_count++], batch, region, error);
 }
 
 /* the vertex-normal form needs sums around each vertex first: it is left to force/shell_force.c */
@@ -206,7 +268,7 @@ static pel_status make_pressure(plan *p, pel_error *error)
     if (p->made->pressure == NULL)
         return pel_fail_memory(error);
     pel_batch batch = {.kind = PEL_CONSTRAINT_PRESSURE, .arity = 3, .number_count = 1};
-    return make_batch(p, p->made->pressure, batch, list_pressed(p), -1, error);
+    return make_batch(p, p->made->pressure, batch, -1, error);
 }
 
 static pel_status add_membrane(plan *p, pel_error *error)
@@ -221,7 +283,7 @@ static pel_status add_membrane(plan *p, pel_error *error)
     batch.law.second = (pel_real)law.second;
     if (p->compliant && (law.kind == PEL_MEMBRANE_STVK || law.kind == PEL_MEMBRANE_LINEAR))
         batch.law.second = (pel_real)material.poisson;
-    return add_batch(p, batch, list_triangles(p), -1, error);
+    return add_batch(p, batch, -1, error);
 }
 
 static pel_status add_bending(plan *p, pel_error *error)
@@ -235,7 +297,7 @@ static pel_status add_bending(plan *p, pel_error *error)
         batch.number_count = p->compliant ? 3 : 2;
         batch.multiplier_count = 1;
     }
-    return add_batch(p, batch, list_hinges(p), -1, error);
+    return add_batch(p, batch, -1, error);
 }
 
 static pel_status add_region(plan *p, int32_t r, pel_error *error)
@@ -249,7 +311,7 @@ static pel_status add_region(plan *p, int32_t r, pel_error *error)
         batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
     else
         batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
-    return add_batch(p, batch, list_fibres(p, region), r, error);
+    return add_batch(p, batch, r, error);
 }
 
 static bool has_springs(const plan *p)
@@ -272,7 +334,7 @@ static pel_status add_batches(plan *p, pel_error *error)
                                        .arity = 2,
                                        .number_count = p->compliant ? 2 : 1,
                                        .multiplier_count = 1},
-                           list_edges(p), -1, error);
+                           -1, error);
     if (shell == NULL)
         return status;
     if (status == PEL_OK && shell->has_membrane)
@@ -288,39 +350,77 @@ static pel_status add_batches(plan *p, pel_error *error)
 /* the largest list: edges, triangles or hinges */
 static int32_t count_limit(const plan *p)
 {
-    const pel_model *model = p->model;
-    int32_t slots = model->slot_begin[p->body->slice_end] - model->slot_begin[p->body->slice_begin];
-    int32_t most = slots * PEL_WIDTH;
-    if (p->body->shell != NULL && p->body->shell->triangle_count > most)
-        most = p->body->shell->triangle_count;
-    if (p->body->shell != NULL && p->body->shell->hinge_count > most)
-        most = p->body->shell->hinge_count;
+    const pel_shell *shell = p->body->shell;
+    int32_t most = edge_limit(p);
+    if (shell != NULL && shell->triangle_limit > most)
+        most = shell->triangle_limit;
+    if (shell != NULL && shell->hinge_limit > most)
+        most = shell->hinge_limit;
     return most;
+}
+
+static plan plan_of(const pel_model *model, int32_t body, const pel_solver_def *solver, pel_project_body *made)
+{
+    const pel_body *b = &model->bodies[body];
+    plan p = {.model = model, .body = b, .solver = solver, .made = made, .scratch = made->scratch};
+    p.compliant = solver->method == PEL_METHOD_XPBD;
+    p.with_multipliers = p.compliant && solver->iterations > 1;
+    p.first_place = b->slice_begin * PEL_WIDTH;
+    int32_t end = b->slice_end;
+    if (b->front != NULL) /* with the places that are not in use */
+        end = body + 1 < model->body_count ? model->bodies[body + 1].slice_begin : model->slice_count;
+    p.place_count = end * PEL_WIDTH - p.first_place;
+    return p;
+}
+
+/* vertices of the mesh stand in rings: pieces are runs of them; finer ones go with one of the mesh nearby */
+static void update_pieces(const plan *p)
+{
+    int32_t mesh_places = (p->body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH * PEL_WIDTH;
+    for (int32_t i = 0; i < p->place_count; i++) {
+        int32_t base = i, v = p->model->mesh_vertex[p->first_place + i], parents[2];
+        if (i >= mesh_places && v >= 0) {
+            while (pel_lod_forest_vertex_parents(p->body->front->forest, v, parents))
+                v = parents[0];
+            base = p->body->slot_of_vertex[v] - p->first_place;
+        }
+        int32_t piece = base / PIECE_SIZE;
+        p->made->piece_of_place[i] = piece < p->made->piece_count ? piece : p->made->piece_count - 1;
+    }
 }
 
 pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
                                    pel_project_body *made, pel_error *error)
 {
-    const pel_body *b = &model->bodies[body];
-    plan p = {.model = model, .body = b, .solver = solver, .made = made};
-    p.compliant = solver->method == PEL_METHOD_XPBD;
-    p.with_multipliers = p.compliant && solver->iterations > 1;
-    p.first_place = b->slice_begin * PEL_WIDTH;
-    p.place_count = b->slice_end * PEL_WIDTH - p.first_place;
-    int32_t pieces = (p.place_count + PIECE_SIZE / 2) / PIECE_SIZE;
+    plan p = plan_of(model, body, solver, made);
+    int32_t pieces = (p.body->mesh->vertex_count + PIECE_SIZE / 2) / PIECE_SIZE;
     made->piece_count = pieces > 1 ? pieces : 1;
     made->piece_of_place = pel_allocate((size_t)p.place_count, sizeof *made->piece_of_place);
-    if (made->piece_of_place == NULL)
+    p.scratch = made->scratch = pel_allocate(1, sizeof *made->scratch);
+    if (made->piece_of_place == NULL || made->scratch == NULL)
         return pel_fail_memory(error);
-    for (int32_t i = 0; i < p.place_count; i++)
-        made->piece_of_place[i] = i / PIECE_SIZE < made->piece_count ? i / PIECE_SIZE : made->piece_count - 1;
-    pel_status status = pel_build_scratch_create(&p.scratch, model, count_limit(&p), error);
+    update_pieces(&p);
+    pel_status status = pel_build_scratch_create(made->scratch, model, count_limit(&p), 2 * made->piece_count, error);
     if (status == PEL_OK)
         status = add_batches(&p, error);
     if (status == PEL_OK)
         status = make_pressure(&p, error);
-    pel_build_scratch_destroy(&p.scratch);
+    if (status == PEL_OK && p.body->front == NULL) {
+        pel_build_scratch_destroy(made->scratch);
+        pel_free(made->scratch);
+        made->scratch = NULL;
+    }
     return status;
+}
+
+void pel_project_body_follow(const pel_model *model, int32_t body, const pel_solver_def *solver, pel_project_body *made)
+{
+    plan p = plan_of(model, body, solver, made);
+    update_pieces(&p);
+    for (int32_t i = 0; i < made->batch_count; i++)
+        fill_batch(&p, &made->batches[i], NULL);
+    if (made->pressure != NULL)
+        fill_batch(&p, made->pressure, NULL);
 }
 
 void pel_project_body_destroy(pel_project_body *body)
@@ -329,6 +429,9 @@ void pel_project_body_destroy(pel_project_body *body)
         pel_batch_destroy(&body->batches[i]);
     if (body->pressure != NULL)
         pel_batch_destroy(body->pressure);
+    if (body->scratch != NULL)
+        pel_build_scratch_destroy(body->scratch);
+    pel_free(body->scratch);
     pel_free(body->pressure);
     pel_free(body->batches);
     pel_free(body->is_on);

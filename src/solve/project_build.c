@@ -13,7 +13,7 @@
 enum { COLORS = 64 };
 
 pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model *model, int32_t count_limit,
-                                    pel_error *error)
+                                    int32_t bundle_count, pel_error *error)
 {
     *scratch = (pel_build_scratch){.count_limit = count_limit};
     size_t count = (size_t)count_limit, places = (size_t)model->vertex_count;
@@ -24,8 +24,9 @@ pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model 
     scratch->color = pel_allocate(count, sizeof *scratch->color);
     scratch->counts = pel_allocate((places > count ? places : count) + COLORS + 2, sizeof *scratch->counts);
     scratch->masks = pel_allocate(places, sizeof *scratch->masks);
-    if (scratch->vertices != NULL && scratch->origins != NULL && scratch->order != NULL && scratch->sorted != NULL &&
-        scratch->color != NULL && scratch->counts != NULL && scratch->masks != NULL)
+    scratch->bundles = pel_allocate((size_t)bundle_count + 1, sizeof *scratch->bundles);
+    if (scratch->bundles != NULL && scratch->vertices != NULL && scratch->origins != NULL && scratch->order != NULL &&
+        scratch->sorted != NULL && scratch->color != NULL && scratch->counts != NULL && scratch->masks != NULL)
         return PEL_OK;
     pel_build_scratch_destroy(scratch);
     return pel_fail_memory(error);
@@ -34,7 +35,7 @@ pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model 
 void pel_build_scratch_destroy(pel_build_scratch *scratch)
 {
     void *arrays[] = {scratch->vertices, scratch->origins, scratch->order, scratch->sorted,
-                      scratch->color,    scratch->counts,  scratch->masks};
+                      scratch->color,    scratch->counts,  scratch->masks, scratch->bundles};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     *scratch = (pel_build_scratch){0};
@@ -170,20 +171,39 @@ static int32_t fill_bundle(pel_batch *batch, const build *job, int32_t block, in
     return block;
 }
 
-static pel_status allocate_blocks(pel_batch *batch, int32_t capacity, bool with_multipliers, pel_error *error)
+pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_count, bool with_multipliers,
+                             pel_error *error)
 {
     size_t lanes = (size_t)capacity * PEL_BLOCK;
+    with_multipliers &= batch->multiplier_count > 0;
     batch->capacity = capacity;
+    batch->bundle_begin = pel_allocate((size_t)bundle_count + 1, sizeof *batch->bundle_begin);
     batch->vertices = pel_allocate_aligned(lanes * (size_t)batch->arity, sizeof *batch->vertices);
     batch->numbers = pel_allocate_aligned(lanes * (size_t)batch->number_count, sizeof *batch->numbers);
     batch->sources = pel_allocate(lanes, sizeof *batch->sources);
     batch->lane_counts = pel_allocate((size_t)capacity, sizeof *batch->lane_counts);
-    with_multipliers &= batch->multiplier_count > 0;
     if (with_multipliers)
         batch->multipliers = pel_allocate_aligned(lanes * (size_t)batch->multiplier_count, sizeof *batch->multipliers);
-    bool room = batch->vertices != NULL && batch->numbers != NULL && batch->sources != NULL &&
-                batch->lane_counts != NULL && (!with_multipliers || batch->multipliers != NULL);
+    bool room = batch->bundle_begin != NULL && batch->vertices != NULL && batch->numbers != NULL &&
+                batch->sources != NULL && batch->lane_counts != NULL &&
+                (!with_multipliers || batch->multipliers != NULL);
     return room ? PEL_OK : pel_fail_memory(error);
+}
+
+int32_t pel_batch_bound(const pel_batch *batch, int32_t count_limit, int32_t bundle_count, int32_t most)
+{
+    /* greedy colours: one more than a constraint has neighbours; each may leave one block unfilled in each bundle */
+    int64_t colors = (int64_t)batch->arity * (most - 1) + 1;
+    int64_t bound = count_limit / PEL_BLOCK + bundle_count * colors;
+    return bound < count_limit ? (int32_t)bound : count_limit;
+}
+
+static int32_t count_blocks(const build *job, const int32_t *begin)
+{
+    int32_t blocks = 0;
+    for (int32_t b = 0; b < job->bundle_count; b++)
+        blocks += sort_colors(job, begin[b], begin[b + 1], color_bundle(job, begin[b], begin[b + 1]));
+    return blocks;
 }
 
 pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32_t first_place, int32_t place_count,
@@ -191,28 +211,22 @@ pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32
 {
     build job = {scratch->vertices, batch->arity,          count, first_place,
                  place_count,       2 * body->piece_count, body,  scratch};
-    if (batch->bundle_begin == NULL)
-        batch->bundle_begin = pel_allocate((size_t)job.bundle_count + 1, sizeof *batch->bundle_begin);
-    if (batch->bundle_begin == NULL)
-        return pel_fail_memory(error);
-    int32_t *begin = batch->bundle_begin;
+    int32_t *begin = scratch->bundles;
     sort_constraints(&job, begin);
     if (batch->vertices == NULL) {
-        int32_t blocks = 0;
-        for (int32_t b = 0; b < job.bundle_count; b++)
-            blocks += sort_colors(&job, begin[b], begin[b + 1], color_bundle(&job, begin[b], begin[b + 1]));
-        pel_status status = allocate_blocks(batch, blocks, with_multipliers, error);
+        pel_status status =
+            pel_batch_reserve(batch, count_blocks(&job, begin), job.bundle_count, with_multipliers, error);
         if (status != PEL_OK)
             return status;
     }
     int32_t block = 0;
     for (int32_t b = 0; b < job.bundle_count; b++) {
-        int32_t from = begin[b], to = begin[b + 1], colors = color_bundle(&job, from, to);
-        sort_colors(&job, from, to, colors);
-        begin[b] = block;
-        block = fill_bundle(batch, &job, block, from, colors);
+        int32_t colors = color_bundle(&job, begin[b], begin[b + 1]);
+        sort_colors(&job, begin[b], begin[b + 1], colors);
+        batch->bundle_begin[b] = block;
+        block = fill_bundle(batch, &job, block, begin[b], colors);
     }
-    begin[job.bundle_count] = batch->block_count = block;
+    batch->bundle_begin[job.bundle_count] = batch->block_count = block;
     return PEL_OK;
 }
 

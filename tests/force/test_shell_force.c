@@ -356,14 +356,14 @@ static void test_vertex_energies(void **unused)
     pel_shell_energy energy = evaluate(&on, 0, PEL_SHELL_ALL);
     double lists[3][92], sums[3] = {0};
     assert_int_equal(mesh->vertex_count, 92);
-    pel_shell_vertex_energies(on.shells, 0, 92, on.state->position, 0, lists[0], lists[1], lists[2]);
+    pel_shell_vertex_energies(on.shells, 0, 92, NULL, on.state->position, 0, lists[0], lists[1], lists[2]);
     for (int i = 0; i < 3; i++)
         for (int v = 0; v < 92; v++)
             sums[i] += lists[i][v];
     assert_near(sums[0] / energy.membrane, 1, 1e-12);
     assert_near(sums[1] / energy.bending, 1, 1e-12);
     assert_near(sums[2] / energy.fibres, 1, 1e-12);
-    pel_shell_vertex_energies(NULL, 0, 92, on.state->position, 0, lists[0], lists[1], lists[2]);
+    pel_shell_vertex_energies(NULL, 0, 92, NULL, on.state->position, 0, lists[0], lists[1], lists[2]);
     assert_true(lists[0][5] == 0 && lists[2][91] == 0);
     free_forces(&on);
     pel_mesh_destroy(mesh);

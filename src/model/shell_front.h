@@ -1,0 +1,41 @@
+/* The shell of a body in an active model: its places are those of that model, and where the body refines its triangles
+   and hinges are those of the present surface.
+
+   Rest data of finer triangles come from the subdivided rest surface, the material, fibres and pressure from the base
+   triangle that they are a part of, so that an event changes the shape of the rest surface by what subdivision adds and
+   nothing else. Hinges stand on all edges between two triangles of the surface, bisected ones included. What is as on
+   the base is copied from there: without refinement the shell is that of the plain model, bit by bit.
+
+   An event makes all of it anew; nothing is allocated. */
+#ifndef PEL_MODEL_SHELL_FRONT_H
+#define PEL_MODEL_SHELL_FRONT_H
+
+#include "model/shell.h"
+
+typedef struct pel_shell_front {
+    pel_shell shell; /* curves belong to the given one */
+    const pel_shell *given;
+    int32_t shift;               /* of places, from the given model to the active one */
+    int32_t **fibre_of_triangle; /* (region_count x given triangles) -1 = none; bodies that refine only, and so on */
+    int32_t *hinge_of_half_edge; /* (3 x given triangles) -1 = none */
+    pel_front_triangle *surface; /* (triangle_limit) scratch */
+    int32_t *base_of_triangle;   /* (triangle_limit) */
+    uint8_t *is_base;            /* (triangle_limit) 1 = a whole triangle of the base */
+    int32_t *begin;              /* (places + 2) half-edges by the lower of their places */
+    int32_t *half_edges;         /* (3 x triangle_limit) */
+    int32_t first_place, place_count;
+} pel_shell_front;
+
+/* For body b of an active model, of which slot_of_vertex and front are known. place_limit: past the last place that it
+   can have. triangle_limit: of any surface. Errors: PEL_OUT_OF_MEMORY. */
+pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, int32_t shift, int32_t place_limit,
+                                  int32_t triangle_limit, pel_shell_front **made, pel_error *error);
+void pel_shell_front_destroy(pel_shell_front *own);
+
+/* After the front of a body that refines has changed. */
+void pel_shell_front_update(pel_shell_front *own, const pel_front *front, const int32_t *place_of_vertex);
+
+/* Volume that the present surface encloses at rest. */
+double pel_shell_front_rest_volume(const pel_shell_front *own, const pel_front *front);
+
+#endif
