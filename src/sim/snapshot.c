@@ -224,6 +224,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
     }
+    for (int32_t b = 0; sim->projector != NULL && b < sim->model->body_count; b++)
+        transfer(at, &sim->projector->bodies[b].auto_weight, sizeof sim->projector->bodies[b].auto_weight);
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
     for (int32_t l = 0; l < sim->load_count; l++)

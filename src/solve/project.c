@@ -312,6 +312,11 @@ void pel_project_substep(pel_projector *projector, pel_state *state, const pel_r
 
 void pel_projector_accept(pel_projector *projector, pel_state *state)
 {
+    for (int32_t b = 0; b < projector->model->body_count; b++) {
+        pel_project_body *own = &projector->bodies[b];
+        if (own->has_auto_weight && projector->model->bodies[b].closed)
+            pel_auto_weight_follow(&own->auto_weight, pel_body_volume(projector->model, b, state->position));
+    }
     if (state->older_position == NULL)
         return;
     pel_record *position = state->older_position, *velocity = state->older_velocity;

@@ -26,8 +26,16 @@
 #include "pellicle/sim.h"
 #include "solve/project_batch.h"
 
+/* The automatic weight of bending, see weight.c. */
+typedef struct pel_auto_weight {
+    double weight; /* k_B of the next step */
+    double volume; /* of the last one [m3] */
+} pel_auto_weight;
+
 /* all that a body's sweeps need */
 typedef struct pel_project_body {
+    bool has_auto_weight;
+    pel_auto_weight auto_weight; /* part of the state */
     int32_t piece_count;     /* bundles: pieces, seams (piece_count - 1), the rest */
     int32_t *piece_of_place; /* (places of the body) */
     int32_t batch_count;     /* in the order of the sweep */
@@ -89,6 +97,12 @@ void pel_project_body_begin(pel_project_body *own, const pel_body *body, const d
                             const pel_record *positions, double time, double share);
 /* the time that compliances are over */
 void pel_project_body_set_time(pel_project_body *own, const double *factors, double tau);
+
+/* ---- weight.c ---- */
+
+void pel_auto_weight_begin(pel_auto_weight *weight, double volume);
+/* after a step that ended with this volume */
+void pel_auto_weight_follow(pel_auto_weight *weight, double volume);
 
 /* ---- project_build.c ---- */
 

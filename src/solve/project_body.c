@@ -236,6 +236,10 @@ static pel_status add_bending(plan *p, pel_error *error)
         batch.multiplier_count = 1;
     }
     batch.law.weight = (pel_real)shell->bending_weight;
+    if (shell->bending_weight < 0 && !p->compliant) {
+        p->made->has_auto_weight = true;
+        pel_auto_weight_begin(&p->made->auto_weight, p->body->rest_volume);
+    }
     return add_batch(p, batch, list_hinges(p), -1, error);
 }
 
@@ -390,6 +394,8 @@ void pel_project_body_begin(pel_project_body *own, const pel_body *body, const d
     for (int32_t i = 0; i < own->batch_count; i++) {
         pel_batch *batch = &own->batches[i];
         bool paper = batch->kind == PEL_CONSTRAINT_ISOMETRIC || batch->kind == PEL_CONSTRAINT_ANGLE;
+        if (paper && own->has_auto_weight)
+            batch->law.weight = (pel_real)own->auto_weight.weight;
         own->is_on[i] =
             !(batch->arity == 2 && !(factors[PEL_SPRING_STIFFNESS] > 0)) && !(paper && batch->law.weight == 0);
         if (batch->region >= 0)
