@@ -149,7 +149,8 @@ static void test_quasi_static(void **unused)
     pel_sim_measures measures;
     pel_sim_measure(sim, &measures);
     double exact = 2 * 0.7 / (2 * 1e5 * 0.01);
-    assert_near((measures.volume_ratio - 1) / (3 * exact), 1, 0.01);
+    /* in float the last of the way is lost in the rounding of positions */
+    assert_near((measures.volume_ratio - 1) / (3 * exact), 1, sizeof(pel_real) == 8 ? 0.01 : 0.02);
     pel_sim_destroy(sim);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
@@ -253,7 +254,7 @@ static void test_pressures_under_descent(void **unused)
     pressure.outside.value = -20;
     double quasi_newton = balanced_volume(mesh, &pressure, false), gradient = balanced_volume(mesh, &pressure, true);
     assert_true(quasi_newton > 1.1);
-    assert_near(gradient, quasi_newton, 1e-4);
+    assert_near(gradient, quasi_newton, sizeof(pel_real) == 8 ? 1e-4 : 1e-3);
     /* the follower force of the paper's form has no potential, but a balance */
     pressure.form = PEL_PRESSURE_VERTEX_NORMAL;
     pressure.outside.value = -2;
