@@ -36,9 +36,9 @@ typedef struct pel_auto_weight {
 typedef struct pel_project_body {
     bool has_auto_weight;
     pel_auto_weight auto_weight; /* part of the state */
-    int32_t piece_count;     /* bundles: pieces, seams (piece_count - 1), the rest */
-    int32_t *piece_of_place; /* (places of the body) */
-    int32_t batch_count;     /* in the order of the sweep */
+    int32_t piece_count;         /* bundles: pieces, seams (piece_count - 1), the rest */
+    int32_t *piece_of_place;     /* (places of the body) */
+    int32_t batch_count;         /* in the order of the sweep */
     pel_batch *batches;
     uint8_t *is_on;      /* (batch_count) 0 = has no effect at present */
     pel_batch *pressure; /* of the consistent form; else null */

@@ -1,7 +1,7 @@
-/* The weight k_B of bending under pbd, chosen step by step: paper B leaves open how to find it. Too large a weight holds
-   the volume and makes it jitter, as a projection of bending then overshoots and feeds the velocities; too small a one
-   lets the surface crumple (theory page, section 0, finding 2). So the weight rises slowly while the volume falls, and
-   is cut down when the volume has risen: it stays as large as the motion bears. */
+/* The weight k_B of bending under pbd, chosen step by step: paper B leaves open how to find it. Too large a weight
+   holds the volume and makes it jitter, as a projection of bending then overshoots and feeds the velocities; too small
+   a one lets the surface crumple (theory page, section 0, finding 2). So the weight rises slowly while the volume
+   falls, and is cut down when the volume has risen: it stays as large as the motion bears. */
 #include "solve/project.h"
 
 #include <math.h>
