@@ -210,6 +210,13 @@ static void test_pressurised_sphere(void **unused)
     pel_sim_get_positions(sim, 0, positions);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         mean += (1 - pel_vec3_length(positions + 3 * v)) / mesh->vertex_count;
+    /* hoop tension p R / 2, negative as it is squeezed */
+    double *virials = calloc((size_t)mesh->vertex_count, sizeof *virials), sum = 0;
+    pel_sim_get_spring_virials(sim, 0, virials);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        sum += virials[v];
+    free(virials);
+    assert_near(sum / (2 * model->bodies[0].rest_area) / (-1e-6 / 2), 1, 0.002);
     assert_near(mean / (1e-6 * 0.7 / (2 * 0.01)), 1, 0.002);
     free(positions);
     pel_sim_destroy(sim);
