@@ -306,6 +306,8 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
         pel_fail_remedy(error, "make solver dt (%g) smaller, or use more substeps, or smaller loads", sim->step.dt);
     else if (pel_sim_is_explicit(sim))
         pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);
+    else if (sim->solver.method == PEL_METHOD_DESCENT)
+        pel_fail_remedy(error, "make the loads smaller: they have no balance, or not before bodies collapse");
     else
         pel_fail_remedy(error, "make solver alpha (%g) smaller, or the loads", sim->step.alpha);
     return PEL_DIVERGED;
