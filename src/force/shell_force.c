@@ -325,13 +325,37 @@ static void share(double energy, const int32_t *vertices, int count, const int32
         values[mesh_vertex[vertices[i]]] += energy / count;
 }
 
+static const shell_body *find_body(const pel_shell_forces *forces, int32_t body)
+{
+    for (int32_t i = 0; forces != NULL && i < forces->count; i++)
+        if (forces->bodies[i].body == body)
+            return &forces->bodies[i];
+    return NULL;
+}
+
+void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
+                           double *virials)
+{
+    const shell_body *own = find_body(forces, body);
+    for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++) {
+        const int32_t *vertices = own->shell->triangles[t].vertices;
+        double x[3][3], rows[3][3] = {{0}}, side[3], sum = 0;
+        load_points(position, vertices, 3, x);
+        membrane_energy(own, t, (const double(*)[3])x, rows);
+        fibre_energies(own, t, time, (const double(*)[3])x, rows);
+        for (int i = 1; i < 3; i++) {
+            pel_vec3_subtract(x[i], x[0], side);
+            sum -= pel_vec3_dot(rows[i], side);
+        }
+        share(sum, vertices, 3, forces->model->mesh_vertex, virials);
+    }
+}
+
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
                                const pel_record *position, double time, double *membrane, double *bending,
                                double *fibres)
 {
-    const shell_body *own = NULL;
-    for (int32_t i = 0; forces != NULL && i < forces->count; i++)
-        own = forces->bodies[i].body == body ? &forces->bodies[i] : own;
+    const shell_body *own = find_body(forces, body);
     double *lists[3] = {membrane, bending, fibres};
     for (int i = 0; i < 3; i++)
         memset(lists[i], 0, (size_t)vertex_count * sizeof **lists);
