@@ -194,9 +194,10 @@ void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, doub
 void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre);
 /* Force of the body's pressure on each vertex (vertex_count x 3) [N]; zeros without pressure. */
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
-/* Virial of the springs on each vertex (vertex_count) [J]: half of tension times length of each spring at it. Over
-   twice the vertex's area this is the mean tension of the net [N/m], positive where it is stretched; the sum over all
-   vertices is the derivative of the spring energy by the logarithm of the body's size. */
+/* Virial of springs and shell on each vertex (vertex_count) [J]: half of tension times length of each spring at it, a
+   third of that of each triangle of a shell. Over twice the vertex's area this is the mean tension of the net or sheet
+   [N/m], positive where it is stretched; the sum over all vertices is the derivative of the energy of springs, membrane
+   and fibres by the logarithm of the body's size. */
 void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
 /* 1 where a tool touches or holds the vertex, or it is in contact with a surface, else 0 (vertex_count). */
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);

@@ -19,8 +19,9 @@ const pel_run_field_info pel_run_fields[PEL_RUN_FIELD_COUNT] = {
     {"mean_curvature", 1, "1/m", "mean curvature, positive on a sphere (cotangent Laplacian); 0 on a boundary"},
     {"gaussian_curvature", 1, "1/m2", "Gaussian curvature (angle defect over area)"},
     {"stress", 1, "N/m",
-     "mean tension of the spring net: half of force times length of each spring at the vertex, over twice its area; "
-     "positive where it is stretched"},
+     "mean tension of springs and membrane: half of force times length of each spring at the vertex, and a third of "
+     "that "
+     "of each triangle, over twice its area; positive where it is stretched"},
 };
 
 int pel_run_field_find(const char *name)

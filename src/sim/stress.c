@@ -1,10 +1,11 @@
-/* The share of each vertex in the virial of the springs.
+/* The share of each vertex in the virial of springs and shell.
 
    A spring of length l under the tension f adds f l to the derivative of the elastic energy by the logarithm of the
    size, dE / d ln s, when the whole net is stretched alike; half of that goes to each of its ends. A plane membrane
    under the tension tau in all directions has dE / d ln s = 2 tau A: so the mean tension at a vertex is its share over
    twice its area (the virial stress of particle mechanics, in the plane). On a regular net of triangles of springs k
-   that is stretched by eps this is sqrt(3) k eps, the tension of the membrane that the net stands for. */
+   that is stretched by eps this is sqrt(3) k eps, the tension of the membrane that the net stands for. A triangle of a
+   shell gives a third of the derivative of its energy to each corner. */
 #include "sim/sim.h"
 
 static pel_wide slice_virial(const pel_sim *sim, const pel_body_force *body, int32_t slice)
@@ -34,4 +35,6 @@ void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virial
                 virials[pel_row_of_vertex(sim, body, v)] = (double)virial[lane];
         }
     }
+    pel_shell_forces_follow(sim->shells, sim->state->position);
+    pel_shell_add_virials(sim->shells, body, sim->state->position, pel_sim_time(sim), virials);
 }

@@ -2,6 +2,15 @@
 #include "failing_malloc.h"
 #include "shell_fixture.h"
 
+/* of a volume ratio that a minimisation or relaxation ends with; positions in float have 24 bits */
+#ifdef PEL_SINGLE
+#define VOLUME_TOLERANCE 1e-3
+#define STRAIN_TOLERANCE 0.02
+#else
+#define VOLUME_TOLERANCE 1e-4
+#define STRAIN_TOLERANCE 0.01
+#endif
+
 static pel_sim_def sim_of(const pel_model *model, pel_method method, double dt)
 {
     pel_sim_def def = pel_sim_def_default();
@@ -98,10 +107,14 @@ static void test_stability_limit(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(5);
-    for (int bending = PEL_BENDING_OFF; bending <= PEL_BENDING_HINGE; bending += PEL_BENDING_HINGE) {
+    for (int i = 0; i < 4; i++) {
         pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
-        body.shell.bending.model = (pel_bending_model)bending;
+        body.shell.bending.model = i == 1 ? PEL_BENDING_HINGE : PEL_BENDING_OFF;
         body.shell.bending.stiffness.value = 5; /* as important as the membrane */
+        /* stiffer than the membrane where all of the body breathes */
+        body.shell.pressure.kind = i == 2 ? PEL_PRESSURE_GAS : i == 3 ? PEL_PRESSURE_VOLUME : PEL_PRESSURE_NONE;
+        body.shell.pressure.value = body.shell.pressure.bulk = 1e6;
+        body.shell.pressure.target.value = 1;
         pel_model *model = make_model(&body);
         pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, 1);
         pel_sim *sim;
@@ -116,8 +129,8 @@ static void test_stability_limit(void **unused)
         sim = make_sim(&def);
         random_state random = {2};
         double *velocities = calloc(3 * (size_t)mesh->vertex_count, sizeof *velocities);
-        for (int32_t i = 0; i < 3 * mesh->vertex_count; i++)
-            velocities[i] = 1e-5 * random_normal(&random);
+        for (int32_t k = 0; k < 3 * mesh->vertex_count; k++)
+            velocities[k] = 1e-5 * random_normal(&random);
         assert_int_equal(pel_sim_set_velocities(sim, 0, velocities, NULL), PEL_OK);
         run_steps(sim, 2000);
         pel_sim_measures measures;
@@ -145,7 +158,7 @@ static void test_quasi_static(void **unused)
     pel_sim_measures measures;
     pel_sim_measure(sim, &measures);
     double exact = 2 * 0.7 / (2 * 1e5 * 0.01);
-    assert_near((measures.volume_ratio - 1) / (3 * exact), 1, 0.01);
+    assert_near((measures.volume_ratio - 1) / (3 * exact), 1, STRAIN_TOLERANCE);
     pel_sim_destroy(sim);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
@@ -201,6 +214,13 @@ static void test_pressurised_sphere(void **unused)
     pel_sim_get_positions(sim, 0, positions);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         mean += (1 - pel_vec3_length(positions + 3 * v)) / mesh->vertex_count;
+    /* hoop tension p R / 2, negative as it is squeezed */
+    double *virials = calloc((size_t)mesh->vertex_count, sizeof *virials), sum = 0;
+    pel_sim_get_spring_virials(sim, 0, virials);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        sum += virials[v];
+    free(virials);
+    assert_near(sum / (2 * model->bodies[0].rest_area) / (-1e-6 / 2), 1, 0.002);
     assert_near(mean / (1e-6 * 0.7 / (2 * 0.01)), 1, 0.002);
     free(positions);
     pel_sim_destroy(sim);
@@ -239,7 +259,7 @@ static void test_pressures_under_descent(void **unused)
     pel_pressure_def pressure = pel_shell_def_default().pressure;
     pressure.kind = PEL_PRESSURE_GAS;
     pressure.value = 1000;
-    assert_near(balanced_volume(mesh, &pressure, false), 1, 1e-6);
+    assert_near(balanced_volume(mesh, &pressure, false), 1, VOLUME_TOLERANCE);
     pressure.kind = PEL_PRESSURE_VOLUME;
     pressure.target.value = 1.5;
     pressure.bulk = 1e4;
@@ -249,7 +269,7 @@ static void test_pressures_under_descent(void **unused)
     pressure.outside.value = -20;
     double quasi_newton = balanced_volume(mesh, &pressure, false), gradient = balanced_volume(mesh, &pressure, true);
     assert_true(quasi_newton > 1.1);
-    assert_near(gradient, quasi_newton, 1e-4);
+    assert_near(gradient, quasi_newton, VOLUME_TOLERANCE);
     /* the follower force of the paper's form has no potential, but a balance */
     pressure.form = PEL_PRESSURE_VERTEX_NORMAL;
     pressure.outside.value = -2;

@@ -136,7 +136,7 @@ static void test_curved_valley(void **unused)
     (void)unused;
     pel_record position[COUNT];
     for (int v = 0; v < COUNT; v++)
-        position[v] = (pel_record){-1.2f, 1, 1, 0};
+        position[v] = (pel_record){(pel_real)-1.2, 1, 1, 0};
     pel_descent_result result = run(valley, NULL, false, 500, 0.5, position);
     assert_true(result.converged);
     for (int v = 0; v < COUNT; v++)
@@ -150,7 +150,7 @@ static void test_energy_falls(void **unused)
     for (int gradient = 0; gradient < 2; gradient++) {
         pel_record position[COUNT];
         for (int v = 0; v < COUNT; v++)
-            position[v] = (pel_record){-1.2f, 1, 1, 0};
+            position[v] = (pel_record){(pel_real)-1.2, 1, 1, 0};
         double before = HUGE_VAL;
         for (int i = 0; i < 60; i++) {
             pel_descent_result result = run(valley, NULL, gradient == 1, 1, 0.5, position);
