@@ -340,10 +340,11 @@ static const shell_body *find_body(const pel_shell_forces *forces, int32_t body)
     return NULL;
 }
 
-void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
-                           double *virials)
+void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *row_of_vertex,
+                           const pel_record *position, double time, double *virials)
 {
     const shell_body *own = find_body(forces, body);
+    const row_map map = {forces != NULL ? forces->model->mesh_vertex : NULL, row_of_vertex};
     for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++) {
         const int32_t *vertices = own->shell->triangles[t].vertices;
         double x[3][3], rows[3][3] = {{0}}, side[3], sum = 0;
@@ -354,7 +355,7 @@ void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const p
             pel_vec3_subtract(x[i], x[0], side);
             sum -= pel_vec3_dot(rows[i], side);
         }
-        share(sum, vertices, 3, forces->model->mesh_vertex, virials);
+        share(sum, vertices, 3, &map, virials);
     }
 }
 
@@ -409,17 +410,15 @@ static void element_force(const shell_body *own, const pel_record *position, dou
 void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
                                 int32_t place, double force[3])
 {
+    const shell_body *own = find_body(forces, body);
     pel_vec3_set(force, 0, 0, 0);
-    for (int32_t b = 0; forces != NULL && b < forces->count; b++) {
-        const shell_body *own = &forces->bodies[b];
-        if (own->body != body)
-            continue;
-        int32_t v = place - own->first_place;
-        for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1]; i++) {
-            double part[3];
-            element_force(own, position, time, own->gather[i], part);
-            pel_vec3_add(force, part, force);
-        }
+    if (own == NULL)
+        return;
+    int32_t v = place - own->first_place;
+    for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1]; i++) {
+        double part[3];
+        element_force(own, position, time, own->gather[i], part);
+        pel_vec3_add(force, part, force);
     }
 }
 

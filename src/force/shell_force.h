@@ -58,8 +58,8 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
 
 /* Adds to each mesh vertex of a body a third of the virial of membrane and fibres of each triangle there: the
    derivative of their energy by the logarithm of the size, twice tension times area. */
-void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
-                           double *virials);
+void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *row_of_vertex,
+                           const pel_record *position, double time, double *virials);
 
 /* D of a hinge as the factor of its energy element: D for hinges, D / 3 for the isometric model */
 double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hinge);

@@ -36,5 +36,6 @@ void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virial
         }
     }
     pel_shell_forces_follow(sim->shells, sim->state->position);
-    pel_shell_add_virials(sim->shells, body, sim->state->position, pel_sim_time(sim), virials);
+    pel_shell_add_virials(sim->shells, body, pel_row_numbers(sim, body), sim->state->position, pel_sim_time(sim),
+                          virials);
 }
