@@ -259,7 +259,8 @@ static const cli_command commands[] = {
                     {.name = "sheet",
                      .kind = CLI_TEXT,
                      .value = "COLSxROWS",
-                     .doc = "lay pictures out in columns and rows; left out: a row for each run"},
+                     .doc = "lay pictures out in columns and rows, without --frames as many of a run as fit; left out: "
+                            "a row for each run"},
                     {.name = "arrows",
                      .kind = CLI_TEXT,
                      .value = "FIELD",

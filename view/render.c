@@ -233,6 +233,80 @@ static pel_status survey_shot(job *j, view_shot shot, pel_error *error)
     return status;
 }
 
+/* ---- arrows ---- */
+
+/* the vectors worth drawing, every stride-th of them when they are many */
+static bool is_drawn(const double vector[3], double least)
+{
+    return vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2] > least * least;
+}
+
+/* what is done with an arrow from ends[0] to ends[1] */
+typedef pel_status arrow_visit(job *j, const double ends[2][3], pel_error *error);
+
+static pel_status see_arrow(job *j, const double ends[2][3], pel_error *error)
+{
+    (void)error;
+    view_camera_see(&j->camera, ends[0], 0);
+    view_camera_see(&j->camera, ends[1], 0);
+    return PEL_OK;
+}
+
+static pel_status add_arrow(job *j, const double ends[2][3], pel_error *error)
+{
+    return view_soup_add_arrow(&j->soup, &j->camera, ends[0], ends[1], 0.006 * body_size(j), error);
+}
+
+static pel_status visit_arrows(job *j, const pel_mesh *mesh, const double (*vectors)[3], const double (*normals)[3],
+                               arrow_visit *visit, pel_error *error)
+{
+    double least = 0.02 * j->longest, scale = 0.2 * body_size(j) / j->longest;
+    int32_t count = 0, next = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; ++v)
+        count += is_drawn(vectors[v], least);
+    int32_t stride = (count + MOST_ARROWS - 1) / MOST_ARROWS;
+    for (int32_t v = 0; v < mesh->vertex_count; ++v) {
+        if (!is_drawn(vectors[v], least) || next++ % stride != 0)
+            continue;
+        const double *at = mesh->positions[v];
+        double along = 0, ends[2][3];
+        for (int i = 0; i < 3; ++i)
+            along += vectors[v][i] * normals[v][i];
+        for (int i = 0; i < 3; ++i) {
+            ends[0][i] = at[i] - (along < 0 ? scale * vectors[v][i] : 0);
+            ends[1][i] = at[i] + (along < 0 ? 0 : scale * vectors[v][i]);
+        }
+        pel_status status = visit(j, (const double(*)[3])ends, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    return PEL_OK;
+}
+
+static pel_status walk_arrows(job *j, const pel_mesh *mesh, arrow_visit *visit, pel_error *error)
+{
+    if (!(j->longest > 0))
+        return PEL_OK;
+    double(*normals)[3] = view_mesh_normals(mesh);
+    if (normals == NULL)
+        return view_fail_memory(error);
+    const double(*vectors)[3] = (const double(*)[3])pel_mesh_field(mesh, j->def.arrows)->values;
+    pel_status status = visit_arrows(j, mesh, vectors, (const double(*)[3])normals, visit, error);
+    free(normals);
+    return status;
+}
+
+/* arrows belong into the picture; how long they are is known once all frames were read */
+static pel_status survey_arrow_ends(job *j, view_shot shot, pel_error *error)
+{
+    pel_mesh *mesh;
+    pel_status status = read_shot(j, shot, &mesh, error);
+    if (status == PEL_OK)
+        status = walk_arrows(j, mesh, see_arrow, error);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
 /* makes the range fit for a color bar: not empty, from 0 where that is near, symmetric for two colors */
 static void settle_range(job *j)
 {
@@ -289,6 +363,10 @@ static pel_status survey(job *j, pel_error *error)
         if (j->shots.shots[i].run >= 0)
             status = survey_shot(j, j->shots.shots[i], error);
     }
+    for (int32_t i = 0; status == PEL_OK && j->longest > 0 && i < count; ++i) {
+        if (j->shots.shots[i].run >= 0)
+            status = survey_arrow_ends(j, j->shots.shots[i], error);
+    }
     if (status != PEL_OK)
         return status;
     for (int32_t i = 0; i < count; ++i) {
@@ -329,52 +407,13 @@ static pel_status draw_surface(job *j, const pel_mesh *mesh, const char *place, 
     return status;
 }
 
-/* the vectors worth drawing, every stride-th of them when they are many */
-static bool is_drawn(const double vector[3], double least)
-{
-    return vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2] > least * least;
-}
-
-static pel_status add_arrows(job *j, const pel_mesh *mesh, const double (*vectors)[3], const double (*normals)[3],
-                             pel_error *error)
-{
-    double least = 0.02 * j->longest, size = body_size(j), scale = 0.2 * size / j->longest;
-    int32_t count = 0, next = 0;
-    for (int32_t v = 0; v < mesh->vertex_count; ++v)
-        count += is_drawn(vectors[v], least);
-    int32_t stride = (count + MOST_ARROWS - 1) / MOST_ARROWS;
-    for (int32_t v = 0; v < mesh->vertex_count; ++v) {
-        if (!is_drawn(vectors[v], least) || next++ % stride != 0)
-            continue;
-        const double *at = mesh->positions[v];
-        double along = 0, ends[2][3];
-        for (int i = 0; i < 3; ++i)
-            along += vectors[v][i] * normals[v][i];
-        for (int i = 0; i < 3; ++i) {
-            ends[0][i] = at[i] - (along < 0 ? scale * vectors[v][i] : 0);
-            ends[1][i] = at[i] + (along < 0 ? 0 : scale * vectors[v][i]);
-        }
-        pel_status status = view_soup_add_arrow(&j->soup, &j->camera, ends[0], ends[1], 0.006 * size, error);
-        if (status != PEL_OK)
-            return status;
-    }
-    return PEL_OK;
-}
-
 static pel_status draw_arrows(job *j, const pel_mesh *mesh, pel_error *error)
 {
     const view_look look = {.plain = {{196, 44, 56, 255}}, .highlight = 0.1};
-    if (!(j->longest > 0))
-        return PEL_OK;
-    const pel_field *field = pel_mesh_field(mesh, j->def.arrows);
-    double(*normals)[3] = view_mesh_normals(mesh);
-    if (normals == NULL)
-        return view_fail_memory(error);
     j->soup.count = 0;
-    pel_status status = add_arrows(j, mesh, (const double(*)[3])field->values, (const double(*)[3])normals, error);
+    pel_status status = walk_arrows(j, mesh, add_arrow, error);
     if (status == PEL_OK)
         view_canvas_draw(j->canvas, &j->soup, &look);
-    free(normals);
     return status;
 }
 

@@ -68,13 +68,31 @@ static pel_status walk_ranges(const view_run *run, const pel_frame_range *ranges
     return PEL_OK;
 }
 
+/* as many frames as a run has cells on the sheet, evenly spaced from the first to the last */
+static pel_status spread_frames(frame_list *list, const view_run *run, const pel_render_def *def, pel_error *error)
+{
+    int32_t cells = def->columns * def->rows / def->input_count, frame_count = view_run_frame_count(run);
+    int32_t count = cells < frame_count ? cells : frame_count;
+    list->count = count > 1 ? count : 1;
+    list->frames = view_allocate((size_t)list->count, sizeof *list->frames);
+    if (list->frames == NULL)
+        return view_fail_memory(error);
+    list->frames[0] = list->count > 1 ? 0 : frame_count - 1;
+    for (int32_t i = 1; i < list->count; ++i)
+        list->frames[i] = (int32_t)lround((double)i * (frame_count - 1) / (list->count - 1));
+    return PEL_OK;
+}
+
 static pel_status list_frames(frame_list *list, const view_run *run, const pel_render_def *def, pel_error *error)
 {
     const pel_frame_range last = {-1, -1, 1}, all = {0, -1, 1};
     const pel_frame_range *ranges = def->frames;
     int32_t range_count = def->frame_range_count;
+    bool is_picture = view_output_kind(def->output) == VIEW_PICTURE;
+    if (range_count == 0 && is_picture && def->columns > 0)
+        return spread_frames(list, run, def, error);
     if (range_count == 0) {
-        ranges = view_output_kind(def->output) == VIEW_PICTURE ? &last : &all;
+        ranges = is_picture ? &last : &all;
         range_count = 1;
     }
     pel_status status = walk_ranges(run, ranges, range_count, NULL, &list->count, error);

@@ -60,7 +60,8 @@ typedef struct pel_render_def {
     /* a folder (one picture for each frame), FILE.png (one picture; a contact sheet when there are several frames or
        inputs) or FILE.mp4 */
     const char *output;
-    const pel_frame_range *frames; /* (frame_range_count); null = all, the last for a .png */
+    const pel_frame_range *frames; /* (frame_range_count); null = all; for a .png the last, or as many as
+                                      columns x rows hold, evenly spaced */
     int32_t frame_range_count;
 
     const char *field;       /* vertex field that colours the surface; null = displacement where there is one, "none" */

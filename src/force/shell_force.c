@@ -434,16 +434,24 @@ static double triangle_stiffness(const shell_body *own, int32_t t)
     return sum;
 }
 
-/* the largest size that the pressure difference takes near rest, and its stiffness against volume [Pa, Pa/m3] */
+/* largest size of a curve's values */
+static double curve_size(const pel_curve *curve)
+{
+    double size = curve->key_count > 0 ? 0 : 1;
+    for (int32_t k = 0; k < curve->key_count; k++)
+        size = fmax(size, fabs(curve->keys[k].value));
+    return size;
+}
+
+/* the largest size that the pressure difference takes near rest [Pa] */
 static double pressure_size(const pel_shell *shell)
 {
     const pel_pressure_def *def = &shell->pressure;
-    if (def->kind != PEL_PRESSURE_GIVEN)
-        return 0;
-    double factor = shell->outside.key_count > 0 ? 0 : 1;
-    for (int32_t k = 0; k < shell->outside.key_count; k++)
-        factor = fmax(factor, fabs(shell->outside.keys[k].value));
-    return fabs(def->outside.value) * factor;
+    if (def->kind == PEL_PRESSURE_GIVEN)
+        return fabs(def->outside.value) * curve_size(&shell->outside);
+    if (def->kind == PEL_PRESSURE_VOLUME)
+        return def->bulk * fmax(1, fabs(def->target.value) * curve_size(&shell->target) - 1);
+    return 0;
 }
 
 static void add_pressure_norms(const shell_body *own, int32_t t, const double x[3][3], double *sums)
@@ -455,11 +463,34 @@ static void add_pressure_norms(const shell_body *own, int32_t t, const double x[
         sums[shell->triangles[t].vertices[i] - own->first_place] += size * edges / 6;
 }
 
+/* what a pressure that changes with the volume adds: the eigenvalue c sum |g|^2 / m of c g g^T / m, with its slope c
+   and the gradient g of the volume. sums is scratch */
+static double volume_bound(const pel_model *model, const shell_body *own, double *sums)
+{
+    const pel_shell *shell = own->shell;
+    const pel_pressure_def *def = &shell->pressure;
+    double slope = def->kind == PEL_PRESSURE_GAS      ? def->gamma * def->value
+                   : def->kind == PEL_PRESSURE_VOLUME ? def->bulk
+                                                      : 0;
+    if (slope == 0)
+        return 0;
+    memset(sums, 0, (size_t)own->place_count * sizeof *sums);
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        double weight = shell->pressure_weights != NULL ? fabs(shell->pressure_weights[t]) : 1;
+        for (int i = 0; i < 3; i++)
+            sums[shell->triangles[t].vertices[i] - own->first_place] += weight * shell->triangles[t].rest.area / 3;
+    }
+    double sum = 0;
+    for (int32_t v = 0; v < own->place_count; v++)
+        sum += sums[v] * sums[v] * (double)model->inverse_mass[own->first_place + v];
+    return slope / model->bodies[own->body].rest_volume * sum;
+}
+
 static double body_bound(const pel_model *model, const shell_body *own)
 {
     const pel_shell *shell = own->shell;
     /* the rows are free between evaluations: there are more of them than vertices */
-    double *sums = own->rows[0], bound = 0;
+    double *sums = own->rows[0], bound = 0, volume = volume_bound(model, own, sums);
     memset(sums, 0, (size_t)own->place_count * sizeof *sums);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         double x[3][3], norms[3];
@@ -476,7 +507,7 @@ static double body_bound(const pel_model *model, const shell_body *own)
     }
     for (int32_t v = 0; v < own->place_count; v++)
         bound = fmax(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
-    return bound;
+    return bound + volume;
 }
 
 double pel_shell_stiffness_bound(const pel_shell_forces *forces)

@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-#include "geom/vector3.h"
+#include "math/vec3.h"
 
 enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64, EASY_INTERVALS = 8 };
 
@@ -117,7 +117,7 @@ bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separati
 /* false when the vector is not longer than `least` */
 static bool normalize(double vector[3], double least)
 {
-    double length = sqrt(vector3_dot(vector, vector));
+    double length = sqrt(pel_vec3_dot(vector, vector));
     if (!(length > least))
         return false;
     for (int k = 0; k < 3; k++)
@@ -135,29 +135,29 @@ static void closest_place(const double offset[3], const double edge1[3], const d
 {
     static const double origin[3] = {0, 0, 0};
     double end1[3], end2[3], weights[4];
-    vector3_along(offset, 1, edge1, end1);
+    pel_vec3_along(offset, 1, edge1, end1);
     if (edge_edge) {
-        vector3_subtract(origin, edge2, end2);
+        pel_vec3_subtract(origin, edge2, end2);
         pel_closest_segment_segment(offset, end1, origin, end2, weights);
         *s = weights[1];
         *u = weights[3];
     } else {
-        vector3_along(offset, 1, edge2, end2);
+        pel_vec3_along(offset, 1, edge2, end2);
         pel_closest_point_triangle(origin, offset, end1, end2, weights);
         *s = weights[1];
         *u = weights[2];
     }
     double along1[3];
-    vector3_along(offset, *s, edge1, along1);
-    vector3_along(along1, *u, edge2, vector);
+    pel_vec3_along(offset, *s, edge1, along1);
+    pel_vec3_along(along1, *u, edge2, vector);
 }
 
 /* Takes out of a vector what is along an edge. */
 static void straighten(const double edge[3], double vector[3])
 {
-    double length2 = vector3_dot(edge, edge);
+    double length2 = pel_vec3_dot(edge, edge);
     if (length2 > 0)
-        vector3_along(vector, -vector3_dot(vector, edge) / length2, edge, vector);
+        pel_vec3_along(vector, -pel_vec3_dot(vector, edge) / length2, edge, vector);
 }
 
 /* The direction of the vector between the closest points, from the features they lie on: the vector itself turns with
@@ -172,8 +172,8 @@ static void closest_axis(const double offset[3], const double edge1[3], const do
     bool along2 = edge_edge ? u > 0 && u < 1 : u > 0 && s + u < 1;
     bool along3 = !edge_edge && s > 0 && u > 0;
     if (along1 + along2 + along3 > 1) {
-        vector3_cross(edge1, edge2, normal);
-        double along = vector3_dot(normal, axis), length2 = vector3_dot(normal, normal);
+        pel_vec3_cross(edge1, edge2, normal);
+        double along = pel_vec3_dot(normal, axis), length2 = pel_vec3_dot(normal, normal);
         if (length2 > 0)
             for (int k = 0; k < 3; k++)
                 axis[k] = along < 0 ? -normal[k] : normal[k];
@@ -182,7 +182,7 @@ static void closest_axis(const double offset[3], const double edge1[3], const do
     } else if (along2) {
         straighten(edge2, axis);
     } else if (along3) {
-        vector3_subtract(edge1, edge2, edge3);
+        pel_vec3_subtract(edge1, edge2, edge3);
         straighten(edge3, axis);
     }
 }
@@ -323,8 +323,8 @@ static double relative_speed(const ccd_query *query)
     int count = ccd_pair_corners(&query->pair, query->edge_edge, corners);
     for (int i = 0; i < count; i += 2) {
         double motion[3];
-        vector3_subtract(corners[i + 1], corners[i], motion);
-        largest = real_max(vector3_dot(motion, motion), largest);
+        pel_vec3_subtract(corners[i + 1], corners[i], motion);
+        largest = real_max(pel_vec3_dot(motion, motion), largest);
     }
     return sqrt(largest);
 }
@@ -399,7 +399,7 @@ static void normal_against_motion(const ccd_query *query, double s, double u, do
     for (int k = 0; k < 3; k++)
         motion[k] = pair->offset[1][k] - pair->offset[0][k] + s * (pair->edge1[1][k] - pair->edge1[0][k]) +
                     u * (pair->edge2[1][k] - pair->edge2[0][k]);
-    vector3_cross(pair->edge1[0], pair->edge2[0], normal);
+    pel_vec3_cross(pair->edge1[0], pair->edge2[0], normal);
     if (!normalize(normal, least)) {
         const double negative[3] = {-motion[0], -motion[1], -motion[2]}, any[3] = {0, 0, 1};
         memcpy(normal, negative, sizeof negative);
@@ -407,7 +407,7 @@ static void normal_against_motion(const ccd_query *query, double s, double u, do
             memcpy(normal, any, sizeof any);
         return;
     }
-    double along = vector3_dot(normal, motion);
+    double along = pel_vec3_dot(normal, motion);
     for (int k = 0; k < 3 && along > 0; k++)
         normal[k] = -normal[k];
 }

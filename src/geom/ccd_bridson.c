@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "geom/ccd.h"
-#include "geom/vector3.h"
+#include "math/vec3.h"
 
 static double cubic_value(const double a[4], double t)
 {
@@ -91,7 +91,7 @@ bool ccd_solve_bridson(const ccd_points *points, bool edge_edge, double min_sepa
     int count = find_times(&cubic, times);
     for (int i = 0; i < count; i++) {
         ccd_closest(&query, times[i], &s, &u, vector);
-        if (vector3_dot(vector, vector) <= reach * reach) {
+        if (pel_vec3_dot(vector, vector) <= reach * reach) {
             ccd_hit_set(&query, times[i], hit);
             return true;
         }

@@ -7,14 +7,14 @@
 #include <math.h>
 #include <string.h>
 
-#include "geom/vector3.h"
+#include "math/vec3.h"
 
 /* below this ratio to its largest possible value a determinant is not trusted alone */
 #define ILL_CONDITIONED 1e-6
 
 static double squared_length(const double a[3])
 {
-    return vector3_dot(a, a);
+    return pel_vec3_dot(a, a);
 }
 
 static double clamp01(double x)
@@ -27,34 +27,34 @@ static double clamp01(double x)
 static double between(const double a[3], const double b[3], double s, const double c[3], const double d[3], double t)
 {
     double ab[3], cd[3], ca[3], p[3], q[3];
-    vector3_subtract(b, a, ab);
-    vector3_subtract(d, c, cd);
-    vector3_subtract(a, c, ca);
-    vector3_along(ca, s, ab, p);
-    vector3_along(p, -t, cd, q);
+    pel_vec3_subtract(b, a, ab);
+    pel_vec3_subtract(d, c, cd);
+    pel_vec3_subtract(a, c, ca);
+    pel_vec3_along(ca, s, ab, p);
+    pel_vec3_along(p, -t, cd, q);
     return squared_length(q);
 }
 
 double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2])
 {
     double ab[3], ap[3], bp[3], q[3];
-    vector3_subtract(b, a, ab);
-    vector3_subtract(p, a, ap);
+    pel_vec3_subtract(b, a, ab);
+    pel_vec3_subtract(p, a, ap);
     double length2 = squared_length(ab);
-    double from_a = length2 > 0 ? vector3_dot(ap, ab) / length2 : 0;
+    double from_a = length2 > 0 ? pel_vec3_dot(ap, ab) / length2 : 0;
     if (from_a > 0.5) {
         /* from the nearer end: a short distance must not drown in the rounding of a long one */
-        vector3_subtract(p, b, bp);
-        double from_b = clamp01(-vector3_dot(bp, ab) / length2);
+        pel_vec3_subtract(p, b, bp);
+        double from_b = clamp01(-pel_vec3_dot(bp, ab) / length2);
         weights[0] = from_b;
         weights[1] = 1 - from_b;
-        vector3_along(bp, from_b, ab, q);
+        pel_vec3_along(bp, from_b, ab, q);
         return squared_length(q);
     }
     from_a = clamp01(from_a);
     weights[0] = 1 - from_a;
     weights[1] = from_a;
-    vector3_along(ap, -from_a, ab, q);
+    pel_vec3_along(ap, -from_a, ab, q);
     return squared_length(q);
 }
 
@@ -83,25 +83,25 @@ static bool foot_inside(const double p[3], const double a[3], const double b[3],
                         double *distance2, double *ratio)
 {
     double ab[3], ac[3], ap[3], n[3], m[3];
-    vector3_subtract(b, a, ab);
-    vector3_subtract(c, a, ac);
-    vector3_subtract(p, a, ap);
-    vector3_cross(ab, ac, n);
+    pel_vec3_subtract(b, a, ab);
+    pel_vec3_subtract(c, a, ac);
+    pel_vec3_subtract(p, a, ap);
+    pel_vec3_cross(ab, ac, n);
     double n2 = squared_length(n), edges2 = squared_length(ab) * squared_length(ac);
     if (!(n2 > 0))
         return false;
-    vector3_cross(ap, ac, m);
-    double wb = vector3_dot(m, n) / n2;
-    vector3_cross(ab, ap, m);
-    double wc = vector3_dot(m, n) / n2;
+    pel_vec3_cross(ap, ac, m);
+    double wb = pel_vec3_dot(m, n) / n2;
+    pel_vec3_cross(ab, ap, m);
+    double wc = pel_vec3_dot(m, n) / n2;
     if (!(wb >= 0 && wc >= 0 && wb + wc <= 1))
         return false;
     weights[0] = 1 - (wb + wc);
     weights[1] = wb;
     weights[2] = wc;
     double q[3], r[3];
-    vector3_along(ap, -wb, ab, q);
-    vector3_along(q, -wc, ac, r);
+    pel_vec3_along(ap, -wb, ab, q);
+    pel_vec3_along(q, -wc, ac, r);
     *distance2 = squared_length(r);
     *ratio = n2 / edges2;
     return true;
@@ -129,17 +129,17 @@ static bool lines_inside(const double a[3], const double b[3], const double c[3]
                          double *t, double *ratio)
 {
     double ab[3], cd[3], ac[3], n[3], m[3];
-    vector3_subtract(b, a, ab);
-    vector3_subtract(d, c, cd);
-    vector3_subtract(c, a, ac);
-    vector3_cross(ab, cd, n);
+    pel_vec3_subtract(b, a, ab);
+    pel_vec3_subtract(d, c, cd);
+    pel_vec3_subtract(c, a, ac);
+    pel_vec3_cross(ab, cd, n);
     double n2 = squared_length(n);
     if (!(n2 > 0))
         return false;
-    vector3_cross(ac, cd, m);
-    *s = vector3_dot(m, n) / n2;
-    vector3_cross(ac, ab, m);
-    *t = vector3_dot(m, n) / n2;
+    pel_vec3_cross(ac, cd, m);
+    *s = pel_vec3_dot(m, n) / n2;
+    pel_vec3_cross(ac, ab, m);
+    *t = pel_vec3_dot(m, n) / n2;
     *ratio = n2 / (squared_length(ab) * squared_length(cd));
     return *s >= 0 && *s <= 1 && *t >= 0 && *t <= 1;
 }
@@ -190,17 +190,17 @@ static bool crossing(const double a[3], const double b[3], const double *const c
                      double *distance2)
 {
     double ab[3], e1[3], e2[3], ca[3], n[3], m[3];
-    vector3_subtract(b, a, ab);
-    vector3_subtract(corners[1], corners[0], e1);
-    vector3_subtract(corners[2], corners[0], e2);
-    vector3_subtract(a, corners[0], ca);
-    vector3_cross(e1, e2, n);
-    double determinant = vector3_dot(n, ab);
+    pel_vec3_subtract(b, a, ab);
+    pel_vec3_subtract(corners[1], corners[0], e1);
+    pel_vec3_subtract(corners[2], corners[0], e2);
+    pel_vec3_subtract(a, corners[0], ca);
+    pel_vec3_cross(e1, e2, n);
+    double determinant = pel_vec3_dot(n, ab);
     if (determinant == 0)
         return false;
-    double s = -vector3_dot(n, ca) / determinant;
-    vector3_cross(ca, ab, m);
-    double w1 = -vector3_dot(m, e2) / determinant, w2 = vector3_dot(m, e1) / determinant;
+    double s = -pel_vec3_dot(n, ca) / determinant;
+    pel_vec3_cross(ca, ab, m);
+    double w1 = -pel_vec3_dot(m, e2) / determinant, w2 = pel_vec3_dot(m, e1) / determinant;
     if (!(s >= 0 && s <= 1 && w1 >= 0 && w2 >= 0 && w1 + w2 <= 1))
         return false;
     weights[0] = 1 - s;
@@ -209,9 +209,9 @@ static bool crossing(const double a[3], const double b[3], const double *const c
     weights[3] = w1;
     weights[4] = w2;
     double p[3], q[3];
-    vector3_along(ca, s, ab, p);
-    vector3_along(p, -w1, e1, q);
-    vector3_along(q, -w2, e2, p);
+    pel_vec3_along(ca, s, ab, p);
+    pel_vec3_along(p, -w1, e1, q);
+    pel_vec3_along(q, -w2, e2, p);
     *distance2 = squared_length(p);
     return true;
 }

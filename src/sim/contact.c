@@ -148,6 +148,7 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
     if (sim->contacts == NULL)
         return pel_fail_memory(error);
     sim->contacts->def = *def;
+    sim->self_contact = def->self && !def->allow_tangled;
     sim->contact_in_loop &= def->response == PEL_CONTACT_IN_LOOP;
     if (def->sweeps == 0)
         sim->contacts->def.sweeps = SWEEP_PRESET;
@@ -410,6 +411,14 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
 
 /* ---- correction ---- */
 
+void pel_contact_set_velocity(pel_sim *sim, int32_t place)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    for (int k = 0; k < 3 && sim->state->velocity_next != NULL; k++)
+        sim->state->velocity_next[place][k] =
+            (pel_real)((contacts->end[place][k] - contacts->start[place][k]) / sim->step.dt);
+}
+
 /* moves the new positions by sweeps over the contacts; velocities follow */
 static void correct(pel_sim *sim, int32_t sweeps)
 {
@@ -419,13 +428,13 @@ static void correct(pel_sim *sim, int32_t sweeps)
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&contacts->list, state->position_next, state->position) < tolerance)
             break;
-    for (int32_t p = 0; p < contacts->place_count; p++)
-        for (int k = 0; k < 3; k++) {
-            double now = (double)state->position_next[p][k], change = now - contacts->end[p][k];
-            contacts->end[p][k] = now;
-            if (state->velocity_next != NULL && change != 0)
-                state->velocity_next[p][k] += (pel_real)(change / sim->step.dt);
-        }
+    for (int32_t p = 0; p < contacts->place_count; p++) {
+        double before[3];
+        pel_vec3_copy(contacts->end[p], before);
+        pel_vertex_position(state->position_next, p, contacts->end[p]);
+        if (memcmp(before, contacts->end[p], sizeof before) != 0)
+            pel_contact_set_velocity(sim, p);
+    }
 }
 
 /* the effect of contacts with tools on them */
@@ -507,7 +516,10 @@ static pel_status step(pel_sim *sim, double longest, pel_error *error)
     double began = seconds_now();
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].blocked = false;
-    if (contacts->conflict_count > 0)
+    /* the cubic may have missed some */
+    if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
+        status = pel_contact_look(sim, error);
+    if (status == PEL_OK && contacts->conflict_count > 0)
         status = pel_contact_guard(sim, error);
     contacts->statistics.guard_seconds += seconds_now() - began;
     contacts->statistics.contacts += contacts->list.count;

@@ -106,6 +106,9 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
    step. longest: spring length bound. On failure the state and the poses of the tools are those before the step. */
 pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);
+/* The velocity of what contact or the guard moved: its way from start to end over dt. Whatever was added to the end
+   velocity of a solver with substeps could turn it round, and feed energy in. */
+void pel_contact_set_velocity(pel_sim *sim, int32_t place);
 /* Sets the contact flag of the vertices that were pushed. */
 void pel_contacts_mark(const pel_sim *sim);
 /* Before the step: brings the surface after refinement, and what is known of tangled pairs after a snapshot. */
@@ -135,6 +138,8 @@ pel_status pel_contact_round_conflicts(pel_sim *sim, pel_error *error);
 /* Fills `conflicts` from what the collider found between start and end, and from the round tools. */
 pel_status pel_contact_find_conflicts(pel_sim *sim, const pel_collision_result *found, pel_error *error);
 pel_status pel_contact_add_conflict(pel_sim_contacts *contacts, const pel_conflict *conflict, pel_error *error);
+/* The same with a search of its own, by the conservative test, for what comes nearer than the guarded distance. */
+pel_status pel_contact_look(pel_sim *sim, pel_error *error);
 /* Steps back until the way from start to end is free; position_next, velocity_next and the tools follow. */
 pel_status pel_contact_guard(pel_sim *sim, pel_error *error);
 

@@ -5,8 +5,9 @@
 
      rounds 0 .. 9    the points of conflicts, connected ones together, become zones. A zone goes as one, by the mean of
                       its ways weighted with mass (the impact zones of Provot 1997 and Bridson et al. 2002, without
-                      rotation), so that momentum stays. One with a tool or a vertex that cannot move goes a share of
-                      its ways instead, and so does one with a conflict inside: 0.9 of the time of impact, each time
+                      rotation), so that momentum stays. One that a tool or a vertex that cannot move runs into goes a
+                      share of its ways instead, and so does the tool, and a zone with a conflict inside: 0.9 of the
+                      time of impact, each time
      rounds 10 .. 15  the points of conflicts, and ever more rings around them, stay where they were
      round 16         everything stays
 
@@ -179,42 +180,54 @@ static int32_t join(pel_zone *zones, int32_t a, int32_t b)
     const pel_zone *gone = &zones[a < b ? b : a];
     kept->is_joined = true;
     kept->is_scaled |= gone->is_scaled;
+    kept->is_new |= gone->is_new;
     kept->share = fmin(kept->share, gone->share);
+    kept->impact = fmin(kept->impact, gone->impact);
     kept->mass += gone->mass;
     pel_vec3_add(kept->momentum, gone->momentum, kept->momentum);
     zones[a < b ? b : a].parent = a < b ? a : b;
     return a < b ? a : b;
 }
 
-/* conflicts join zones; one inside a zone, or with what cannot go as one, shortens its way */
-static void join_conflicts(pel_sim_contacts *contacts, int32_t node_count)
+static void note_impact(pel_zone *zone, double time)
+{
+    zone->impact = fmin(zone->impact, time);
+}
+
+/* one conflict: the zones of its places become one; inside a zone, or with what cannot go as one, the way gets shorter.
+   A tool goes a share of its own way, so that it can come on while the body before it stands */
+static void join_conflict(pel_sim_contacts *contacts, const pel_conflict *conflict)
 {
     pel_zone *zones = contacts->zones;
-    int32_t nodes[5];
-    for (int32_t i = 0; i < node_count; i++)
-        zones[i].impact = 1;
-    for (size_t c = 0; c < contacts->conflict_count; c++) {
-        const pel_conflict *conflict = &contacts->conflicts[c];
-        int count = nodes_of(contacts, conflict, nodes);
-        int32_t zone = find_zone(zones, nodes[0]);
-        bool inside = true;
-        for (int i = 1; i < count; i++)
-            inside &= find_zone(zones, nodes[i]) == zone;
-        /* a pair that conflicts while it goes as one, by its zone as it was before this round */
-        if (inside && !zones[zone].is_new)
-            zones[zone].impact = fmin(zones[zone].impact, conflict->time);
-        for (int i = 1; i < count; i++) {
-            double impact = fmin(zones[zone].impact, zones[find_zone(zones, nodes[i])].impact);
-            zone = join(zones, zone, nodes[i]);
-            zones[zone].impact = impact;
-            zones[zone].is_new |= !inside;
-        }
-        if (zones[zone].is_scaled)
-            zones[zone].impact = fmin(zones[zone].impact, conflict->time);
+    int32_t zone = find_zone(zones, conflict->places[0] >= 0 ? conflict->places[0] : conflict->places[3]);
+    bool inside = conflict->tool < 0;
+    for (int i = 0; i < 4; i++)
+        inside &= conflict->places[i] < 0 || find_zone(zones, conflict->places[i]) == zone;
+    /* it conflicts although it goes as one already */
+    if (inside && !zones[zone].is_new)
+        note_impact(&zones[zone], conflict->time);
+    for (int i = 0; i < 4; i++)
+        if (conflict->places[i] >= 0)
+            zone = join(zones, zone, conflict->places[i]);
+    zones[zone].is_new |= !inside;
+    if (conflict->tool >= 0) {
+        zones[zone].is_scaled = true;
+        note_impact(&zones[contacts->place_count + conflict->tool], conflict->time);
     }
+    if (zones[zone].is_scaled)
+        note_impact(&zones[zone], conflict->time);
+}
+
+static void join_conflicts(pel_sim_contacts *contacts, int32_t node_count)
+{
     for (int32_t i = 0; i < node_count; i++) {
-        pel_zone *zone = &zones[i];
-        zone->is_new = false;
+        contacts->zones[i].impact = 1;
+        contacts->zones[i].is_new = false;
+    }
+    for (size_t c = 0; c < contacts->conflict_count; c++)
+        join_conflict(contacts, &contacts->conflicts[c]);
+    for (int32_t i = 0; i < node_count; i++) {
+        pel_zone *zone = &contacts->zones[i];
         if (zone->parent != i || zone->impact >= 1)
             continue;
         zone->share *= SAFE_TIME * zone->impact;
@@ -297,21 +310,19 @@ static void move_all(pel_sim *sim)
 static void finish(pel_sim *sim)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    pel_state *state = sim->state;
     for (int32_t p = 0; p < contacts->place_count; p++) {
         double change[3];
         pel_vec3_subtract(contacts->end[p], contacts->solved[p], change);
         if (change[0] == 0 && change[1] == 0 && change[2] == 0)
             continue;
         contacts->statistics.fall_backs++;
-        for (int k = 0; k < 3 && state->velocity_next != NULL; k++)
-            state->velocity_next[p][k] += (pel_real)(change[k] / sim->step.dt);
+        pel_contact_set_velocity(sim, p);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->statistics.tools_held += sim->tools[i].blocked;
 }
 
-static pel_status look(pel_sim *sim, pel_error *error)
+pel_status pel_contact_look(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     pel_collision_query query = pel_collision_query_default();
@@ -337,7 +348,7 @@ pel_status pel_contact_guard(pel_sim *sim, pel_error *error)
         contacts->conflict_count = 0;
         if (round == LAST_ROUND)
             break;
-        pel_status status = look(sim, error);
+        pel_status status = pel_contact_look(sim, error);
         if (status != PEL_OK)
             return status;
     }

@@ -89,20 +89,6 @@ static double find_external(pel_sim *sim, double time)
     return sqrt(square);
 }
 
-/* the longest edge, as the tools want to know it */
-static double longest_edge(const pel_sim *sim)
-{
-    const pel_model *model = sim->model;
-    double square = 0;
-    for (int32_t t = 0; t < model->triangle_count; t++)
-        for (int i = 0; i < 3; i++) {
-            pel_record d =
-                sim->state->position[model->triangles[t][i]] - sim->state->position[model->triangles[t][(i + 1) % 3]];
-            square = fmax(square, (double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-        }
-    return sqrt(square);
-}
-
 void pel_sim_descent_step(pel_sim *sim, pel_step_result *step)
 {
     pel_sim_descent *descent = sim->descent;
@@ -122,7 +108,7 @@ void pel_sim_descent_step(pel_sim *sim, pel_step_result *step)
     };
     memcpy(state->position_next, state->position, count * sizeof *state->position);
     pel_descent_run(descent->minimiser, &problem, state->position_next, &descent->result);
-    *step = (pel_step_result){.longest = longest_edge(sim)};
+    *step = (pel_step_result){0};
     for (size_t v = 0; v < count; v++) {
         const pel_record *x = &state->position_next[v];
         double square = (double)((*x)[0] * (*x)[0] + (*x)[1] * (*x)[1] + (*x)[2] * (*x)[2]);

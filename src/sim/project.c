@@ -72,29 +72,6 @@ static void find_forces(pel_sim *sim, double time, bool normal_pressure, const p
         pel_projector_add_pressure(sim->projector, positions, time, sim->force);
 }
 
-static double edge_length(const pel_record *positions, int32_t a, int32_t b)
-{
-    double square = 0;
-    for (int i = 0; i < 3; i++) {
-        double d = (double)positions[b][i] - (double)positions[a][i];
-        square += d * d;
-    }
-    return sqrt(square);
-}
-
-/* the longest edge of all surfaces, for the tools */
-static double longest_edge(const pel_sim *sim, const pel_record *positions)
-{
-    double longest = 0;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, b, i)];
-            for (int k = 0; k < 3; k++)
-                longest = fmax(longest, edge_length(positions, v[k], v[(k + 1) % 3]));
-        }
-    return longest;
-}
-
 static bool is_inside(const pel_sim *sim)
 {
     const pel_record *x = sim->state->position_next;
@@ -123,7 +100,5 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
         pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
     }
     result->diverged = !is_inside(sim);
-    bool wanted = (sim->tool_count > 0 || sim->contacts != NULL) && !result->diverged;
-    result->longest = wanted ? longest_edge(sim, state->position_next) : 0;
     return PEL_OK;
 }

@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "pellicle/parallel.h"
 #include "sim/contact.h"
+#include "sim/tool.h"
 #include "solve/shell_stability.h"
 
 #include <stdio.h>
@@ -307,7 +308,7 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
     else if (pel_sim_is_explicit(sim))
         pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);
     else if (sim->solver.method == PEL_METHOD_DESCENT)
-        pel_fail_remedy(error, "make the loads smaller: they have no balance, or not before bodies collapse");
+        pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
     else
         pel_fail_remedy(error, "make solver alpha (%g) smaller, or the loads", sim->step.alpha);
     return PEL_DIVERGED;
@@ -341,14 +342,35 @@ static void mark_contacts(pel_sim *sim)
         pel_contacts_mark(sim);
 }
 
+/* the longest edge of all surfaces at the new positions */
+static double longest_edge(const pel_sim *sim)
+{
+    double longest = 0, x[3][3];
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
+            const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, b, i)];
+            for (int k = 0; k < 3; k++)
+                pel_vertex_position(sim->state->position_next, v[k], x[k]);
+            for (int k = 0; k < 3; k++)
+                longest = fmax(longest, pel_vec3_distance(x[k], x[(k + 1) % 3]));
+        }
+    return longest;
+}
+
 /* new positions and velocities from those of the start of the step, without tools */
 static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
-    if (pel_sim_is_projected(sim))
-        return pel_project_step(sim, result, error);
-    if (sim->solver.method == PEL_METHOD_DESCENT) {
-        pel_sim_descent_step(sim, result);
-        return PEL_OK;
+    bool descends = sim->solver.method == PEL_METHOD_DESCENT;
+    if (pel_sim_is_projected(sim) || descends) {
+        pel_status status = PEL_OK;
+        if (descends)
+            pel_sim_descent_step(sim, result);
+        else
+            status = pel_project_step(sim, result, error);
+        /* nothing bounds how far these steps go: what tools look for goes by the new edges */
+        if (status == PEL_OK && !result->diverged && (sim->tool_count > 0 || sim->contacts != NULL))
+            result->longest = longest_edge(sim);
+        return status;
     }
     if (pel_sim_is_explicit(sim))
         pel_step_explicit(sim->model, sim->state, &sim->step, result);
@@ -374,13 +396,15 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
     bool descends = sim->solver.method == PEL_METHOD_DESCENT;
     update_factors(sim, descends ? next : time);
-    pel_step_result result;
+    pel_step_result result = {0};
     pel_status status = solve(sim, &result, error);
     if (status != PEL_OK)
         return status;
     if (result.diverged)
         return report_divergence(sim, error);
-    status = pel_shells_check_volume(sim, error);
+    /* a surface that never cuts itself cannot turn inside out */
+    if (!pel_sim_has_self_contact(sim))
+        status = pel_shells_check_volume(sim, error);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)

@@ -143,6 +143,7 @@ struct pel_sim {
     int32_t tool_count;
     pel_sim_contacts *contacts; /* (contact.h) null = none */
     bool contact_in_loop;       /* the solver sweeps over them too */
+    bool self_contact;          /* no body can cut itself */
     pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
     bool force_is_present;      /* it holds the forces of the present state */
     int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
@@ -157,6 +158,11 @@ struct pel_sim {
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
 {
     return sim->solver.method == PEL_METHOD_EXPLICIT;
+}
+
+static inline bool pel_sim_has_self_contact(const pel_sim *sim)
+{
+    return sim->contacts != NULL && sim->self_contact;
 }
 
 /* contacts are swept over inside the solver */

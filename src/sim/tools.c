@@ -292,10 +292,20 @@ static void carry(pel_sim *sim, pel_tool *tool)
     }
 }
 
-/* ---- forces of the quasi-static method ---- */
+/* ---- forces of the methods without velocities ---- */
 
-/* force on a touched vertex at the new positions, loads included */
-static void quasi_static_force(const pel_sim *sim, int32_t v, double force[3])
+/* forces of loads and shells at the new positions on the touched vertices, into sim->force */
+static void find_load_and_shell_forces(pel_sim *sim, double time)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
+            sim->force[sim->tools[i].touches[k].vertex] = pel_wide_splat(0);
+    pel_loads_add(sim, time, sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position_next, time, PEL_SHELL_ALL, sim->pool, sim->force);
+}
+
+/* force on a touched vertex at the new positions */
+static void static_force(const pel_sim *sim, int32_t v, double force[3])
 {
     const pel_state *state = sim->state;
     pel_record elastic = pel_elastic_force_at(sim->model, state, state->position_next, v);
@@ -308,7 +318,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
     for (int32_t i = 0; i < tool->touch_count; i++) {
         const pel_touch *touch = &tool->touches[i];
         double force[3], x[3];
-        quasi_static_force(sim, touch->vertex, force);
+        static_force(sim, touch->vertex, force);
         if (!sim->held[touch->vertex]) {
             /* only what presses against the tool: it cannot pull and has no friction */
             double push = pel_vec3_squared_length(touch->push);
@@ -389,11 +399,11 @@ void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 
 void pel_tools_read(pel_sim *sim, double time)
 {
-    if (sim->state->velocity_next == NULL) {
-        for (int32_t i = 0; i < sim->tool_count; i++)
-            for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
-                sim->force[sim->tools[i].touches[k].vertex] = pel_wide_splat(0);
-        pel_loads_add(sim, time, sim->force);
+    int32_t touch_count = 0;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        touch_count += sim->tools[i].touch_count;
+    if (sim->state->velocity_next == NULL && touch_count > 0) {
+        find_load_and_shell_forces(sim, time);
         for (int32_t i = 0; i < sim->tool_count; i++)
             read_forces(sim, &sim->tools[i]);
     }

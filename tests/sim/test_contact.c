@@ -409,6 +409,32 @@ static void test_paper_method(void **unused)
     scene_end(&scene, sim);
 }
 
+/* a sheet is shot through another in their common plane: the cubic is zero all the way and finds nothing, the guard
+ * does */
+static void test_paper_method_is_guarded(void **unused)
+{
+    (void)unused;
+    for (int method = 0; method < 2; method++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_EXPLICIT);
+        for (int i = 0; i < 2; i++) {
+            pel_transform transform = pel_transform_default();
+            transform.translation[0] = 1.1 * i;
+            scene_body(&scene, make_sheet(3, 0));
+            assert_int_equal(pel_mesh_transform(scene.meshes[i], &transform, NULL), PEL_OK);
+        }
+        scene.def.contact.method = method == 0 ? PEL_CCD_CONSERVATIVE : PEL_CCD_BRIDSON;
+        pel_sim *sim = scene_create(&scene);
+        shoot(sim, 0, 1500, 0, 0);
+        run_free(sim, 1);
+        double first[3 * 16], second[3 * 16];
+        pel_sim_get_positions(sim, 0, first);
+        pel_sim_get_positions(sim, 1, second);
+        assert_true(first[0] + 1 < second[0]);
+        scene_end(&scene, sim);
+    }
+}
+
 /* ---- memory ---- */
 
 static pel_status create_and_step(const void *data, pel_error *error)
@@ -475,6 +501,7 @@ int main(void)
         cmocka_unit_test(test_limit),
         cmocka_unit_test(test_nothing_moves),
         cmocka_unit_test(test_paper_method),
+        cmocka_unit_test(test_paper_method_is_guarded),
         cmocka_unit_test(test_every_allocation),
         cmocka_unit_test(test_steps_do_not_allocate),
     };

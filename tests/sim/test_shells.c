@@ -107,10 +107,14 @@ static void test_stability_limit(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(5);
-    for (int bending = PEL_BENDING_OFF; bending <= PEL_BENDING_HINGE; bending += PEL_BENDING_HINGE) {
+    for (int i = 0; i < 4; i++) {
         pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
-        body.shell.bending.model = (pel_bending_model)bending;
+        body.shell.bending.model = i == 1 ? PEL_BENDING_HINGE : PEL_BENDING_OFF;
         body.shell.bending.stiffness.value = 5; /* as important as the membrane */
+        /* stiffer than the membrane where all of the body breathes */
+        body.shell.pressure.kind = i == 2 ? PEL_PRESSURE_GAS : i == 3 ? PEL_PRESSURE_VOLUME : PEL_PRESSURE_NONE;
+        body.shell.pressure.value = body.shell.pressure.bulk = 1e6;
+        body.shell.pressure.target.value = 1;
         pel_model *model = make_model(&body);
         pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, 1);
         pel_sim *sim;
@@ -125,8 +129,8 @@ static void test_stability_limit(void **unused)
         sim = make_sim(&def);
         random_state random = {2};
         double *velocities = calloc(3 * (size_t)mesh->vertex_count, sizeof *velocities);
-        for (int32_t i = 0; i < 3 * mesh->vertex_count; i++)
-            velocities[i] = 1e-5 * random_normal(&random);
+        for (int32_t k = 0; k < 3 * mesh->vertex_count; k++)
+            velocities[k] = 1e-5 * random_normal(&random);
         assert_int_equal(pel_sim_set_velocities(sim, 0, velocities, NULL), PEL_OK);
         run_steps(sim, 2000);
         pel_sim_measures measures;
@@ -334,6 +338,59 @@ static void test_cantilever(void **unused)
         assert_true(regular > 1.02 && regular < 1.09);
         assert_true(crossed > 1.10 && crossed < 1.21);
     }
+}
+
+/* a ball of membrane between two plates; what the plates feel, and the energy */
+static double press_between_plates(double gap, double forces[2])
+{
+    pel_mesh *mesh = make_sphere(4);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    body.shell.bending.model = PEL_BENDING_HINGE;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = sim_of(model, PEL_METHOD_QUASI_STATIC, 1e-3);
+    pel_tool_def tools[2];
+    pel_pose_key keys[2][2];
+    for (int i = 0; i < 2; i++) {
+        double side = i == 0 ? 1 : -1;
+        keys[i][0] = (pel_pose_key){0, {0, 0, 1.2 * side}, {0, 0, 0, 1}};
+        keys[i][1] = (pel_pose_key){0.5, {0, 0, (0.1 + 0.5 * gap) * side}, {0, 0, 0, 1}};
+        tools[i] = pel_tool_def_default();
+        tools[i].name = i == 0 ? "upper" : "lower";
+        tools[i].shape = PEL_TOOL_BOX;
+        tools[i].half_extents[0] = tools[i].half_extents[1] = 2;
+        tools[i].half_extents[2] = 0.1;
+        tools[i].keys = keys[i];
+        tools[i].key_count = 2;
+    }
+    def.tools = tools;
+    def.tool_count = 2;
+    pel_sim *sim = make_sim(&def);
+    run_steps(sim, 4000);
+    pel_sim_measures measures;
+    pel_sim_measure(sim, &measures);
+    for (int i = 0; i < 2; i++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(sim, i, &reading);
+        forces[i] = reading.force[2];
+    }
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+    return measures.elastic_energy;
+}
+
+/* tools feel the forces of shells without velocities too: both plates the same, and as much as the energy says */
+static void test_plates_feel_the_energy(void **unused)
+{
+    (void)unused;
+#ifdef PEL_SINGLE
+    skip();
+#endif
+    double near[2], far[2];
+    double more = press_between_plates(1.78, near), less = press_between_plates(1.8, far);
+    assert_true(far[0] > 0);
+    assert_near(near[1], -near[0], 1e-3 * near[0]);
+    assert_near((more - less) / 0.02, 0.5 * (near[0] + far[0]), 0.02 * near[0]);
 }
 
 /* ten frames of 1/60 s under a pressure that rises to half the classical buckling pressure in five; positions after */
@@ -594,6 +651,7 @@ int main(void)
         cmocka_unit_test(test_pressurised_sphere),
         cmocka_unit_test(test_pressures_under_descent),
         cmocka_unit_test(test_cantilever),
+        cmocka_unit_test(test_plates_feel_the_energy),
         cmocka_unit_test(test_xpbd_against_leapfrog),
         cmocka_unit_test(test_inside_out),
         cmocka_unit_test(test_refusals),

@@ -57,6 +57,17 @@ static void test_layouts(void **unused)
     f.def.columns = 3;
     f.def.rows = 2;
     check_shots(f, 1, 3, 2, (const int32_t[][2]){{0, 0}, {0, 2}, {1, 0}, {1, 2}, {-1, 0}, {-1, 0}});
+    /* a sheet without frames: as many of each run as fit */
+    f = make_fixture("a.png", 2);
+    f.def.columns = 3;
+    f.def.rows = 2;
+    check_shots(f, 1, 3, 2, (const int32_t[][2]){{0, 0}, {0, 5}, {0, 10}, {1, 0}, {1, 1}, {1, 2}});
+    f.def.columns = 8;
+    f.def.rows = 1;
+    check_shots(f, 1, 8, 1, (const int32_t[][2]){{0, 0}, {0, 3}, {0, 7}, {0, 10}, {1, 0}, {1, 1}, {1, 2}, {-1, 0}});
+    f.def.columns = f.def.rows = 1;
+    f.def.input_count = 1;
+    check_shots(f, 1, 1, 1, (const int32_t[][2]){{0, 10}});
     f = make_fixture("a.png", 1);
     f.def.frames = steps;
     f.def.frame_range_count = 2;
