@@ -113,6 +113,7 @@ static void bench(const char *name, int32_t frequency, pel_method method, pel_me
     pel_pool *pool;
     check(pel_projector_create(model, &solver, &projector, &error), &error);
     check(pel_state_create(model, true, &state, &error), &error);
+    state->bending[0].weight = 0.01;
     check(pel_pool_create(threads, &pool, &error), &error);
     double least[3], median[3], count = constraint_count(projector) * SWEEPS;
     projector->is_plain = true;

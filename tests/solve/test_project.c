@@ -168,6 +168,7 @@ static void test_wide_is_plain(void **unused)
                     pel_state *state;
                     assert_int_equal(pel_projector_create(model, &solver, &projector, NULL), PEL_OK);
                     assert_int_equal(pel_state_create(model, true, &state, NULL), PEL_OK);
+                    state->bending[0].weight = 0.4;
                     projector->is_plain = run == 0;
                     projector->pool = run == 2 ? pool : NULL;
                     disturb(model, state, 0.01);
