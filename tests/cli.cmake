@@ -13,9 +13,14 @@ if(TARGET pellicle_program)
     add_test(NAME cli/vtk_frames COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/io/vtk_frames.py
                                          $<TARGET_FILE:pellicle_program>)
     set_tests_properties(cli/vtk_frames PROPERTIES SKIP_RETURN_CODE 77)
-    # skipped without OpenGL; Mesa leaks a little
+    # Mesa leaks a little where it draws; view/render counts what is ours by itself
+    foreach(name render reproduce)
+        if(TEST cli/${name})
+            set_tests_properties(cli/${name} PROPERTIES ENVIRONMENT "LSAN_OPTIONS=detect_leaks=0")
+        endif()
+    endforeach()
+    # skipped without OpenGL
     if(TEST cli/render)
-        set_tests_properties(cli/render PROPERTIES SKIP_REGULAR_EXPRESSION "error: cannot draw"
-                                                   ENVIRONMENT "LSAN_OPTIONS=detect_leaks=0")
+        set_tests_properties(cli/render PROPERTIES SKIP_REGULAR_EXPRESSION "error: cannot draw")
     endif()
 endif()
