@@ -59,14 +59,6 @@ static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_rea
         sim->state->velocity_next[v] += velocity_gain * acceleration;
 }
 
-static bool is_inside(const pel_sim *sim, int32_t v)
-{
-    double bound = sim->step.bound, square = 0;
-    for (int c = 0; c < 3; c++)
-        square += (double)sim->state->position_next[v][c] * (double)sim->state->position_next[v][c];
-    return square < bound * bound;
-}
-
 /* Leapfrog: velocities belong to the middle of a step. The first kick is half as long, as they belong to its begin, and
    drag acts for half a step before and after each kick. */
 static void correct_velocities(pel_sim *sim)
@@ -105,7 +97,7 @@ bool pel_shells_apply(pel_sim *sim)
     if (is_explicit && (sim->shells != NULL || sim->solver.drag > 0))
         correct_velocities(sim);
     for (int32_t v = 0; sim->shells != NULL && v < sim->model->vertex_count; v++)
-        inside &= is_inside(sim, v);
+        inside &= pel_sim_is_inside(sim, v);
     return inside;
 }
 

@@ -285,19 +285,11 @@ static void update_factors(pel_sim *sim, double time)
         }
 }
 
-static bool is_inside(const pel_sim *sim, const pel_record *x)
-{
-    double bound = sim->step.bound, square = 0;
-    for (int i = 0; i < 3; i++)
-        square += (double)(*x)[i] * (double)(*x)[i];
-    return square < bound * bound;
-}
-
 static pel_status report_divergence(const pel_sim *sim, pel_error *error)
 {
     const pel_model *model = sim->model;
     int32_t bad = 0;
-    while (bad < model->vertex_count - 1 && is_inside(sim, &sim->state->position_next[bad]))
+    while (bad < model->vertex_count - 1 && pel_sim_is_inside(sim, bad))
         bad++;
     const pel_body *body = &model->bodies[model->body_of_slice[bad / PEL_WIDTH]];
     pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
