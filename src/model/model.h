@@ -94,6 +94,15 @@ struct pel_model {
     int32_t *fans;      /* (3 triangle_count) */
 };
 
+/* behind the last place of a body, those included that are not in use while it is coarse */
+static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
+{
+    int32_t end = model->bodies[body].slice_end;
+    if (model->bodies[body].front != NULL)
+        end = body + 1 < model->body_count ? model->bodies[body + 1].slice_begin : model->slice_count;
+    return end * PEL_WIDTH;
+}
+
 /* The triangles of a body's surface: their number, and which of model->triangles is the i-th. With refinement the
    triangle of a node and half has the fixed number 2 node + half in its body, so that it can be named over events. */
 static inline int32_t pel_surface_count(const pel_model *model, int32_t body)

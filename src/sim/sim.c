@@ -285,20 +285,32 @@ static void update_factors(pel_sim *sim, double time)
         }
 }
 
-static bool is_inside(const pel_sim *sim, const pel_record *x)
+/* the first vertex of the new positions that is out of the bound, or -1 */
+static int32_t first_outside(const pel_sim *sim)
 {
-    double bound = sim->step.bound, square = 0;
-    for (int i = 0; i < 3; i++)
-        square += (double)(*x)[i] * (double)(*x)[i];
-    return square < bound * bound;
+    double bound = sim->step.bound * sim->step.bound;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double square = 0;
+        for (int i = 0; i < 3; i++)
+            square += (double)sim->state->position_next[v][i] * (double)sim->state->position_next[v][i];
+        if (!(square < bound))
+            return v;
+    }
+    return -1;
+}
+
+bool pel_sim_is_inside(const pel_sim *sim)
+{
+    return first_outside(sim) < 0;
 }
 
 static pel_status report_divergence(const pel_sim *sim, pel_error *error)
 {
     const pel_model *model = sim->model;
-    int32_t bad = 0;
-    while (bad < model->vertex_count - 1 && is_inside(sim, &sim->state->position_next[bad]))
-        bad++;
+    int32_t bad = first_outside(sim);
+    /* it was rounding that went beyond the bound */
+    if (bad < 0)
+        bad = model->vertex_count - 1;
     const pel_body *body = &model->bodies[model->body_of_slice[bad / PEL_WIDTH]];
     pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
              (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);

@@ -183,6 +183,10 @@ static inline bool pel_sim_has_velocity(const pel_sim *sim)
     return pel_sim_is_explicit(sim) || pel_sim_is_projected(sim);
 }
 
+/* ---- sim.c ---- */
+/* True when no vertex of the new positions has left the bound. */
+bool pel_sim_is_inside(const pel_sim *sim);
+
 /* ---- project.c ---- */
 /* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
 pel_status pel_project_create(pel_sim *sim, pel_error *error);

@@ -149,7 +149,7 @@ static void test_implied(void **unused)
 {
     (void)unused;
     check_implied(BALL "    membrane: {preset: rubber}\n",
-                  (const char *const[]){"material: mooney-rivlin\n", "young: 1200000\n", "mooney_ratio: 0.1\n",
+                  (const char *const[]){"material: mooney-rivlin\n", "young: 1170000\n", "mooney_ratio: 0.1\n",
                                         "density: 930\n", "thickness: 0.001\n", "method: xpbd\n", "stiffness: 0\n",
                                         NULL});
     check_implied(BALL "    mass: {density: 5, thickness: 0.5}\n    membrane: {preset: rubber, material: stvk}\n",
