@@ -321,8 +321,8 @@ static pel_status solve_all(cli_experiment *experiment, study *all)
         for (int level = 1; status == PEL_OK && level <= LEVELS; level++) {
             char run[32], refine[96];
             snprintf(run, sizeof run, "%s-%d", ways[way].run, level);
-            /* finer meshes settle later */
             snprintf(refine, sizeof refine, ways[way].refine, level);
+            /* finer meshes settle later */
             status = solve(experiment, run, refine, 10 << level, &all->ways[way][level - 1]);
         }
     return status == PEL_OK ? solve_reference(experiment, &all->reference) : status;

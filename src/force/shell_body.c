@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "force/pressure.h"
 
 #include <string.h>
 

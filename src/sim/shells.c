@@ -96,7 +96,7 @@ bool pel_shells_apply(pel_sim *sim)
     }
     if (is_explicit && (sim->shells != NULL || sim->solver.drag > 0))
         correct_velocities(sim);
-    return sim->shells == NULL || pel_sim_is_inside(sim);
+    return sim->shells == NULL || pel_sim_all_inside(sim);
 }
 
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)

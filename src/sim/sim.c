@@ -288,18 +288,13 @@ static void update_factors(pel_sim *sim, double time)
 /* the first vertex of the new positions that is out of the bound, or -1 */
 static int32_t first_outside(const pel_sim *sim)
 {
-    double bound = sim->step.bound * sim->step.bound;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
-        double square = 0;
-        for (int i = 0; i < 3; i++)
-            square += (double)sim->state->position_next[v][i] * (double)sim->state->position_next[v][i];
-        if (!(square < bound))
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        if (!pel_sim_is_inside(sim, v))
             return v;
-    }
     return -1;
 }
 
-bool pel_sim_is_inside(const pel_sim *sim)
+bool pel_sim_all_inside(const pel_sim *sim)
 {
     return first_outside(sim) < 0;
 }
