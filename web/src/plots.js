@@ -10,6 +10,15 @@ const groups = [
     { title: "Force", unit: "N", takes: (name) => name === "max_force" || /_force$/.test(name) },
     { title: "Displacement", unit: "m", takes: (name) => /displacement$/.test(name) },
     { title: "Contacts", unit: "", takes: (name) => /contacts$/.test(name) },
+    // what each stage of the search lets through in a frame, from the broad phase to contacts
+    {
+        title: "Contact search",
+        unit: "pairs",
+        scale: "log",
+        takes: (name) => /^contact_(candidates|passed_filter|passed_hull|cubics|pairs)$/.test(name),
+    },
+    { title: "Contact solving", unit: "", takes: (name) => /^contact_(dropped|rounds|fall_backs|tools_held|tangled)$/.test(name) },
+    { title: "Contact time", unit: "ms a frame", takes: (name) => /^contact_\w+_ms$/.test(name) },
     { title: "Mesh", unit: "", takes: (name) => name === "vertices" || name === "triangles" },
     { title: "Step time", unit: "ms", takes: (name) => name === "step_ms" },
     { title: "More", unit: null, takes: () => true, choose: true },
@@ -114,7 +123,8 @@ class Chart {
             padding: [8, 10, 0, 0],
             legend: { show: false },
             cursor: { sync: { key: "pellicle" }, drag: { x: false, y: false }, points: { size: 6 } },
-            scales: { x: { time: false } },
+            // asinh is a logarithm that has a place for 0
+            scales: { x: { time: false }, y: this.group.scale === "log" ? { distr: 4, asinh: 1 } : {} },
             axes: [
                 { ...axis, size: 26, values: (_, ticks) => formatTogether(ticks).map((text, i) => text + (i === ticks.length - 1 ? this.unit : "")) },
                 { ...axis, size: 58, values: (_, ticks) => formatTogether(ticks) },
