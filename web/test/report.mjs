@@ -272,10 +272,13 @@ await onPage("contact", [at("shell")], {}, async (page) => {
     assert.equal(cell("contacts"), text(facts.contact.pairs));
     assert.equal(cell("fall-backs (vertices stepped back)"), text(facts.contact.fall_backs));
     assert.ok(Number(cell("find")) > 0, "ms a step");
+    await page.locator(".numbers").first().scrollIntoViewIfNeeded();
     await picture(page, "contact-numbers");
     await page.click("summary");
     await page.selectOption("#surface", "edges");
+    await page.evaluate(() => document.activeElement.blur());
     await page.keyboard.press("End");
+    await page.locator("figure", { hasText: "Contact search" }).evaluate((figure) => figure.scrollIntoView());
 });
 
 await browser.close();
