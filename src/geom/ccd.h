@@ -42,6 +42,16 @@ void ccd_hit_set(const ccd_query *query, double time, pel_ccd_hit *hit);
 /* The hit of input that is not finite. */
 void ccd_hit_unknown(bool edge_edge, pel_ccd_hit *hit);
 
+static inline void pel_ccd_statistics_add(pel_ccd_statistics *sum, const pel_ccd_statistics *more)
+{
+    sum->queries += more->queries;
+    sum->passed_filter += more->passed_filter;
+    sum->passed_hull += more->passed_hull;
+    sum->hits += more->hits;
+    sum->intervals += more->intervals;
+    sum->fall_backs += more->fall_backs;
+}
+
 /* difference vector of the closest points at a time; parameters s, u */
 void ccd_closest(const ccd_query *query, double time, double *s, double *u, double vector[3]);
 
