@@ -536,7 +536,7 @@ static void test_inside_out(void **unused)
     }
     assert_int_equal(status, PEL_DIVERGED);
     char expected[80];
-    snprintf(expected, sizeof expected, "turned body 'shell' inside out in frame %d ", step);
+    snprintf(expected, sizeof expected, "turned it inside out in frame %d ", step);
     assert_non_null(strstr(error.what, expected));
     assert_true(pel_sim_hash(sim) == hash && pel_sim_volume_ratio(sim) > 0);
     pel_sim_destroy(sim);
