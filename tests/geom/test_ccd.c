@@ -382,7 +382,7 @@ static void test_hard_motions(void **unused)
 {
     (void)unused;
     random_state random = {5};
-    for (int trial = 0; trial < 2000; trial++) {
+    for (int trial = 0; trial < ROUNDS(2000, 200); trial++) {
         query q = {.edge_edge = trial % 2};
         pel_ccd_hit hit;
         double gap = ldexp(1, -(int)random_integer(&random, 0, 50));
@@ -473,7 +473,7 @@ static void test_wide_is_scalar(void **unused)
 {
     (void)unused;
     random_state random = {7};
-    for (int trial = 0; trial < 2000; trial++) {
+    for (int trial = 0; trial < ROUNDS(2000, 200); trial++) {
         wide_ccd_pair wide;
         ccd_pair single[4];
         wide_ccd_cubic wide_cubic;
