@@ -37,6 +37,7 @@ typedef struct pel_body_detail {
     int32_t *region;
     pel_lod_forest *forest;
     double *areas;        /* (base triangles) rest area */
+    double *vertex_areas; /* (base vertices) of the triangles around */
     pel_nodal *densities; /* (vertices of the finest level) over the area of the triangles around */
     double *stiffnesses;  /* (base edges) as given */
     double *moduli;  /* (base edges) stiffness = sum of modulus x area / squared length over the triangles beside */
@@ -80,8 +81,8 @@ struct pel_model {
     int32_t *mesh_vertex;         /* (vertex_count) number in the body's mesh, -1 = padding */
 
     /* by slot */
-    int32_t *slot_begin;              /* (slice_count + 1) */
-    int32_t *slot_end;                /* (slice_count) in an active model slices have room to grow */
+    int32_t *slot_begin; /* (slice_count + 1) */
+    int32_t *slot_end;   /* (slice_count) before the next slice's in an active model, which has room to grow */
     int32_t (*neighbours)[PEL_WIDTH]; /* (slot_count) */
     pel_wide *rest_lengths;           /* (slot_count) */
     pel_wide *stiffnesses;            /* (slot_count), null when every body has a uniform one */
@@ -93,6 +94,31 @@ struct pel_model {
     int32_t *fan_begin; /* (vertex_count + 1) */
     int32_t *fans;      /* (3 triangle_count) */
 };
+
+/* behind the last place of a body, those included that are not in use while it is coarse */
+static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
+{
+    int32_t end = model->bodies[body].slice_end;
+    if (model->bodies[body].front != NULL)
+        end = body + 1 < model->body_count ? model->bodies[body + 1].slice_begin : model->slice_count;
+    return end * PEL_WIDTH;
+}
+
+/* The arrays by vertex, slice and triangle, for the counts that the model has; false when out of memory. What was made
+   is freed by pel_model_free_arrays. */
+bool pel_model_allocate(pel_model *model);
+/* Those by slot, for the slots up to slot_begin[slice_count], and fans. */
+bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan_count);
+/* All of them; names, meshes and the like belong to the bodies. */
+void pel_model_free_arrays(pel_model *model);
+
+/* Rest length of the spring between two vertices: by the very operations of the force loop, so that the rest shape is
+   free of force to the last bit. */
+static inline pel_real pel_rest_distance(const pel_model *model, int32_t i, int32_t j)
+{
+    pel_record d = model->rest[j] - model->rest[i];
+    return pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+}
 
 /* The triangles of a body's surface: their number, and which of model->triangles is the i-th. With refinement the
    triangle of a node and half has the fixed number 2 node + half in its body, so that it can be named over events. */

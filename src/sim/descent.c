@@ -108,12 +108,7 @@ void pel_sim_descent_step(pel_sim *sim, pel_step_result *step)
     };
     memcpy(state->position_next, state->position, count * sizeof *state->position);
     pel_descent_run(descent->minimiser, &problem, state->position_next, &descent->result);
-    *step = (pel_step_result){0};
-    for (size_t v = 0; v < count; v++) {
-        const pel_record *x = &state->position_next[v];
-        double square = (double)((*x)[0] * (*x)[0] + (*x)[1] * (*x)[1] + (*x)[2] * (*x)[2]);
-        step->diverged |= !(square < sim->step.bound * sim->step.bound);
-    }
+    *step = (pel_step_result){.diverged = !pel_sim_all_inside(sim)};
 }
 
 /* ---- creation ---- */

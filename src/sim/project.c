@@ -60,16 +60,6 @@ static void find_forces(pel_sim *sim, double time, bool normal_pressure, const p
         pel_projector_add_pressure(sim->projector, positions, time, sim->force);
 }
 
-static bool is_inside(const pel_sim *sim)
-{
-    const pel_record *x = sim->state->position_next;
-    pel_real square = (pel_real)(sim->step.bound * sim->step.bound);
-    bool inside = true;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        inside &= x[v][0] * x[v][0] + x[v][1] * x[v][1] + x[v][2] * x[v][2] < square;
-    return inside;
-}
-
 pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
@@ -87,6 +77,6 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
                     s == 0 ? state->position : state->position_next);
         pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
     }
-    result->diverged = !is_inside(sim);
+    result->diverged = !pel_sim_all_inside(sim);
     return PEL_OK;
 }

@@ -442,6 +442,34 @@ static void test_parts(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* the forces on single vertices, gathered from the elements there, are those of the loops */
+static void test_force_at(void **unused)
+{
+    (void)unused;
+    random_state random = {12};
+    pel_mesh *mesh = make_irregular_ball(3, &random);
+    static const pel_bending_model models[] = {PEL_BENDING_HINGE, PEL_BENDING_ISOMETRIC};
+    for (int i = 0; i < 2; i++) {
+        pel_body_def body = full_body(mesh);
+        body.shell.bending.model = models[i];
+        body.shell.bending.stiffness.value = 5; /* as important as the membrane */
+        forces on = make_forces(&body);
+        shake(on.model, on.state->position, 0.02, &random);
+        pel_shell_forces_follow(on.shells, on.state->position);
+        evaluate(&on, 0, PEL_SHELL_ELASTIC);
+        double force[3], scale = largest_force(&on);
+        for (int32_t v = 0; v < on.model->vertex_count; v++) {
+            if (on.model->mesh_vertex[v] < 0)
+                continue;
+            pel_shell_elastic_force_at(on.shells, 0, on.state->position, 0, v, force);
+            for (int c = 0; c < 3; c++)
+                assert_near(force[c] / scale, (double)on.force[v][c] / scale, BALANCE_TOLERANCE);
+        }
+        free_forces(&on);
+    }
+    pel_mesh_destroy(mesh);
+}
+
 static pel_status create_forces(const void *model, pel_error *error)
 {
     pel_shell_forces *shells;
@@ -491,6 +519,7 @@ int main(void)
         cmocka_unit_test(test_vertex_energies),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_force_at),
         cmocka_unit_test(test_creation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
