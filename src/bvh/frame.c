@@ -8,6 +8,8 @@
 
 #include "geom/wide4.h"
 
+#include <stdatomic.h>
+
 #define FRAME_ERROR 0x1p-48
 #define FLOAT_ERROR 0x1p-22f
 #define FRAME_LIMIT 0x1p126
@@ -157,28 +159,46 @@ static wide4 place(const wide_frame *frame, const double origin[3], const double
     return frame->column[0] * wide4_set(dx) + frame->column[1] * wide4_set(dy) + frame->column[2] * wide4_set(dz);
 }
 
-int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, double reach, pel_box *boxes)
+enum { POINTS_PER_CHUNK = 2048 };
+
+/* a loop over points */
+typedef struct box_loop {
+    const pel_motion *motion;
+    const pel_frame *frame;
+    wide_frame wide;
+    pel_box *boxes;
+    _Atomic int32_t bad; /* lowest point that is not finite */
+} box_loop;
+
+static void note_bad(box_loop *loop, int32_t v)
 {
-    wide_frame wide = widen(frame, reach);
-    for (int32_t v = 0; v < motion->vertex_count; v++) {
-        wide4 start_error, end_error;
-        wide4 start = place(&wide, frame->origin[0], motion->start[v], &start_error);
-        wide4 end = place(&wide, frame->origin[1], motion->end[v], &end_error);
-        wide4 growth = wide.growth + wide4_max(start_error, end_error);
-        if (!isfinite(start_error[0] + end_error[0]))
-            return v;
-        boxes[v] = round_outward(wide4_min(start, end) - growth, wide4_max(start, end) + growth);
-    }
-    return -1;
+    int32_t known = loop->bad;
+    while (v < known && !atomic_compare_exchange_weak(&loop->bad, &known, v))
+        ;
 }
 
-void pel_boxes_grow(const pel_box *boxes, int32_t count, double growth, pel_box *grown)
+static void box_chunk(void *context, int32_t chunk)
 {
-    const float g = fminf((float)growth * (1 + FLOAT_ERROR), 0x1p126f);
-    const pel_corner more = {g, g, g, 0};
-    for (int32_t i = 0; i < count; i++) {
-        pel_corner low = boxes[i].low - more, high = boxes[i].high + more;
-        grown[i].low = low - FLOAT_ERROR * corner_abs(low);
-        grown[i].high = high + FLOAT_ERROR * corner_abs(high);
+    box_loop *loop = context;
+    const pel_motion *motion = loop->motion;
+    int32_t begin = chunk * POINTS_PER_CHUNK, end = begin + POINTS_PER_CHUNK;
+    for (int32_t v = begin; v < end && v < motion->vertex_count; v++) {
+        wide4 start_error, end_error;
+        wide4 from = place(&loop->wide, loop->frame->origin[0], motion->start[v], &start_error);
+        wide4 to = place(&loop->wide, loop->frame->origin[1], motion->end[v], &end_error);
+        wide4 growth = loop->wide.growth + wide4_max(start_error, end_error);
+        if (!isfinite(start_error[0] + end_error[0])) {
+            note_bad(loop, v);
+            return;
+        }
+        loop->boxes[v] = round_outward(wide4_min(from, to) - growth, wide4_max(from, to) + growth);
     }
+}
+
+int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, double reach, pel_pool *pool,
+                            pel_box *boxes)
+{
+    box_loop loop = {motion, frame, widen(frame, reach), boxes, INT32_MAX};
+    pel_pool_run(pool, (motion->vertex_count + POINTS_PER_CHUNK - 1) / POINTS_PER_CHUNK, box_chunk, &loop);
+    return loop.bad < INT32_MAX ? loop.bad : -1;
 }

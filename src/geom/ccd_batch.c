@@ -138,7 +138,8 @@ static bool solve_one(const pel_ccd_batch *batch, int32_t query, pel_ccd_hit *hi
     if (batch->method == PEL_CCD_BRIDSON)
         hits = ccd_solve_bridson(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit);
     else
-        hits = ccd_solve(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit, &counts);
+        hits = ccd_solve(&points, batch->edge_edge, batch->min_separation, batch->tolerance, true, hit, &counts);
+    statistics->passed_hull += hits || batch->method == PEL_CCD_BRIDSON || counts.intervals > 0;
     statistics->intervals += counts.intervals;
     statistics->fall_backs += counts.fall_back;
     statistics->hits += hits;
@@ -160,7 +161,6 @@ int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_cc
         counted.passed_filter += count;
         if (batch->method == PEL_CCD_CONSERVATIVE)
             count = run_hull(&clean, (query_list){kept, count}, kept);
-        counted.passed_hull += count;
         for (int32_t i = 0; i < count; i++)
             if (solve_one(&clean, kept[i], hits != NULL ? &hits[hit_count] : NULL, &counted))
                 queries[hit_count++] = kept[i];
