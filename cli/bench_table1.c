@@ -67,7 +67,7 @@ static pel_status keep_start(sphere *made, pel_error *error)
     made->start_size = pel_sim_save_size(made->sim);
     made->start = malloc(made->start_size);
     if (made->start == NULL)
-        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return pel_fail_memory(error);
     pel_sim_save(made->sim, made->start);
     return PEL_OK;
 }
@@ -88,7 +88,7 @@ static pel_status begin(void **inner, pel_error *error)
     table1 *table = calloc(1, sizeof *table);
     *inner = table;
     if (table == NULL)
-        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return pel_fail_memory(error);
     /* of the default mesh: it and its six neighbours have six triangles each */
     table->center = 13;
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);

@@ -62,6 +62,25 @@ static pel_status plot_volumes(cli_experiment *experiment, const char *title, co
     return status;
 }
 
+/* what is shown of an experiment: the volumes of some runs, and four of them side by side in two frames */
+typedef struct exhibit {
+    const char *title, *curves[CLI_CURVES];
+    int curve_count;
+    const char *runs[4], *labels[4];
+    int frames[2];
+    double elevation;
+} exhibit;
+
+static pel_status show(cli_experiment *experiment, const exhibit *what)
+{
+    cli_picture picture = {.run_count = 4, .frame_count = 2, .azimuth = 35, .elevation = what->elevation};
+    memcpy(picture.runs, what->runs, sizeof what->runs);
+    memcpy(picture.labels, what->labels, sizeof what->labels);
+    memcpy(picture.frames, what->frames, sizeof what->frames);
+    pel_status status = plot_volumes(experiment, what->title, what->curves, what->curve_count);
+    return status == PEL_OK ? cli_experiment_draw(experiment, &picture) : status;
+}
+
 static void tell(cli_experiment *experiment, const char *subject, const char *what, double value)
 {
     char name[64];
@@ -79,7 +98,7 @@ static pel_status run_materials(cli_experiment *experiment, int mesh, double vol
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < MATERIAL_COUNT; i++) {
         char run[64], material[64];
-        pel_run_summary summary;
+        pel_run_summary summary = {0};
         snprintf(run, sizeof run, "%s-%s", meshes[mesh].name, materials[i]);
         snprintf(material, sizeof material, "bodies.0.membrane.material=%s", materials[i]);
         const char *overrides[] = {meshes[mesh].override, material, NULL};
@@ -102,7 +121,7 @@ static pel_status run_sizes(cli_experiment *experiment)
         for (int i = 0; status == PEL_OK && i < 3; i++) {
             char run[64], mesh[128], pressure[64];
             double size = cbrt(parts[i]);
-            pel_run_summary summary;
+            pel_run_summary summary = {0};
             snprintf(run, sizeof run, "volume-1-%d%s", (int)(1 / parts[i]), scaled ? "-scaled" : "");
             snprintf(mesh, sizeof mesh, "bodies.0.mesh.scale=%.15g", size);
             snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.15g", scaled ? 24 * size : 24);
@@ -132,18 +151,17 @@ static pel_status run_figure_11_13(cli_experiment *experiment)
     }
     if (status == PEL_OK)
         status = run_sizes(experiment);
-    static const char *const runs[] = {"sphere-corotated", "sphere-linear", "sphere-stvk", "sphere-mooney-rivlin",
-                                       "torus-corotated",  "torus-linear",  "torus-stvk",  "torus-mooney-rivlin"};
-    if (status == PEL_OK)
-        status = plot_volumes(experiment, "volume of shells of four materials", runs, 8);
-    const cli_picture picture = {.runs = {runs[4], runs[5], runs[6], runs[7]},
-                                 .labels = {materials[0], materials[1], materials[2], materials[3]},
-                                 .run_count = 4,
-                                 .frames = {50, 80},
-                                 .frame_count = 2,
-                                 .azimuth = 35,
-                                 .elevation = 45};
-    return status == PEL_OK ? cli_experiment_draw(experiment, &picture) : status;
+    static const exhibit what = {
+        .title = "volume of shells of four materials",
+        .curves = {"sphere-corotated", "sphere-linear", "sphere-stvk", "sphere-mooney-rivlin", "torus-corotated",
+                   "torus-linear", "torus-stvk", "torus-mooney-rivlin"},
+        .curve_count = 8,
+        .runs = {"torus-corotated", "torus-linear", "torus-stvk", "torus-mooney-rivlin"},
+        .labels = {"corotated", "linear", "stvk", "mooney-rivlin"},
+        .frames = {50, 80},
+        .elevation = 45,
+    };
+    return status == PEL_OK ? show(experiment, &what) : status;
 }
 
 const cli_experiment_case cli_figure_11_13 = {
@@ -179,7 +197,6 @@ static pel_status run_method(cli_experiment *experiment, int mesh, const char *m
     return PEL_OK;
 }
 
-/* share of the bending energy in the elastic one of the last frame: how crumpled a shell of the same volume is */
 static pel_status last_number(cli_experiment *experiment, const char *run, const char *column, double *number)
 {
     cli_series series;
@@ -196,7 +213,7 @@ static pel_status run_figure_14(cli_experiment *experiment)
     for (int mesh = 0; status == PEL_OK && mesh < 3; mesh++) {
         static const char *const methods[2] = {"pbd", "pbd-distance"};
         double membrane[2] = {0};
-        pel_run_summary summary;
+        pel_run_summary summary = {0};
         for (int i = 0; status == PEL_OK && i < 2; i++) {
             char run[64];
             snprintf(run, sizeof run, "%s-%s", meshes[mesh].name, methods[i]);
@@ -208,18 +225,17 @@ static pel_status run_figure_14(cli_experiment *experiment)
         snprintf(name, sizeof name, "%s: energy / distance: stretch energy", meshes[mesh].name);
         cli_experiment_limit(experiment, name, membrane[0] / membrane[1], 1, "paper B: distances stretch more");
     }
-    static const char *const runs[] = {"sphere-pbd", "sphere-pbd-distance", "ellipsoid-pbd", "ellipsoid-pbd-distance",
-                                       "torus-pbd",  "torus-pbd-distance"};
-    if (status == PEL_OK)
-        status = plot_volumes(experiment, "energies and distances as constraints", runs, 6);
-    const cli_picture picture = {.runs = {runs[0], runs[1], runs[2], runs[3]},
-                                 .labels = {"energy", "distance", "energy", "distance"},
-                                 .run_count = 4,
-                                 .frames = {50, -1},
-                                 .frame_count = 2,
-                                 .azimuth = 35,
-                                 .elevation = 30};
-    return status == PEL_OK ? cli_experiment_draw(experiment, &picture) : status;
+    static const exhibit what = {
+        .title = "energies and distances as constraints",
+        .curves = {"sphere-pbd", "sphere-pbd-distance", "ellipsoid-pbd", "ellipsoid-pbd-distance", "torus-pbd",
+                   "torus-pbd-distance"},
+        .curve_count = 6,
+        .runs = {"sphere-pbd", "sphere-pbd-distance", "ellipsoid-pbd", "ellipsoid-pbd-distance"},
+        .labels = {"energy", "distance", "energy", "distance"},
+        .frames = {50, -1},
+        .elevation = 30,
+    };
+    return status == PEL_OK ? show(experiment, &what) : status;
 }
 
 const cli_experiment_case cli_figure_14 = {
@@ -236,7 +252,7 @@ static pel_status run_figure_15(cli_experiment *experiment)
         double milliseconds[4] = {0}, bending[4] = {0};
         char name[64], run[64];
         for (int i = 0; status == PEL_OK && i < 4; i++) {
-            pel_run_summary summary;
+            pel_run_summary summary = {0};
             status = run_method(experiment, mesh, methods[i], "stop.frames=30", &summary);
             milliseconds[i] = 1e3 / summary.steps_per_second;
             snprintf(run, sizeof run, "%s-%s", meshes[mesh].name, methods[i]);
@@ -249,18 +265,16 @@ static pel_status run_figure_15(cli_experiment *experiment)
         snprintf(name, sizeof name, "%s: distances / pbd: time", meshes[mesh].name);
         cli_experiment_limit(experiment, name, milliseconds[1] / milliseconds[0], 1, "paper B, table 1: less time");
     }
-    static const char *const runs[] = {"sphere-pbd", "sphere-gradient", "sphere-lbfgs",
-                                       "torus-pbd",  "torus-gradient",  "torus-lbfgs"};
-    if (status == PEL_OK)
-        status = plot_volumes(experiment, "position-based dynamics and minimisation of the energy", runs, 6);
-    const cli_picture picture = {.runs = {runs[0], runs[1], runs[3], runs[4]},
-                                 .labels = {"pbd", "gradient descent", "pbd", "gradient descent"},
-                                 .run_count = 4,
-                                 .frames = {10, -1},
-                                 .frame_count = 2,
-                                 .azimuth = 35,
-                                 .elevation = 30};
-    return status == PEL_OK ? cli_experiment_draw(experiment, &picture) : status;
+    static const exhibit what = {
+        .title = "position-based dynamics and minimisation of the energy",
+        .curves = {"sphere-pbd", "sphere-gradient", "sphere-lbfgs", "torus-pbd", "torus-gradient", "torus-lbfgs"},
+        .curve_count = 6,
+        .runs = {"sphere-pbd", "sphere-gradient", "torus-pbd", "torus-gradient"},
+        .labels = {"pbd", "gradient descent", "pbd", "gradient descent"},
+        .frames = {10, -1},
+        .elevation = 30,
+    };
+    return status == PEL_OK ? show(experiment, &what) : status;
 }
 
 const cli_experiment_case cli_figure_15 = {
@@ -292,7 +306,7 @@ static pel_status run_figure_16_18(cli_experiment *experiment)
 {
     pel_status status = PEL_OK;
     for (int mesh = 0; status == PEL_OK && mesh < MESH_COUNT; mesh++) {
-        pel_run_summary summaries[WEIGHT_COUNT];
+        pel_run_summary summaries[WEIGHT_COUNT] = {{0}};
         for (int i = 0; status == PEL_OK && i < WEIGHT_COUNT; i++) {
             char run[64], weight[64];
             snprintf(run, sizeof run, "%s-%s", meshes[mesh].name, weights[i]);
@@ -305,18 +319,17 @@ static pel_status run_figure_16_18(cli_experiment *experiment)
         if (status == PEL_OK)
             judge_weights(experiment, meshes[mesh].name, summaries);
     }
-    static const char *const runs[] = {"sphere-1", "sphere-0.1",  "sphere-0.01", "sphere-0.001",
-                                       "sphere-0", "sphere-auto", "torus-0.01",  "torus-auto"};
-    if (status == PEL_OK)
-        status = plot_volumes(experiment, "volume of shells with different weights of bending", runs, 8);
-    const cli_picture picture = {.runs = {runs[0], runs[2], runs[4], runs[5]},
-                                 .labels = {"k_B 1", "k_B 0.01", "k_B 0", "k_B auto"},
-                                 .run_count = 4,
-                                 .frames = {50, -1},
-                                 .frame_count = 2,
-                                 .azimuth = 35,
-                                 .elevation = 30};
-    return status == PEL_OK ? cli_experiment_draw(experiment, &picture) : status;
+    static const exhibit what = {
+        .title = "volume of shells with different weights of bending",
+        .curves = {"sphere-1", "sphere-0.1", "sphere-0.01", "sphere-0.001", "sphere-0", "sphere-auto", "torus-0.01",
+                   "torus-auto"},
+        .curve_count = 8,
+        .runs = {"sphere-1", "sphere-0.01", "sphere-0", "sphere-auto"},
+        .labels = {"k_B 1", "k_B 0.01", "k_B 0", "k_B auto"},
+        .frames = {50, -1},
+        .elevation = 30,
+    };
+    return status == PEL_OK ? show(experiment, &what) : status;
 }
 
 const cli_experiment_case cli_figure_16_18 = {
@@ -337,7 +350,7 @@ static pel_status run_fibres(cli_experiment *experiment, int mesh, double volume
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < FIBRE_COUNT; i++) {
         char run[64], region[160] = "bodies.0.anisotropy=";
-        pel_run_summary summary;
+        pel_run_summary summary = {0};
         snprintf(run, sizeof run, "%s-%s", meshes[mesh].name, i > 0 ? fibres[i] : "none");
         if (i > 0)
             snprintf(region, sizeof region, "bodies.0.anisotropy={ energy: %s, strength: %s, region: { sphere: %s } }",
@@ -367,18 +380,17 @@ static pel_status run_figure_19_20(cli_experiment *experiment)
         snprintf(name, sizeof name, "%s: arap - sqrt", meshes[mesh].name);
         cli_experiment_check(experiment, name, volumes[1] - volumes[2], 0, 1e-9, "theory: one and the same energy");
     }
-    static const char *const runs[] = {"sphere-none",    "sphere-arap", "sphere-stvk", "ellipsoid-none",
-                                       "ellipsoid-arap", "torus-none",  "torus-arap"};
-    if (status == PEL_OK)
-        status = plot_volumes(experiment, "volume without and with fibres", runs, 7);
-    const cli_picture picture = {.runs = {"sphere-none", "sphere-arap", "sphere-sqrt", "sphere-stvk"},
-                                 .labels = {"none", "arap", "sqrt", "stvk"},
-                                 .run_count = 4,
-                                 .frames = {50, 70},
-                                 .frame_count = 2,
-                                 .azimuth = 35,
-                                 .elevation = 30};
-    return status == PEL_OK ? cli_experiment_draw(experiment, &picture) : status;
+    static const exhibit what = {
+        .title = "volume without and with fibres",
+        .curves = {"sphere-none", "sphere-arap", "sphere-stvk", "ellipsoid-none", "ellipsoid-arap", "torus-none",
+                   "torus-arap"},
+        .curve_count = 7,
+        .runs = {"sphere-none", "sphere-arap", "sphere-sqrt", "sphere-stvk"},
+        .labels = {"none", "arap", "sqrt", "stvk"},
+        .frames = {50, 70},
+        .elevation = 30,
+    };
+    return status == PEL_OK ? show(experiment, &what) : status;
 }
 
 const cli_experiment_case cli_figure_19_20 = {

@@ -2,6 +2,7 @@
 
 #include "math/vec3.h"
 
+#include <math.h>
 #include <string.h>
 
 /* the frame of a rest triangle: axes in space, and X1 - X2 in it; false without area */
@@ -85,6 +86,21 @@ double pel_membrane_law_energy(const pel_rest_triangle *triangle, const pel_memb
     if (gradient != NULL)
         pel_stress_gradient(triangle, p, gradient);
     return triangle->area * psi;
+}
+
+void pel_principal_direction(const pel_rest_triangle *triangle, const double x[3][3], double direction[2])
+{
+    double f[6], c11 = 0, c12 = 0, c22 = 0;
+    pel_deformation_gradient(triangle, x, f);
+    for (int i = 0; i < 3; i++) {
+        c11 += f[2 * i] * f[2 * i];
+        c12 += f[2 * i] * f[2 * i + 1];
+        c22 += f[2 * i + 1] * f[2 * i + 1];
+    }
+    double difference = 0.5 * (c11 - c22), size = hypot(difference, c12);
+    double angle = size > 1e-9 * (c11 + c22) ? 0.5 * atan2(c12, difference) : 0;
+    direction[0] = cos(angle);
+    direction[1] = sin(angle);
 }
 
 double pel_membrane_energy(const pel_rest_triangle *triangle, const pel_membrane_material *material,

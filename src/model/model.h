@@ -96,6 +96,15 @@ struct pel_model {
     int32_t *fans;      /* (3 triangle_count) */
 };
 
+/* behind the last place of a body, those included that are not in use while it is coarse */
+static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
+{
+    int32_t end = model->bodies[body].slice_end;
+    if (model->bodies[body].front != NULL)
+        end = body + 1 < model->body_count ? model->bodies[body + 1].slice_begin : model->slice_count;
+    return end * PEL_WIDTH;
+}
+
 /* The arrays by vertex, slice and triangle, for the counts that the model has; false when out of memory. What was made
    is freed by pel_model_free_arrays. */
 bool pel_model_allocate(pel_model *model);

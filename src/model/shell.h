@@ -61,6 +61,14 @@ struct pel_shell {
     double mean_edge;          /* m, at rest */
 };
 
+/* the corners of an element, for loops in double */
+static inline void pel_load_points(const pel_record *position, const int32_t *vertices, int count, double x[][3])
+{
+    for (int i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++)
+            x[i][c] = (double)position[vertices[i]][c];
+}
+
 /* Refuses numbers out of range (PEL_BAD_ARGUMENT with the body). */
 pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *error);
 

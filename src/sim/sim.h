@@ -191,6 +191,10 @@ static inline bool pel_sim_is_inside(const pel_sim *sim, int32_t v)
     return pel_vec3_squared_length(x) < bound * bound;
 }
 
+/* ---- sim.c ---- */
+/* True when this is so for every vertex. */
+bool pel_sim_all_inside(const pel_sim *sim);
+
 /* ---- project.c ---- */
 /* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
 pel_status pel_project_create(pel_sim *sim, pel_error *error);

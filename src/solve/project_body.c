@@ -1,7 +1,7 @@
 /* Which constraints a body has under a method, and their numbers. */
 #include "base/memory.h"
 #include "base/status.h"
-#include "material/membrane.h"
+#include "element/membrane.h"
 #include "math/vec3.h"
 #include "model/shell.h"
 #include "solve/project.h"
@@ -366,10 +366,7 @@ static plan plan_of(const pel_model *model, int32_t body, const pel_solver_def *
     p.compliant = solver->method == PEL_METHOD_XPBD;
     p.with_multipliers = p.compliant && solver->iterations > 1;
     p.first_place = b->slice_begin * PEL_WIDTH;
-    int32_t end = b->slice_end;
-    if (b->front != NULL) /* with the places that are not in use */
-        end = body + 1 < model->body_count ? model->bodies[body + 1].slice_begin : model->slice_count;
-    p.place_count = end * PEL_WIDTH - p.first_place;
+    p.place_count = pel_body_place_end(model, body) - p.first_place;
     return p;
 }
 
@@ -440,33 +437,14 @@ void pel_project_body_destroy(pel_project_body *body)
 
 /* ---- numbers that change ---- */
 
-/* the direction of the rest frame in which a triangle is stretched most */
-static void principal_direction(const pel_shell_triangle *triangle, const pel_record *positions, double direction[2])
-{
-    double x[3][3], f[6], c[3] = {0, 0, 0};
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 3; i++)
-            x[k][i] = (double)positions[triangle->vertices[k]][i];
-    pel_deformation_gradient(&triangle->rest, (const double(*)[3])x, f);
-    for (int i = 0; i < 3; i++) {
-        c[0] += f[2 * i] * f[2 * i];
-        c[1] += f[2 * i + 1] * f[2 * i + 1];
-        c[2] += f[2 * i] * f[2 * i + 1];
-    }
-    /* half the angle of (c11 - c22, 2 c12), by the half-angle formulas */
-    double u = c[0] - c[1], v = 2 * c[2], length = sqrt(u * u + v * v);
-    double cosine = length > 0 ? u / length : 1;
-    direction[0] = sqrt(fmax(0.5 * (1 + cosine), 0));
-    direction[1] = copysign(sqrt(fmax(0.5 * (1 - cosine), 0)), v);
-}
-
 static void follow_principal(const pel_batch *batch, const pel_shell *shell, const pel_record *positions)
 {
     const pel_shell_region *region = &shell->regions[batch->region];
     for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
         const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
-        double direction[2];
-        principal_direction(triangle, positions, direction);
+        double x[3][3], direction[2];
+        pel_load_points(positions, triangle->vertices, 3, x);
+        pel_principal_direction(&triangle->rest, (const double(*)[3])x, direction);
         set_direction(batch, i, &triangle->rest, direction);
     }
 }

@@ -1,6 +1,6 @@
 #include "stencil.h"
 
-#include "pellicle/element.h"
+#include "element/membrane.h"
 #include "pellicle/shape.h"
 
 enum { TRIALS = 200, KIND_COUNT = 5 };
@@ -101,6 +101,34 @@ static void test_invariance(void **unused)
             assert_near(energy_of(&one, (const double(*)[3])moved, gradient), 0, 1e-27);
             assert_true(stencil_scale(3, (const double(*)[3])gradient) < 1e-13);
         }
+}
+
+/* no direction is stretched more than the principal one */
+static void test_principal_direction(void **unused)
+{
+    (void)unused;
+    random_state random = {46};
+    for (int trial = 0; trial < TRIALS; trial++) {
+        double rest[3][3], x[3][3], f[6], direction[2], most = 0;
+        pel_rest_triangle triangle;
+        random_triangle(&random, rest);
+        random_triangle(&random, x);
+        assert_true(pel_rest_triangle_setup((const double(*)[3])rest, &triangle));
+        pel_deformation_gradient(&triangle, (const double(*)[3])x, f);
+        pel_principal_direction(&triangle, (const double(*)[3])x, direction);
+        assert_near(hypot(direction[0], direction[1]), 1, 1e-14);
+        for (int i = 0; i <= 360; i++) {
+            double angle = i * 3.14159265358979 / 360, square = 0;
+            const double along[2] = {i < 360 ? cos(angle) : direction[0], i < 360 ? sin(angle) : direction[1]};
+            for (int c = 0; c < 3; c++)
+                square += pow(f[2 * c] * along[0] + f[2 * c + 1] * along[1], 2);
+            /* the last one is the one found */
+            assert_true(i < 360 || square >= most * (1 - 1e-12));
+            most = fmax(most, square);
+        }
+        pel_principal_direction(&triangle, (const double(*)[3])rest, direction);
+        assert_true(direction[0] == 1 && direction[1] == 0);
+    }
 }
 
 static void test_rest_triangle(void **unused)
@@ -264,9 +292,13 @@ static void test_patch(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gradients),     cmocka_unit_test(test_invariance),
-        cmocka_unit_test(test_rest_triangle), cmocka_unit_test(test_pressure_is_volume_gradient),
-        cmocka_unit_test(test_volume),        cmocka_unit_test(test_patch),
+        cmocka_unit_test(test_gradients),
+        cmocka_unit_test(test_invariance),
+        cmocka_unit_test(test_principal_direction),
+        cmocka_unit_test(test_rest_triangle),
+        cmocka_unit_test(test_pressure_is_volume_gradient),
+        cmocka_unit_test(test_volume),
+        cmocka_unit_test(test_patch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -149,7 +149,7 @@ static void test_implied(void **unused)
 {
     (void)unused;
     check_implied(BALL "    membrane: {preset: rubber}\n",
-                  (const char *const[]){"material: mooney-rivlin\n", "young: 1200000\n", "mooney_ratio: 0.1\n",
+                  (const char *const[]){"material: mooney-rivlin\n", "young: 1170000\n", "mooney_ratio: 0.1\n",
                                         "density: 930\n", "thickness: 0.001\n", "method: xpbd\n", "stiffness: 0\n",
                                         NULL});
     check_implied(BALL "    mass: {density: 5, thickness: 0.5}\n    membrane: {preset: rubber, material: stvk}\n",
@@ -274,6 +274,47 @@ static void test_stops(void **unused)
     remove_run_folder("shell_run");
 }
 
+/* the last line of a log, and how many there were */
+typedef struct heard {
+    char text[512];
+    int count;
+} heard;
+
+static void hear(void *user, const char *text)
+{
+    heard *told = user;
+    snprintf(told->text, sizeof told->text, "%s", text);
+    told->count++;
+}
+
+/* what pbd-distance does not look at is told where it stands */
+static void test_ignored(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text, *told;
+    } cases[] = {
+        {BALL "    membrane: {preset: skin}\n    bending: {}\nsolver: {method: pbd-distance}\n",
+         "a.yaml:5:5: pbd-distance moves by the lengths of edges alone: membrane, bending is ignored. use pbd"},
+        {BALL "    mass: {total: 1}\n    anisotropy: {strength: 1, stiffness: 1}\nsolver: {method: pbd-distance}\n",
+         "a.yaml:6:5: pbd-distance moves by the lengths of edges alone: anisotropy is ignored. use pbd"},
+        {BALL "    pressure: {outside: 1}\nsolver: {method: pbd-distance}\n", NULL},
+        {BALL "    membrane: {preset: skin}\n    bending: {}\nsolver: {method: pbd}\n", NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        heard told = {.count = 0};
+        pel_log log = {.write = hear, .user = &told};
+        pel_scene *scene;
+        assert_int_equal(pel_scene_parse("a.yaml", cases[i].text, strlen(cases[i].text), NULL, 0, &log, &scene, NULL),
+                         PEL_OK);
+        assert_int_equal(told.count, cases[i].told != NULL);
+        if (cases[i].told != NULL && strstr(told.text, cases[i].told) == NULL)
+            print_error("%s\n", told.text);
+        assert_true(cases[i].told == NULL || strstr(told.text, cases[i].told) != NULL);
+        pel_scene_destroy(scene);
+    }
+}
+
 static void test_bad_runs(void **unused)
 {
     (void)unused;
@@ -283,7 +324,7 @@ static void test_bad_runs(void **unused)
         {"version: 1\nduration: 1\nbodies: [{mesh: {shape: grid}}]\nstop: {volume_ratio_below: 0.5}\n",
          "stop.volume_ratio_below needs a volume, but no body is closed"},
         {"version: 1\nduration: 1\nbodies: [{mesh: {shape: grid}, pressure: {gas: {}}}]\n",
-         "a.yaml:3:10: error: body 0: its mesh has a boundary and encloses no volume"},
+         "a.yaml:3:10: error: body 'body1': its mesh has a boundary and encloses no volume"},
         {"version: 1\nduration: 1\nbodies: [{mesh: {shape: grid}, membrane: {preset: skin, poisson: 1}}]\n",
          "poisson is 1. give a number with -1 < poisson < 1"},
         {SHELL "    anisotropy: {strength: 1}\nsolver: {method: explicit, dt: 0.001}\n", "caves in"},
@@ -324,14 +365,9 @@ static void test_series(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_head),
-        cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_regions_and_pressures),
-        cmocka_unit_test(test_implied),
-        cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_bad_runs),
-        cmocka_unit_test(test_series),
+        cmocka_unit_test(test_head),    cmocka_unit_test(test_materials),  cmocka_unit_test(test_regions_and_pressures),
+        cmocka_unit_test(test_implied), cmocka_unit_test(test_bad_scenes), cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_ignored), cmocka_unit_test(test_bad_runs),   cmocka_unit_test(test_series),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -72,6 +72,16 @@ static inline void run_steps(pel_sim *sim, int count)
     }
 }
 
+/* an allocation_case (failing_malloc.h): a sim from its pel_sim_def, which may stay as it is */
+static inline pel_status create_sim(const void *def, pel_error *error)
+{
+    pel_sim *sim;
+    pel_status status = pel_sim_create(def, &sim, error);
+    assert_true((sim == NULL) == (status != PEL_OK));
+    pel_sim_destroy(sim);
+    return status;
+}
+
 static inline double height_of(const pel_sim *sim, int32_t vertex)
 {
     const pel_mesh *mesh = pel_model_mesh(pel_sim_model(sim), 0);

@@ -6,9 +6,11 @@
 #ifdef PEL_SINGLE
 #define VOLUME_TOLERANCE 1e-3
 #define STRAIN_TOLERANCE 0.02
+#define ENERGY_TOLERANCE 1e-2 /* strains of 1e-5 in float beside those in double */
 #else
 #define VOLUME_TOLERANCE 1e-4
 #define STRAIN_TOLERANCE 0.01
+#define ENERGY_TOLERANCE 1e-5
 #endif
 
 static pel_sim_def sim_of(const pel_model *model, pel_method method, double dt)
@@ -328,6 +330,7 @@ static double cantilever(pel_grid_diagonals diagonals, double gamma)
 static void test_cantilever(void **unused)
 {
     (void)unused;
+    skip_if_sanitized();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -383,6 +386,7 @@ static double press_between_plates(double gap, double forces[2])
 static void test_plates_feel_the_energy(void **unused)
 {
     (void)unused;
+    skip_if_sanitized();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -419,6 +423,7 @@ static void press_ball(const pel_mesh *mesh, pel_method method, int32_t substeps
 static void test_xpbd_against_leapfrog(void **unused)
 {
     (void)unused;
+    skip_if_sanitized();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -439,6 +444,78 @@ static void test_xpbd_against_leapfrog(void **unused)
     assert_true(errors[1][3] < errors[0][3]);
     free(reference);
     free(other);
+    pel_mesh_destroy(mesh);
+}
+
+static double softness_of(const pel_model *model, pel_method method, int32_t substeps, int32_t iterations)
+{
+    pel_sim_def def = sim_of(model, method, 1e-3);
+    def.solver.substeps = substeps;
+    def.solver.iterations = iterations;
+    pel_sim *sim = make_sim(&def);
+    double softness = pel_sim_softness(sim);
+    pel_sim_destroy(sim);
+    return softness;
+}
+
+/* it goes with the square of the substep and is shared by the sweeps; other methods have none to tell */
+static void test_softness(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(6);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    pel_model *model = make_model(&body);
+    double softness = softness_of(model, PEL_METHOD_XPBD, 8, 1);
+    assert_true(softness > 0);
+    assert_near(softness_of(model, PEL_METHOD_XPBD, 16, 1) / softness, 0.25, 1e-9);
+    assert_near(softness_of(model, PEL_METHOD_XPBD, 8, 3) / softness, 1.0 / 3, 1e-9);
+    assert_true(softness_of(model, PEL_METHOD_EXPLICIT, 0, 0) == 0);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+/* positions of a sheet that was drawn out along y and let go, with fibres */
+static void draw_out(const pel_mesh *mesh, pel_method method, pel_fibre_direction direction, const double axis[3],
+                     double *positions)
+{
+    pel_anisotropy_def fibres = pel_anisotropy_def_default();
+    fibres.mode = PEL_FIBRE_STRAIN;
+    fibres.stiffness = 1000;
+    fibres.direction = direction;
+    memcpy(fibres.axis, axis, sizeof fibres.axis);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    body.shell.anisotropies = &fibres;
+    body.shell.anisotropy_count = 1;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = sim_of(model, method, 1e-3);
+    pel_sim *sim = make_sim(&def);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            positions[3 * v + c] = mesh->positions[v][c] * (c == 1 ? 1.2 : 1);
+    assert_int_equal(pel_sim_set_positions(sim, 0, positions, NULL), PEL_OK);
+    run_steps(sim, 1);
+    pel_sim_get_positions(sim, 0, positions);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+}
+
+/* fibres that follow the principal stretch act as those that were laid along it */
+static void test_principal_fibres(void **unused)
+{
+    (void)unused;
+    static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC, PEL_METHOD_DESCENT,
+                                         PEL_METHOD_XPBD};
+    static const double along[3] = {0, 1, 0}, across[3] = {1, 0, 0};
+    pel_mesh *mesh = make_grid(3, 3, 1, 1, PEL_GRID_UNION_JACK);
+    int32_t count = 3 * mesh->vertex_count;
+    double *x = calloc(3 * (size_t)count, sizeof *x), *laid = x + count, *other = laid + count;
+    for (int m = 0; m < 4; m++) {
+        draw_out(mesh, methods[m], PEL_FIBRE_PRINCIPAL, across, x);
+        draw_out(mesh, methods[m], PEL_FIBRE_ALONG, along, laid);
+        draw_out(mesh, methods[m], PEL_FIBRE_ALONG, across, other);
+        assert_true(distance(x, laid, count) < 0.1 * distance(other, laid, count));
+    }
+    free(x);
     pel_mesh_destroy(mesh);
 }
 
@@ -464,7 +541,7 @@ static void test_inside_out(void **unused)
     }
     assert_int_equal(status, PEL_DIVERGED);
     char expected[80];
-    snprintf(expected, sizeof expected, "turned body 'shell' inside out in frame %d ", step);
+    snprintf(expected, sizeof expected, "turned it inside out in frame %d ", step);
     assert_non_null(strstr(error.what, expected));
     assert_true(pel_sim_hash(sim) == hash && pel_sim_volume_ratio(sim) > 0);
     pel_sim_destroy(sim);
@@ -569,15 +646,6 @@ static void test_bits(void **unused)
     check_bits(PEL_METHOD_QUASI_STATIC);
 }
 
-static pel_status create_sim(const void *def, pel_error *error)
-{
-    pel_sim *sim;
-    pel_status status = pel_sim_create(def, &sim, error);
-    assert_true((sim == NULL) == (status != PEL_OK));
-    pel_sim_destroy(sim);
-    return status;
-}
-
 static void test_allocation(void **unused)
 {
     (void)unused;
@@ -625,9 +693,9 @@ static void test_getters(void **unused)
         pel_vec3_add(net, forces + 3 * v, net);
         work += pel_vec3_dot(forces + 3 * v, positions + 3 * v);
     }
-    assert_near(sum[0] / measures.membrane_energy, 1, 1e-5);
-    assert_near(sum[1] / measures.bending_energy, 1, 1e-5);
-    assert_near(sum[2] / measures.fibre_energy, 1, 1e-5);
+    assert_near(sum[0] / measures.membrane_energy, 1, ENERGY_TOLERANCE);
+    assert_near(sum[1] / measures.bending_energy, 1, ENERGY_TOLERANCE);
+    assert_near(sum[2] / measures.fibre_energy, 1, ENERGY_TOLERANCE);
     assert_near(pel_vec3_length(net), 0, 1e-5);
     /* a pressure P does the work -3 P V against growth; P is 0.99 at this time */
     assert_near(work / (-3 * 0.99 * measures.volume_ratio *
@@ -652,6 +720,8 @@ int main(void)
         cmocka_unit_test(test_pressures_under_descent),
         cmocka_unit_test(test_cantilever),
         cmocka_unit_test(test_plates_feel_the_energy),
+        cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_principal_fibres),
         cmocka_unit_test(test_xpbd_against_leapfrog),
         cmocka_unit_test(test_inside_out),
         cmocka_unit_test(test_refusals),

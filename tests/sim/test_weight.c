@@ -1,6 +1,8 @@
 /* The weight of bending that is chosen while a body shrinks: less jitter than the paper's, and the same bits again. */
 #include "shell_fixture.h"
 
+#include "sim/sim.h"
+
 typedef struct shrinking {
     pel_mesh *mesh;
     pel_model *model;
@@ -63,6 +65,53 @@ static void test_less_jitter(void **unused)
     assert_true(ratios[0] > 0.95 && ratios[2] < 0.6);
 }
 
+/* the weight falls when the volume turns round, stays for ten steps, and rises while the volume goes one way */
+static void test_falls_and_rises(void **unused)
+{
+    (void)unused;
+    shrinking body = start(-1);
+    const double *weight = &body.sim->state->bending[0].weight;
+    double before = pel_sim_volume_ratio(body.sim), change = 0, expected = *weight;
+    int calm = 0, turns = 0, climbs = 0;
+    assert_true(expected == 0.01);
+    for (int step = 0; step < 40; step++) {
+        shrink(body.sim, 1);
+        double last = change;
+        change = pel_sim_volume_ratio(body.sim) - before;
+        before += change;
+        bool turned = change * last < 0;
+        calm = turned ? 0 : calm + 1;
+        expected *= turned ? 0.5 : calm >= 10 ? 1.02 : 1;
+        turns += turned;
+        climbs += calm >= 10;
+        assert_near(*weight, expected, 1e-9);
+    }
+    assert_true(turns > 0 && climbs > 0);
+    end(&body);
+}
+
+/* the volume of an open sheet says nothing */
+static void test_open_body(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_grid(6, 6, 1, 1, PEL_GRID_UNION_JACK);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    body.shell.bending.model = PEL_BENDING_ISOMETRIC;
+    body.shell.bending.weight = -1;
+    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    body.shell.pressure.outside.value = 24;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    def.solver.method = PEL_METHOD_PBD;
+    pel_sim *sim = make_sim(&def);
+    run_steps(sim, 30);
+    assert_true(sim->state->bending[0].weight == 0.01);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 static void test_snapshot(void **unused)
 {
     (void)unused;
@@ -84,6 +133,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_less_jitter),
+        cmocka_unit_test(test_falls_and_rises),
+        cmocka_unit_test(test_open_body),
         cmocka_unit_test(test_snapshot),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

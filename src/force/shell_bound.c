@@ -1,0 +1,143 @@
+/* Upper bound of the stiffness of shells over the mass, for the limits of explicit methods. */
+#include "force/shell_body.h"
+#include "math/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+/* adds to each vertex of an element the norms of its row of blocks, which are at most stiffness |g_a| |g_b| */
+static void add_norms(double stiffness, const int32_t *vertices, int count, const double *norms, int32_t first,
+                      double *sums)
+{
+    double total = 0;
+    for (int i = 0; i < count; i++)
+        total += norms[i];
+    for (int i = 0; i < count; i++)
+        sums[vertices[i] - first] += stiffness * norms[i] * total;
+}
+
+/* |d F / d x_a| of a rest triangle */
+static void strain_norms(const pel_rest_triangle *rest, double norms[3])
+{
+    const double *i = rest->inverse;
+    norms[0] = hypot(i[0], i[1]);
+    norms[1] = fabs(i[2]);
+    norms[2] = hypot(i[0], i[1] + i[2]);
+}
+
+static void add_hinge_norms(const pel_shell *shell, const pel_shell_hinge *hinge, const double x[4][3], int32_t first,
+                            double *sums)
+{
+    double norms[4], gradient[4][3];
+    double factor = pel_shell_hinge_factor(shell, hinge);
+    if (shell->bending == PEL_BENDING_HINGE) {
+        pel_dihedral_angle(x, gradient);
+        factor *= hinge->hinge.factor;
+    } else {
+        factor *= hinge->isometric.factor;
+    }
+    for (int a = 0; a < 4; a++)
+        norms[a] =
+            shell->bending == PEL_BENDING_HINGE ? pel_vec3_length(gradient[a]) : fabs(hinge->isometric.weight[a]);
+    add_norms(factor, hinge->vertices, 4, norms, first, sums);
+}
+
+/* largest stiffness of a triangle's material and fibres at rest [N/m] */
+static double triangle_stiffness(const pel_shell_body *own, int32_t t)
+{
+    const pel_shell *shell = own->shell;
+    const pel_shell_triangle *triangle = &shell->triangles[t];
+    double sum = 0, mu, lambda;
+    if (shell->has_membrane) {
+        bool half = shell->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN;
+        pel_plane_stress_lame(triangle->young, half ? 0.5 : shell->material.poisson, triangle->thickness, &mu, &lambda);
+        sum += 2 * mu + 2 * fmax(lambda, 0);
+    }
+    for (int32_t i = own->fibre_begin != NULL ? own->fibre_begin[t] : 0;
+         own->fibre_begin != NULL && i < own->fibre_begin[t + 1]; i++)
+        sum += own->fibres[i].stiffness * (shell->regions[own->fibres[i].region].def.kind == PEL_FIBRE_STVK ? 4 : 1);
+    return sum;
+}
+
+/* largest size of a curve's values */
+static double curve_size(const pel_curve *curve)
+{
+    double size = curve->key_count > 0 ? 0 : 1;
+    for (int32_t k = 0; k < curve->key_count; k++)
+        size = fmax(size, fabs(curve->keys[k].value));
+    return size;
+}
+
+/* the largest size that the pressure difference takes near rest [Pa] */
+static double pressure_size(const pel_shell *shell)
+{
+    const pel_pressure_def *def = &shell->pressure;
+    if (def->kind == PEL_PRESSURE_GIVEN)
+        return fabs(def->outside.value) * curve_size(&shell->outside);
+    if (def->kind == PEL_PRESSURE_VOLUME)
+        return def->bulk * fmax(1, fabs(def->target.value) * curve_size(&shell->target) - 1);
+    return 0;
+}
+
+static void add_pressure_norms(const pel_shell_body *own, int32_t t, const double x[3][3], double *sums)
+{
+    const pel_shell *shell = own->shell;
+    double size = pressure_size(shell) * (shell->pressure_weights != NULL ? fabs(shell->pressure_weights[t]) : 1);
+    double edges = pel_vec3_distance(x[0], x[1]) + pel_vec3_distance(x[1], x[2]) + pel_vec3_distance(x[2], x[0]);
+    for (int i = 0; i < 3; i++)
+        sums[shell->triangles[t].vertices[i] - own->first_place] += size * edges / 6;
+}
+
+/* what a pressure that changes with the volume adds: the eigenvalue c sum |g|^2 / m of c g g^T / m, with its slope c
+   and the gradient g of the volume. sums is scratch */
+static double volume_bound(const pel_model *model, const pel_shell_body *own, double *sums)
+{
+    const pel_shell *shell = own->shell;
+    const pel_pressure_def *def = &shell->pressure;
+    double slope = def->kind == PEL_PRESSURE_GAS      ? def->gamma * def->value
+                   : def->kind == PEL_PRESSURE_VOLUME ? def->bulk
+                                                      : 0;
+    if (slope == 0)
+        return 0;
+    memset(sums, 0, (size_t)own->place_count * sizeof *sums);
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        double weight = shell->pressure_weights != NULL ? fabs(shell->pressure_weights[t]) : 1;
+        for (int i = 0; i < 3; i++)
+            sums[shell->triangles[t].vertices[i] - own->first_place] += weight * shell->triangles[t].rest.area / 3;
+    }
+    double sum = 0;
+    for (int32_t v = 0; v < own->place_count; v++)
+        sum += sums[v] * sums[v] * (double)model->inverse_mass[own->first_place + v];
+    return slope / model->bodies[own->body].rest_volume * sum;
+}
+
+static double body_bound(const pel_model *model, const pel_shell_body *own)
+{
+    const pel_shell *shell = own->shell;
+    double *sums = own->sums, bound = 0, volume = volume_bound(model, own, sums);
+    memset(sums, 0, (size_t)own->place_count * sizeof *sums);
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        double x[3][3], norms[3];
+        pel_load_points(model->rest, shell->triangles[t].vertices, 3, x);
+        strain_norms(&shell->triangles[t].rest, norms);
+        add_norms(shell->triangles[t].rest.area * triangle_stiffness(own, t), shell->triangles[t].vertices, 3, norms,
+                  own->first_place, sums);
+        add_pressure_norms(own, t, (const double(*)[3])x, sums);
+    }
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        double x[4][3];
+        pel_load_points(model->rest, shell->hinges[i].vertices, 4, x);
+        add_hinge_norms(shell, &shell->hinges[i], (const double(*)[3])x, own->first_place, sums);
+    }
+    for (int32_t v = 0; v < own->place_count; v++)
+        bound = fmax(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
+    return bound + volume;
+}
+
+double pel_shell_stiffness_bound(const pel_shell_forces *forces)
+{
+    double bound = 0;
+    for (int32_t i = 0; forces != NULL && i < forces->count; i++)
+        bound = fmax(bound, body_bound(forces->model, &forces->bodies[i]));
+    return bound;
+}
