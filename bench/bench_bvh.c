@@ -1,14 +1,14 @@
 /* Broad phase of self-collision: ms a step over 100 steps of a sphere in motion, all edge-edge and vertex-face
    candidates, processor time of one thread, with pairs kept from step to step and without; then the cost per triangle
    of a large sphere, and the certificate of a mesh at rest. usage: bench_bvh [steps] */
+#include "bench.h"
+#include "pellicle/collide.h"
+#include "tests/random.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-#include "pellicle/collide.h"
-#include "pellicle/shape.h"
 
 enum { REPEATS = 5, STEP_LIMIT = 1000 };
 
@@ -24,46 +24,11 @@ typedef struct scenario {
     double share;
 } scenario;
 
-/* processor time of this thread: other jobs on the machine count less */
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void check(pel_status status, const pel_error *error)
-{
-    char text[1000];
-    if (status == PEL_OK)
-        return;
-    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    exit(1);
-}
-
-static pel_mesh *make_sphere(int frequency)
-{
-    pel_error error;
-    pel_mesh *mesh;
-    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    def.frequency = frequency;
-    check(pel_shape_create(&def, &mesh, &error), &error);
-    return mesh;
-}
-
 /* a number in -1 .. 1 that depends on two others */
 static double scatter(uint64_t a, uint64_t b)
 {
-    uint64_t z = (a * 0x9e3779b97f4a7c15u) ^ (b * 0xbf58476d1ce4e5b9u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+    random_state random = {(a * 0x9e3779b97f4a7c15u) ^ (b * 0xbf58476d1ce4e5b9u)};
+    return random_between(&random, -1, 1);
 }
 
 static void place(const scenario *s, const pel_mesh *mesh, double edge, int step, double (*positions)[3])
@@ -90,12 +55,10 @@ static double run(const scenario *s, const pel_mesh *mesh, double margin, int st
     pel_collider_def def = pel_collider_def_default();
     def.mesh = mesh;
     def.margin = margin;
-    check(pel_collider_create(&def, &collider, &error), &error);
+    bench_check(pel_collider_create(&def, &collider, &error), &error);
     double edge = sqrt(16 * acos(-1.0) / (sqrt(3.0) * mesh->triangle_count)), sum = 0;
-    double(*start)[3] = malloc((size_t)mesh->vertex_count * sizeof *start);
-    double(*end)[3] = malloc((size_t)mesh->vertex_count * sizeof *end);
-    if (start == NULL || end == NULL)
-        exit(1);
+    double(*start)[3] = bench_allocate((size_t)mesh->vertex_count, sizeof *start);
+    double(*end)[3] = bench_allocate((size_t)mesh->vertex_count, sizeof *end);
     *worst = 0;
     place(s, mesh, edge, 0, end);
     for (int step = 0; step < steps; step++) {
@@ -104,9 +67,9 @@ static double run(const scenario *s, const pel_mesh *mesh, double margin, int st
         pel_collision_query query = pel_collision_query_default();
         query.start = start[0];
         query.end = end[0];
-        double begin = seconds();
-        check(pel_collider_candidates(collider, &query, candidates, &error), &error);
-        double time = seconds() - begin;
+        double begin = bench_thread_seconds();
+        bench_check(pel_collider_candidates(collider, &query, candidates, &error), &error);
+        double time = bench_thread_seconds() - begin;
         sum += time;
         *worst = time > *worst ? time : *worst;
     }
@@ -125,13 +88,13 @@ static double report(const scenario *s, const pel_mesh *mesh, double margin, int
         times[repeat] = run(s, mesh, margin, steps, &worst, &c);
         least_worst = worst < least_worst ? worst : least_worst;
     }
-    qsort(times, REPEATS, sizeof *times, compare);
+    const bench_spread time = bench_spread_of(times, REPEATS);
     printf("%7d triangles  %-34s %-8s %7.3f ms min %7.3f ms median a step, worst step %7.3f ms; last step: %8lld "
            "vertex-face, %8lld edge-edge of %8lld; %lld searches in %d steps\n",
-           (int)mesh->triangle_count, s->name, margin == 0 ? "search" : "kept", times[0], times[REPEATS / 2],
+           (int)mesh->triangle_count, s->name, margin == 0 ? "search" : "kept", time.least, time.median,
            1e3 * least_worst, (long long)c.vertex_face_count, (long long)c.edge_edge_count, (long long)c.kept,
            (long long)c.searches, steps);
-    return times[0];
+    return time.least;
 }
 
 static void report_certificate(const pel_mesh *mesh)
@@ -140,13 +103,13 @@ static void report_certificate(const pel_mesh *mesh)
     int64_t count = 0;
     pel_error error;
     for (int repeat = 0; repeat < REPEATS; repeat++) {
-        double begin = seconds();
-        check(pel_mesh_self_intersections(mesh, NULL, 0, &count, &error), &error);
-        times[repeat] = 1e3 * (seconds() - begin);
+        double begin = bench_thread_seconds();
+        bench_check(pel_mesh_self_intersections(mesh, NULL, 0, &count, &error), &error);
+        times[repeat] = 1e3 * (bench_thread_seconds() - begin);
     }
-    qsort(times, REPEATS, sizeof *times, compare);
+    const bench_spread time = bench_spread_of(times, REPEATS);
     printf("%7d triangles  certificate: %lld intersections in %.2f ms min %.2f ms median\n", (int)mesh->triangle_count,
-           (long long)count, times[0], times[REPEATS / 2]);
+           (long long)count, time.least, time.median);
 }
 
 int main(int argument_count, char **arguments)
@@ -159,7 +122,7 @@ int main(int argument_count, char **arguments)
     int steps = argument_count > 1 ? atoi(arguments[1]) : 100;
     if (steps < 1 || steps > STEP_LIMIT)
         return 1;
-    pel_mesh *small = make_sphere(32), *large = make_sphere(128);
+    pel_mesh *small = bench_sphere(32), *large = bench_sphere(128);
     double least[2] = {0, 0};
     for (size_t i = 0; i < sizeof scenarios / sizeof *scenarios; i++)
         for (int kept = 0; kept < 2; kept++) {

@@ -2,12 +2,13 @@
    Queries are random pairs whose swept boxes overlap, as a broad phase would hand them over; "small" motion is 5 % of
    the features' size, "large" 50 %. Misses and hits are timed apart, one query a call. usage: bench_ccd [queries a set]
  */
+#include "bench.h"
+#include "pellicle/geometry.h"
+#include "tests/random.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-#include "pellicle/geometry.h"
 
 enum { REPEATS = 9 };
 
@@ -17,23 +18,6 @@ typedef struct query_set {
     int count;
     double (*start)[4][3], (*end)[4][3];
 } query_set;
-
-static uint64_t seed = 1;
-
-static double random_unit(void)
-{
-    uint64_t z = seed += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static bool boxes_overlap(const double start[4][3], const double end[4][3], int first)
 {
@@ -52,18 +36,16 @@ static bool boxes_overlap(const double start[4][3], const double end[4][3], int 
     return true;
 }
 
-static query_set make_set(const char *name, bool edge_edge, double motion, int count)
+static query_set make_set(const char *name, bool edge_edge, double motion, int count, random_state *random)
 {
-    query_set set = {name, edge_edge, count, malloc((size_t)count * sizeof *set.start),
-                     malloc((size_t)count * sizeof *set.end)};
-    if (set.start == NULL || set.end == NULL)
-        exit(1);
+    query_set set = {name, edge_edge, count, bench_allocate((size_t)count, sizeof *set.start),
+                     bench_allocate((size_t)count, sizeof *set.end)};
     for (int q = 0; q < count;) {
         double size = 0.6;
         for (int i = 0; i < 4; i++)
             for (int k = 0; k < 3; k++) {
-                set.start[q][i][k] = size * random_unit();
-                set.end[q][i][k] = set.start[q][i][k] + motion * size * (2 * random_unit() - 1);
+                set.start[q][i][k] = random_between(random, 0, size);
+                set.end[q][i][k] = set.start[q][i][k] + motion * size * random_between(random, -1, 1);
             }
         q += boxes_overlap((const double(*)[3])set.start[q], (const double(*)[3])set.end[q], edge_edge ? 2 : 1);
     }
@@ -78,17 +60,11 @@ static bool solve(const query_set *set, int q, bool plain, pel_ccd_hit *hit)
     return set->edge_edge ? pel_ccd_edge_edge(start, end, 0, 1e-6, hit) : pel_ccd_vertex_face(start, end, 0, 1e-6, hit);
 }
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void print_times(const query_set *set, const char *what, int count, double times[REPEATS])
 {
-    qsort(times, REPEATS, sizeof *times, compare);
-    printf("%-12s %-28s %8d queries %9.1f ns min %9.1f ns median\n", set->name, what, count, 1e9 * times[0] / count,
-           1e9 * times[REPEATS / 2] / count);
+    const bench_spread time = bench_spread_of(times, REPEATS);
+    printf("%-12s %-28s %8d queries %9.1f ns min %9.1f ns median\n", set->name, what, count, 1e9 * time.least / count,
+           1e9 * time.median / count);
 }
 
 static void time_one_by_one(const query_set *set, const int *queries, int count, bool plain, const char *what)
@@ -99,11 +75,11 @@ static void time_one_by_one(const query_set *set, const int *queries, int count,
     if (count == 0)
         return;
     for (int repeat = 0; repeat < REPEATS; repeat++) {
-        double begin = seconds();
+        double begin = bench_seconds();
         int found = 0;
         for (int i = 0; i < count; i++)
             found += solve(set, queries[i], plain, &hit);
-        times[repeat] = seconds() - begin;
+        times[repeat] = bench_seconds() - begin;
         hits = found;
     }
     (void)hits;
@@ -123,12 +99,12 @@ static void time_batch(const query_set *set, pel_ccd_method method, bool filter_
                            .tolerance = 1e-6};
     for (int repeat = 0; repeat < REPEATS; repeat++) {
         memset(&statistics, 0, sizeof statistics);
-        double begin = seconds();
+        double begin = bench_seconds();
         if (filter_only)
             statistics.passed_filter = pel_ccd_filter_batch(&batch, queries);
         else
             pel_ccd_solve_batch(&batch, queries, hits, &statistics);
-        times[repeat] = seconds() - begin;
+        times[repeat] = bench_seconds() - begin;
     }
     print_times(set, what, set->count, times);
     if (filter_only)
@@ -141,10 +117,8 @@ static void time_batch(const query_set *set, pel_ccd_method method, bool filter_
 
 static void run_set(query_set set)
 {
-    int32_t *chosen = malloc((size_t)set.count * sizeof *chosen);
-    pel_ccd_hit hit, *hits = malloc((size_t)set.count * sizeof *hits);
-    if (chosen == NULL || hits == NULL)
-        exit(1);
+    int32_t *chosen = bench_allocate((size_t)set.count, sizeof *chosen);
+    pel_ccd_hit hit, *hits = bench_allocate((size_t)set.count, sizeof *hits);
     time_batch(&set, PEL_CCD_CONSERVATIVE, true, "batched filter", chosen, hits);
     time_batch(&set, PEL_CCD_CONSERVATIVE, false, "batch, conservative", chosen, hits);
     time_batch(&set, PEL_CCD_BRIDSON, false, "batch, plain cubic", chosen, hits);
@@ -165,9 +139,10 @@ static void run_set(query_set set)
 int main(int argument_count, char **arguments)
 {
     int count = argument_count > 1 ? atoi(arguments[1]) : 100000;
-    run_set(make_set("vf small", false, 0.05, count));
-    run_set(make_set("vf large", false, 0.5, count));
-    run_set(make_set("ee small", true, 0.05, count));
-    run_set(make_set("ee large", true, 0.5, count));
+    random_state random = {1};
+    run_set(make_set("vf small", false, 0.05, count, &random));
+    run_set(make_set("vf large", false, 0.5, count, &random));
+    run_set(make_set("ee small", true, 0.05, count, &random));
+    run_set(make_set("ee large", true, 0.5, count, &random));
     return 0;
 }

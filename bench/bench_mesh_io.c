@@ -1,5 +1,6 @@
 /* Times reading a mesh of 100,000 vertices from OBJ and PLY files that it writes itself.
    usage: bench_mesh_io [folder] */
+#include "bench.h"
 #include "pellicle/mesh_io.h"
 
 #include <math.h>
@@ -7,25 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { ROWS = 250, COLUMNS = 400, ROUNDS = 15 };
 
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* a wavy sheet; coordinates of full precision, or rounded to floats as scans have them */
 static pel_mesh *make_sheet(bool floats)
 {
-    double *positions = malloc(sizeof(double) * 3 * ROWS * COLUMNS);
-    int32_t *triangles = malloc(sizeof(int32_t) * 6 * ROWS * COLUMNS);
-    if (positions == NULL || triangles == NULL)
-        exit(1);
+    double *positions = bench_allocate(3 * ROWS * COLUMNS, sizeof *positions);
+    int32_t *triangles = bench_allocate(6 * ROWS * COLUMNS, sizeof *triangles);
     int32_t triangle_count = 0;
     for (int r = 0; r < ROWS; r++) {
         for (int c = 0; c < COLUMNS; c++) {
@@ -43,48 +34,32 @@ static pel_mesh *make_sheet(bool floats)
         }
     }
     pel_mesh *mesh;
-    if (pel_mesh_create(positions, ROWS * COLUMNS, triangles, triangle_count, &mesh, NULL) != PEL_OK)
-        exit(1);
+    pel_error error;
+    bench_check(pel_mesh_create(positions, ROWS * COLUMNS, triangles, triangle_count, &mesh, &error), &error);
     free(positions);
     free(triangles);
     return mesh;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void stop(const pel_error *error)
-{
-    char text[700];
-    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    exit(1);
-}
-
 static void time_format(const char *label, const char *path, pel_mesh_format format, const pel_mesh *mesh)
 {
-    double times[ROUNDS], started = seconds();
+    double times[ROUNDS], started = bench_seconds();
     pel_error error;
     struct stat information;
-    if (pel_mesh_write(path, format, mesh, NULL, &error) != PEL_OK)
-        stop(&error);
-    const double write_time = seconds() - started;
+    bench_check(pel_mesh_write(path, format, mesh, NULL, &error), &error);
+    const double write_time = bench_seconds() - started;
     if (stat(path, &information) != 0)
         exit(1);
     for (int i = 0; i < ROUNDS; i++) {
-        pel_mesh *read;
-        started = seconds();
-        if (pel_mesh_read(path, PEL_FORMAT_AUTO, NULL, &read, &error) != PEL_OK)
-            stop(&error);
-        times[i] = seconds() - started;
+        started = bench_seconds();
+        pel_mesh *read = bench_read(path);
+        times[i] = bench_seconds() - started;
         pel_mesh_destroy(read);
     }
-    qsort(times, ROUNDS, sizeof *times, by_size);
+    const bench_spread time = bench_spread_of(times, ROUNDS);
     const double megabytes = (double)information.st_size * 1e-6;
     printf("%-24s %6.1f MB   read min %7.2f ms  median %7.2f ms  %7.0f MB/s   write %7.2f ms\n", label, megabytes,
-           1e3 * times[0], 1e3 * times[ROUNDS / 2], megabytes / times[ROUNDS / 2], 1e3 * write_time);
+           1e3 * time.least, 1e3 * time.median, megabytes / time.median, 1e3 * write_time);
     unlink(path);
 }
 

@@ -2,46 +2,19 @@
    plain ones, which run the same source lane by lane in the same order and give the same bits. Sweeps alone, without
    prediction, pressure and contacts; docs/performance.md has what other libraries need for the same work.
    usage: bench_project [frequency, 32 by default] [threads, 2 by default] */
+#include "bench.h"
 #include "model/state.h"
-#include "pellicle/shape.h"
 #include "solve/project.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { ROUNDS = 25, SWEEPS = 5 };
 
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void check(pel_status status, const pel_error *error)
-{
-    char text[800];
-    if (status == PEL_OK)
-        return;
-    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    exit(1);
-}
-
 static pel_model *make_model(int32_t frequency, pel_membrane_kind material, pel_bending_model bending)
 {
-    pel_error error;
-    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    shape.frequency = frequency;
-    pel_mesh *mesh;
-    check(pel_shape_create(&shape, &mesh, &error), &error);
+    pel_mesh *mesh = bench_sphere(frequency);
     pel_body_def body = pel_body_def_default();
     body.name = "sphere";
     body.mesh = mesh;
@@ -51,11 +24,7 @@ static pel_model *make_model(int32_t frequency, pel_membrane_kind material, pel_
     body.shell.membrane.young.value = 1e6;
     body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;
-    pel_model_def def = pel_model_def_default();
-    def.bodies = &body;
-    def.body_count = 1;
-    pel_model *model;
-    check(pel_model_create(&def, &model, &error), &error);
+    pel_model *model = bench_model(&body);
     pel_mesh_destroy(mesh);
     return model;
 }
@@ -74,21 +43,19 @@ static void disturb(const pel_model *model, pel_state *state)
     }
 }
 
-static double time_sweeps(pel_projector *projector, const pel_model *model, pel_state *state, double *least)
+static bench_spread time_sweeps(pel_projector *projector, const pel_model *model, pel_state *state)
 {
     double times[ROUNDS];
     for (int round = 0; round < ROUNDS; round++) {
         disturb(model, state);
         pel_projector_begin(projector, state, 0);
         pel_project_body_set_time(&projector->bodies[0], state->factors[0], projector->substep);
-        double begin = seconds();
+        double begin = bench_seconds();
         for (int i = 0; i < SWEEPS; i++)
             pel_project_sweep(projector, state->position_next);
-        times[round] = seconds() - begin;
+        times[round] = bench_seconds() - begin;
     }
-    qsort(times, ROUNDS, sizeof *times, by_size);
-    *least = times[0];
-    return times[ROUNDS / 2];
+    return bench_spread_of(times, ROUNDS);
 }
 
 static double constraint_count(const pel_projector *projector)
@@ -111,20 +78,21 @@ static void bench(const char *name, int32_t frequency, pel_method method, pel_me
     pel_projector *projector;
     pel_state *state;
     pel_pool *pool;
-    check(pel_projector_create(model, &solver, &projector, &error), &error);
-    check(pel_state_create(model, true, &state, &error), &error);
+    bench_check(pel_projector_create(model, &solver, &projector, &error), &error);
+    bench_check(pel_state_create(model, true, &state, &error), &error);
     state->bending[0].weight = 0.01;
-    check(pel_pool_create(threads, &pool, &error), &error);
-    double least[3], median[3], count = constraint_count(projector) * SWEEPS;
+    bench_check(pel_pool_create(threads, &pool, &error), &error);
+    const double count = constraint_count(projector) * SWEEPS;
+    bench_spread times[3];
     projector->is_plain = true;
-    median[0] = time_sweeps(projector, model, state, &least[0]);
+    times[0] = time_sweeps(projector, model, state);
     projector->is_plain = false;
-    median[1] = time_sweeps(projector, model, state, &least[1]);
+    times[1] = time_sweeps(projector, model, state);
     projector->pool = pool;
-    median[2] = time_sweeps(projector, model, state, &least[2]);
+    times[2] = time_sweeps(projector, model, state);
     printf("%-34s", name);
     for (int i = 0; i < 3; i++)
-        printf("  %7.3f %7.3f %6.2f", 1e3 * least[i], 1e3 * median[i], 1e9 * median[i] / count);
+        printf("  %7.3f %7.3f %6.2f", 1e3 * times[i].least, 1e3 * times[i].median, 1e9 * times[i].median / count);
     printf("\n");
     pel_pool_destroy(pool);
     pel_state_destroy(state);

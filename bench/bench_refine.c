@@ -1,34 +1,10 @@
 /* Paper A's table 1 (500 steps of a sphere: base, refined everywhere, refined locally), and what an event costs. */
-#include "pellicle/shape.h"
+#include "bench.h"
 #include "pellicle/sim.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <time.h>
 
 enum { ROUNDS = 31, STEPS = 500, EVENTS = 200 };
-
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void check(pel_status status, const pel_error *error)
-{
-    char text[800];
-    if (status == PEL_OK)
-        return;
-    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    exit(1);
-}
 
 typedef struct sphere {
     pel_mesh *mesh;
@@ -38,21 +14,15 @@ typedef struct sphere {
 
 static sphere make_sphere(int32_t frequency, int32_t levels, bool everywhere)
 {
-    sphere made;
+    sphere made = {.mesh = bench_sphere(frequency)};
     pel_error error;
-    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    shape.frequency = frequency;
-    check(pel_shape_create(&shape, &made.mesh, &error), &error);
     pel_body_def body = pel_body_def_default();
     body.name = "ball";
     body.mesh = made.mesh;
     body.volumetric_by_area = true;
     body.refine.levels = levels;
     body.refine.everywhere = everywhere;
-    pel_model_def model = pel_model_def_default();
-    model.bodies = &body;
-    model.body_count = 1;
-    check(pel_model_create(&model, &made.model, &error), &error);
+    made.model = bench_model(&body);
     const int32_t pole = 5;
     pel_load_def load = pel_load_def_default();
     load.force[2] = -1;
@@ -64,7 +34,7 @@ static sphere make_sphere(int32_t frequency, int32_t levels, bool everywhere)
     def.loads = &load;
     def.load_count = 1;
     def.thread_count = 1;
-    check(pel_sim_create(&def, &made.sim, &error), &error);
+    bench_check(pel_sim_create(&def, &made.sim, &error), &error);
     return made;
 }
 
@@ -81,18 +51,18 @@ static void refine_as_paper(pel_sim *sim)
     pel_error error;
     for (int32_t v = 12; pel_sim_vertex_count(sim, 0) != 294; v++) {
         if (v > 12)
-            check(pel_sim_refine(sim, 0, v - 1, 0, &error), &error);
-        check(pel_sim_refine(sim, 0, v, 1, &error), &error);
+            bench_check(pel_sim_refine(sim, 0, v - 1, 0, &error), &error);
+        bench_check(pel_sim_refine(sim, 0, v, 1, &error), &error);
     }
 }
 
 static double run(sphere *made)
 {
     pel_error error;
-    double start = seconds();
+    double start = bench_seconds();
     for (int n = 0; n < STEPS; n++)
-        check(pel_sim_step(made->sim, &error), &error);
-    return seconds() - start;
+        bench_check(pel_sim_step(made->sim, &error), &error);
+    return bench_seconds() - start;
 }
 
 static void table(void)
@@ -105,10 +75,10 @@ static void table(void)
         for (int i = 0; i < 3; i++)
             times[i][round] = run(&spheres[i]);
     for (int i = 0; i < 3; i++) {
-        qsort(times[i], ROUNDS, sizeof times[i][0], by_size);
+        const bench_spread time = bench_spread_of(times[i], ROUNDS);
         printf("%-12s %5d vertices %5d triangles   min %7.3f ms  median %7.3f ms of %d steps   %.2f of the base\n",
                names[i], (int)pel_sim_vertex_count(spheres[i].sim, 0), (int)pel_sim_triangle_count(spheres[i].sim, 0),
-               1e3 * times[i][0], 1e3 * times[i][ROUNDS / 2], STEPS, times[i][0] / times[0][0]);
+               1e3 * time.least, 1e3 * time.median, STEPS, time.least / times[0][0]);
         end_sphere(&spheres[i]);
     }
 }
@@ -120,18 +90,16 @@ static void events(int32_t frequency)
     double refine[EVENTS], coarsen[EVENTS];
     int32_t v = made.mesh->vertex_count / 2;
     for (int n = 0; n < EVENTS; n++) {
-        double start = seconds();
-        check(pel_sim_refine(made.sim, 0, v, 1, &error), &error);
-        double middle = seconds();
-        check(pel_sim_refine(made.sim, 0, v, 0, &error), &error);
-        coarsen[n] = seconds() - middle;
+        double start = bench_seconds();
+        bench_check(pel_sim_refine(made.sim, 0, v, 1, &error), &error);
+        double middle = bench_seconds();
+        bench_check(pel_sim_refine(made.sim, 0, v, 0, &error), &error);
+        coarsen[n] = bench_seconds() - middle;
         refine[n] = middle - start;
     }
-    qsort(refine, EVENTS, sizeof *refine, by_size);
-    qsort(coarsen, EVENTS, sizeof *coarsen, by_size);
+    const bench_spread there = bench_spread_of(refine, EVENTS), back = bench_spread_of(coarsen, EVENTS);
     printf("event on %6d triangles   refine min %6.1f us median %6.1f us   coarsen min %6.1f us median %6.1f us\n",
-           (int)made.mesh->triangle_count, 1e6 * refine[0], 1e6 * refine[EVENTS / 2], 1e6 * coarsen[0],
-           1e6 * coarsen[EVENTS / 2]);
+           (int)made.mesh->triangle_count, 1e6 * there.least, 1e6 * there.median, 1e6 * back.least, 1e6 * back.median);
     end_sphere(&made);
 }
 

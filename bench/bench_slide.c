@@ -1,49 +1,20 @@
 /* How even the steps are while a tool slides over an organ that refines under it: median, 99th percentile and longest
    step, beside the same slide without refinement.
    usage: bench_slide [mesh file]; without one, an uneven closed body of 20,480 triangles */
-#include "pellicle/mesh_io.h"
-#include "pellicle/shape.h"
+#include "bench.h"
 #include "pellicle/sim.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { STEPS = 3000 };
-
-/* of this thread, so that what else the machine does is left out */
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void check(pel_status status, const pel_error *error)
-{
-    char text[800];
-    if (status == PEL_OK)
-        return;
-    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    exit(1);
-}
 
 /* a ball with three lobes, flattened like a liver */
 static pel_mesh *make_organ(void)
 {
-    pel_mesh *mesh;
-    pel_error error;
-    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    def.frequency = 32;
-    check(pel_shape_create(&def, &mesh, &error), &error);
+    pel_mesh *mesh = bench_sphere(32);
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         double *x = mesh->positions[v];
         double lobe = 1 + 0.15 * cos(3 * atan2(x[1], x[0])) * (1 - x[2] * x[2]) + 0.05 * sin(5 * x[0]);
@@ -85,11 +56,7 @@ static void slide(const pel_mesh *mesh, const char *name, const pel_refine_def *
     body.mesh = mesh;
     body.volumetric_by_area = true;
     body.refine = *refine;
-    pel_model *model;
-    pel_model_def model_def = pel_model_def_default();
-    model_def.bodies = &body;
-    model_def.body_count = 1;
-    check(pel_model_create(&model_def, &model, &error), &error);
+    pel_model *model = bench_model(&body);
     pel_pose_key keys[KEYS];
     slide_path(mesh, 0.15, 0.05, keys, KEYS, 0.01 * STEPS);
     pel_tool_def tool = pel_tool_def_default();
@@ -103,33 +70,28 @@ static void slide(const pel_mesh *mesh, const char *name, const pel_refine_def *
     def.tools = &tool;
     def.tool_count = 1;
     def.thread_count = 1;
-    check(pel_sim_create(&def, &sim, &error), &error);
+    bench_check(pel_sim_create(&def, &sim, &error), &error);
     static double times[STEPS];
     int32_t most = 0;
     for (int n = 0; n < STEPS; n++) {
-        double start = seconds();
-        check(pel_sim_step(sim, &error), &error);
-        times[n] = seconds() - start;
+        double start = bench_thread_seconds();
+        bench_check(pel_sim_step(sim, &error), &error);
+        times[n] = bench_thread_seconds() - start;
         int32_t count = pel_sim_triangle_count(sim, 0);
         most = count > most ? count : most;
     }
     int64_t events = pel_sim_surface_revision(sim, 0);
-    qsort(times, STEPS, sizeof *times, by_size);
+    const bench_spread time = bench_spread_of(times, STEPS);
     printf("%-22s %6d to %6d triangles  %4lld events  step median %6.0f us  p99 %6.0f us (%.2f x)  longest %6.0f us\n",
-           name, (int)mesh->triangle_count, (int)most, (long long)events, 1e6 * times[STEPS / 2],
-           1e6 * times[STEPS * 99 / 100], times[STEPS * 99 / 100] / times[STEPS / 2], 1e6 * times[STEPS - 1]);
+           name, (int)mesh->triangle_count, (int)most, (long long)events, 1e6 * time.median, 1e6 * time.percentile_99,
+           time.percentile_99 / time.median, 1e6 * time.most);
     pel_sim_destroy(sim);
     pel_model_destroy(model);
 }
 
 int main(int argc, char **argv)
 {
-    pel_mesh *mesh;
-    pel_error error;
-    if (argc > 1)
-        check(pel_mesh_read(argv[1], PEL_FORMAT_AUTO, NULL, &mesh, &error), &error);
-    else
-        mesh = make_organ();
+    pel_mesh *mesh = argc > 1 ? bench_read(argv[1]) : make_organ();
     pel_refine_def refine = pel_body_def_default().refine;
     slide(mesh, "no refinement", &refine);
     refine.levels = 2;

@@ -28,10 +28,16 @@ void cli_bench_add(cli_bench_result *result, const char *name, const char *unit,
     result->numbers[i].value = value;
 }
 
-static int compare_times(const void *a, const void *b)
+static int compare(const void *a, const void *b)
 {
     double p = *(const double *)a, q = *(const double *)b;
     return (p > q) - (p < q);
+}
+
+double cli_bench_median(double *values, int count)
+{
+    qsort(values, (size_t)count, sizeof *values, compare);
+    return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
 }
 
 static pel_status repeat(const cli_bench_case *bench, void *inner, double *times, int count, pel_error *error)
@@ -58,9 +64,8 @@ static pel_status measure(const cli_bench_case *bench, int repeats, cli_bench_re
     if (status == PEL_OK)
         status = repeat(bench, inner, times, repeats, error);
     if (status == PEL_OK) {
-        qsort(times, (size_t)repeats, sizeof *times, compare_times);
+        result->median_s = cli_bench_median(times, repeats);
         result->min_s = times[0];
-        result->median_s = 0.5 * (times[(repeats - 1) / 2] + times[repeats / 2]);
         if (bench->finish != NULL)
             status = bench->finish(inner, result, error);
     }

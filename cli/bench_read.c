@@ -18,13 +18,13 @@ static pel_status begin(void **inner, pel_mesh_format format, const char *ending
 {
     reading *r = calloc(1, sizeof *r);
     if (r == NULL)
-        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return pel_fail_memory(error);
     *inner = r;
     r->format = format;
     snprintf(r->folder, sizeof r->folder, "/tmp/pellicle-bench-XXXXXX");
     if (mkdtemp(r->folder) == NULL) {
         r->folder[0] = '\0';
-        return cli_fail(error, PEL_BAD_FILE, "no temporary folder can be made in /tmp");
+        return pel_fail(error, PEL_BAD_FILE, "no temporary folder can be made in /tmp");
     }
     snprintf(r->path, sizeof r->path, "%s/sphere%s", r->folder, ending);
     /* frequency 100 has 100,002 vertices */

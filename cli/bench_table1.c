@@ -67,7 +67,7 @@ static pel_status keep_start(sphere *made, pel_error *error)
     made->start_size = pel_sim_save_size(made->sim);
     made->start = malloc(made->start_size);
     if (made->start == NULL)
-        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return pel_fail_memory(error);
     pel_sim_save(made->sim, made->start);
     return PEL_OK;
 }
@@ -88,7 +88,7 @@ static pel_status begin(void **inner, pel_error *error)
     table1 *table = calloc(1, sizeof *table);
     *inner = table;
     if (table == NULL)
-        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return pel_fail_memory(error);
     /* of the default mesh: it and its six neighbours have six triangles each */
     table->center = 13;
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
@@ -125,25 +125,13 @@ static pel_status once(void *inner, pel_error *error)
     return status;
 }
 
-static int compare(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
-static double median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, compare);
-    return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
-}
-
 /* the median of the ratios of the repeats: a disturbance that lasts longer than a repeat falls out */
 static double median_ratio(const table1 *table, int which)
 {
     double ratios[REPEATS_MAX];
     for (int n = 0; n < table->repeat; n++)
         ratios[n] = table->times[which][n] / table->times[BASE][n];
-    return median(ratios, table->repeat);
+    return cli_bench_median(ratios, table->repeat);
 }
 
 /* the event of the local sphere, and back */
@@ -158,8 +146,8 @@ static pel_status time_events(table1 *table, double *refine, double *coarsen, pe
             status = pel_sim_refine(table->spheres[LOCAL].sim, 0, table->center, levels[i], error);
             times[i][n] = cli_processor_clock() - start;
         }
-    *coarsen = median(times[0], EVENTS);
-    *refine = median(times[1], EVENTS);
+    *coarsen = cli_bench_median(times[0], EVENTS);
+    *refine = cli_bench_median(times[1], EVENTS);
     return status;
 }
 
@@ -175,7 +163,7 @@ static pel_status finish(void *inner, cli_bench_result *result, pel_error *error
     cli_bench_add(result, "local_triangles", "", pel_sim_triangle_count(table->spheres[LOCAL].sim, 0));
     cli_bench_add(result, "dynamic_triangles", "", pel_sim_triangle_count(table->spheres[DYNAMIC].sim, 0));
     for (int i = 0; i < SPHERES; i++) {
-        double typical = median(table->times[i], table->repeat);
+        double typical = cli_bench_median(table->times[i], table->repeat);
         cli_bench_add(result, names[i], "ms", 1e3 * typical);
         cli_bench_add(result, faster[i], "times", paper[i] / typical);
     }

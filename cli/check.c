@@ -183,6 +183,8 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
         {"duplicate_triangles", "duplicate triangles dropped", summary->duplicate_triangles},
         {"welded_vertices", "vertices welded into others", summary->welded_vertices},
         {"isolated_vertices", "isolated vertices dropped", summary->isolated_vertices},
+        {"closed_slits", "triangles without area merged into their neighbours", summary->closed_slits},
+        {"cut_vertices", "vertices copied to cut pieces apart", summary->cut_vertices},
         {"turned_triangles", "triangles turned around", summary->turned_triangles},
         {"outward_components", "components turned outward", summary->outward_components},
     };
@@ -201,7 +203,8 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
 }
 
 /* writes the repaired mesh unless it still has errors */
-static int write_repaired(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
+static int write_repaired(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh,
+                          const pel_repair_summary *summary, cli_json *json)
 {
     const char *out = cli_value(call, "fix");
     pel_error error;
@@ -211,6 +214,9 @@ static int write_repaired(const cli_call *call, pel_mesh_format format, const pe
         return cli_report(&error);
     }
     bool good = found.report->error_count == 0;
+    /* welding has left those only that cutting made */
+    if (summary->cut_vertices > 0)
+        found.report->issues[PEL_ISSUE_DUPLICATE_VERTEX].count = 0;
     print_findings(out, mesh, &found);
     if (!good)
         cli_complain("'%s' is not written: the repaired mesh still cannot be simulated. edit the elements named above",
@@ -234,7 +240,7 @@ static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh
     if (pel_mesh_repair(mesh, &options, &repaired, &summary, &error) != PEL_OK)
         return cli_report(&error);
     tell_repair(json, out, &summary);
-    int status = write_repaired(call, format, repaired, json);
+    int status = write_repaired(call, format, repaired, &summary, json);
     pel_mesh_destroy(repaired);
     return status;
 }

@@ -28,6 +28,8 @@ void cli_write_error(cli_json *json, const pel_error *error)
         cli_json_text(json, "element_kind", error->element_kind);
         cli_json_integer(json, "element", error->element);
     }
+    if (error->element_name[0] != '\0')
+        cli_json_text(json, "element_name", error->element_name);
     cli_json_text(json, "what", error->what);
     cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
     cli_json_close(json, '}');
@@ -42,17 +44,10 @@ int cli_report_to(const pel_error *error, cli_json *json)
     return cli_report(error);
 }
 
-pel_status cli_fail(pel_error *error, pel_status status, const char *what)
-{
-    *error = (pel_error){.status = status, .element = -1, .byte_offset = -1};
-    snprintf(error->what, sizeof error->what, "%s", what);
-    return status;
-}
-
 void cli_name_file(pel_error *error, const char *path)
 {
     if (error->file[0] == '\0')
-        snprintf(error->file, sizeof error->file, "%s", path);
+        pel_fail_place(error, path, 0, 0);
 }
 
 double cli_clock(void)

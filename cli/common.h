@@ -5,6 +5,7 @@
 #include "json.h"
 #include "options.h"
 
+#include <pellicle/error.h>
 #include <pellicle/mesh_io.h>
 
 /* Prints the error as "file:line:column: error: what. remedy" on stderr. Returns the exit status that belongs to it. */
@@ -13,8 +14,6 @@ int cli_report(const pel_error *error);
 void cli_write_error(cli_json *json, const pel_error *error);
 /* cli_report, and as members "ok": false and "error" of the open JSON object; json is nullable */
 int cli_report_to(const pel_error *error, cli_json *json);
-/* fills an error of the program's own; returns the status */
-pel_status cli_fail(pel_error *error, pel_status status, const char *what);
 /* names the file of an error that names none */
 void cli_name_file(pel_error *error, const char *path);
 

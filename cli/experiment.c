@@ -109,7 +109,7 @@ static pel_status read_rows(FILE *file, const char *x_name, const char *y_name, 
         y = column_of(row, y_name);
     }
     if (x < 0 || y < 0)
-        return cli_fail(error, PEL_BAD_FORMAT, "series.csv lacks a column");
+        return pel_fail(error, PEL_BAD_FORMAT, "series.csv lacks a column");
     while (fgets(row, sizeof row, file) != NULL) {
         if (series->count == room) {
             room = 2 * room + 64;
@@ -118,7 +118,7 @@ static pel_status read_rows(FILE *file, const char *x_name, const char *y_name, 
             double *ys = realloc(series->y, (size_t)room * sizeof *ys);
             series->y = ys != NULL ? ys : series->y;
             if (xs == NULL || ys == NULL)
-                return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+                return pel_fail_memory(error);
         }
         series->x[series->count] = cell_of(row, x);
         series->y[series->count++] = cell_of(row, y);
@@ -134,7 +134,7 @@ pel_status cli_series_read(const cli_experiment *experiment, const char *run, co
     snprintf(name, sizeof name, "%s/series.csv", run);
     FILE *file = fopen(cli_experiment_path(experiment, name, path), "r");
     if (file == NULL)
-        return cli_fail(experiment->error, PEL_BAD_FILE, "cannot open series.csv of a run");
+        return pel_fail(experiment->error, PEL_BAD_FILE, "cannot open series.csv of a run");
     pel_status status = read_rows(file, x_name, y_name, series, experiment->error);
     fclose(file);
     return status;

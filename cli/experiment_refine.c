@@ -227,7 +227,7 @@ static pel_status settle_from(pel_sim *sim, pel_mesh *mesh, int steps, pel_error
     const double *rest = mesh->positions[0];
     double *shift = mesh->fields[0].values, *at = malloc(count * sizeof *at);
     if (at == NULL)
-        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return pel_fail_memory(error);
     for (size_t i = 0; i < count; i++)
         at[i] = rest[i] + shift[i];
     pel_status status = pel_sim_set_positions(sim, 0, at, error);
@@ -321,8 +321,8 @@ static pel_status solve_all(cli_experiment *experiment, study *all)
         for (int level = 1; status == PEL_OK && level <= LEVELS; level++) {
             char run[32], refine[96];
             snprintf(run, sizeof run, "%s-%d", ways[way].run, level);
-            /* finer meshes settle later */
             snprintf(refine, sizeof refine, ways[way].refine, level);
+            /* finer meshes settle later */
             status = solve(experiment, run, refine, 10 << level, &all->ways[way][level - 1]);
         }
     return status == PEL_OK ? solve_reference(experiment, &all->reference) : status;

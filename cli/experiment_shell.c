@@ -150,7 +150,7 @@ static pel_status check_xpbd(cli_experiment *experiment)
     if (reference != NULL && other != NULL)
         status = compare(experiment, &ball, reference, other);
     else
-        status = cli_fail(experiment->error, PEL_OUT_OF_MEMORY, "out of memory");
+        status = pel_fail_memory(experiment->error);
     free(reference);
     free(other);
     pel_mesh_destroy(mesh);

@@ -8,6 +8,7 @@ static pel_status weld(const pel_mesh *mesh, pel_mesh **welded, pel_error *error
 {
     pel_repair_options options = pel_repair_options_default();
     options.drop_degenerate = options.drop_duplicates = options.drop_isolated = false;
+    options.close_slits = options.cut = false;
     options.orient = options.outward = false;
     return pel_mesh_repair(mesh, &options, welded, NULL, error);
 }

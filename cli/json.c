@@ -1,41 +1,17 @@
 #include "json.h"
 
+#include <pellicle/base.h>
+
 #include <inttypes.h>
 #include <math.h>
 
-/* length of the valid UTF-8 sequence at s, 0 when it is none (overlong forms and surrogates are none) */
-static int sequence_length(const unsigned char *s)
-{
-    if (s[0] < 0x80)
-        return 1;
-    int length = s[0] >= 0xf0 ? 4 : s[0] >= 0xe0 ? 3 : 2;
-    if (s[0] < 0xc2 || s[0] > 0xf4)
-        return 0;
-    for (int i = 1; i < length; ++i) {
-        if ((s[i] & 0xc0) != 0x80)
-            return 0;
-    }
-    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
-    bool beyond = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
-    return overlong || beyond ? 0 : length;
-}
-
 static void write_string(FILE *file, const char *text)
 {
+    char letter[7];
     fputc('"', file);
-    for (const unsigned char *s = (const unsigned char *)text; *s != '\0';) {
-        int length = sequence_length(s);
-        if (length == 0)
-            fputs("\\ufffd", file);
-        else if (*s == '"' || *s == '\\')
-            fprintf(file, "\\%c", *s);
-        else if (*s == '\n')
-            fputs("\\n", file);
-        else if (*s < 0x20 || *s == 0x7f)
-            fprintf(file, "\\u%04x", *s);
-        else
-            fwrite(s, 1, (size_t)length, file);
-        s += length > 0 ? length : 1;
+    while (*text != '\0') {
+        text = pel_json_letter(text, letter);
+        fputs(letter, file);
     }
     fputc('"', file);
 }

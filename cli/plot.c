@@ -165,14 +165,14 @@ pel_status cli_plot_write(const char *path, const cli_plot *plot, pel_error *err
 {
     FILE *file = fopen(path, "w");
     if (file == NULL) {
-        cli_fail(error, PEL_BAD_FILE, "cannot write the plot");
+        pel_fail(error, PEL_BAD_FILE, "cannot write the plot");
         cli_name_file(error, path);
         return PEL_BAD_FILE;
     }
     write_plot(file, plot);
     bool whole = ferror(file) == 0;
     if (fclose(file) != 0 || !whole) {
-        cli_fail(error, PEL_BAD_FILE, "the plot was not written whole");
+        pel_fail(error, PEL_BAD_FILE, "the plot was not written whole");
         cli_name_file(error, path);
         return PEL_BAD_FILE;
     }

@@ -41,7 +41,7 @@ static pel_status make_folder(char *path, pel_error *error)
         bool made = mkdir(path, 0777) == 0 || errno == EEXIST;
         *slash = kept;
         if (!made) {
-            cli_fail(error, PEL_BAD_FILE, "cannot make the folder");
+            pel_fail(error, PEL_BAD_FILE, "cannot make the folder");
             cli_name_file(error, path);
             return PEL_BAD_FILE;
         }
@@ -73,7 +73,7 @@ static pel_status write_findings(const cli_experiment *experiment)
     char path[CLI_EXPERIMENT_PATH];
     FILE *file = fopen(cli_experiment_path(experiment, "numbers.csv", path), "w");
     if (file == NULL) {
-        cli_fail(experiment->error, PEL_BAD_FILE, "cannot write the numbers");
+        pel_fail(experiment->error, PEL_BAD_FILE, "cannot write the numbers");
         cli_name_file(experiment->error, path);
         return PEL_BAD_FILE;
     }
@@ -87,7 +87,7 @@ static pel_status write_findings(const cli_experiment *experiment)
     }
     bool whole = ferror(file) == 0;
     return fclose(file) == 0 && whole ? PEL_OK
-                                      : cli_fail(experiment->error, PEL_BAD_FILE, "the numbers were not written whole");
+                                      : pel_fail(experiment->error, PEL_BAD_FILE, "the numbers were not written whole");
 }
 
 static void write_json(cli_json *json, const cli_experiment_case *which, const cli_experiment *experiment)

@@ -76,14 +76,19 @@ static const cli_command commands[] = {
             "Says every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
             "checked as a scene, with the meshes it names; anything else as a mesh. Elements are numbered from 0.\n\n"
             "Exit status 0: fine (notes may be printed), or repaired and written; 2: there are errors (cannot be "
-            "simulated) or warnings (can be, but is probably not what was meant).",
+            "simulated) or warnings (can be, but is probably not what was meant).\n\n"
+            "--fix welds vertices at one place; drops broken, duplicate and flat triangles and vertices that nothing "
+            "uses, where a flat triangle has a corner on the edge of its neighbour the neighbour is divided there, so "
+            "that no slit stays; cuts pieces apart that hang together in a vertex or in an edge of more than two "
+            "triangles, by vertices of their own at the same place (a later check warns of these; write .obj, .ply or "
+            ".off, as reading .stl welds them again); and turns triangles the same way and outward. Nothing moves "
+            "but what is welded, and no hole is filled.",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .kind = CLI_FILE,
                      .value = "OUT",
-                     .doc = "write the repaired mesh: vertices welded, degenerate, duplicate and isolated elements "
-                            "dropped, triangles turned the same way and outward. Nothing is written when the result "
-                            "still could not be simulated"},
+                     .doc = "write the repaired mesh. Nothing is written when the result still could not be "
+                            "simulated"},
                     {.name = "tolerance",
                      .kind = CLI_LENGTH,
                      .value = "LENGTH",

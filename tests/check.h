@@ -12,6 +12,25 @@
 
 #include <cmocka.h>
 
+/* whether a sanitizer makes each step some times slower */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+enum { IS_SANITIZED = 1 };
+#elif defined(__has_feature)
+enum { IS_SANITIZED = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) };
+#else
+enum { IS_SANITIZED = 0 };
+#endif
+
+/* rounds of a loop; few are enough under a sanitizer, which looks at what each round does, not at its numbers */
+#define ROUNDS(full, few) (IS_SANITIZED ? (few) : (full))
+
+/* for tests of accuracy alone: shorter tests run the same code */
+#define skip_if_sanitized()                                                                                            \
+    do {                                                                                                               \
+        if (IS_SANITIZED)                                                                                              \
+            skip();                                                                                                    \
+    } while (0)
+
 /* |actual - expected| <= tolerance, printing the three numbers when not */
 #define assert_near(actual, expected, tolerance)                                                                       \
     do {                                                                                                               \

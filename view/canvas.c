@@ -117,8 +117,8 @@ static pel_status make_program(program *p, const char *head, pel_error *error)
     }
     if (!good) {
         text[strcspn(text, "\n")] = '\0';
-        view_fail(error, PEL_BAD_ARGUMENT, NULL, "this OpenGL refuses the shaders: %s", text);
-        view_remedy(error, "set LIBGL_ALWAYS_SOFTWARE=1 to draw without the graphics card");
+        pel_fail(error, PEL_BAD_ARGUMENT, "this OpenGL refuses the shaders: %s", text);
+        pel_fail_remedy(error, "set LIBGL_ALWAYS_SOFTWARE=1 to draw without the graphics card");
         return PEL_BAD_ARGUMENT;
     }
     p->projection = glGetUniformLocation(p->id, "projection");
@@ -143,8 +143,8 @@ static pel_status make_programs(view_canvas *canvas, pel_error *error)
 
 static pel_status fail_context(const char *what, pel_error *error)
 {
-    view_fail(error, PEL_BAD_ARGUMENT, NULL, "cannot draw: %s", what);
-    view_remedy(error, "install the Debian packages libegl1, libegl-mesa0 and libgl1-mesa-dri");
+    pel_fail(error, PEL_BAD_ARGUMENT, "cannot draw: %s", what);
+    pel_fail_remedy(error, "install the Debian packages libegl1, libegl-mesa0 and libgl1-mesa-dri");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -180,9 +180,9 @@ static pel_status make_framebuffers(view_canvas *canvas, pel_error *error)
     GLint largest = 0;
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
     if (canvas->width > largest || canvas->height > largest) {
-        view_fail(error, PEL_BAD_ARGUMENT, NULL, "a picture of %d x %d pixels is too large for this OpenGL",
-                  (int)canvas->width, (int)canvas->height);
-        view_remedy(error, "choose at most %d pixels a side", (int)largest);
+        pel_fail(error, PEL_BAD_ARGUMENT, "a picture of %d x %d pixels is too large for this OpenGL",
+                 (int)canvas->width, (int)canvas->height);
+        pel_fail_remedy(error, "choose at most %d pixels a side", (int)largest);
         return PEL_BAD_ARGUMENT;
     }
     static const GLenum formats[3] = {GL_RGBA8, GL_DEPTH_COMPONENT24, GL_RGBA8};
@@ -202,7 +202,7 @@ static pel_status make_framebuffers(view_canvas *canvas, pel_error *error)
         good = good && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
     }
     canvas->pixels = view_allocate((size_t)canvas->width * (size_t)canvas->height, 4);
-    return good && canvas->pixels != NULL ? PEL_OK : view_fail_memory(error);
+    return good && canvas->pixels != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
 static void make_layout(view_canvas *canvas)
@@ -234,7 +234,7 @@ pel_status view_canvas_create(int32_t width, int32_t height, view_canvas **canva
     *canvas = NULL;
     view_canvas *made = view_allocate(1, sizeof *made);
     if (made == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     made->width = width;
     made->height = height;
     pel_status status = make_context(made, error);
@@ -408,7 +408,7 @@ pel_status view_canvas_read(view_canvas *canvas, view_image *image, int32_t x, i
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     glReadPixels(low[0], low[1], width, height, GL_RGBA, GL_UNSIGNED_BYTE, canvas->pixels);
     if (glGetError() != GL_NO_ERROR)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     int32_t top = y + canvas->height - high[1], left = x + low[0];
     for (int32_t row = 0; row < height; ++row) {
         const uint8_t *from = canvas->pixels + 4 * (size_t)(height - 1 - row) * (size_t)width;

@@ -27,13 +27,14 @@ pel_status view_field_find(const pel_mesh *mesh, const char *name, const char *p
                 (size_t)snprintf(list + length, sizeof list - length, "%s%s", count > 0 ? ", " : "", names[count]);
     }
     const char *nearest = pel_nearest_name(name, names, count);
-    view_fail(error, PEL_BAD_ARGUMENT, place, "there is no field '%s'", name);
+    pel_fail(error, PEL_BAD_ARGUMENT, "there is no field '%s'", name);
+    pel_fail_place(error, place, 0, 0);
     if (nearest != NULL)
-        view_remedy(error, "did you mean '%s'?", nearest);
+        pel_fail_remedy(error, "did you mean '%s'?", nearest);
     else if (count > 0)
-        view_remedy(error, "choose one of %s", list);
+        pel_fail_remedy(error, "choose one of %s", list);
     else
-        view_remedy(error, "there are no fields here; name them under output: fields: in the scene");
+        pel_fail_remedy(error, "there are no fields here; name them under output: fields: in the scene");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -41,11 +42,12 @@ static pel_status check_component(const pel_field *field, int32_t component, con
 {
     if (component < field->component_count)
         return PEL_OK;
-    view_fail(error, PEL_BAD_ARGUMENT, place, "field '%s' has no component %d", field->name, (int)component);
+    pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' has no component %d", field->name, (int)component);
+    pel_fail_place(error, place, 0, 0);
     if (field->component_count == 1)
-        view_remedy(error, "it is a single number; leave the component out");
+        pel_fail_remedy(error, "it is a single number; leave the component out");
     else
-        view_remedy(error, "its components are 0 (x) to %d", (int)field->component_count - 1);
+        pel_fail_remedy(error, "its components are 0 (x) to %d", (int)field->component_count - 1);
     return PEL_BAD_ARGUMENT;
 }
 
@@ -65,9 +67,9 @@ pel_status view_field_take(const pel_mesh *mesh, const char *name, int32_t compo
         for (int32_t i = 0; count > 1 && component < 0 && i < count; ++i)
             value = hypot(value, numbers[i]);
         if (!isfinite(value)) {
-            view_fail(error, PEL_BAD_FORMAT, place, "field '%s' is %s", name,
-                      isnan(value) ? "not a number (NaN)" : "infinite");
-            view_remedy(error, "look for what makes it so, or draw another field");
+            pel_fail(error, PEL_BAD_FORMAT, "field '%s' is %s", name, isnan(value) ? "not a number (NaN)" : "infinite");
+            pel_fail_place(error, place, 0, 0);
+            pel_fail_remedy(error, "look for what makes it so, or draw another field");
             if (error != NULL) {
                 error->element = v;
                 snprintf(error->element_kind, sizeof error->element_kind, "vertex");

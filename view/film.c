@@ -55,8 +55,12 @@ static pel_status start(view_film *film, int32_t width, int32_t height, double f
                                "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-c:v", "libx264", "-preset",
                                "medium", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags",
                                "+bitexact", "-f", "mp4", film->temporary, NULL};
-    if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0)
-        return view_fail(error, PEL_BAD_FILE, film->path, "cannot make a pipe: %s", strerror(errno));
+    if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) {
+        pel_fail(error, PEL_BAD_FILE, "cannot make a pipe: %s", strerror(errno));
+        pel_fail_remedy(error, "close other programs, or let the output end in .png");
+        pel_fail_place(error, film->path, 0, 0);
+        return PEL_BAD_FILE;
+    }
     fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     fcntl(ends[1], F_SETFD, FD_CLOEXEC);
     film->child = spawn(program != NULL ? program : name, arguments, ends[1], &number);
@@ -64,9 +68,10 @@ static pel_status start(view_film *film, int32_t width, int32_t height, double f
     film->pipe = ends[0];
     if (film->child > 0)
         return PEL_OK;
-    view_fail(error, PEL_BAD_ARGUMENT, film->path, "cannot make a film: %s does not start: %s",
-              program != NULL ? program : name, strerror(number));
-    view_remedy(error, "install the Debian package ffmpeg, or let the output end in .png or name a folder");
+    pel_fail(error, PEL_BAD_ARGUMENT, "cannot make a film: %s does not start: %s", program != NULL ? program : name,
+             strerror(number));
+    pel_fail_place(error, film->path, 0, 0);
+    pel_fail_remedy(error, "install the Debian package ffmpeg, or let the output end in .png or name a folder");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -74,11 +79,15 @@ pel_status view_film_create(const char *path, int32_t width, int32_t height, dou
                             view_film **film, pel_error *error)
 {
     *film = NULL;
-    if (strlen(path) >= PATH_SIZE)
-        return view_fail(error, PEL_BAD_FILE, path, "the name is too long");
+    if (strlen(path) >= PATH_SIZE) {
+        pel_fail(error, PEL_BAD_FILE, "the name is too long");
+        pel_fail_remedy(error, "choose a shorter one");
+        pel_fail_place(error, path, 0, 0);
+        return PEL_BAD_FILE;
+    }
     view_film *made = view_allocate(1, sizeof *made);
     if (made == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     made->pipe = -1;
     snprintf(made->path, sizeof made->path, "%s", path);
     snprintf(made->temporary, sizeof made->temporary, "%s.%ld.part", path, (long)getpid());
@@ -92,8 +101,9 @@ pel_status view_film_create(const char *path, int32_t width, int32_t height, dou
 
 static pel_status fail_film(const view_film *film, const char *what, pel_error *error)
 {
-    view_fail(error, PEL_BAD_FILE, film->path, "cannot write the film: %s", what);
-    view_remedy(error, "see what ffmpeg says above, and check that the folder exists and that there is space");
+    pel_fail(error, PEL_BAD_FILE, "cannot write the film: %s", what);
+    pel_fail_place(error, film->path, 0, 0);
+    pel_fail_remedy(error, "see what ffmpeg says above, and check that the folder exists and that there is space");
     return PEL_BAD_FILE;
 }
 

@@ -18,11 +18,12 @@ static pel_status open_face(view_font *font, int32_t size, pel_error *error)
     if (path == NULL || path[0] == '\0')
         path = PELLICLE_VIEW_FONT;
     if (FT_Init_FreeType(&font->library) != 0)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     if (FT_New_Face(font->library, path, 0, &font->face) != 0 ||
         FT_Set_Pixel_Sizes(font->face, 0, (FT_UInt)size) != 0) {
-        view_fail(error, PEL_BAD_FILE, path, "the font for the labels cannot be read");
-        view_remedy(error, "install the Debian package fonts-dejavu-core or set PELLICLE_FONT to a TrueType font");
+        pel_fail(error, PEL_BAD_FILE, "the font for the labels cannot be read");
+        pel_fail_place(error, path, 0, 0);
+        pel_fail_remedy(error, "install the Debian package fonts-dejavu-core or set PELLICLE_FONT to a TrueType font");
         return PEL_BAD_FILE;
     }
     if (FT_Load_Char(font->face, 'A', FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) == 0)
@@ -35,7 +36,7 @@ pel_status view_font_create(int32_t size, view_font **font, pel_error *error)
     *font = NULL;
     view_font *made = view_allocate(1, sizeof *made);
     if (made == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     pel_status status = open_face(made, size, error);
     if (status == PEL_OK)
         *font = made;

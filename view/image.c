@@ -16,7 +16,7 @@ pel_status view_image_create(view_image *image, int32_t width, int32_t height, p
     if (image->pixels != NULL)
         return PEL_OK;
     *image = (view_image){0};
-    return view_fail_memory(error);
+    return pel_fail_memory(error);
 }
 
 void view_image_destroy(view_image *image)
@@ -55,8 +55,9 @@ void view_image_blend(view_image *image, int32_t x, int32_t y, view_color color,
 
 static pel_status fail_writing(const char *path, const char *why, pel_error *error)
 {
-    view_fail(error, PEL_BAD_FILE, path, "cannot write the picture: %s", why);
-    view_remedy(error, "check that the folder exists and that there is space");
+    pel_fail(error, PEL_BAD_FILE, "cannot write the picture: %s", why);
+    pel_fail_place(error, path, 0, 0);
+    pel_fail_remedy(error, "check that the folder exists and that there is space");
     return PEL_BAD_FILE;
 }
 
@@ -66,7 +67,7 @@ static pel_status copy_opaque(const view_image *image, uint8_t **colors, pel_err
     size_t count = (size_t)image->width * (size_t)image->height, i = 0;
     *colors = view_allocate(count, 3);
     if (*colors == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     for (; i < count && image->pixels[4 * i + 3] == 255; ++i)
         memcpy(*colors + 3 * i, image->pixels + 4 * i, 3);
     if (i == count)

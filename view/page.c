@@ -19,9 +19,9 @@ static int32_t ems(const view_page *page, int32_t hundredths)
 
 static pel_status fail_size(const view_page *page, pel_error *error)
 {
-    view_fail(error, PEL_BAD_ARGUMENT, NULL, "a picture of %d x %d pixels has no room for %d x %d cells",
-              (int)page->width, (int)page->height, (int)page->columns, (int)page->rows);
-    view_remedy(error, "choose a larger size (at most %d pixels a side) or fewer frames", MOST_PIXELS);
+    pel_fail(error, PEL_BAD_ARGUMENT, "a picture of %d x %d pixels has no room for %d x %d cells", (int)page->width,
+             (int)page->height, (int)page->columns, (int)page->rows);
+    pel_fail_remedy(error, "choose a larger size (at most %d pixels a side) or fewer frames", MOST_PIXELS);
     return PEL_BAD_ARGUMENT;
 }
 

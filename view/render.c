@@ -57,8 +57,8 @@ pel_render_def pel_render_def_default(void)
 
 static pel_status refuse(const char *what, const char *remedy, pel_error *error)
 {
-    view_fail(error, PEL_BAD_ARGUMENT, NULL, "%s", what);
-    view_remedy(error, "%s", remedy);
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_remedy(error, "%s", remedy);
     return PEL_BAD_ARGUMENT;
 }
 
@@ -114,7 +114,7 @@ static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *
             j->values = grown;
             j->value_count = (*mesh)->vertex_count;
         } else {
-            status = view_fail_memory(error);
+            status = pel_fail_memory(error);
         }
     }
     j->summary.read_s += view_clock() - start;
@@ -128,7 +128,7 @@ static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *
 static pel_status open_runs(job *j, pel_error *error)
 {
     j->runs = view_allocate((size_t)j->def.input_count, sizeof *j->runs);
-    pel_status status = j->runs != NULL ? PEL_OK : view_fail_memory(error);
+    pel_status status = j->runs != NULL ? PEL_OK : pel_fail_memory(error);
     for (int32_t r = 0; status == PEL_OK && r < j->def.input_count; ++r)
         status = view_run_open(&j->runs[r], j->def.inputs[r], !j->def.hide_tools, j->log, error);
     return status;
@@ -165,8 +165,9 @@ static pel_status survey_arrows(job *j, const pel_mesh *mesh, const char *place,
     const pel_field *field;
     pel_status status = view_field_find(mesh, j->def.arrows, place, &field, error);
     if (status == PEL_OK && field->component_count != 3) {
-        view_fail(error, PEL_BAD_ARGUMENT, place, "field '%s' is no vector, so it has no arrows", j->def.arrows);
-        view_remedy(error, "choose a field of 3 numbers, such as force or displacement");
+        pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' is no vector, so it has no arrows", j->def.arrows);
+        pel_fail_place(error, place, 0, 0);
+        pel_fail_remedy(error, "choose a field of 3 numbers, such as force or displacement");
         return PEL_BAD_ARGUMENT;
     }
     if (status == PEL_OK)
@@ -289,7 +290,7 @@ static pel_status walk_arrows(job *j, const pel_mesh *mesh, arrow_visit *visit, 
         return PEL_OK;
     double(*normals)[3] = view_mesh_normals(mesh);
     if (normals == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     const double(*vectors)[3] = (const double(*)[3])pel_mesh_field(mesh, j->def.arrows)->values;
     pel_status status = visit_arrows(j, mesh, vectors, (const double(*)[3])normals, visit, error);
     free(normals);
@@ -509,8 +510,9 @@ static pel_status make_folder(const char *path, pel_error *error)
         slash = strchr(slash + 1, '/');
         snprintf(part, sizeof part, "%.*s", slash != NULL ? (int)(slash - path) : (int)strlen(path), path);
         if (mkdir(part, 0777) != 0 && errno != EEXIST && errno != EISDIR) {
-            view_fail(error, PEL_BAD_FILE, part, "cannot make the folder: %s", strerror(errno));
-            view_remedy(error, "choose another folder for the pictures");
+            pel_fail(error, PEL_BAD_FILE, "cannot make the folder: %s", strerror(errno));
+            pel_fail_place(error, part, 0, 0);
+            pel_fail_remedy(error, "choose another folder for the pictures");
             return PEL_BAD_FILE;
         }
     }

@@ -44,7 +44,7 @@ static pel_status read_positions(view_run *run, const char *path, pel_error *err
         }
         status = view_series_read(path, pointers, (int32_t)name_count, run->tool_positions, frame_count, error);
     } else {
-        view_fail_memory(error);
+        pel_fail_memory(error);
     }
     free(names);
     free(pointers);
@@ -66,7 +66,7 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
     }
     if (status != PEL_OK) {
         char text[800];
-        view_note(log, "tools are not drawn: %s", pel_error_text(&problem, text, sizeof text));
+        pel_log_line(log, "tools are not drawn: %s", pel_error_text(&problem, text, sizeof text));
         return PEL_OK;
     }
     if (run->scene->sim.tool_count == 0)
@@ -149,8 +149,9 @@ pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_
     char folder[PATH_SIZE];
     *run = (view_run){.path = path};
     if (strlen(path) + 32 > PATH_SIZE) {
-        view_fail(error, PEL_BAD_FILE, path, "the name is too long");
-        view_remedy(error, "name the run from a nearer folder");
+        pel_fail(error, PEL_BAD_FILE, "the name is too long");
+        pel_fail_place(error, path, 0, 0);
+        pel_fail_remedy(error, "name the run from a nearer folder");
         return PEL_BAD_FILE;
     }
     if (!find_folder(path, folder))
@@ -189,6 +190,6 @@ pel_status view_run_read(const view_run *run, int32_t frame, pel_mesh **mesh, pe
         return pel_mesh_import(path, NULL, mesh, error);
     pel_status status = pel_vtp_read(path, mesh, NULL, error);
     if (status == PEL_BAD_FILE && run->frames != NULL)
-        view_remedy(error, "frames.pvd names this frame; run the scene again");
+        pel_fail_remedy(error, "frames.pvd names this frame; run the scene again");
     return status;
 }

@@ -62,11 +62,12 @@ static pel_status read_text(const char *path, char **text, pel_error *error)
     *text = NULL;
     if (size >= 0 && fseek(file, 0, SEEK_SET) == 0) {
         *text = view_allocate((size_t)size + 1, 1);
-        status = *text != NULL ? PEL_OK : view_fail_memory(error);
+        status = *text != NULL ? PEL_OK : pel_fail_memory(error);
     }
     if (status == PEL_OK && (*text == NULL || fread(*text, 1, (size_t)size, file) != (size_t)size)) {
-        status = view_fail(error, PEL_BAD_FILE, path, "cannot read the file: %s", strerror(errno));
-        view_remedy(error, "leave the tools out, or run the scene again");
+        status = pel_fail(error, PEL_BAD_FILE, "cannot read the file: %s", strerror(errno));
+        pel_fail_place(error, path, 0, 0);
+        pel_fail_remedy(error, "leave the tools out, or run the scene again");
         free(*text);
         *text = NULL;
     }
@@ -100,5 +101,5 @@ pel_status view_series_read(const char *path, const char *const *names, int32_t 
     bool good = columns != NULL;
     free(columns);
     free(text);
-    return good ? PEL_OK : view_fail_memory(error);
+    return good ? PEL_OK : pel_fail_memory(error);
 }

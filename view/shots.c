@@ -33,11 +33,12 @@ static bool resolve(int32_t *number, int32_t frame_count)
 static pel_status fail_frame(const view_run *run, int32_t number, pel_error *error)
 {
     int32_t count = view_run_frame_count(run);
-    view_fail(error, PEL_BAD_ARGUMENT, run->path, "there is no frame %d", (int)number);
+    pel_fail(error, PEL_BAD_ARGUMENT, "there is no frame %d", (int)number);
+    pel_fail_place(error, run->path, 0, 0);
     if (count > 1)
-        view_remedy(error, "the frames are 0 to %d; -1 is the last", (int)count - 1);
+        pel_fail_remedy(error, "the frames are 0 to %d; -1 is the last", (int)count - 1);
     else
-        view_remedy(error, "there is one frame; leave the option out");
+        pel_fail_remedy(error, "there is one frame; leave the option out");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -54,9 +55,10 @@ static pel_status walk_ranges(const view_run *run, const pel_frame_range *ranges
         if (!resolve(&last, frame_count))
             return fail_frame(run, ranges[r].last, error);
         if (last < first || step < 1 || *count > INT32_MAX / 2) {
-            view_fail(error, PEL_BAD_ARGUMENT, run->path, "frames %d to %d by steps of %d are none", (int)first,
-                      (int)last, (int)step);
-            view_remedy(error, "write FIRST:LAST:STEP with FIRST before LAST and a step from 1");
+            pel_fail(error, PEL_BAD_ARGUMENT, "frames %d to %d by steps of %d are none", (int)first, (int)last,
+                     (int)step);
+            pel_fail_place(error, run->path, 0, 0);
+            pel_fail_remedy(error, "write FIRST:LAST:STEP with FIRST before LAST and a step from 1");
             return PEL_BAD_ARGUMENT;
         }
         for (int64_t frame = first; frame <= last; frame += step) {
@@ -76,7 +78,7 @@ static pel_status spread_frames(frame_list *list, const view_run *run, const pel
     list->count = count > 1 ? count : 1;
     list->frames = view_allocate((size_t)list->count, sizeof *list->frames);
     if (list->frames == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     list->frames[0] = list->count > 1 ? 0 : frame_count - 1;
     for (int32_t i = 1; i < list->count; ++i)
         list->frames[i] = (int32_t)lround((double)i * (frame_count - 1) / (list->count - 1));
@@ -100,7 +102,7 @@ static pel_status list_frames(frame_list *list, const view_run *run, const pel_r
         return status;
     list->frames = view_allocate((size_t)list->count, sizeof *list->frames);
     if (list->frames == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     return walk_ranges(run, ranges, range_count, list->frames, &list->count, error);
 }
 
@@ -109,8 +111,9 @@ static pel_status choose_layout(view_shots *shots, const pel_render_def *def, in
                                 pel_error *error)
 {
     if (used > MOST_CELLS || (def->columns > 0 && (int64_t)used > (int64_t)def->columns * def->rows)) {
-        view_fail(error, PEL_BAD_ARGUMENT, NULL, "%d pictures do not fit on the sheet", (int)used);
-        view_remedy(error, "choose fewer frames, or a sheet of more columns and rows (at most %d in all)", MOST_CELLS);
+        pel_fail(error, PEL_BAD_ARGUMENT, "%d pictures do not fit on the sheet", (int)used);
+        pel_fail_remedy(error, "choose fewer frames, or a sheet of more columns and rows (at most %d in all)",
+                        MOST_CELLS);
         return PEL_BAD_ARGUMENT;
     }
     shots->columns = def->columns > 0 ? def->columns : wide;
@@ -118,7 +121,7 @@ static pel_status choose_layout(view_shots *shots, const pel_render_def *def, in
     shots->cell_count = shots->columns * shots->rows;
     shots->shots = view_allocate((size_t)shots->page_count * (size_t)shots->cell_count, sizeof *shots->shots);
     if (shots->shots == NULL)
-        return view_fail_memory(error);
+        return pel_fail_memory(error);
     for (size_t i = 0; i < (size_t)shots->page_count * (size_t)shots->cell_count; ++i)
         shots->shots[i].run = -1;
     return PEL_OK;
@@ -167,7 +170,7 @@ pel_status view_shots_create(view_shots *shots, const pel_render_def *def, const
 {
     *shots = (view_shots){0};
     frame_list *lists = view_allocate((size_t)def->input_count, sizeof *lists);
-    pel_status status = lists != NULL ? PEL_OK : view_fail_memory(error);
+    pel_status status = lists != NULL ? PEL_OK : pel_fail_memory(error);
     for (int32_t r = 0; status == PEL_OK && r < def->input_count; ++r)
         status = list_frames(&lists[r], &runs[r], def, error);
     if (status == PEL_OK && view_output_kind(def->output) == VIEW_PICTURE)

@@ -21,7 +21,7 @@ static view_corner *add_corners(view_soup *soup, size_t more, pel_error *error)
         view_corner *grown =
             capacity <= SIZE_MAX / sizeof *grown ? realloc(soup->corners, capacity * sizeof *grown) : NULL;
         if (grown == NULL) {
-            view_fail_memory(error);
+            pel_fail_memory(error);
             return NULL;
         }
         soup->corners = grown;
@@ -131,7 +131,7 @@ pel_status view_soup_add_mesh(view_soup *soup, const view_camera *camera, const 
         set_triangles(first, camera, mesh, vertices, flat);
     free(normals);
     free(vertices);
-    return good ? PEL_OK : view_fail_memory(error);
+    return good ? PEL_OK : pel_fail_memory(error);
 }
 
 /* ---- solids, in a frame of their own ---- */

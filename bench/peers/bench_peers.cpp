@@ -4,8 +4,6 @@
    usage: bench_peers [mesh file]... ; without one a geodesic sphere and an uneven mesh of this program's own */
 #include "peer.h"
 
-#include "pellicle/mesh_io.h"
-#include "pellicle/shape.h"
 #include "pellicle/subdivide.h"
 
 #include <algorithm>
@@ -15,21 +13,11 @@
 #include <cstring>
 #include <map>
 #include <string>
-#include <time.h>
 
 namespace
 {
 
 const int ROUNDS = 9;
-
-void check(pel_status status, const pel_error *error)
-{
-    char text[800];
-    if (status == PEL_OK)
-        return;
-    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    exit(1);
-}
 
 soup soup_of(const pel_mesh *mesh)
 {
@@ -41,14 +29,14 @@ soup soup_of(const pel_mesh *mesh)
 
 double subdivide_pellicle(const soup &coarse, soup *fine)
 {
-    double start = seconds();
+    double start = bench_seconds();
     pel_mesh *mesh, *result;
     pel_error error;
-    check(pel_mesh_create(coarse.positions.data(), (int32_t)(coarse.positions.size() / 3), coarse.triangles.data(),
-                          (int32_t)(coarse.triangles.size() / 3), &mesh, &error),
-          &error);
-    check(pel_mesh_subdivide(mesh, 1, &result, &error), &error);
-    double time = seconds() - start;
+    bench_check(pel_mesh_create(coarse.positions.data(), (int32_t)(coarse.positions.size() / 3),
+                                coarse.triangles.data(), (int32_t)(coarse.triangles.size() / 3), &mesh, &error),
+                &error);
+    bench_check(pel_mesh_subdivide(mesh, 1, &result, &error), &error);
+    double time = bench_seconds() - start;
     if (fine != nullptr)
         *fine = soup_of(result);
     pel_mesh_destroy(mesh);
@@ -63,13 +51,8 @@ struct peer {
 
 const peer peers[] = {{"pellicle", subdivide_pellicle}, {"openmesh", subdivide_openmesh}, {"vtk", subdivide_vtk}};
 
-soup sphere(int frequency)
+soup take(pel_mesh *mesh)
 {
-    pel_mesh *mesh;
-    pel_error error;
-    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    def.frequency = frequency;
-    check(pel_shape_create(&def, &mesh, &error), &error);
     soup made = soup_of(mesh);
     pel_mesh_destroy(mesh);
     return made;
@@ -78,7 +61,7 @@ soup sphere(int frequency)
 /* a sphere whose edges were turned at random and whose vertices were moved: valences 3 to 12, as after a scan */
 soup uneven_mesh()
 {
-    soup mesh = sphere(72);
+    soup mesh = take(bench_sphere(72));
     int triangle_count = (int)mesh.triangles.size() / 3;
     std::map<std::pair<int, int>, int> triangle_of; /* by directed edge */
     std::vector<int> valence(mesh.positions.size() / 3);
@@ -123,15 +106,10 @@ soup uneven_mesh()
 soup load(const char *name)
 {
     if (strcmp(name, "sphere") == 0)
-        return sphere(128);
+        return take(bench_sphere(128));
     if (strcmp(name, "uneven") == 0)
         return uneven_mesh();
-    pel_mesh *mesh;
-    pel_error error;
-    check(pel_mesh_read(name, PEL_FORMAT_AUTO, nullptr, &mesh, &error), &error);
-    soup made = soup_of(mesh);
-    pel_mesh_destroy(mesh);
-    return made;
+    return take(bench_read(name));
 }
 
 /* seconds of one fresh process */
@@ -218,13 +196,6 @@ void bench(const char *program, const char *name)
 }
 
 } // namespace
-
-double seconds()
-{
-    timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 int main(int argc, char **argv)
 {

@@ -2,6 +2,8 @@
 #ifndef PEL_BENCH_PEER_H
 #define PEL_BENCH_PEER_H
 
+#include "bench/bench.h"
+
 #include <vector>
 
 struct soup {
@@ -12,7 +14,5 @@ struct soup {
 /* fills fine, unless null, after the clock has stopped; returns the seconds from soup to fine positions */
 double subdivide_openmesh(const soup &coarse, soup *fine);
 double subdivide_vtk(const soup &coarse, soup *fine);
-
-double seconds();
 
 #endif

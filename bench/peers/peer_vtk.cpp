@@ -8,7 +8,7 @@
 
 double subdivide_vtk(const soup &coarse, soup *fine)
 {
-    double start = seconds();
+    double start = bench_seconds();
     vtkNew<vtkPoints> points;
     points->SetDataTypeToDouble();
     points->SetNumberOfPoints((vtkIdType)coarse.positions.size() / 3);
@@ -28,7 +28,7 @@ double subdivide_vtk(const soup &coarse, soup *fine)
     butterfly->SetInputData(mesh);
     butterfly->SetNumberOfSubdivisions(1);
     butterfly->Update();
-    double time = seconds() - start;
+    double time = bench_seconds() - start;
     if (fine == nullptr)
         return time;
     vtkPolyData *out = butterfly->GetOutput();

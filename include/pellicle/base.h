@@ -48,13 +48,14 @@ const char *pel_status_text(pel_status status);
    Members that do not apply are zero or empty; `element` and `byte_offset` are -1 then. */
 typedef struct pel_error {
     pel_status status;
-    char file[256];        /* file the failure is about */
-    int32_t line, column;  /* place in that file, from 1 */
-    int64_t byte_offset;   /* place in a binary file, from 0; -1 = does not apply */
-    char element_kind[24]; /* "vertex", "triangle", "edge", "tool", ... */
-    int64_t element;       /* its number, from 0; -1 = does not apply */
-    char what[320];        /* what is wrong, one sentence without a full stop */
-    char remedy[320];      /* what to do about it, one sentence without a full stop */
+    char file[256];                   /* file the failure is about */
+    int32_t line, column;             /* place in that file, from 1 */
+    int64_t byte_offset;              /* place in a binary file, from 0; -1 = does not apply */
+    char element_kind[24];            /* "vertex", "triangle", "edge", "tool", ... */
+    int64_t element;                  /* its number, from 0; -1 = does not apply */
+    char element_name[PEL_NAME_SIZE]; /* what the scene calls it; the text names it instead of the number */
+    char what[320];                   /* what is wrong, one sentence without a full stop */
+    char remedy[320];                 /* what to do about it, one sentence without a full stop */
 } pel_error;
 
 /* Writes "file:line:column: error: what. remedy" to text (size bytes, always terminated when size > 0).
@@ -65,6 +66,11 @@ const char *pel_error_text(const pel_error *error, char *text, size_t size);
    '_' count as equal. Null when none is near: when more than a third of the letters, and more than two, would have to
    change. For remedies: "did you mean ...?". */
 const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
+
+/* For writers of JSON: writes the letter at `text` as it stands between the quotes of a string, with a zero at the end,
+   and returns where the next one begins; text is not at its end. Valid UTF-8 whatever the text holds (what is none
+   becomes \ufffd), and without '<', so that it may stand inside HTML. */
+const char *pel_json_letter(const char *text, char escaped[7]);
 
 /* Where notes and warnings go (a quad was triangulated, vertices were welded). Null log or null write: nowhere. */
 typedef struct pel_log {

@@ -40,7 +40,7 @@ typedef struct pel_issue_info {
     pel_severity severity;
     const char *doc;    /* what it is, one sentence without a full stop */
     const char *remedy; /* what to do, one sentence without a full stop */
-    bool repairable;    /* pel_mesh_repair removes it (but a non-orientable or non-manifold rest) */
+    bool repairable; /* pel_mesh_repair removes it (but a non-orientable rest, and duplicate vertices where it cuts) */
 } pel_issue_info;
 
 /* Null for a kind that does not exist. */
@@ -118,6 +118,11 @@ typedef struct pel_repair_options {
     double weld_tolerance; /* m; vertices linked by steps of at most this are one place; 0 = exactly equal */
     bool drop_degenerate;  /* triangles with a vertex twice or without area (see PEL_FLAT_TRIANGLE) */
     bool drop_duplicates;  /* all but the first of the triangles with the same three vertices */
+    bool close_slits;      /* with drop_degenerate: a triangle without area whose third corner lies on its longest edge
+                              goes into its neighbour there, which is divided at that corner. Nothing moves */
+    bool cut;              /* fans of triangles that hang together in one vertex, or in an edge of more than two
+                              triangles, get vertices of their own at the same place. Of several triangles at an edge
+                              those stay together that face each other through a body; others get a rim there */
     bool drop_isolated;    /* vertices in no triangle (those that are not finite go in any case) */
     bool orient;           /* one winding per component: that of most of its triangles */
     bool outward;          /* turn closed components outward; also the inner walls of hollow bodies */
@@ -133,17 +138,20 @@ typedef struct pel_repair_summary {
     int32_t duplicate_triangles;  /* dropped */
     int32_t welded_vertices;      /* gone into an earlier vertex */
     int32_t isolated_vertices;    /* dropped */
+    int32_t closed_slits;         /* triangles without area that went into their neighbours */
+    int32_t cut_vertices;         /* copies of vertices, for fans that were cut apart */
     int32_t turned_triangles;     /* winding reversed */
     int32_t outward_components;   /* closed components turned outward as a whole */
     int32_t non_orientable;       /* components that no winding can make consistent */
-    bool changed;                 /* any of the above but the last */
+    bool changed;                 /* the repaired mesh is another one */
 } pel_repair_summary;
 
-/* A repaired copy: triangles with bad indices or vertices that are not finite go, then the options are applied in their
-   order. Vertices and triangles keep their order, fields are carried along. Repairing again changes nothing. Edges in
-   more than two triangles and vertices with several fans stay (see the report of the result).
-   PEL_BAD_MESH when no triangle is left, PEL_BAD_ARGUMENT for a tolerance that is negative, beyond the resolution of
-   the coordinates or more than a twentieth of the mesh's size. summary is nullable. On failure *repaired is null. */
+/* A repaired copy: triangles with bad indices or vertices that are not finite go, then the options are applied: weld,
+   drop, close, cut, orient. Vertices and triangles keep their order, copies of vertices come last, fields are carried
+   along. Repairing again changes nothing, unless pieces were cut apart. An edge in more than two triangles stays where
+   two pieces share both its vertices on every way around (see the report of the result). PEL_BAD_MESH when no triangle
+   is left, PEL_BAD_ARGUMENT for a tolerance that is negative, beyond the resolution of the coordinates or more than a
+   twentieth of the mesh's size. summary is nullable. On failure *repaired is null. */
 pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
                            pel_repair_summary *summary, pel_error *error);
 

@@ -7,6 +7,7 @@
 #include "bending.h"
 #include "collide.h"
 #include "element.h"
+#include "error.h"
 #include "export.h"
 #include "frames.h"
 #include "geometry.h"

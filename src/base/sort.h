@@ -1,35 +1,49 @@
-/* Sorting without allocation. */
+/* Sorting in place, without allocation (heap sort). */
 #ifndef PEL_BASE_SORT_H
 #define PEL_BASE_SORT_H
 
+#include <stddef.h>
 #include <stdint.h>
 
-/* moves the root of the heap values[root .. count - 1] down to its place */
-static inline void pel_heap_sink(int32_t *values, int32_t root, int32_t count)
-{
-    int32_t value = values[root];
-    for (int32_t child = 2 * root + 1; child < count; child = 2 * root + 1) {
-        if (child + 1 < count && values[child + 1] > values[child])
-            child++;
-        if (values[child] <= value)
-            break;
-        values[root] = values[child];
-        root = child;
+/* Defines `static inline void name(type *values, size_t count)`, which sorts so that nothing comes after what
+   `is_before(const type *, const type *)` says it comes before. */
+#define PEL_DEFINE_SORT(name, type, is_before)                                                                         \
+    static inline void name##_sink(type *values, size_t root, size_t count)                                            \
+    {                                                                                                                  \
+        type moving = values[root];                                                                                    \
+        for (size_t child; (child = 2 * root + 1) < count; root = child) {                                             \
+            if (child + 1 < count && is_before(&values[child], &values[child + 1]))                                    \
+                child++;                                                                                               \
+            if (!is_before(&moving, &values[child]))                                                                   \
+                break;                                                                                                 \
+            values[root] = values[child];                                                                              \
+        }                                                                                                              \
+        values[root] = moving;                                                                                         \
+    }                                                                                                                  \
+                                                                                                                       \
+    static inline void name(type *values, size_t count)                                                                \
+    {                                                                                                                  \
+        for (size_t i = count / 2; i > 0; i--)                                                                         \
+            name##_sink(values, i - 1, count);                                                                         \
+        for (size_t i = count; i > 1; i--) {                                                                           \
+            type last = values[i - 1];                                                                                 \
+            values[i - 1] = values[0];                                                                                 \
+            values[0] = last;                                                                                          \
+            name##_sink(values, 0, i - 1);                                                                             \
+        }                                                                                                              \
     }
-    values[root] = value;
+
+static inline int pel_int32_is_before(const int32_t *a, const int32_t *b)
+{
+    return *a < *b;
 }
 
-/* ascending, in place (heap sort) */
+PEL_DEFINE_SORT(pel_sort_numbers, int32_t, pel_int32_is_before)
+
+/* ascending */
 static inline void pel_sort_int32(int32_t *values, int32_t count)
 {
-    for (int32_t root = count / 2 - 1; root >= 0; root--)
-        pel_heap_sink(values, root, count);
-    for (int32_t last = count - 1; last > 0; last--) {
-        int32_t largest = values[0];
-        values[0] = values[last];
-        values[last] = largest;
-        pel_heap_sink(values, 0, last);
-    }
+    pel_sort_numbers(values, (size_t)count);
 }
 
 #endif

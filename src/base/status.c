@@ -56,7 +56,7 @@ void pel_fail_element(pel_error *error, const char *kind, int64_t element)
 
 void pel_fail_place(pel_error *error, const char *file, int32_t line, int32_t column)
 {
-    if (error == NULL)
+    if (error == NULL || file == NULL)
         return;
     snprintf(error->file, sizeof error->file, "%s", file);
     error->line = line;
@@ -98,7 +98,9 @@ const char *pel_error_text(const pel_error *error, char *text, size_t size)
     if (error->byte_offset >= 0)
         append(text, size, &length, "byte %lld:", (long long)error->byte_offset);
     append(text, size, &length, "%serror: ", length > 0 ? " " : "");
-    if (error->element >= 0)
+    if (error->element_name[0] != '\0')
+        append(text, size, &length, "%s '%s': ", error->element_kind, error->element_name);
+    else if (error->element >= 0)
         append(text, size, &length, "%s %lld: ", error->element_kind, (long long)error->element);
     append(text, size, &length, "%s", error->what);
     if (error->remedy[0] != '\0')

@@ -1,5 +1,6 @@
 #include "base/text.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { LONGEST = 63 };
@@ -58,4 +59,37 @@ const char *pel_nearest_name(const char *name, const char *const *names, size_t 
         }
     }
     return nearest;
+}
+
+/* bytes of the UTF-8 sequence at s, 0 when it is none (overlong forms, surrogates and numbers too large are none) */
+static size_t sequence_length(const unsigned char *s)
+{
+    if (s[0] < 0x80)
+        return 1;
+    if (s[0] < 0xc2 || s[0] > 0xf4)
+        return 0;
+    size_t length = s[0] >= 0xf0 ? 4 : s[0] >= 0xe0 ? 3 : 2;
+    for (size_t i = 1; i < length; i++)
+        if ((s[i] & 0xc0) != 0x80)
+            return 0;
+    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
+    bool beyond = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
+    return overlong || beyond ? 0 : length;
+}
+
+const char *pel_json_letter(const char *text, char escaped[7])
+{
+    const unsigned char *s = (const unsigned char *)text;
+    size_t length = sequence_length(s);
+    if (length == 0)
+        memcpy(escaped, "\\ufffd", 7);
+    else if (*s == '"' || *s == '\\')
+        snprintf(escaped, 7, "\\%c", *s);
+    else if (*s == '\n')
+        memcpy(escaped, "\\n", 3);
+    else if (*s < ' ' || *s == '<' || *s == 0x7f)
+        snprintf(escaped, 7, "\\u%04x", (unsigned)*s);
+    else
+        snprintf(escaped, 7, "%.*s", (int)length, text);
+    return text + (length > 0 ? length : 1);
 }

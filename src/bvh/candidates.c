@@ -7,8 +7,15 @@
 
 /* a tree whose boxes cover this much more area than when it was built is built anew */
 static const double cost_growth = 1.3;
-/* updates that kept pairs must serve to be worth it, and the longest pause without */
-enum { WORTH_KEEPING = 2, PAUSE_LIMIT = 32 };
+/* growth of a kept box on every side, of the way of its vertex */
+static const float way_share = 1;
+/* vertices that left their boxes, as a part of all: up to this it pays to search there only */
+static const double few_left = 0.2;
+/* pairs that may be kept, of those that the last search of the whole tree found */
+static const double pair_growth = 1.5;
+/* updates that kept pairs must serve to be worth it, and the longest pause without; vertices of one chunk */
+enum { WORTH_KEEPING = 2, PAUSE_LIMIT = 32, VERTICES_PER_CHUNK = 2048 };
+static const unsigned both_kinds = 1u << PEL_PAIR_VERTEX_FACE | 1u << PEL_PAIR_EDGE_EDGE;
 
 /* ---- creation ---- */
 
@@ -18,11 +25,14 @@ static pel_status allocate_boxes(pel_candidates *c)
     size_t vertex_count = (size_t)tree->vertex_count;
     c->vertex_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
     c->kept_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
+    c->before_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
+    c->left = pel_allocate(vertex_count, 1);
+    c->node_grew = pel_allocate((size_t)tree->node_count, 1);
     c->edge_boxes = pel_allocate_aligned((size_t)tree->edge_count, sizeof(pel_box));
     c->triangle_boxes = pel_allocate_aligned((size_t)tree->triangle_count, sizeof(pel_box));
     c->kept_positions = pel_allocate(vertex_count, sizeof *c->kept_positions);
-    bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->edge_boxes != NULL &&
-                c->triangle_boxes != NULL && c->kept_positions != NULL;
+    bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->before_boxes != NULL && c->left != NULL &&
+                c->node_grew != NULL && c->edge_boxes != NULL && c->triangle_boxes != NULL && c->kept_positions != NULL;
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
@@ -59,6 +69,9 @@ void pel_candidates_destroy(pel_candidates *c)
     pel_free(c->edge_boxes);
     pel_free(c->triangle_boxes);
     pel_free(c->kept_boxes);
+    pel_free(c->before_boxes);
+    pel_free(c->left);
+    pel_free(c->node_grew);
     pel_free(c->kept_positions);
     pel_free(c);
 }
@@ -90,32 +103,61 @@ static void keep_positions(pel_candidates *c, const pel_frame *frame, const pel_
 }
 
 /* fits the tree, building it anew when it has become bad */
-static void fit_tree(pel_candidates *c, const pel_motion *motion, const pel_box *boxes)
+static void fit_tree(pel_candidates *c, const pel_motion *motion, const pel_box *boxes, pel_pool *pool)
 {
-    pel_tree_refit(c->tree, boxes);
+    pel_tree_refit(c->tree, boxes, pool);
     if (pel_tree_cost(c->tree) <= cost_growth * c->tree->built_cost)
         return;
     pel_tree_rebuild(c->tree, motion->start);
-    pel_tree_refit(c->tree, boxes);
+    pel_tree_refit(c->tree, boxes, pool);
     c->counts.rebuilds++;
+}
+
+/* the box of a vertex with room for what it may do in the next steps */
+static pel_box roomy_box(const pel_candidates *c, int32_t v)
+{
+    const pel_box *box = &c->vertex_boxes[v];
+    const float margin = (float)(0.5 * c->margin);
+    pel_corner more = way_share * (box->high - box->low) + (pel_corner){margin, margin, margin, 0};
+    return (pel_box){box->low - more, box->high + more};
+}
+
+static size_t found_count(const pel_candidates *c)
+{
+    return pel_pair_search_count(&c->search, PEL_PAIR_VERTEX_FACE) +
+           pel_pair_search_count(&c->search, PEL_PAIR_EDGE_EDGE);
 }
 
 static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, pel_pool *pool,
                               pel_error *error)
 {
-    const unsigned kinds = 1u << PEL_PAIR_VERTEX_FACE | 1u << PEL_PAIR_EDGE_EDGE;
     bool with_margin = choose_margin(c);
     c->has_kept = false;
-    if (with_margin)
-        pel_boxes_grow(c->vertex_boxes, c->tree->vertex_count, 0.5 * c->margin, c->kept_boxes);
-    fit_tree(c, motion, with_margin ? c->kept_boxes : c->vertex_boxes);
+    for (int32_t v = 0; with_margin && v < c->tree->vertex_count; v++)
+        c->kept_boxes[v] = roomy_box(c, v);
+    fit_tree(c, motion, with_margin ? c->kept_boxes : c->vertex_boxes, pool);
     c->counts.searches++;
-    pel_status status = pel_find_pairs(c->tree, c->tree, kinds, pool, &c->search, error);
+    pel_status status = pel_find_pairs(c->tree, c->tree, both_kinds, pool, &c->search, error);
     if (status == PEL_OK && with_margin) {
         keep_positions(c, frame, motion);
+        c->kept_limit = (size_t)(pair_growth * (double)found_count(c)) + (size_t)c->tree->vertex_count;
         c->has_kept = true;
     }
     return status;
+}
+
+/* Gives room to the vertices that left their boxes and adds the pairs that this brings. Boxes only grow, so that a pair
+   is on the list exactly when its boxes overlap. */
+static pel_status extend_kept(pel_candidates *c, pel_pool *pool, pel_error *error)
+{
+    const pel_pair_growth growth = {c->node_grew, c->before_boxes};
+    memcpy(c->before_boxes, c->kept_boxes, (size_t)c->tree->vertex_count * sizeof *c->kept_boxes);
+    for (int32_t v = 0; v < c->tree->vertex_count; v++)
+        if (c->left[v])
+            c->kept_boxes[v] = pel_box_join(c->kept_boxes[v], roomy_box(c, v));
+    pel_tree_refit_changed(c->tree, c->kept_boxes, c->left, c->node_grew);
+    c->counts.extensions++;
+    return pel_find_new_pairs(c->tree, both_kinds, &growth, pool, &c->search, error);
 }
 
 /* ---- candidates among the pairs that were found ---- */
@@ -192,7 +234,7 @@ static pel_status sieve_pairs(pel_candidates *c, pel_pair_kind kind, pel_pool *p
 
 static pel_status sieve_all(pel_candidates *c, pel_pool *pool, pel_error *error)
 {
-    pel_tree_feature_boxes(c->tree, c->vertex_boxes, c->edge_boxes, c->triangle_boxes);
+    pel_tree_feature_boxes(c->tree, c->vertex_boxes, pool, c->edge_boxes, c->triangle_boxes);
     c->counts.kept = 0;
     if (sieve_pairs(c, PEL_PAIR_VERTEX_FACE, pool, &c->vertex_face, &c->vertex_face_count, &c->vertex_face_capacity) !=
             PEL_OK ||
@@ -204,9 +246,9 @@ static pel_status sieve_all(pel_candidates *c, pel_pool *pool, pel_error *error)
 /* ---- update ---- */
 
 static pel_status make_boxes(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, double thickness,
-                             pel_error *error)
+                             pel_pool *pool, pel_error *error)
 {
-    int32_t bad = pel_boxes_of_motion(frame, motion, thickness, c->vertex_boxes);
+    int32_t bad = pel_boxes_of_motion(frame, motion, thickness, pool, c->vertex_boxes);
     if (bad < 0)
         return PEL_OK;
     pel_fail(error, PEL_BAD_ARGUMENT, "the position of a vertex is not finite");
@@ -214,13 +256,41 @@ static pel_status make_boxes(pel_candidates *c, const pel_frame *frame, const pe
     return PEL_BAD_ARGUMENT;
 }
 
-/* every vertex box lies in the box that the kept pairs allow for */
-static bool kept_pairs_hold(const pel_candidates *c)
+static int32_t chunk_count(const pel_candidates *c)
 {
+    return (c->tree->vertex_count + VERTICES_PER_CHUNK - 1) / VERTICES_PER_CHUNK;
+}
+
+static void mark_chunk(void *context, int32_t chunk)
+{
+    pel_candidates *c = context;
+    int32_t begin = chunk * VERTICES_PER_CHUNK, end = begin + VERTICES_PER_CHUNK;
+    for (int32_t v = begin; v < end && v < c->tree->vertex_count; v++)
+        c->left[v] = !pel_box_contains(&c->kept_boxes[v], &c->vertex_boxes[v]);
+}
+
+/* marks the vertices that are not in their boxes any more; returns how many */
+static int32_t mark_left(pel_candidates *c, pel_pool *pool)
+{
+    int32_t count = 0;
+    pel_pool_run(pool, chunk_count(c), mark_chunk, c);
     for (int32_t v = 0; v < c->tree->vertex_count; v++)
-        if (!pel_box_contains(&c->kept_boxes[v], &c->vertex_boxes[v]))
-            return false;
-    return true;
+        count += c->left[v];
+    return count;
+}
+
+/* what is kept serves this update too, extended or not; false = the tree is to be searched anew */
+static pel_status use_kept(pel_candidates *c, pel_pool *pool, bool *serves, pel_error *error)
+{
+    int32_t left = mark_left(c, pool);
+    pel_status status = PEL_OK;
+    *serves = left == 0;
+    if (left > 0 && left <= few_left * c->tree->vertex_count && found_count(c) <= c->kept_limit) {
+        status = extend_kept(c, pool, error);
+        *serves = true;
+    }
+    c->kept_uses += *serves;
+    return status;
 }
 
 static pel_status update(pel_candidates *c, const pel_motion *motion, double thickness, pel_pool *pool,
@@ -229,17 +299,16 @@ static pel_status update(pel_candidates *c, const pel_motion *motion, double thi
     pel_frame frame;
     pel_status status;
     if (c->has_kept) {
+        bool serves = false;
         frame = pel_frame_follow(motion, (const double(*)[3])c->kept_positions);
-        status = make_boxes(c, &frame, motion, thickness, error);
-        if (status != PEL_OK)
-            return status;
-        if (kept_pairs_hold(c)) {
-            c->kept_uses++;
-            return sieve_all(c, pool, error);
-        }
+        status = make_boxes(c, &frame, motion, thickness, pool, error);
+        if (status == PEL_OK)
+            status = use_kept(c, pool, &serves, error);
+        if (status != PEL_OK || serves)
+            return status == PEL_OK ? sieve_all(c, pool, error) : status;
     }
     frame = pel_frame_centre(motion);
-    status = make_boxes(c, &frame, motion, thickness, error);
+    status = make_boxes(c, &frame, motion, thickness, pool, error);
     if (status == PEL_OK)
         status = search_tree(c, &frame, motion, pool, error);
     return status == PEL_OK ? sieve_all(c, pool, error) : status;

@@ -1,15 +1,17 @@
 /* What may touch during a step within one surface: pairs of a vertex and a triangle, and pairs of edges, whose boxes,
    swept over the step and grown by the thickness, overlap. All of them, each once.
 
-   Most steps do not search the tree. The tree is fitted to boxes that are larger by a margin, and the pairs found with
-   these are kept. As long as the swept box of every vertex lies within its larger box, every pair of features that
-   overlap is among the kept ones: it is enough to look through those. Before the comparison the common motion of the
-   surface (translation, rotation, stretch) is taken out by a frame that follows it (bvh/frame.h), so that only the
-   motion of its parts against each other uses up the margin.
+   Most steps do not search the whole tree. The tree is fitted to larger boxes: each vertex box is grown by its own way
+   and by a margin, and the pairs found with these are kept. As long as the swept box of every vertex lies within its
+   larger box, every pair of features that overlap is among the kept ones: it is enough to look through those. Where
+   some vertices have left their boxes these grow, and only what touches a grown box is searched: a pair that did not
+   overlap before is added. Before the comparison the common motion of the surface (translation, rotation, stretch) is
+   taken out by a frame that follows it (bvh/frame.h), so that only the motion of its parts against each other counts.
 
-   When the margin is used up in a single step, it pays to keep nothing: the search then runs with the boxes as they are
-   for some steps, twice as many each time, before a margin is tried again. All decisions are taken from positions, none
-   from clocks: the list does not depend on the machine. Its order depends on when the tree was searched last. */
+   When many vertices leave their boxes in a single step, it pays to keep nothing: the search then runs with the boxes
+   as they are for some steps, twice as many each time, before a margin is tried again. All decisions are taken from
+   positions, none from clocks: the list does not depend on the machine. Its order depends on when the tree was searched
+   last. */
 #ifndef PEL_BVH_CANDIDATES_H
 #define PEL_BVH_CANDIDATES_H
 
@@ -19,7 +21,8 @@
 /* what happened since the beginning */
 typedef struct pel_candidate_counts {
     int64_t updates, searches, rebuilds;
-    int64_t kept; /* pairs that are kept at present */
+    int64_t extensions; /* searches of what left its boxes alone */
+    int64_t kept;       /* pairs that are kept at present */
 } pel_candidate_counts;
 
 /* Groups of vertices, and which of them can meet at all; a triangle and an edge belong to the group of their first
@@ -41,6 +44,10 @@ typedef struct pel_candidates {
 
     pel_box *vertex_boxes, *edge_boxes, *triangle_boxes; /* of the last update */
     pel_box *kept_boxes;                                 /* (vertex_count) that the kept pairs allow for */
+    pel_box *before_boxes;                               /* (vertex_count) the same before they grew */
+    uint8_t *left;                                       /* (vertex_count) 1 = it is not in its box any more */
+    uint8_t *node_grew;                                  /* (nodes of the tree) */
+    size_t kept_limit;                                   /* pairs beyond which it pays to search anew */
     double (*kept_positions)[3];                         /* (vertex_count x 3) what the frame follows */
     bool has_kept;
     int32_t kept_uses;           /* updates served by the kept pairs */

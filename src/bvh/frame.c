@@ -6,16 +6,15 @@
    range first: points beyond FRAME_LIMIT all get the same end. */
 #include "bvh/frame.h"
 
-#include <string.h>
+#include "geom/wide4.h"
+
+#include <stdatomic.h>
 
 #define FRAME_ERROR 0x1p-48
 #define FLOAT_ERROR 0x1p-22f
 #define FRAME_LIMIT 0x1p126
 
 enum { FOLLOW_SAMPLES = 1024 };
-
-typedef double quad __attribute__((vector_size(32)));
-typedef int64_t quad_mask __attribute__((vector_size(32)));
 
 pel_frame pel_frame_at(const double origin[3])
 {
@@ -116,42 +115,24 @@ pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3])
     return frame;
 }
 
-/* a where a < b, else b */
-static quad quad_min(quad a, quad b)
-{
-    quad_mask less = (quad_mask)(a < b);
-    return (quad)((less & (quad_mask)a) | (~less & (quad_mask)b));
-}
-
-static quad quad_max(quad a, quad b)
-{
-    quad_mask more = (quad_mask)(a > b);
-    return (quad)((more & (quad_mask)a) | (~more & (quad_mask)b));
-}
-
-static quad splat(double x)
-{
-    return (quad){x, x, x, x};
-}
-
 static pel_corner corner_abs(pel_corner a)
 {
     return pel_corner_max(a, -a);
 }
 
 /* double to float, away from the inside */
-static pel_box round_outward(quad low, quad high)
+static pel_box round_outward(wide4 low, wide4 high)
 {
-    const quad limit = splat(FRAME_LIMIT);
-    pel_corner a = __builtin_convertvector(quad_max(quad_min(low, limit), -limit), pel_corner);
-    pel_corner b = __builtin_convertvector(quad_max(quad_min(high, limit), -limit), pel_corner);
+    const wide4 limit = wide4_set(FRAME_LIMIT);
+    pel_corner a = __builtin_convertvector(wide4_max(wide4_min(low, limit), -limit), pel_corner);
+    pel_corner b = __builtin_convertvector(wide4_max(wide4_min(high, limit), -limit), pel_corner);
     const pel_corner tiny = {FLT_MIN, FLT_MIN, FLT_MIN, 0};
     return (pel_box){a - (FLOAT_ERROR * corner_abs(a) + tiny), b + (FLOAT_ERROR * corner_abs(b) + tiny)};
 }
 
 /* what a frame becomes for the loop over points */
 typedef struct wide_frame {
-    quad column[3], error, growth;
+    wide4 column[3], error, growth;
 } wide_frame;
 
 static wide_frame widen(const pel_frame *frame, double reach)
@@ -160,46 +141,64 @@ static wide_frame widen(const pel_frame *frame, double reach)
     double length[3], largest = 0;
     for (int k = 0; k < 3; k++) {
         const double *row = frame->matrix[k];
-        wide.column[k] = (quad){frame->matrix[0][k], frame->matrix[1][k], frame->matrix[2][k], 0};
+        wide.column[k] = (wide4){frame->matrix[0][k], frame->matrix[1][k], frame->matrix[2][k], 0};
         length[k] = sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2]);
         largest = fmax(largest, length[k]);
     }
     double half = 0.5 * reach * (1 + FRAME_ERROR);
-    wide.error = FRAME_ERROR * largest * (quad){1, 1, 1, 0};
-    wide.growth = (quad){half * length[0], half * length[1], half * length[2], 0};
+    wide.error = FRAME_ERROR * largest * (wide4){1, 1, 1, 0};
+    wide.growth = (wide4){half * length[0], half * length[1], half * length[2], 0};
     return wide;
 }
 
 /* the point in the frame, and how far it may be off */
-static quad place(const wide_frame *frame, const double origin[3], const double x[3], quad *error)
+static wide4 place(const wide_frame *frame, const double origin[3], const double x[3], wide4 *error)
 {
     double dx = x[0] - origin[0], dy = x[1] - origin[1], dz = x[2] - origin[2];
-    *error = frame->error * splat(fabs(dx) + fabs(dy) + fabs(dz));
-    return frame->column[0] * splat(dx) + frame->column[1] * splat(dy) + frame->column[2] * splat(dz);
+    *error = frame->error * wide4_set(fabs(dx) + fabs(dy) + fabs(dz));
+    return frame->column[0] * wide4_set(dx) + frame->column[1] * wide4_set(dy) + frame->column[2] * wide4_set(dz);
 }
 
-int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, double reach, pel_box *boxes)
+enum { POINTS_PER_CHUNK = 2048 };
+
+/* a loop over points */
+typedef struct box_loop {
+    const pel_motion *motion;
+    const pel_frame *frame;
+    wide_frame wide;
+    pel_box *boxes;
+    _Atomic int32_t bad; /* lowest point that is not finite */
+} box_loop;
+
+static void note_bad(box_loop *loop, int32_t v)
 {
-    wide_frame wide = widen(frame, reach);
-    for (int32_t v = 0; v < motion->vertex_count; v++) {
-        quad start_error, end_error;
-        quad start = place(&wide, frame->origin[0], motion->start[v], &start_error);
-        quad end = place(&wide, frame->origin[1], motion->end[v], &end_error);
-        quad growth = wide.growth + quad_max(start_error, end_error);
-        if (!isfinite(start_error[0] + end_error[0]))
-            return v;
-        boxes[v] = round_outward(quad_min(start, end) - growth, quad_max(start, end) + growth);
-    }
-    return -1;
+    int32_t known = loop->bad;
+    while (v < known && !atomic_compare_exchange_weak(&loop->bad, &known, v))
+        ;
 }
 
-void pel_boxes_grow(const pel_box *boxes, int32_t count, double growth, pel_box *grown)
+static void box_chunk(void *context, int32_t chunk)
 {
-    const float g = fminf((float)growth * (1 + FLOAT_ERROR), 0x1p126f);
-    const pel_corner more = {g, g, g, 0};
-    for (int32_t i = 0; i < count; i++) {
-        pel_corner low = boxes[i].low - more, high = boxes[i].high + more;
-        grown[i].low = low - FLOAT_ERROR * corner_abs(low);
-        grown[i].high = high + FLOAT_ERROR * corner_abs(high);
+    box_loop *loop = context;
+    const pel_motion *motion = loop->motion;
+    int32_t begin = chunk * POINTS_PER_CHUNK, end = begin + POINTS_PER_CHUNK;
+    for (int32_t v = begin; v < end && v < motion->vertex_count; v++) {
+        wide4 start_error, end_error;
+        wide4 from = place(&loop->wide, loop->frame->origin[0], motion->start[v], &start_error);
+        wide4 to = place(&loop->wide, loop->frame->origin[1], motion->end[v], &end_error);
+        wide4 growth = loop->wide.growth + wide4_max(start_error, end_error);
+        if (!isfinite(start_error[0] + end_error[0])) {
+            note_bad(loop, v);
+            return;
+        }
+        loop->boxes[v] = round_outward(wide4_min(from, to) - growth, wide4_max(from, to) + growth);
     }
+}
+
+int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, double reach, pel_pool *pool,
+                            pel_box *boxes)
+{
+    box_loop loop = {motion, frame, widen(frame, reach), boxes, INT32_MAX};
+    pel_pool_run(pool, (motion->vertex_count + POINTS_PER_CHUNK - 1) / POINTS_PER_CHUNK, box_chunk, &loop);
+    return loop.bad < INT32_MAX ? loop.bad : -1;
 }

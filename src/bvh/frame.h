@@ -10,6 +10,7 @@
 #ifndef PEL_BVH_FRAME_H
 #define PEL_BVH_FRAME_H
 
+#include "base/pool.h"
 #include "bvh/box.h"
 
 typedef struct pel_frame {
@@ -38,10 +39,9 @@ pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3]);
 void pel_frame_middle(const pel_frame *frame, const pel_motion *motion, int32_t v, double place[3]);
 
 /* The box of each point on its way from start to end, grown so that boxes of points that come within `reach` of each
-   other overlap. Returns the first point that is not finite, -1 when all are. boxes (vertex_count). */
-int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, double reach, pel_box *boxes);
-
-/* Boxes grown by `growth` on every side. */
-void pel_boxes_grow(const pel_box *boxes, int32_t count, double growth, pel_box *grown);
+   other overlap. Returns the first point that is not finite, -1 when all are. boxes (vertex_count). pool is nullable.
+ */
+int32_t pel_boxes_of_motion(const pel_frame *frame, const pel_motion *motion, double reach, pel_pool *pool,
+                            pel_box *boxes);
 
 #endif

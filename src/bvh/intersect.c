@@ -107,8 +107,8 @@ static pel_status find_pairs(certificate *it, pel_error *error)
         return status;
     pel_motion rest = {positions, positions, it->mesh->vertex_count};
     pel_frame frame = pel_frame_centre(&rest);
-    pel_boxes_of_motion(&frame, &rest, 0, it->boxes);
-    pel_tree_refit(it->tree, it->boxes);
+    pel_boxes_of_motion(&frame, &rest, 0, NULL, it->boxes);
+    pel_tree_refit(it->tree, it->boxes, NULL);
     it->search.keep = keep_pair;
     it->search.context = it;
     return pel_find_pairs(it->tree, it->tree, 1u << PEL_PAIR_FACE_FACE, NULL, &it->search, error);

@@ -26,7 +26,8 @@ typedef struct task {
 typedef struct search_plan {
     const pel_tree *a, *b;
     unsigned kinds;
-    bool within; /* a and b are one surface */
+    bool within;                   /* a and b are one surface */
+    const pel_pair_growth *growth; /* null = all pairs */
     pel_pair_search *search;
     atomic_llong found; /* pairs so far, for the limit */
     task tasks[TASK_LIMIT];
@@ -220,7 +221,36 @@ static bool faces_with_faces(const walk *w, const pel_leaf *p, const pel_leaf *q
     return true;
 }
 
-static bool search_leaves(walk *w, const task *t)
+static pel_box box_before(const search_plan *plan, const int32_t *vertices, int count)
+{
+    pel_box box = plan->growth->before[vertices[0]];
+    for (int i = 1; i < count; i++)
+        box = pel_box_join(box, plan->growth->before[vertices[i]]);
+    return box;
+}
+
+static bool overlapped_before(const search_plan *plan, pel_pair_kind kind, pel_pair pair)
+{
+    bool edges = kind == PEL_PAIR_EDGE_EDGE;
+    pel_box a = edges ? box_before(plan, plan->a->edges[pair.first], 2) : plan->growth->before[pair.first];
+    pel_box b =
+        edges ? box_before(plan, plan->a->edges[pair.second], 2) : box_before(plan, plan->a->triangles[pair.second], 3);
+    return pel_box_overlaps(&a, &b);
+}
+
+/* takes out what is on the list already, of the pairs from `begin` on */
+static void drop_known(const search_plan *plan, pel_pair_kind kind, pel_pair_list *list, size_t begin)
+{
+    size_t kept = begin;
+    for (size_t i = begin; i < list->count; i++) {
+        list->pairs[kept] = list->pairs[i];
+        kept += !overlapped_before(plan, kind, list->pairs[i]);
+    }
+    list->count = kept;
+}
+
+/* all pairs of two leaves */
+static bool find_pairs(walk *w, const task *t)
 {
     const search_plan *plan = w->plan;
     const pel_tree *a = plan->a, *b = plan->b;
@@ -235,6 +265,18 @@ static bool search_leaves(walk *w, const task *t)
         fine = edges_with_edges(w, p, q, q_box);
     if (fine && plan->kinds & 1u << PEL_PAIR_FACE_FACE)
         fine = faces_with_faces(w, p, q, q_box);
+    return fine;
+}
+
+static bool search_leaves(walk *w, const task *t)
+{
+    static const pel_pair_kind kinds[] = {PEL_PAIR_VERTEX_FACE, PEL_PAIR_EDGE_EDGE};
+    size_t before[2];
+    for (int i = 0; i < 2; i++)
+        before[i] = w->chunk->lists[kinds[i]].count;
+    bool fine = find_pairs(w, t);
+    for (int i = 0; i < 2 && fine && w->plan->growth != NULL; i++)
+        drop_known(w->plan, kinds[i], &w->chunk->lists[kinds[i]], before[i]);
     if (!fine)
         w->chunk->status = PEL_OUT_OF_MEMORY;
     else if (!report(w, REPORT_INTERVAL))
@@ -277,7 +319,9 @@ static bool is_cut_up(const task *t)
 
 static bool may_touch(const search_plan *plan, const task *t)
 {
-    return pel_box_overlaps(&plan->a->nodes[t->a.node], &plan->b->nodes[t->b.node]);
+    if (plan->growth != NULL && !plan->growth->node_grew[t->a.node] && !plan->growth->node_grew[t->b.node])
+        return false;
+    return is_single(plan, t) || pel_box_overlaps(&plan->a->nodes[t->a.node], &plan->b->nodes[t->b.node]);
 }
 
 /* the parts of a task (at least one side is no leaf) that may hold pairs, in order; returns how many */
@@ -286,10 +330,11 @@ static int cut(const search_plan *plan, const task *t, task parts[TASK_GROWTH])
     int count = 0;
     if (is_single(plan, t)) {
         subtree left = left_of(t->a), right = right_of(t->a);
-        parts[count++] = (task){left, left};
-        parts[count] = (task){left, right};
-        count += may_touch(plan, &parts[count]);
-        parts[count++] = (task){right, right};
+        const task inner[TASK_GROWTH] = {{left, left}, {left, right}, {right, right}};
+        for (int i = 0; i < TASK_GROWTH; i++) {
+            parts[count] = inner[i];
+            count += may_touch(plan, &inner[i]);
+        }
         return count;
     }
     bool cut_a = t->a.end - t->a.begin >= t->b.end - t->b.begin;
@@ -344,7 +389,7 @@ static void search_chunk(void *context, int32_t chunk)
     search_plan *plan = context;
     walk w = {plan, &plan->search->chunks[chunk], 0};
     for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
-        w.chunk->lists[kind].count = 0;
+        w.chunk->lists[kind].count = plan->growth != NULL ? w.chunk->lists[kind].count : 0;
     w.chunk->status = PEL_OK;
     int64_t count = plan->task_count;
     int32_t begin = (int32_t)(count * chunk / PEL_SEARCH_CHUNKS);
@@ -356,17 +401,16 @@ static void search_chunk(void *context, int32_t chunk)
         w.chunk->status = PEL_BAD_ARGUMENT;
 }
 
-pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigned kinds, pel_pool *pool,
-                          pel_pair_search *search, pel_error *error)
+static pel_status run_search(search_plan *plan, pel_pool *pool, pel_error *error)
 {
-    search_plan plan = {.a = first, .b = second, .kinds = kinds, .within = first == second, .search = search};
-    if (plan.within && kinds & 1u << PEL_PAIR_VERTEX_FACE)
-        plan.kinds |= 1u << PEL_PAIR_FACE_VERTEX; /* both go into one list */
-    plan.tasks[0] = (task){whole_tree(first), whole_tree(second)};
-    plan.task_count = is_single(&plan, &plan.tasks[0]) || may_touch(&plan, &plan.tasks[0]);
-    while (cut_tasks(&plan))
+    pel_pair_search *search = plan->search;
+    if (plan->within && plan->kinds & 1u << PEL_PAIR_VERTEX_FACE)
+        plan->kinds |= 1u << PEL_PAIR_FACE_VERTEX; /* both go into one list */
+    plan->tasks[0] = (task){whole_tree(plan->a), whole_tree(plan->b)};
+    plan->task_count = may_touch(plan, &plan->tasks[0]);
+    while (cut_tasks(plan))
         ;
-    pel_pool_run(pool, PEL_SEARCH_CHUNKS, search_chunk, &plan);
+    pel_pool_run(pool, PEL_SEARCH_CHUNKS, search_chunk, plan);
     pel_status status = PEL_OK;
     for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS && status != PEL_OUT_OF_MEMORY; chunk++)
         status = search->chunks[chunk].status != PEL_OK ? search->chunks[chunk].status : status;
@@ -377,6 +421,20 @@ pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigne
         pel_fail_remedy(error, "make the thickness or the motion in a step smaller than the triangles");
     }
     return status;
+}
+
+pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigned kinds, pel_pool *pool,
+                          pel_pair_search *search, pel_error *error)
+{
+    search_plan plan = {.a = first, .b = second, .kinds = kinds, .within = first == second, .search = search};
+    return run_search(&plan, pool, error);
+}
+
+pel_status pel_find_new_pairs(const pel_tree *tree, unsigned kinds, const pel_pair_growth *growth, pel_pool *pool,
+                              pel_pair_search *search, pel_error *error)
+{
+    search_plan plan = {.a = tree, .b = tree, .kinds = kinds, .within = true, .growth = growth, .search = search};
+    return run_search(&plan, pool, error);
 }
 
 /* ---- box ---- */

@@ -50,6 +50,17 @@ void pel_pair_search_clear(pel_pair_search *search);
 pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigned kinds, pel_pool *pool,
                           pel_pair_search *search, pel_error *error);
 
+/* What has grown in one surface since its pairs were found: boxes of vertices only ever grow between two searches. */
+typedef struct pel_pair_growth {
+    const uint8_t *node_grew; /* (node_count) 1 = something below did */
+    const pel_box *before;    /* (vertex_count) boxes of the vertices at the last search */
+} pel_pair_growth;
+
+/* Adds the pairs within a tree that overlap now and did not before to the lists, looking only where boxes grew. After
+   a failure, as above, the lists are of no use. */
+pel_status pel_find_new_pairs(const pel_tree *tree, unsigned kinds, const pel_pair_growth *growth, pel_pool *pool,
+                              pel_pair_search *search, pel_error *error);
+
 /* pairs of one kind in all chunks */
 size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind);
 

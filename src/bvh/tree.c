@@ -330,21 +330,100 @@ static pel_box refit_leaf(pel_tree *tree, const pel_leaf *leaf, const pel_box *b
     return whole;
 }
 
-static pel_box refit_node(pel_tree *tree, int32_t node, int32_t begin, int32_t end, const pel_box *boxes)
+/* what a fit of nodes needs */
+typedef struct fit {
+    pel_tree *tree;
+    const pel_box *boxes;
+    const uint8_t *vertex_changed; /* null = all */
+    uint8_t *node_changed;
+} fit;
+
+/* nodes of this many leaves are fitted at once; the few above them afterwards */
+enum { LEAVES_PER_CHUNK = 64 };
+
+static pel_box refit_below(const fit *f, int32_t node, int32_t begin, int32_t end)
 {
+    pel_tree *tree = f->tree;
     if (end - begin == 1)
-        return tree->nodes[node] = refit_leaf(tree, &tree->leaves[begin], boxes);
+        return tree->nodes[node] = refit_leaf(tree, &tree->leaves[begin], f->boxes);
     int32_t middle = pel_tree_middle(begin, end);
-    pel_box left = refit_node(tree, node + 1, begin, middle, boxes);
-    pel_box right = refit_node(tree, node + 2 * (middle - begin), middle, end, boxes);
+    pel_box left = refit_below(f, node + 1, begin, middle);
+    pel_box right = refit_below(f, node + 2 * (middle - begin), middle, end);
     return tree->nodes[node] = pel_box_join(left, right);
 }
 
-void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes)
+/* the nodes above those that chunks fitted */
+static pel_box refit_above(const fit *f, int32_t node, int32_t begin, int32_t end)
 {
-    refit_node(tree, 0, 0, tree->leaf_count, vertex_boxes);
+    if (end - begin <= LEAVES_PER_CHUNK)
+        return f->tree->nodes[node];
+    int32_t middle = pel_tree_middle(begin, end);
+    pel_box left = refit_above(f, node + 1, begin, middle);
+    pel_box right = refit_above(f, node + 2 * (middle - begin), middle, end);
+    return f->tree->nodes[node] = pel_box_join(left, right);
+}
+
+/* the node of a chunk: the one of at most LEAVES_PER_CHUNK leaves that holds the leaf where the chunk begins. A node
+   that begins in an earlier chunk is fitted there */
+static void refit_chunk(void *context, int32_t chunk)
+{
+    const fit *f = context;
+    int32_t last = f->tree->leaf_count - 1, leaf = chunk * (LEAVES_PER_CHUNK / 2);
+    int32_t until = leaf + LEAVES_PER_CHUNK / 2;
+    for (leaf = leaf < last ? leaf : last; leaf < until && leaf <= last;) {
+        int32_t node = 0, begin = 0, end = f->tree->leaf_count;
+        while (end - begin > LEAVES_PER_CHUNK) {
+            int32_t middle = pel_tree_middle(begin, end);
+            node = leaf < middle ? node + 1 : node + 2 * (middle - begin);
+            begin = leaf < middle ? begin : middle;
+            end = leaf < middle ? middle : end;
+        }
+        if (begin >= chunk * (LEAVES_PER_CHUNK / 2))
+            refit_below(f, node, begin, end);
+        leaf = end;
+    }
+}
+
+void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool)
+{
+    fit f = {.tree = tree, .boxes = vertex_boxes};
+    pel_pool_run(pool, 1 + (tree->leaf_count - 1) / (LEAVES_PER_CHUNK / 2), refit_chunk, &f);
+    refit_above(&f, 0, 0, tree->leaf_count);
     if (!(tree->built_cost > 0))
         tree->built_cost = pel_tree_cost(tree);
+}
+
+static bool leaf_changed(const fit *f, const pel_leaf *leaf)
+{
+    const pel_member_group *members = &f->tree->members[leaf->group];
+    bool changed = false;
+    for (int lane = 0; lane < PEL_LANES && members->element[lane] >= 0; lane++)
+        for (int corner = 0; corner < 3; corner++)
+            changed |= f->vertex_changed[members->vertices[corner][lane]];
+    return changed;
+}
+
+static void refit_changed(const fit *f, int32_t node, int32_t begin, int32_t end)
+{
+    pel_tree *tree = f->tree;
+    if (end - begin == 1) {
+        f->node_changed[node] = leaf_changed(f, &tree->leaves[begin]);
+        if (f->node_changed[node])
+            tree->nodes[node] = refit_leaf(tree, &tree->leaves[begin], f->boxes);
+        return;
+    }
+    int32_t middle = pel_tree_middle(begin, end), left = node + 1, right = node + 2 * (middle - begin);
+    refit_changed(f, left, begin, middle);
+    refit_changed(f, right, middle, end);
+    f->node_changed[node] = f->node_changed[left] | f->node_changed[right];
+    tree->nodes[node] = pel_box_join(tree->nodes[left], tree->nodes[right]);
+}
+
+void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const uint8_t *vertex_changed,
+                            uint8_t *node_changed)
+{
+    fit f = {tree, vertex_boxes, vertex_changed, node_changed};
+    refit_changed(&f, 0, 0, tree->leaf_count);
 }
 
 double pel_tree_cost(const pel_tree *tree)
@@ -355,11 +434,29 @@ double pel_tree_cost(const pel_tree *tree)
     return sum / fmax(pel_box_area(&tree->nodes[0]), 1e-300);
 }
 
-void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_box *edge_boxes,
+/* boxes of features from those of vertices */
+typedef struct feature_boxes {
+    const pel_tree *tree;
+    const pel_box *vertices;
+    pel_box *edges, *triangles;
+} feature_boxes;
+
+enum { FEATURES_PER_CHUNK = 4096 };
+
+static void feature_chunk(void *context, int32_t chunk)
+{
+    const feature_boxes *f = context;
+    int32_t begin = chunk * FEATURES_PER_CHUNK, end = begin + FEATURES_PER_CHUNK;
+    for (int32_t e = begin; e < end && e < f->tree->edge_count; e++)
+        f->edges[e] = box_of_edge(f->tree, f->vertices, e);
+    for (int32_t t = begin; t < end && t < f->tree->triangle_count; t++)
+        f->triangles[t] = box_of_triangle(f->tree, f->vertices, t);
+}
+
+void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool, pel_box *edge_boxes,
                             pel_box *triangle_boxes)
 {
-    for (int32_t e = 0; e < tree->edge_count; e++)
-        edge_boxes[e] = box_of_edge(tree, vertex_boxes, e);
-    for (int32_t t = 0; t < tree->triangle_count; t++)
-        triangle_boxes[t] = box_of_triangle(tree, vertex_boxes, t);
+    feature_boxes f = {tree, vertex_boxes, edge_boxes, triangle_boxes};
+    int32_t most = tree->edge_count > tree->triangle_count ? tree->edge_count : tree->triangle_count;
+    pel_pool_run(pool, 1 + (most - 1) / FEATURES_PER_CHUNK, feature_chunk, &f);
 }

@@ -16,6 +16,7 @@
 #ifndef PEL_BVH_TREE_H
 #define PEL_BVH_TREE_H
 
+#include "base/pool.h"
 #include "bvh/box.h"
 
 /* groups of a leaf: one of triangles, then those of its vertices, then those of its edges, up to group_end */
@@ -63,14 +64,18 @@ void pel_tree_destroy(pel_tree *tree);
 /* Sorts the triangles anew; no memory is allocated. Boxes are to be refitted. */
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3]);
 
-/* All boxes from those of the vertices (vertex_count). */
-void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes);
+/* All boxes from those of the vertices (vertex_count). pool is nullable. */
+void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool);
+
+/* The same where a vertex changed (vertex_count, 1 = it did); marks the nodes that were fitted (node_count). */
+void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const uint8_t *vertex_changed,
+                            uint8_t *node_changed);
 
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);
 
 /* Boxes of the edges (edge_count) and triangles (triangle_count). */
-void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_box *edge_boxes,
+void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool, pel_box *edge_boxes,
                             pel_box *triangle_boxes);
 
 static inline int32_t pel_tree_middle(int32_t begin, int32_t end)

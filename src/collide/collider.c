@@ -1,7 +1,9 @@
 #include "collide/collider.h"
 
 #include "base/memory.h"
+#include "base/sort.h"
 #include "base/status.h"
+#include "geom/ccd.h"
 #include "pellicle/parallel.h"
 
 #include <string.h>
@@ -279,41 +281,8 @@ static bool comes_before(const pel_collision *a, const pel_collision *b)
     return a->first != b->first ? a->first < b->first : a->second < b->second;
 }
 
-static void sift_down(pel_collision *heap, size_t root, size_t count)
-{
-    pel_collision moving = heap[root];
-    for (size_t child; (child = 2 * root + 1) < count; root = child) {
-        if (child + 1 < count && comes_before(&heap[child], &heap[child + 1]))
-            child++;
-        if (!comes_before(&moving, &heap[child]))
-            break;
-        heap[root] = heap[child];
-    }
-    heap[root] = moving;
-}
-
-/* heap sort: no memory of its own, and the order of candidates does not show */
-static void sort_collisions(pel_collision *collisions, size_t count)
-{
-    for (size_t i = count / 2; i > 0; i--)
-        sift_down(collisions, i - 1, count);
-    for (size_t i = count; i > 1; i--) {
-        pel_collision last = collisions[i - 1];
-        collisions[i - 1] = collisions[0];
-        collisions[0] = last;
-        sift_down(collisions, 0, i - 1);
-    }
-}
-
-static void add_statistics(pel_ccd_statistics *sum, const pel_ccd_statistics *more)
-{
-    sum->queries += more->queries;
-    sum->passed_filter += more->passed_filter;
-    sum->passed_hull += more->passed_hull;
-    sum->hits += more->hits;
-    sum->intervals += more->intervals;
-    sum->fall_backs += more->fall_backs;
-}
+/* the order of candidates does not show */
+PEL_DEFINE_SORT(sort_collisions, pel_collision, comes_before)
 
 /* solves the candidates of one kind and adds what is found */
 static pel_status solve_kind(pel_collider *collider, const pel_collision_query *query, bool edge_edge,
@@ -334,7 +303,7 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
         if (p->list.count > 0)
             memcpy(all->collisions + all->count, p->list.collisions, p->list.count * sizeof *all->collisions);
         all->count += p->list.count;
-        add_statistics(statistics, &p->statistics);
+        pel_ccd_statistics_add(statistics, &p->statistics);
     }
     sort_collisions(all->collisions + before, all->count - before);
     return PEL_OK;

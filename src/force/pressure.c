@@ -1,6 +1,6 @@
 #include "force/pressure.h"
 
-#include "math/vec3.h"
+#include "model/state.h"
 
 /* a gas squeezed to less than this share of its volume at rest presses as it does there */
 #define LEAST_GAS_VOLUME 1e-3
@@ -53,20 +53,17 @@ double pel_pressure_potential(const pel_shell *shell, double time, double volume
 
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position)
 {
-    const pel_record *origin = &position[model->bodies[body].slot_of_vertex[0]];
     /* a shell's triangles stand in an order that does not depend on how a refined surface came about */
     const pel_shell *shell = model->bodies[body].shell;
     double volume = 0, at[3];
-    for (int c = 0; c < 3; c++)
-        at[c] = (double)(*origin)[c];
+    pel_vertex_position(position, model->bodies[body].slot_of_vertex[0], at);
     int32_t count = pel_surface_count(model, body);
     for (int32_t i = 0; i < count; i++) {
         const int32_t *v =
             shell != NULL ? shell->triangles[i].vertices : model->triangles[pel_surface_triangle(model, body, i)];
         double x[3][3];
         for (int k = 0; k < 3; k++)
-            for (int c = 0; c < 3; c++)
-                x[k][c] = (double)position[v[k]][c];
+            pel_vertex_position(position, v[k], x[k]);
         volume += pel_vec3_cone_volume(at, x[0], x[1], x[2]);
     }
     return volume;

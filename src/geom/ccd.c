@@ -17,7 +17,7 @@
 
 #include "math/vec3.h"
 
-enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64, EASY_INTERVALS = 8 };
+enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64, EASY_INTERVALS = 8, HALVINGS = 2 };
 
 /* no interval of time is split below this; also the outward rounding of a clip */
 #define TIME_RESOLUTION (64 * DBL_EPSILON)
@@ -357,19 +357,48 @@ static bool search(const ccd_query *query, const ccd_cubic *cubic, double *time,
     }
 }
 
-bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, pel_ccd_hit *hit,
-               ccd_counts *counts)
+/* axes separate the interval, or each of the parts into which it is halved: there is no need of the cubic */
+static bool is_free_by_axes(const ccd_query *query, interval now, int halvings)
+{
+    if (is_separated(query, &now, halvings > 0 ? 1 : EASY_INTERVALS + 1))
+        return true;
+    double middle = 0.5 * (now.begin + now.end);
+    return halvings > 0 && is_free_by_axes(query, (interval){now.begin, middle}, halvings - 1) &&
+           is_free_by_axes(query, (interval){middle, now.end}, halvings - 1);
+}
+
+static bool is_free_by_box(const ccd_query *query)
+{
+    double corners[8][3];
+    int count = ccd_pair_corners(&query->pair, query->edge_edge, corners);
+    return ccd_box_margin(corners, count, query->error, query->min_separation) > 0;
+}
+
+/* then the time of impact is known */
+static bool is_near_at_start(const ccd_query *query)
+{
+    double s, u, vector[3];
+    ccd_closest(query, 0, &s, &u, vector);
+    return pel_vec3_dot(vector, vector) <= query->min_separation * query->min_separation;
+}
+
+bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, bool axes_first,
+               pel_ccd_hit *hit, ccd_counts *counts)
 {
     ccd_query query;
     ccd_cubic cubic;
-    double corners[8][3], time;
+    double time;
     *counts = (ccd_counts){0};
     if (!ccd_query_set(points, edge_edge, min_separation, tolerance, &query)) {
         ccd_hit_unknown(edge_edge, hit);
         return true;
     }
-    int count = ccd_pair_corners(&query.pair, edge_edge, corners);
-    if (ccd_box_margin(corners, count, query.error, query.min_separation) > 0)
+    if (is_near_at_start(&query)) {
+        ccd_hit_set(&query, 0, hit);
+        return true;
+    }
+    const interval whole = {0, 1};
+    if (axes_first ? is_free_by_axes(&query, whole, HALVINGS) : is_free_by_box(&query))
         return false;
     ccd_pair_cubic(&query.pair, query.min_separation, &cubic);
     if (!search(&query, &cubic, &time, counts))
@@ -459,7 +488,7 @@ bool pel_ccd_vertex_face(const double start[4][3], const double end[4][3], doubl
 {
     ccd_counts counts;
     ccd_points points = points_of(start, end);
-    return ccd_solve(&points, false, min_separation, tolerance, hit, &counts);
+    return ccd_solve(&points, false, min_separation, tolerance, false, hit, &counts);
 }
 
 bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
@@ -467,7 +496,7 @@ bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double 
 {
     ccd_counts counts;
     ccd_points points = points_of(start, end);
-    return ccd_solve(&points, true, min_separation, tolerance, hit, &counts);
+    return ccd_solve(&points, true, min_separation, tolerance, false, hit, &counts);
 }
 
 bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation)

@@ -16,7 +16,7 @@ typedef struct ccd_query {
 } ccd_query;
 
 typedef struct ccd_counts {
-    int intervals;
+    int intervals; /* 0 = no cubic was needed: an axis separates the whole step, or it starts too near */
     bool fall_back;
 } ccd_counts;
 
@@ -28,9 +28,10 @@ typedef struct ccd_points {
 /* False when nothing can be computed from the numbers (NaN, infinite or too large). */
 bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, ccd_query *query);
 
-/* Filter, axes and time of impact of one query in its own order of points. */
-bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, pel_ccd_hit *hit,
-               ccd_counts *counts);
+/* Filter, axes and time of impact of one query in its own order of points. axes_first: tries more axes, on parts of the
+   step too, before the cubic is solved; that costs time where most queries hit. */
+bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, bool axes_first,
+               pel_ccd_hit *hit, ccd_counts *counts);
 
 /* The plain cubic. */
 bool ccd_solve_bridson(const ccd_points *points, bool edge_edge, double min_separation, double tolerance,
@@ -41,6 +42,16 @@ void ccd_hit_set(const ccd_query *query, double time, pel_ccd_hit *hit);
 
 /* The hit of input that is not finite. */
 void ccd_hit_unknown(bool edge_edge, pel_ccd_hit *hit);
+
+static inline void pel_ccd_statistics_add(pel_ccd_statistics *sum, const pel_ccd_statistics *more)
+{
+    sum->queries += more->queries;
+    sum->passed_filter += more->passed_filter;
+    sum->passed_hull += more->passed_hull;
+    sum->hits += more->hits;
+    sum->intervals += more->intervals;
+    sum->fall_backs += more->fall_backs;
+}
 
 /* difference vector of the closest points at a time; parameters s, u */
 void ccd_closest(const ccd_query *query, double time, double *s, double *u, double vector[3]);

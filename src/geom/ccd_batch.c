@@ -138,43 +138,34 @@ static bool solve_one(const pel_ccd_batch *batch, int32_t query, pel_ccd_hit *hi
     if (batch->method == PEL_CCD_BRIDSON)
         hits = ccd_solve_bridson(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit);
     else
-        hits = ccd_solve(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit, &counts);
+        hits = ccd_solve(&points, batch->edge_edge, batch->min_separation, batch->tolerance, true, hit, &counts);
+    statistics->passed_hull += hits || batch->method == PEL_CCD_BRIDSON || counts.intervals > 0;
     statistics->intervals += counts.intervals;
     statistics->fall_backs += counts.fall_back;
     statistics->hits += hits;
     return hits;
 }
 
-static void add_statistics(pel_ccd_statistics *sum, const pel_ccd_statistics *more)
-{
-    if (sum == NULL)
-        return;
-    sum->queries += more->queries;
-    sum->passed_filter += more->passed_filter;
-    sum->passed_hull += more->passed_hull;
-    sum->hits += more->hits;
-    sum->intervals += more->intervals;
-    sum->fall_backs += more->fall_backs;
-}
-
 int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
                             pel_ccd_statistics *statistics)
 {
-    pel_ccd_batch clean = cleaned(batch);
+    pel_ccd_batch clean = cleaned(batch), filtered = clean;
     pel_ccd_statistics counted = {0};
+    if (batch->method == PEL_CCD_BRIDSON && batch->tolerance > 0)
+        filtered.min_separation += batch->tolerance;
     int32_t hit_count = 0, kept[BLOCK];
     for (int32_t first = 0; first < batch->query_count; first += BLOCK) {
         int32_t count = block_size(batch, first);
         counted.queries += count;
-        count = filter_row(&clean, first, count, kept);
+        count = filter_row(&filtered, first, count, kept);
         counted.passed_filter += count;
         if (batch->method == PEL_CCD_CONSERVATIVE)
             count = run_hull(&clean, (query_list){kept, count}, kept);
-        counted.passed_hull += count;
         for (int32_t i = 0; i < count; i++)
             if (solve_one(&clean, kept[i], hits != NULL ? &hits[hit_count] : NULL, &counted))
                 queries[hit_count++] = kept[i];
     }
-    add_statistics(statistics, &counted);
+    if (statistics != NULL)
+        pel_ccd_statistics_add(statistics, &counted);
     return hit_count;
 }

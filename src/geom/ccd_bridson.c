@@ -84,10 +84,10 @@ bool ccd_solve_bridson(const ccd_points *points, bool edge_edge, double min_sepa
         ccd_hit_unknown(edge_edge, hit);
         return true;
     }
-    ccd_pair_cubic(&query.pair, query.min_separation, &cubic);
+    double reach = query.min_separation + query.tolerance;
+    ccd_pair_cubic(&query.pair, reach, &cubic);
     if (ccd_cubic_margin(cubic.coefficient, cubic.band) > 0)
         return false;
-    double reach = query.min_separation + query.tolerance;
     int count = find_times(&cubic, times);
     for (int i = 0; i < count; i++) {
         ccd_closest(&query, times[i], &s, &u, vector);

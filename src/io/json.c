@@ -45,38 +45,13 @@ void pel_json_print(pel_json *json, const char *format, ...)
     va_end(arguments);
 }
 
-/* bytes of the UTF-8 sequence at s, 0 when it is none (overlong forms, surrogates and numbers too large are none) */
-static size_t sequence_length(const unsigned char *s)
-{
-    if (s[0] < 0x80)
-        return 1;
-    if (s[0] < 0xc2 || s[0] > 0xf4)
-        return 0;
-    size_t length = s[0] >= 0xf0 ? 4 : s[0] >= 0xe0 ? 3 : 2;
-    for (size_t i = 1; i < length; i++)
-        if ((s[i] & 0xc0) != 0x80)
-            return 0;
-    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
-    bool beyond = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
-    return overlong || beyond ? 0 : length;
-}
-
 void pel_json_string(pel_json *json, const char *text)
 {
+    char letter[7];
     append(json, "\"", 1);
-    for (const char *at = text; *at != '\0';) {
-        size_t length = sequence_length((const unsigned char *)at);
-        if (length == 0)
-            pel_json_print(json, "\\ufffd");
-        else if (*at == '"' || *at == '\\')
-            pel_json_print(json, "\\%c", *at);
-        else if (*at == '\n')
-            pel_json_print(json, "\\n");
-        else if ((unsigned char)*at < ' ' || *at == '<' || *at == 0x7f)
-            pel_json_print(json, "\\u%04x", (unsigned)*at);
-        else
-            append(json, at, length);
-        at += length > 0 ? length : 1;
+    while (*text != '\0') {
+        text = pel_json_letter(text, letter);
+        append(json, letter, strlen(letter));
     }
     append(json, "\"", 1);
 }

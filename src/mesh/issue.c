@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 
-#define EDITOR "delete or cut apart the surplus triangles in a mesh editor"
 #define FIX "run `pellicle check FILE --fix OUT`"
 
 static const pel_issue_info infos[PEL_ISSUE_COUNT] = {
@@ -14,14 +13,14 @@ static const pel_issue_info infos[PEL_ISSUE_COUNT] = {
     {PEL_ISSUE_REPEATED_VERTEX, "repeated-vertex", "triangle", PEL_SEVERITY_ERROR,
      "triangle with the same vertex twice", FIX " to drop it", true},
     {PEL_ISSUE_ZERO_AREA, "zero-area", "triangle", PEL_SEVERITY_ERROR, "triangle without area",
-     FIX " to drop it, or remesh around it in a mesh editor when dropping leaves a hole", true},
+     FIX " to merge it into its neighbour, or to drop it where that is not possible", true},
     {PEL_ISSUE_DUPLICATE_TRIANGLE, "duplicate-triangle", "triangle", PEL_SEVERITY_ERROR,
      "triangle with the same vertices as an earlier one", FIX " to drop it", true},
     {PEL_ISSUE_NON_MANIFOLD_EDGE, "non-manifold-edge", "edge", PEL_SEVERITY_ERROR, "edge in more than two triangles",
-     EDITOR, false},
+     FIX " to cut the pieces apart there", true},
     {PEL_ISSUE_NON_MANIFOLD_VERTEX, "non-manifold-vertex", "vertex", PEL_SEVERITY_ERROR,
-     "vertex in which pieces of the surface touch without a common edge",
-     "give each piece a vertex of its own in a mesh editor", false},
+     "vertex in which pieces of the surface touch without a common edge", FIX " to give each piece a vertex of its own",
+     true},
     {PEL_ISSUE_INCONSISTENT_WINDING, "inconsistent-winding", "edge", PEL_SEVERITY_ERROR,
      "edge between triangles that face opposite sides", FIX " to turn triangles around", true},
     {PEL_ISSUE_NON_ORIENTABLE, "non-orientable", "component", PEL_SEVERITY_ERROR,

@@ -1,16 +1,18 @@
 /* Repair in passes over a list of marks: which place each vertex goes to, which triangles stay, which are turned
    around. The repaired mesh is written once, at the end. Welding keeps the position of the first vertex of each place,
    and places are linked by steps of at most the tolerance, so no two places of the result are within the tolerance:
-   repairing again finds nothing to weld. */
+   repairing again welds no two places. */
 #include "pellicle/mesh_check.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 #include "mesh/allocate.h"
+#include "mesh/cut.h"
 #include "mesh/duplicate.h"
 #include "mesh/edge_table.h"
 #include "mesh/flat_triangle.h"
 #include "mesh/patch.h"
+#include "mesh/slit.h"
 #include "mesh/weld.h"
 
 #include <math.h>
@@ -23,8 +25,11 @@ typedef struct work {
     pel_repair_summary summary;
     int32_t (*triangles)[3];              /* (triangle_count x 3) with welded vertices, turned as needed */
     uint8_t *dropped;                     /* (triangle_count) */
+    uint8_t *turned;                      /* (triangle_count) wound the other way than before */
+    uint8_t *flipped;                     /* (triangle_count) has other corners, so that a slit is closed */
     int32_t *first_of;                    /* (vertex_count) the vertex that each goes into */
-    int32_t *new_number;                  /* (vertex_count) in the repaired mesh, -1 = dropped */
+    pel_cut cut;                          /* copies of vertices that fans have of their own */
+    int32_t *new_number;                  /* (vertex_count + copy_count) in the repaired mesh, -1 = dropped */
     int32_t vertex_count, triangle_count; /* of the repaired mesh */
 } work;
 
@@ -35,6 +40,8 @@ pel_repair_options pel_repair_options_default(void)
         .drop_degenerate = true,
         .drop_duplicates = true,
         .drop_isolated = true,
+        .close_slits = true,
+        .cut = true,
         .orient = true,
         .outward = true,
     };
@@ -97,23 +104,38 @@ static void weld_triangles(work *w)
             w->triangles[t][i] = w->first_of[w->mesh->triangles[t][i]];
 }
 
-static bool degenerate(const work *w, int32_t t)
+static bool repeats_vertex(const work *w, int32_t t)
 {
     const int32_t *v = w->triangles[t];
-    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
-        return true;
+    return v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
+}
+
+static bool is_flat(const work *w, int32_t t)
+{
+    const int32_t *v = w->triangles[t];
     double(*positions)[3] = w->mesh->positions;
     return pel_triangle_is_flat(positions[v[0]], positions[v[1]], positions[v[2]]);
 }
 
-static void drop_degenerate_triangles(work *w)
+/* those of which `is_bad` says so; returns how many */
+static int32_t drop_triangles(work *w, bool (*is_bad)(const work *w, int32_t t))
 {
-    for (int32_t t = 0; t < w->mesh->triangle_count && w->options.drop_degenerate; t++) {
-        if (w->dropped[t] || !degenerate(w, t))
+    int32_t count = 0;
+    for (int32_t t = 0; t < w->mesh->triangle_count; t++) {
+        if (w->dropped[t] || !is_bad(w, t))
             continue;
         w->dropped[t] = 1;
-        w->summary.degenerate_triangles++;
+        count++;
     }
+    return count;
+}
+
+static bool any_flat(const work *w)
+{
+    for (int32_t t = 0; t < w->mesh->triangle_count; t++)
+        if (!w->dropped[t] && is_flat(w, t))
+            return true;
+    return false;
 }
 
 static pel_status drop_duplicate_triangles(work *w)
@@ -141,6 +163,14 @@ static void turn_triangle(work *w, int32_t t)
     int32_t second = w->triangles[t][1];
     w->triangles[t][1] = w->triangles[t][2];
     w->triangles[t][2] = second;
+    w->turned[t] ^= 1;
+}
+
+/* of a vertex or a copy of one */
+static const double *position_of(const work *w, int32_t v)
+{
+    int32_t copy = v - w->mesh->vertex_count;
+    return w->mesh->positions[copy >= 0 ? w->cut.source_of[copy] : v];
 }
 
 /* what is known of a patch */
@@ -149,6 +179,11 @@ typedef struct patch {
     bool open, inward;
     double volume, area;
 } patch;
+
+static int32_t total_vertex_count(const work *w)
+{
+    return w->mesh->vertex_count + w->cut.copy_count;
+}
 
 static patch *allocate_patches(const work *w, const pel_patches *patches)
 {
@@ -176,6 +211,7 @@ static void make_consistent(work *w, const pel_patches *patches, patch *all)
         if (patches->flipped[t] == turn_flipped)
             turn_triangle(w, t);
     }
+    w->summary.non_orientable = 0;
     for (int32_t p = 0; p < patches->patch_count; p++)
         w->summary.non_orientable += patches->non_orientable[p];
 }
@@ -183,15 +219,15 @@ static void make_consistent(work *w, const pel_patches *patches, patch *all)
 /* area and volume of each patch about its first vertex, and whether all its edges have two triangles */
 static void measure_patches(const work *w, const pel_patches *patches, const pel_edge_table *edges, patch *all)
 {
-    double(*positions)[3] = w->mesh->positions;
     for (int32_t t = 0; t < w->mesh->triangle_count; t++) {
         if (patches->patch_of_triangle[t] < 0)
             continue;
         patch *one = &all[patches->patch_of_triangle[t]];
         const int32_t *v = w->triangles[t];
+        const double *first = position_of(w, v[0]);
         double normal[3], arm[3];
-        pel_vec3_triangle_normal(positions[v[0]], positions[v[1]], positions[v[2]], normal);
-        pel_vec3_subtract(positions[v[0]], positions[w->triangles[one->first_triangle][0]], arm);
+        pel_vec3_triangle_normal(first, position_of(w, v[1]), position_of(w, v[2]), normal);
+        pel_vec3_subtract(first, position_of(w, w->triangles[one->first_triangle][0]), arm);
         one->volume += pel_vec3_dot(normal, arm) / 6;
         one->area += pel_vec3_length(normal) / 2;
         for (int32_t h = 3 * t; h < 3 * t + 3; h++)
@@ -216,20 +252,20 @@ static void turn_outward(work *w, const pel_patches *patches, patch *all)
 static void count_turned(work *w)
 {
     for (int32_t t = 0; t < w->mesh->triangle_count; t++)
-        if (!w->dropped[t])
-            w->summary.turned_triangles += w->triangles[t][1] != w->first_of[w->mesh->triangles[t][1]];
+        w->summary.turned_triangles += !w->dropped[t] && w->turned[t] && !w->flipped[t];
 }
 
-static pel_status orient(work *w)
+/* one winding per patch; outward: then closed patches turned outward */
+static pel_status orient(work *w, bool outward)
 {
     pel_edge_table edges = {0};
     pel_patches patches = {0};
     patch *all = NULL;
     int32_t triangle_count = w->mesh->triangle_count;
     const int32_t(*triangles)[3] = (const int32_t(*)[3])w->triangles;
-    if (!w->options.orient && !w->options.outward)
+    if (!w->options.orient && !outward)
         return PEL_OK;
-    pel_status status = pel_edge_table_build(triangles, triangle_count, w->mesh->vertex_count, w->dropped, &edges);
+    pel_status status = pel_edge_table_build(triangles, triangle_count, total_vertex_count(w), w->dropped, &edges);
     if (status == PEL_OK)
         status = pel_patches_build(triangles, triangle_count, &edges, &patches);
     if (status == PEL_OK) {
@@ -238,7 +274,7 @@ static pel_status orient(work *w)
     }
     if (status == PEL_OK && w->options.orient)
         make_consistent(w, &patches, all);
-    if (status == PEL_OK && w->options.outward) {
+    if (status == PEL_OK && outward) {
         measure_patches(w, &patches, &edges, all);
         turn_outward(w, &patches, all);
     }
@@ -248,10 +284,44 @@ static pel_status orient(work *w)
     return status;
 }
 
-/* fills new_number and the counts */
+/* triangles without area: those that leave a slit go into their neighbours, the others are dropped */
+static pel_status drop_flat_triangles(work *w)
+{
+    pel_status status = PEL_OK;
+    if (!w->options.drop_degenerate || !any_flat(w))
+        return PEL_OK;
+    if (w->options.close_slits) {
+        status = orient(w, false);
+        if (status == PEL_OK)
+            status = pel_slits_close((const double(*)[3])w->mesh->positions, w->mesh->vertex_count, w->triangles,
+                                     w->mesh->triangle_count, w->dropped, w->flipped, &w->summary.closed_slits);
+    }
+    w->summary.degenerate_triangles += drop_triangles(w, is_flat);
+    return status == PEL_OK ? drop_duplicate_triangles(w) : status;
+}
+
+/* fans that hang together in vertices or edges only come apart */
+static pel_status cut_apart(work *w)
+{
+    if (!w->options.cut)
+        return PEL_OK;
+    /* which triangles face each other is known by their winding */
+    pel_status status = orient(w, false);
+    if (status == PEL_OK)
+        status = pel_cut_find((const double(*)[3])w->mesh->positions, w->mesh->vertex_count,
+                              (const int32_t(*)[3])w->triangles, w->mesh->triangle_count, w->dropped, &w->cut);
+    if (status != PEL_OK)
+        return status;
+    for (int32_t t = 0; t < w->mesh->triangle_count; t++)
+        memcpy(w->triangles[t], w->cut.corners + 3 * t, sizeof w->triangles[t]);
+    w->summary.cut_vertices = w->cut.copy_count;
+    return PEL_OK;
+}
+
+/* fills new_number and the counts; copies come last */
 static void number_vertices(work *w)
 {
-    memset(w->new_number, -1, (size_t)w->mesh->vertex_count * sizeof *w->new_number);
+    memset(w->new_number, -1, (size_t)total_vertex_count(w) * sizeof *w->new_number);
     for (int32_t t = 0; t < w->mesh->triangle_count; t++) {
         if (w->dropped[t])
             continue;
@@ -269,6 +339,16 @@ static void number_vertices(work *w)
             w->summary.isolated_vertices++;
         }
     }
+    for (int32_t v = w->mesh->vertex_count; v < total_vertex_count(w); v++)
+        w->new_number[v] = w->vertex_count++;
+}
+
+/* the vertex of the mesh that vertex v of the work is written from; -1 = it is not written */
+static int32_t written_from(const work *w, int32_t v)
+{
+    if (v >= w->mesh->vertex_count)
+        return w->cut.source_of[v - w->mesh->vertex_count];
+    return w->first_of[v] == v && w->new_number[v] >= 0 ? v : -1;
 }
 
 static pel_status copy_field(const work *w, const pel_field *field, pel_mesh *mesh, pel_error *error)
@@ -277,10 +357,12 @@ static pel_status copy_field(const work *w, const pel_field *field, pel_mesh *me
     double *values = pel_allocate((size_t)w->vertex_count * width, sizeof *values);
     if (values == NULL)
         return pel_fail_memory(error);
-    for (int32_t v = 0; v < w->mesh->vertex_count; v++)
-        if (w->first_of[v] == v && w->new_number[v] >= 0)
-            memcpy(values + (size_t)w->new_number[v] * width, field->values + (size_t)v * width,
+    for (int32_t v = 0; v < total_vertex_count(w); v++) {
+        int32_t from = written_from(w, v);
+        if (from >= 0)
+            memcpy(values + (size_t)w->new_number[v] * width, field->values + (size_t)from * width,
                    width * sizeof *values);
+    }
     pel_status status = pel_mesh_add_field(mesh, field->name, field->component_count, values, error);
     pel_free(values);
     return status;
@@ -291,9 +373,11 @@ static pel_status write_mesh(const work *w, pel_mesh **repaired, pel_error *erro
     pel_mesh *mesh = pel_mesh_allocate(w->vertex_count, w->triangle_count);
     if (mesh == NULL)
         return pel_fail_memory(error);
-    for (int32_t v = 0; v < w->mesh->vertex_count; v++)
-        if (w->first_of[v] == v && w->new_number[v] >= 0)
-            pel_vec3_copy(w->mesh->positions[v], mesh->positions[w->new_number[v]]);
+    for (int32_t v = 0; v < total_vertex_count(w); v++) {
+        int32_t from = written_from(w, v);
+        if (from >= 0)
+            pel_vec3_copy(w->mesh->positions[from], mesh->positions[w->new_number[v]]);
+    }
     for (int32_t t = 0, kept = 0; t < w->mesh->triangle_count; t++) {
         if (w->dropped[t])
             continue;
@@ -319,13 +403,21 @@ static pel_status mark(work *w)
     if (status != PEL_OK)
         return status;
     weld_triangles(w);
-    drop_degenerate_triangles(w);
+    if (w->options.drop_degenerate)
+        w->summary.degenerate_triangles += drop_triangles(w, repeats_vertex);
     status = drop_duplicate_triangles(w);
     if (status == PEL_OK)
-        status = orient(w);
+        status = drop_flat_triangles(w);
+    if (status == PEL_OK)
+        status = cut_apart(w);
+    if (status == PEL_OK)
+        status = orient(w, w->options.outward);
     if (status != PEL_OK)
         return status;
     count_turned(w);
+    w->new_number = pel_allocate((size_t)total_vertex_count(w), sizeof *w->new_number);
+    if (w->new_number == NULL)
+        return PEL_OUT_OF_MEMORY;
     number_vertices(w);
     return PEL_OK;
 }
@@ -335,9 +427,11 @@ static pel_status repair(work *w, pel_mesh **repaired, pel_error *error)
     size_t vertex_count = (size_t)w->mesh->vertex_count, triangle_count = (size_t)w->mesh->triangle_count;
     w->triangles = pel_allocate(triangle_count, sizeof *w->triangles);
     w->dropped = pel_allocate(triangle_count, 1);
+    w->turned = pel_allocate(triangle_count, 1);
+    w->flipped = pel_allocate(triangle_count, 1);
     w->first_of = pel_allocate(vertex_count, sizeof(int32_t));
-    w->new_number = pel_allocate(vertex_count, sizeof(int32_t));
-    if (w->triangles == NULL || w->dropped == NULL || w->first_of == NULL || w->new_number == NULL || mark(w) != PEL_OK)
+    if (w->triangles == NULL || w->dropped == NULL || w->turned == NULL || w->flipped == NULL || w->first_of == NULL ||
+        mark(w) != PEL_OK)
         return pel_fail_memory(error);
     if (w->triangle_count == 0) {
         pel_fail(error, PEL_BAD_MESH, "no triangle is left after repair (%d bad, %d degenerate)",
@@ -348,10 +442,12 @@ static pel_status repair(work *w, pel_mesh **repaired, pel_error *error)
     return write_mesh(w, repaired, error);
 }
 
-static bool any_change(const pel_repair_summary *summary)
+/* vertices that were welded may have been cut again */
+static bool same_mesh(const pel_mesh *a, const pel_mesh *b)
 {
-    return summary->bad_triangles > 0 || summary->degenerate_triangles > 0 || summary->duplicate_triangles > 0 ||
-           summary->welded_vertices > 0 || summary->isolated_vertices > 0 || summary->turned_triangles > 0;
+    return a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
+           memcmp(a->positions, b->positions, (size_t)a->vertex_count * sizeof *a->positions) == 0 &&
+           memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * sizeof *a->triangles) == 0;
 }
 
 pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
@@ -372,11 +468,15 @@ pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *optio
     pel_status status = repair(&w, repaired, error);
     if (status == PEL_OK && w.options.vertex_map != NULL)
         memcpy(w.options.vertex_map, w.new_number, (size_t)mesh->vertex_count * sizeof(int32_t));
-    w.summary.changed = any_change(&w.summary);
-    if (status == PEL_OK && summary != NULL)
+    if (status == PEL_OK && summary != NULL) {
         *summary = w.summary;
+        summary->changed = !same_mesh(mesh, *repaired);
+    }
     pel_free(w.triangles);
     pel_free(w.dropped);
+    pel_free(w.turned);
+    pel_free(w.flipped);
+    pel_cut_clear(&w.cut);
     pel_free(w.first_of);
     pel_free(w.new_number);
     return status;

@@ -95,22 +95,9 @@ static pel_status lay_out(pel_active *active, pel_error *error)
     return PEL_OK;
 }
 
-static bool allocate_arrays(pel_active *active)
+static bool allocate_places(pel_active *active)
 {
-    pel_model *model = &active->model;
-    size_t count = (size_t)model->vertex_count, slices = (size_t)model->slice_count;
-    model->rest = pel_allocate_aligned(count, sizeof *model->rest);
-    model->inverse_mass = pel_allocate_aligned(count, sizeof *model->inverse_mass);
-    model->mass = pel_allocate_aligned(count, sizeof *model->mass);
-    model->damping = pel_allocate_aligned(count, sizeof *model->damping);
-    model->volumetric_damping = pel_allocate_aligned(count, sizeof *model->volumetric_damping);
-    model->body_of_slice = pel_allocate(slices, sizeof *model->body_of_slice);
-    model->mesh_vertex = pel_allocate(count, sizeof *model->mesh_vertex);
-    model->slot_begin = pel_allocate(slices + 1, sizeof *model->slot_begin);
-    model->slot_end = pel_allocate(slices, sizeof *model->slot_end);
-    model->triangles = pel_allocate((size_t)model->triangle_count, sizeof *model->triangles);
-    model->triangle_begin = pel_allocate((size_t)model->body_count + 1, sizeof *model->triangle_begin);
-    model->fan_begin = pel_allocate(count + 2, sizeof *model->fan_begin);
+    size_t count = (size_t)active->model.vertex_count;
     active->valence = pel_allocate(count, sizeof *active->valence);
     active->change = pel_allocate(count, sizeof *active->change);
     active->areas = pel_allocate(count, sizeof *active->areas);
@@ -118,12 +105,8 @@ static bool allocate_arrays(pel_active *active)
     active->is_dirty = pel_allocate(count, sizeof *active->is_dirty);
     active->dirty = pel_allocate(count, sizeof *active->dirty);
     active->released = pel_allocate(count, sizeof *active->released);
-    return model->rest != NULL && model->inverse_mass != NULL && model->mass != NULL && model->damping != NULL &&
-           model->volumetric_damping != NULL && model->body_of_slice != NULL && model->mesh_vertex != NULL &&
-           model->slot_begin != NULL && model->slot_end != NULL && model->triangles != NULL &&
-           model->triangle_begin != NULL && model->fan_begin != NULL && active->valence != NULL &&
-           active->areas != NULL && active->is_base != NULL && active->change != NULL && active->is_dirty != NULL &&
-           active->dirty != NULL && active->released != NULL;
+    return active->valence != NULL && active->change != NULL && active->areas != NULL && active->is_base != NULL &&
+           active->is_dirty != NULL && active->dirty != NULL && active->released != NULL;
 }
 
 static bool allocate_body(pel_active *active, int32_t b)
@@ -163,20 +146,14 @@ static int32_t lay_out_slots(pel_active *active)
     return longest;
 }
 
-static bool allocate_slots(pel_active *active, int32_t longest)
+/* longest: springs of a row at most */
+static bool allocate_row(pel_active *active, int32_t longest)
 {
-    pel_model *model = &active->model;
-    size_t count = (size_t)model->slot_begin[model->slice_count];
-    model->neighbours = pel_allocate_aligned(count, sizeof *model->neighbours);
-    model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
-    model->stiffnesses = pel_allocate_aligned(count, sizeof *model->stiffnesses);
-    model->fans = pel_allocate(3 * (size_t)active->given->triangle_count, sizeof *model->fans);
     active->fan_limit = longest + 1;
     active->fan = pel_allocate((size_t)active->fan_limit, sizeof *active->fan);
     active->row = pel_allocate((size_t)active->fan_limit, sizeof *active->row);
     active->around = pel_allocate((size_t)active->fan_limit, sizeof *active->around);
-    return model->neighbours != NULL && model->rest_lengths != NULL && model->stiffnesses != NULL &&
-           model->fans != NULL && active->fan != NULL && active->row != NULL && active->around != NULL;
+    return active->fan != NULL && active->row != NULL && active->around != NULL;
 }
 
 /* ---- the plain part ---- */
@@ -217,8 +194,10 @@ static void copy_springs(pel_active *active, int32_t b)
         int32_t from = given->slot_begin[s - shift / PEL_WIDTH], to = model->slot_begin[s];
         for (int32_t i = 0; i < model->slot_end[s] - to; i++) {
             model->rest_lengths[to + i] = given->rest_lengths[from + i];
-            if (given->stiffnesses != NULL)
+            if (given->stiffnesses != NULL) {
                 model->stiffnesses[to + i] = given->stiffnesses[from + i];
+                model->products[to + i] = given->products[from + i];
+            }
             for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
                 model->neighbours[to + i][lane] = given->neighbours[from + i][lane] + shift;
         }
@@ -261,9 +240,7 @@ static row_triangle row_triangle_of(const pel_body_detail *detail, const pel_fro
     /* from the triangle's own corners in their order: the same bits seen from each of them */
     const pel_front_triangle *own = &front->triangles[front->place_of_node[corner->node][corner->half]];
     const double(*x)[3] = (const double(*)[3])front->forest->rest_positions;
-    double normal[3];
-    pel_vec3_triangle_normal(x[own->vertices[0]], x[own->vertices[1]], x[own->vertices[2]], normal);
-    triangle.area = pel_vec3_length(normal) / 2;
+    triangle.area = pel_vec3_triangle_area(x[own->vertices[0]], x[own->vertices[1]], x[own->vertices[2]]);
     return triangle;
 }
 
@@ -336,25 +313,16 @@ static int32_t collect_row(pel_active *active, const pel_body_detail *detail, co
     return count;
 }
 
-static pel_real rest_distance(const pel_model *model, int32_t i, int32_t j)
-{
-    /* the very operations of the force loop, so that the rest shape is free of force to the last bit */
-    pel_record d = model->rest[j] - model->rest[i];
-    return pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
-}
-
-/* the springs of one place; the rest of its lane is springs to itself */
+/* the springs of one place; in the rest of its lane, springs to itself stay */
 static void write_row(pel_active *active, const pel_active_body *own, int32_t place, int32_t count)
 {
     pel_model *model = &active->model;
-    int32_t slice = place / PEL_WIDTH, lane = place % PEL_WIDTH, begin = model->slot_begin[slice];
-    int32_t room = model->slot_begin[slice + 1] - begin, longest = 0;
-    for (int32_t s = 0; s < room; s++) {
-        int32_t other = s < count ? own->place_of_vertex[active->row[s].vertex] : place;
-        model->neighbours[begin + s][lane] = other;
-        model->rest_lengths[begin + s][lane] = s < count ? rest_distance(model, place, other) : pel_sqrt(PEL_REAL_TINY);
-        model->stiffnesses[begin + s][lane] = s < count ? (pel_real)active->row[s].stiffness : 0;
-    }
+    int32_t slice = place / PEL_WIDTH, begin = model->slot_begin[slice], longest = 1;
+    for (int32_t s = 0; s < count; s++)
+        pel_model_set_spring(model, begin + s, place, own->place_of_vertex[active->row[s].vertex],
+                             active->row[s].stiffness);
+    for (int32_t s = count; s < active->valence[place]; s++)
+        pel_model_set_spring(model, begin + s, place, place, 0);
     active->valence[place] = count;
     for (int32_t i = slice * PEL_WIDTH; i < (slice + 1) * PEL_WIDTH; i++)
         longest = active->valence[i] > longest ? active->valence[i] : longest;
@@ -638,8 +606,11 @@ static void start_body(pel_active *active, int32_t b)
     memset(own->place_of_vertex, -1, (size_t)fine_vertex_count(body->detail) * sizeof *own->place_of_vertex);
     for (int32_t v = 0; v < body->mesh->vertex_count; v++)
         own->place_of_vertex[v] = body->slot_of_vertex[v];
-    for (int32_t place = body->slice_begin * PEL_WIDTH; place < own->fine_limit; place++)
+    for (int32_t place = body->slice_begin * PEL_WIDTH; place < own->fine_limit; place++) {
+        int32_t slice = place / PEL_WIDTH;
+        active->valence[place] = model->slot_begin[slice + 1] - model->slot_begin[slice];
         write_row(active, own, place, 0);
+    }
     pel_active_rebuild(active, b, NULL);
 }
 
@@ -668,10 +639,12 @@ static pel_status build(pel_active *active, pel_error *error)
     pel_status status = lay_out(active, error);
     if (status != PEL_OK)
         return status;
-    bool room = allocate_arrays(active);
+    bool room = pel_model_allocate(model) && allocate_places(active);
     for (int32_t b = 0; room && b < model->body_count; b++)
         room = allocate_body(active, b);
-    if (!room || !allocate_slots(active, lay_out_slots(active)))
+    room = room && allocate_row(active, lay_out_slots(active)) &&
+           pel_model_allocate_slots(model, true, 3 * active->given->triangle_count);
+    if (!room)
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_front *front = model->bodies[b].front;
@@ -725,16 +698,10 @@ void pel_active_destroy(pel_active *active)
         pel_free(active->bodies[b].used);
         pel_free(model->bodies[b].slot_of_vertex);
     }
-    void *arrays[] = {model->bodies,        model->rest,        model->inverse_mass,
-                      model->mass,          model->damping,     model->volumetric_damping,
-                      model->body_of_slice, model->mesh_vertex, model->slot_begin,
-                      model->slot_end,      model->neighbours,  model->rest_lengths,
-                      model->stiffnesses,   model->triangles,   model->triangle_begin,
-                      model->fan_begin,     model->fans,        active->bodies,
-                      active->areas,        active->is_base,    active->valence,
-                      active->change,       active->is_dirty,   active->dirty,
-                      active->released,     active->fan,        active->row,
-                      active->around};
+    pel_model_free_arrays(model);
+    void *arrays[] = {model->bodies,    active->bodies, active->areas,    active->is_base,
+                      active->valence,  active->change, active->is_dirty, active->dirty,
+                      active->released, active->fan,    active->row,      active->around};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(active);

@@ -83,12 +83,13 @@ static bool allocate(pel_body_detail *detail)
     const pel_topology *base = detail->forest->levels[0];
     size_t fine_count = (size_t)detail->forest->levels[detail->forest->depth]->vertex_count;
     detail->areas = pel_allocate((size_t)base->triangle_count, sizeof *detail->areas);
+    detail->vertex_areas = pel_allocate((size_t)base->vertex_count, sizeof *detail->vertex_areas);
     detail->densities = pel_allocate(fine_count, sizeof *detail->densities);
     detail->stiffnesses = pel_allocate((size_t)base->edge_count, sizeof *detail->stiffnesses);
     detail->moduli = pel_allocate((size_t)base->edge_count, sizeof *detail->moduli);
     detail->pinned = pel_allocate(fine_count, sizeof *detail->pinned);
-    return detail->areas != NULL && detail->densities != NULL && detail->stiffnesses != NULL &&
-           detail->moduli != NULL && detail->pinned != NULL;
+    return detail->areas != NULL && detail->vertex_areas != NULL && detail->densities != NULL &&
+           detail->stiffnesses != NULL && detail->moduli != NULL && detail->pinned != NULL;
 }
 
 static void measure_areas(pel_body_detail *detail)
@@ -97,39 +98,56 @@ static void measure_areas(pel_body_detail *detail)
     const double(*x)[3] = (const double(*)[3])detail->forest->rest_positions;
     for (int32_t t = 0; t < base->triangle_count; t++) {
         const int32_t *v = base->triangles[t];
-        double normal[3];
-        pel_vec3_triangle_normal(x[v[0]], x[v[1]], x[v[2]], normal);
-        detail->areas[t] = pel_vec3_length(normal) / 2;
+        detail->areas[t] = pel_vec3_triangle_area(x[v[0]], x[v[1]], x[v[2]]);
+        for (int c = 0; c < 3; c++)
+            detail->vertex_areas[v[c]] += detail->areas[t];
     }
 }
 
-/* the numbers of the base's vertices over the area around them, then means down the levels */
-static void spread_densities(pel_body_detail *detail, const pel_model *model, const pel_body *body)
+void pel_detail_spread(const pel_body_detail *detail, int32_t component_count, double *values)
 {
     const pel_lod_forest *forest = detail->forest;
-    const pel_topology *base = forest->levels[0];
-    pel_nodal *density = detail->densities;
-    for (int32_t t = 0; t < base->triangle_count; t++)
-        for (int c = 0; c < 3; c++)
-            density[base->triangles[t][c]].mass += detail->areas[t];
-    for (int32_t v = 0; v < base->vertex_count; v++) {
-        int32_t i = body->slot_of_vertex[v];
-        double area = density[v].mass;
-        density[v] = (pel_nodal){(double)model->mass[i] / area, (double)model->damping[i] / area,
-                                 (double)model->rest[i][3] / area, (double)model->volumetric_damping[i] / area};
-        detail->pinned[v] = model->inverse_mass[i] == 0;
-    }
-    for (int32_t l = 0; l < forest->depth; l++)
-        for (int32_t e = 0; e < forest->levels[l]->edge_count; e++) {
-            const pel_topology *level = forest->levels[l];
-            int32_t h = level->half_edge_of_edge[e], m = level->vertex_count + e;
-            int32_t a = pel_half_edge_origin(level, h), b = pel_half_edge_target(level, h);
-            const pel_nodal *p = &density[a], *q = &density[b];
-            density[m] = (pel_nodal){(p->mass + q->mass) / 2, (p->damping + q->damping) / 2,
-                                     (p->volumetric_stiffness + q->volumetric_stiffness) / 2,
-                                     (p->volumetric_damping + q->volumetric_damping) / 2};
-            detail->pinned[m] = detail->pinned[a] && detail->pinned[b];
+    const size_t n = (size_t)component_count;
+    for (int32_t v = 0; v < forest->levels[0]->vertex_count; v++)
+        for (size_t c = 0; c < n; c++)
+            values[(size_t)v * n + c] /= detail->vertex_areas[v];
+    for (int32_t l = 0; l < forest->depth; l++) {
+        const pel_topology *level = forest->levels[l];
+        double *middle = values + (size_t)level->vertex_count * n;
+        for (int32_t e = 0; e < level->edge_count; e++, middle += n) {
+            int32_t h = level->half_edge_of_edge[e];
+            const double *p = values + (size_t)pel_half_edge_origin(level, h) * n;
+            const double *q = values + (size_t)pel_half_edge_target(level, h) * n;
+            for (size_t c = 0; c < n; c++)
+                middle[c] = (p[c] + q[c]) / 2;
         }
+    }
+}
+
+static void spread_densities(pel_body_detail *detail, const pel_model *model, const pel_body *body)
+{
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++) {
+        int32_t i = body->slot_of_vertex[v];
+        detail->densities[v] = (pel_nodal){(double)model->mass[i], (double)model->damping[i], (double)model->rest[i][3],
+                                           (double)model->volumetric_damping[i]};
+    }
+    pel_detail_spread(detail, sizeof(pel_nodal) / sizeof(double), (double *)detail->densities);
+}
+
+/* a vertex between two pinned ones is pinned */
+static void spread_pins(pel_body_detail *detail, const pel_model *model, const pel_body *body)
+{
+    const pel_lod_forest *forest = detail->forest;
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
+        detail->pinned[v] = model->inverse_mass[body->slot_of_vertex[v]] == 0;
+    for (int32_t l = 0; l < forest->depth; l++) {
+        const pel_topology *level = forest->levels[l];
+        for (int32_t e = 0; e < level->edge_count; e++) {
+            int32_t h = level->half_edge_of_edge[e];
+            detail->pinned[level->vertex_count + e] =
+                detail->pinned[pel_half_edge_origin(level, h)] && detail->pinned[pel_half_edge_target(level, h)];
+        }
+    }
 }
 
 static void fit_moduli(pel_body_detail *detail, const pel_quantity *stiffness)
@@ -172,6 +190,7 @@ pel_status pel_body_detail_create(const pel_body_def *def, pel_model *model, int
         return pel_fail_memory(error);
     measure_areas(detail);
     spread_densities(detail, model, &model->bodies[body]);
+    spread_pins(detail, model, &model->bodies[body]);
     fit_moduli(detail, &def->spring_stiffness);
     return PEL_OK;
 }
@@ -183,6 +202,7 @@ void pel_body_detail_destroy(pel_body_detail *detail)
     pel_lod_forest_destroy(detail->forest);
     pel_free(detail->region);
     pel_free(detail->areas);
+    pel_free(detail->vertex_areas);
     pel_free(detail->densities);
     pel_free(detail->stiffnesses);
     pel_free(detail->moduli);

@@ -22,6 +22,10 @@ pel_status pel_refine_check(const pel_refine_def *def, int32_t body, int32_t ver
 pel_status pel_body_detail_create(const pel_body_def *def, pel_model *model, int32_t body, pel_error *error);
 void pel_body_detail_destroy(pel_body_detail *detail);
 
+/* Densities on all levels from nodal numbers: values (vertices of the finest level x component_count), whose rows of
+   the base's vertices are given. */
+void pel_detail_spread(const pel_body_detail *detail, int32_t component_count, double *values);
+
 /* The base edge to which edge k of triangle t of a level is parallel. */
 int32_t pel_detail_base_edge(const pel_body_detail *detail, int32_t level, int32_t t, int k);
 

@@ -3,10 +3,12 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/vec3.h"
 #include "model/detail.h"
 #include "model/order.h"
 #include "model/quantity.h"
 #include "model/shell.h"
+#include "pellicle/measure.h"
 #include "pellicle/topology.h"
 
 #include <math.h>
@@ -38,14 +40,6 @@ pel_model_def pel_model_def_default(void)
 
 /* ---- checks ---- */
 
-static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *rule)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %g", name, value);
-    pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "%s", rule);
-    return PEL_BAD_ARGUMENT;
-}
-
 static pel_status check_name(const pel_model_def *def, int32_t body, pel_error *error)
 {
     const char *name = def->bodies[body].name;
@@ -67,16 +61,16 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
 {
     const pel_body_def *b = &def->bodies[body];
     if (b->cookie != BODY_COOKIE)
-        return refuse(error, body, "cookie", b->cookie, "start from pel_body_def_default()");
+        return pel_body_refuse(error, body, "cookie", b->cookie, "start from pel_body_def_default()");
     pel_status status = check_name(def, body, error);
     if (status != PEL_OK)
         return status;
     if (b->mesh == NULL)
-        return refuse(error, body, "mesh", 0, "give each body a mesh");
+        return pel_body_refuse(error, body, "mesh", 0, "give each body a mesh");
     if (!(b->mass > 0 && isfinite(b->mass)))
-        return refuse(error, body, "mass", b->mass, "give a finite mass above 0");
+        return pel_body_refuse(error, body, "mass", b->mass, "give a finite mass above 0");
     if (b->reference_count < 1)
-        return refuse(error, body, "reference_count", b->reference_count, "give at least 1");
+        return pel_body_refuse(error, body, "reference_count", b->reference_count, "give at least 1");
     const struct {
         const char *name;
         const pel_quantity *quantity;
@@ -93,7 +87,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
                                     quantities[q].keys, error);
     for (int32_t p = 0; status == PEL_OK && p < b->pinned_count; p++)
         if (b->pinned[p] < 0 || b->pinned[p] >= b->mesh->vertex_count)
-            status = refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
+            status =
+                pel_body_refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
     if (status == PEL_OK)
         status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
     if (status == PEL_OK)
@@ -126,29 +121,13 @@ static pel_status check_def(const pel_model_def *def, pel_error *error)
 
 /* ---- geometry of a body ---- */
 
-static void corners(const pel_mesh *mesh, int32_t t, double a[3], double b[3], double c[3])
-{
-    const int32_t *v = mesh->triangles[t];
-    memcpy(a, mesh->positions[v[0]], 3 * sizeof *a);
-    memcpy(b, mesh->positions[v[1]], 3 * sizeof *b);
-    memcpy(c, mesh->positions[v[2]], 3 * sizeof *c);
-}
-
-static double triangle_area(const double a[3], const double b[3], const double c[3])
-{
-    double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    double n[3] = {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
-    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-}
-
 /* a third of the area of the triangles around each vertex; returns the whole area, fails on a triangle without any */
 static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total, pel_error *error)
 {
     *total = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        double a[3], b[3], c[3];
-        corners(mesh, t, a, b, c);
-        double area = triangle_area(a, b, c);
+        const int32_t *v = mesh->triangles[t];
+        double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
         if (!(area > 0 && isfinite(area))) {
             pel_fail(error, PEL_BAD_MESH, "triangle has no area");
             pel_fail_element(error, "triangle", t);
@@ -157,9 +136,15 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
         }
         *total += area;
         for (int i = 0; i < 3; i++)
-            areas[mesh->triangles[t][i]] += area / 3;
+            areas[v[i]] += area / 3;
     }
     return PEL_OK;
+}
+
+/* about the first vertex */
+static double rest_volume(const pel_mesh *mesh)
+{
+    return pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, mesh->positions[0]);
 }
 
 static double bounding_diagonal(const pel_mesh *mesh)
@@ -178,7 +163,7 @@ static double bounding_diagonal(const pel_mesh *mesh)
 
 /* ---- arrays ---- */
 
-static bool allocate_vertices(pel_model *model)
+bool pel_model_allocate(pel_model *model)
 {
     size_t count = (size_t)model->vertex_count, slices = (size_t)model->slice_count;
     model->rest = pel_allocate_aligned(count, sizeof *model->rest);
@@ -189,24 +174,39 @@ static bool allocate_vertices(pel_model *model)
     model->body_of_slice = pel_allocate(slices, sizeof *model->body_of_slice);
     model->mesh_vertex = pel_allocate(count, sizeof *model->mesh_vertex);
     model->slot_begin = pel_allocate(slices + 1, sizeof *model->slot_begin);
+    model->slot_end = pel_allocate(slices, sizeof *model->slot_end);
     model->triangles = pel_allocate((size_t)model->triangle_count, sizeof *model->triangles);
     model->triangle_begin = pel_allocate((size_t)model->body_count + 1, sizeof *model->triangle_begin);
     model->fan_begin = pel_allocate(count + 2, sizeof *model->fan_begin);
-    model->fans = pel_allocate(3 * (size_t)model->triangle_count, sizeof *model->fans);
     return model->rest != NULL && model->inverse_mass != NULL && model->mass != NULL && model->damping != NULL &&
            model->volumetric_damping != NULL && model->body_of_slice != NULL && model->mesh_vertex != NULL &&
-           model->slot_begin != NULL && model->triangles != NULL && model->triangle_begin != NULL &&
-           model->fan_begin != NULL && model->fans != NULL;
+           model->slot_begin != NULL && model->slot_end != NULL && model->triangles != NULL &&
+           model->triangle_begin != NULL && model->fan_begin != NULL;
 }
 
-static bool allocate_slots(pel_model *model, bool with_stiffness)
+bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan_count)
 {
     size_t count = (size_t)model->slot_begin[model->slice_count];
     model->neighbours = pel_allocate_aligned(count, sizeof *model->neighbours);
     model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
-    if (with_stiffness)
+    if (with_stiffness) {
         model->stiffnesses = pel_allocate_aligned(count, sizeof *model->stiffnesses);
-    return model->neighbours != NULL && model->rest_lengths != NULL && (!with_stiffness || model->stiffnesses != NULL);
+        model->products = pel_allocate_aligned(count, sizeof *model->products);
+    }
+    model->fans = pel_allocate((size_t)fan_count, sizeof *model->fans);
+    return model->neighbours != NULL && model->rest_lengths != NULL && model->fans != NULL &&
+           (!with_stiffness || (model->stiffnesses != NULL && model->products != NULL));
+}
+
+void pel_model_free_arrays(pel_model *model)
+{
+    void *arrays[] = {
+        model->rest,          model->inverse_mass, model->mass,       model->damping,   model->volumetric_damping,
+        model->body_of_slice, model->mesh_vertex,  model->slot_begin, model->slot_end,  model->neighbours,
+        model->rest_lengths,  model->stiffnesses,  model->products,   model->triangles, model->triangle_begin,
+        model->fan_begin,     model->fans};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
 }
 
 /* masses, damping and volumetric springs of one body's vertices; padding repeats the first vertex without mass */
@@ -248,24 +248,27 @@ static void count_slots(pel_model *model, const pel_body *body, const int32_t *v
         for (int32_t i = s * PEL_WIDTH; i < (s + 1) * PEL_WIDTH; i++)
             if (model->mesh_vertex[i] >= 0 && valence[model->mesh_vertex[i]] > most)
                 most = valence[model->mesh_vertex[i]];
-        model->slot_begin[s + 1] = model->slot_begin[s] + most;
+        model->slot_begin[s + 1] = model->slot_end[s] = model->slot_begin[s] + most;
     }
 }
 
-static pel_real rest_distance(const pel_model *model, int32_t i, int32_t j)
+void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness)
 {
-    /* the very operations of the force loop, so that the rest shape is free of force to the last bit */
     pel_record d = model->rest[j] - model->rest[i];
-    return pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+    pel_real length = pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+    int32_t lane = i % PEL_WIDTH;
+    model->neighbours[slot][lane] = j;
+    model->rest_lengths[slot][lane] = length;
+    if (model->stiffnesses == NULL)
+        return;
+    pel_real product = (pel_real)stiffness * length;
+    model->products[slot][lane] = product;
+    model->stiffnesses[slot][lane] = product / length;
 }
 
 static void add_spring(pel_model *model, int32_t i, int32_t j, int32_t *filled, double stiffness)
 {
-    int32_t slot = model->slot_begin[i / PEL_WIDTH] + filled[i]++, lane = i % PEL_WIDTH;
-    model->neighbours[slot][lane] = j;
-    model->rest_lengths[slot][lane] = rest_distance(model, i, j);
-    if (model->stiffnesses != NULL)
-        model->stiffnesses[slot][lane] = (pel_real)stiffness;
+    pel_model_set_spring(model, model->slot_begin[i / PEL_WIDTH] + filled[i]++, i, j, stiffness);
 }
 
 /* both ends of every edge; lanes that stay empty point to their own vertex */
@@ -274,10 +277,8 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
 {
     for (int32_t s = body->slice_begin; s < body->slice_end; s++)
         for (int32_t slot = model->slot_begin[s]; slot < model->slot_begin[s + 1]; slot++)
-            for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
-                model->neighbours[slot][lane] = s * PEL_WIDTH + lane;
-                model->rest_lengths[slot][lane] = pel_sqrt(PEL_REAL_TINY);
-            }
+            for (int32_t i = s * PEL_WIDTH; i < (s + 1) * PEL_WIDTH; i++)
+                pel_model_set_spring(model, slot, i, i, 0);
     for (int32_t e = 0; e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e];
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
@@ -421,7 +422,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         with_stiffness |= body->uniform_spring < 0;
     }
     model->vertex_count = model->slice_count * PEL_WIDTH;
-    if (!allocate_vertices(model))
+    if (!pel_model_allocate(model))
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body *body = &model->bodies[b];
@@ -434,15 +435,14 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
             return status;
         fill_triangles(model, b);
     }
-    fill_fans(model);
     int32_t *filled = pel_allocate((size_t)model->vertex_count, sizeof *filled);
-    bool room = filled != NULL && allocate_slots(model, with_stiffness);
+    bool room = filled != NULL && pel_model_allocate_slots(model, with_stiffness, 3 * model->triangle_count);
     for (int32_t b = 0; room && b < model->body_count; b++)
         fill_springs(model, &def->bodies[b], &model->bodies[b], builds[b].topology, filled);
     pel_free(filled);
     if (!room)
         return pel_fail_memory(error);
-    model->slot_end = model->slot_begin + 1;
+    fill_fans(model);
     for (int32_t b = 0; b < model->body_count; b++) {
         pel_status status = pel_body_detail_create(&def->bodies[b], model, b, error);
         if (status == PEL_OK)
@@ -451,25 +451,6 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
             return status;
     }
     return PEL_OK;
-}
-
-/* volume enclosed by a body's mesh about its first vertex */
-static double mesh_volume(const pel_mesh *mesh)
-{
-    double volume = 0;
-    const double *o = mesh->positions[0];
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        double a[3], b[3], c[3];
-        corners(mesh, t, a, b, c);
-        for (int i = 0; i < 3; i++) {
-            a[i] -= o[i];
-            b[i] -= o[i];
-            c[i] -= o[i];
-        }
-        volume += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-                  a[2] * (b[0] * c[1] - b[1] * c[0]);
-    }
-    return volume / 6;
 }
 
 pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error)
@@ -491,7 +472,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);
         for (int32_t b = 0; status == PEL_OK && b < def->body_count; b++)
-            made->bodies[b].rest_volume = mesh_volume(made->bodies[b].mesh);
+            made->bodies[b].rest_volume = rest_volume(made->bodies[b].mesh);
     }
     pel_free(builds);
     if (status == PEL_OK)
@@ -513,14 +494,8 @@ void pel_model_destroy(pel_model *model)
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)
             pel_free(model->bodies[b].curves[p].keys);
     }
-    void *arrays[] = {model->bodies,        model->rest,           model->inverse_mass,
-                      model->mass,          model->damping,        model->volumetric_damping,
-                      model->body_of_slice, model->mesh_vertex,    model->slot_begin,
-                      model->neighbours,    model->rest_lengths,   model->stiffnesses,
-                      model->triangles,     model->triangle_begin, model->fan_begin,
-                      model->fans};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    pel_model_free_arrays(model);
+    pel_free(model->bodies);
     pel_free(model);
 }
 

@@ -37,6 +37,7 @@ typedef struct pel_body_detail {
     int32_t *region;
     pel_lod_forest *forest;
     double *areas;        /* (base triangles) rest area */
+    double *vertex_areas; /* (base vertices) of the triangles around */
     pel_nodal *densities; /* (vertices of the finest level) over the area of the triangles around */
     double *stiffnesses;  /* (base edges) as given */
     double *moduli;  /* (base edges) stiffness = sum of modulus x area / squared length over the triangles beside */
@@ -81,10 +82,11 @@ struct pel_model {
 
     /* by slot */
     int32_t *slot_begin;              /* (slice_count + 1) */
-    int32_t *slot_end;                /* (slice_count) in an active model slices have room to grow */
+    int32_t *slot_end;                /* (slice_count) at least one slot in each; an active model has room behind it */
     int32_t (*neighbours)[PEL_WIDTH]; /* (slot_count) */
     pel_wide *rest_lengths;           /* (slot_count) */
     pel_wide *stiffnesses;            /* (slot_count), null when every body has a uniform one */
+    pel_wide *products;               /* (slot_count) stiffness x rest length, null likewise */
 
     /* by triangle of all bodies, in model vertex order */
     int32_t (*triangles)[3];
@@ -102,6 +104,19 @@ static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
         end = body + 1 < model->body_count ? model->bodies[body + 1].slice_begin : model->slice_count;
     return end * PEL_WIDTH;
 }
+
+/* The arrays by vertex, slice and triangle, for the counts that the model has; false when out of memory. What was made
+   is freed by pel_model_free_arrays. */
+bool pel_model_allocate(pel_model *model);
+/* Those by slot, for the slots up to slot_begin[slice_count], and fans. */
+bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan_count);
+/* All of them; names, meshes and the like belong to the bodies. */
+void pel_model_free_arrays(pel_model *model);
+
+/* Writes the spring from place i to j into a slot of i; from i to itself, with stiffness 0, it fills the slot up. The
+   rest length comes from the very operations of the force loop, and the stiffness, in its last bit, from the product:
+   so the rest shape is free of force to the last bit. */
+void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness);
 
 /* The triangles of a body's surface: their number, and which of model->triangles is the i-th. With refinement the
    triangle of a node and half has the fixed number 2 node + half in its body, so that it can be named over events. */

@@ -28,11 +28,11 @@ double pel_curve_largest(const pel_curve *curve)
     return largest;
 }
 
-static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *rule)
+pel_status pel_body_refuse(pel_error *error, int32_t body, const char *name, double value, const char *remedy)
 {
     pel_fail(error, PEL_BAD_ARGUMENT, "%s is %g", name, value);
     pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "%s", rule);
+    pel_fail_remedy(error, "%s", remedy);
     return PEL_BAD_ARGUMENT;
 }
 
@@ -46,20 +46,20 @@ static pel_status check(const pel_quantity *quantity, int32_t vertex_count, int3
 {
     const char *rule = is_signed ? "give finite numbers" : "give finite numbers of at least 0";
     if (quantity->field != NULL && quantity->key_count > 0)
-        return refuse(error, body, name, quantity->value, "give either a field or keys, not both");
+        return pel_body_refuse(error, body, name, quantity->value, "give either a field or keys, not both");
     if (quantity->key_count > 0 && !keys_allowed)
-        return refuse(error, body, name, quantity->value, "this number cannot vary over time");
+        return pel_body_refuse(error, body, name, quantity->value, "this number cannot vary over time");
     if (quantity->field == NULL && quantity->key_count == 0 && !is_allowed(quantity->value, is_signed))
-        return refuse(error, body, name, quantity->value, rule);
+        return pel_body_refuse(error, body, name, quantity->value, rule);
     for (int32_t v = 0; quantity->field != NULL && v < vertex_count; v++)
         if (!is_allowed(quantity->field[v], is_signed))
-            return refuse(error, body, name, quantity->field[v], rule);
+            return pel_body_refuse(error, body, name, quantity->field[v], rule);
     for (int32_t k = 0; k < quantity->key_count; k++) {
         const pel_key *key = &quantity->keys[k];
         if (!(is_allowed(key->value, is_signed) && isfinite(key->time)))
-            return refuse(error, body, name, key->value, rule);
+            return pel_body_refuse(error, body, name, key->value, rule);
         if (k > 0 && !(key->time > key[-1].time))
-            return refuse(error, body, name, key->time, "give keys with increasing times");
+            return pel_body_refuse(error, body, name, key->time, "give keys with increasing times");
     }
     return PEL_OK;
 }

@@ -2,6 +2,7 @@
 #ifndef PEL_MODEL_STATE_H
 #define PEL_MODEL_STATE_H
 
+#include "math/vec3.h"
 #include "model/model.h"
 
 /* What the automatic weight of a body's bending knows (sim/weight.c). */
@@ -24,6 +25,11 @@ struct pel_state {
     double (*factors)[PEL_PARAMETER_COUNT];      /* (body_count) present factor of each keyed parameter */
     pel_bending_control *bending;                /* (body_count) */
 };
+
+static inline void pel_vertex_position(const pel_record *positions, int32_t v, double x[3])
+{
+    pel_vec3_set(x, (double)positions[v][0], (double)positions[v][1], (double)positions[v][2]);
+}
 
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error);
 /* makes room for what second order methods remember; nothing is known yet */

@@ -63,12 +63,6 @@ static void add_turned(const double rest[3][3], const double now[3][3], const do
         pel_vec3_along(sum, turned[i], to.axes[i], sum);
 }
 
-static void position_of(const pel_state *state, int32_t place, double x[3])
-{
-    for (int i = 0; i < 3; i++)
-        x[i] = (double)state->position[place][i];
-}
-
 static void place_vertex(const pel_active_body *body, const pel_state *state, int32_t v, double x[3])
 {
     const pel_lod_forest *forest = body->front->forest;
@@ -86,12 +80,12 @@ static void place_vertex(const pel_active_body *body, const pel_state *state, in
         for (int c = 0; c < 3; c++) {
             int32_t corner = coarse->triangles[sides[s]][c];
             pel_vec3_copy(rest[corner], from[c]);
-            position_of(state, body->place_of_vertex[corner], to[c]);
+            pel_vertex_position(state->position, body->place_of_vertex[corner], to[c]);
         }
         add_turned((const double(*)[3])from, (const double(*)[3])to, offset, sum);
     }
-    position_of(state, body->place_of_vertex[a], xa);
-    position_of(state, body->place_of_vertex[b], xb);
+    pel_vertex_position(state->position, body->place_of_vertex[a], xa);
+    pel_vertex_position(state->position, body->place_of_vertex[b], xb);
     for (int i = 0; i < 3; i++)
         x[i] = (xa[i] + xb[i]) / 2 + sum[i] / side_count;
 }

@@ -351,6 +351,8 @@ static pel_status simulate(pel_run_state *run, pel_error *error)
         wanted = status != PEL_OK || report(run);
     }
     int64_t step = pel_sim_step_count(run->sim);
+    if (status == PEL_DIVERGED && strcmp(error->element_kind, "body") == 0)
+        pel_scene_locate(run->scene, error);
     if (status != PEL_OK || wanted || run->settled || step >= end)
         return status;
     return pel_fail(error, PEL_STOPPED, "stopped at step %" PRId64 " of %" PRId64, step, end);

@@ -69,14 +69,11 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
 
 static void write_text(pel_file_writer *writer, const char *text)
 {
+    char letter[7];
     pel_file_writer_write(writer, "\"", 1);
-    for (; *text != '\0'; text++) {
-        if (*text == '"' || *text == '\\')
-            pel_file_writer_printf(writer, "\\%c", *text);
-        else if ((unsigned char)*text < ' ')
-            pel_file_writer_printf(writer, "\\u%04x", (unsigned)(unsigned char)*text);
-        else
-            pel_file_writer_write(writer, text, 1);
+    while (*text != '\0') {
+        text = pel_json_letter(text, letter);
+        pel_file_writer_write(writer, letter, strlen(letter));
     }
     pel_file_writer_write(writer, "\"", 1);
 }

@@ -10,6 +10,7 @@
 #include "scene/print.h"
 #include "scene/yaml.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* everything that a scene owns */
@@ -173,8 +174,24 @@ static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error
     return NULL;
 }
 
+/* people know bodies, loads and tools by their names */
+static void name_element(const pel_scene *scene, pel_error *error)
+{
+    const char *name = NULL, *kind = error->element_kind;
+    const int64_t i = error->element;
+    if (strcmp(kind, "body") == 0 && i >= 0 && i < scene->model.body_count)
+        name = scene->model.bodies[i].name;
+    else if (strcmp(kind, "load") == 0 && i >= 0 && i < scene->sim.load_count)
+        name = scene->sim.loads[i].name;
+    else if (strcmp(kind, "tool") == 0 && i >= 0 && i < scene->sim.tool_count)
+        name = scene->sim.tools[i].name;
+    if (name != NULL)
+        snprintf(error->element_name, sizeof error->element_name, "%s", name);
+}
+
 void pel_scene_locate(const pel_scene *scene, pel_error *error)
 {
+    name_element(scene, error);
     if (error->file[0] != '\0')
         return;
     const pel_scene_value *cause = find_cause(scene, error);

@@ -4,6 +4,7 @@
 #include "sim/contact.h"
 
 #include "base/memory.h"
+#include "base/sort.h"
 #include "base/status.h"
 #include "sim/tool.h"
 
@@ -58,30 +59,12 @@ static uint64_t make_key(int32_t a, int32_t b)
     return (uint64_t)low << 32 | high;
 }
 
-static void sink(uint64_t *heap, size_t root, size_t count)
+static bool is_before(const uint64_t *a, const uint64_t *b)
 {
-    uint64_t value = heap[root];
-    for (size_t child; (child = 2 * root + 1) < count; root = child) {
-        if (child + 1 < count && heap[child + 1] > heap[child])
-            child++;
-        if (heap[child] <= value)
-            break;
-        heap[root] = heap[child];
-    }
-    heap[root] = value;
+    return *a < *b;
 }
 
-static void sort_keys(uint64_t *keys, size_t count)
-{
-    for (size_t i = count / 2; i > 0; i--)
-        sink(keys, i - 1, count);
-    for (size_t last = count; last > 1; last--) {
-        uint64_t largest = keys[0];
-        keys[0] = keys[last - 1];
-        keys[last - 1] = largest;
-        sink(keys, 0, last - 1);
-    }
-}
+PEL_DEFINE_SORT(sort_keys, uint64_t, is_before)
 
 static pel_status make_keys(pel_sim_contacts *contacts, pel_error *error)
 {

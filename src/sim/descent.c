@@ -112,7 +112,7 @@ void pel_sim_descent_step(pel_sim *sim, pel_step_result *step)
     };
     memcpy(state->position_next, state->position, count * sizeof *state->position);
     pel_descent_run(descent->minimiser, &problem, state->position_next, &descent->result);
-    *step = (pel_step_result){.diverged = !pel_sim_is_inside(sim)};
+    *step = (pel_step_result){.diverged = !pel_sim_all_inside(sim)};
 }
 
 /* ---- creation ---- */

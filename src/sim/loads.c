@@ -114,25 +114,6 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body)
     }
 }
 
-/* densities on all levels from the weights on the mesh */
-static void spread_weights(const pel_body_detail *detail, pel_load *load)
-{
-    const pel_lod_forest *forest = detail->forest;
-    const pel_topology *base = forest->levels[0];
-    for (int32_t t = 0; t < base->triangle_count; t++)
-        for (int c = 0; c < 3; c++)
-            load->densities[base->triangles[t][c]] += detail->areas[t];
-    for (int32_t v = 0; v < base->vertex_count; v++)
-        load->densities[v] = load->base_weights[v] / load->densities[v];
-    for (int32_t l = 0; l < forest->depth; l++)
-        for (int32_t e = 0; e < forest->levels[l]->edge_count; e++) {
-            const pel_topology *level = forest->levels[l];
-            int32_t h = level->half_edge_of_edge[e];
-            load->densities[level->vertex_count + e] =
-                (load->densities[pel_half_edge_origin(level, h)] + load->densities[pel_half_edge_target(level, h)]) / 2;
-        }
-}
-
 static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *def, double share, pel_error *error)
 {
     const pel_body_detail *detail = sim->model->bodies[def->body].detail;
@@ -147,7 +128,8 @@ static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *
     for (int32_t i = 0; i < count; i++)
         load->base_weights[def->vertices != NULL ? def->vertices[i] : i] +=
             share * (def->weights != NULL ? def->weights[i] : 1);
-    spread_weights(detail, load);
+    memcpy(load->densities, load->base_weights, (size_t)mesh_count * sizeof *load->densities);
+    pel_detail_spread(detail, 1, load->densities);
     pel_loads_rebuild(sim, def->body);
     return PEL_OK;
 }
@@ -239,12 +221,10 @@ typedef struct gains {
 
 static bool push(pel_sim *sim, int32_t v, gains gain, pel_record acceleration)
 {
-    pel_record *x = &sim->state->position_next[v];
-    *x += gain.position * acceleration;
+    sim->state->position_next[v] += gain.position * acceleration;
     if (sim->state->velocity_next != NULL)
         sim->state->velocity_next[v] += gain.velocity * acceleration;
-    pel_real bound = (pel_real)sim->step.bound;
-    return (*x)[0] * (*x)[0] + (*x)[1] * (*x)[1] + (*x)[2] * (*x)[2] < bound * bound;
+    return pel_sim_is_inside(sim, v);
 }
 
 static gains gains_of(const pel_sim *sim)

@@ -77,6 +77,6 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
                     s == 0 ? state->position : state->position_next);
         pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
     }
-    result->diverged = !pel_sim_is_inside(sim);
+    result->diverged = !pel_sim_all_inside(sim);
     return PEL_OK;
 }

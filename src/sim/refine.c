@@ -428,8 +428,8 @@ static pel_status start_region(pel_sim *sim, int32_t body, pel_error *error)
     ask_for_region(sim, body);
     int32_t count = pel_front_close(own->front);
     if (count > own->triangle_limit) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "refine: the region of body '%s' needs %d triangles, the budget is %d",
-                 sim->model->bodies[body].name, (int)count, (int)own->triangle_limit);
+        pel_fail(error, PEL_BAD_ARGUMENT, "refine: the region needs %d triangles, the budget is %d", (int)count,
+                 (int)own->triangle_limit);
         pel_fail_element(error, "body", body);
         pel_fail_remedy(error, "give a budget of at least %d, a smaller region or fewer levels for it", (int)count);
         return PEL_BAD_ARGUMENT;

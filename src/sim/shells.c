@@ -96,7 +96,7 @@ bool pel_shells_apply(pel_sim *sim)
     }
     if (is_explicit && (sim->shells != NULL || sim->solver.drag > 0))
         correct_velocities(sim);
-    return sim->shells == NULL || pel_sim_is_inside(sim);
+    return sim->shells == NULL || pel_sim_all_inside(sim);
 }
 
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
@@ -109,8 +109,8 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
         if (ratio > 0)
             continue;
         int64_t step = sim->state->step + 1;
-        pel_fail(error, PEL_DIVERGED, "the pressure turned body '%s' inside out in frame %lld (t = %g s)", body->name,
-                 (long long)step, (double)step * sim->step.dt);
+        pel_fail(error, PEL_DIVERGED, "the pressure turned it inside out in frame %lld (t = %g s)", (long long)step,
+                 (double)step * sim->step.dt);
         pel_fail_element(error, "body", b);
         pel_fail_remedy(error, "lower the pressure, stop earlier (stop: volume_ratio_below), or switch contact on");
         return PEL_DIVERGED;

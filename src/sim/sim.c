@@ -65,11 +65,30 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
     return PEL_OK;
 }
 
-static pel_status refuse_unstable(pel_error *error, const char *name, double value, double limit)
+/* an enclosed gas is as stiff as its pressure */
+static bool has_gas(const pel_sim *sim)
 {
-    pel_fail(error, PEL_UNSTABLE, "%s %.6g is unstable on this mesh: the limit is %.6g", name, value, limit);
-    pel_fail_remedy(error, "use at most %.4g%s", SAFE_SHARE * limit,
-                    strcmp(name, "alpha") == 0 ? ", or leave alpha out for a safe value" : ", or a softer material");
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        if (shell != NULL && shell->pressure.kind == PEL_PRESSURE_GAS)
+            return true;
+    }
+    return false;
+}
+
+static pel_status refuse_alpha(const pel_sim *sim, pel_error *error)
+{
+    pel_fail(error, PEL_UNSTABLE, "alpha %.6g is unstable on this mesh: the limit is %.6g", sim->step.alpha,
+             sim->alpha_limit);
+    pel_fail_remedy(error, "use at most %.4g, or leave alpha out for a safe value", SAFE_SHARE * sim->alpha_limit);
+    return PEL_UNSTABLE;
+}
+
+static pel_status refuse_dt(const pel_sim *sim, double limit, pel_error *error)
+{
+    pel_fail(error, PEL_UNSTABLE, "dt %.6g is unstable on this mesh: the limit is %.6g", sim->step.dt, limit);
+    pel_fail_remedy(error, "use at most %.4g, or a softer material%s", SAFE_SHARE * limit,
+                    has_gas(sim) ? ", or a gas of lower pressure" : "");
     return PEL_UNSTABLE;
 }
 
@@ -98,7 +117,7 @@ static pel_status choose_alpha(pel_sim *sim, pel_error *error)
         return status;
     sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness, solver->dt, solver->keep_velocity);
     if (sim->step.alpha >= sim->alpha_limit)
-        return refuse_unstable(error, "alpha", sim->step.alpha, sim->alpha_limit);
+        return refuse_alpha(sim, error);
     return PEL_OK;
 }
 
@@ -117,7 +136,7 @@ static pel_status check_dt_here(pel_sim *sim, pel_error *error)
     if (sim->step.dt <= limit)
         return PEL_OK;
     if (limit > 0)
-        return refuse_unstable(error, "dt", sim->step.dt, limit);
+        return refuse_dt(sim, limit, error);
     pel_fail(error, PEL_UNSTABLE, "forward Euler is unstable at every dt without damping");
     pel_fail_remedy(error, "give the springs a damping above 0, or use the symplectic integrator");
     return PEL_UNSTABLE;
@@ -288,18 +307,13 @@ static void update_factors(pel_sim *sim, double time)
 /* the first vertex of the new positions that is out of the bound, or -1 */
 static int32_t first_outside(const pel_sim *sim)
 {
-    double bound = sim->step.bound * sim->step.bound;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
-        double square = 0;
-        for (int i = 0; i < 3; i++)
-            square += (double)sim->state->position_next[v][i] * (double)sim->state->position_next[v][i];
-        if (!(square < bound))
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        if (!pel_sim_is_inside(sim, v))
             return v;
-    }
     return -1;
 }
 
-bool pel_sim_is_inside(const pel_sim *sim)
+bool pel_sim_all_inside(const pel_sim *sim)
 {
     return first_outside(sim) < 0;
 }

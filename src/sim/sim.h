@@ -183,9 +183,17 @@ static inline bool pel_sim_has_velocity(const pel_sim *sim)
     return pel_sim_is_explicit(sim) || pel_sim_is_projected(sim);
 }
 
+/* whether the new position of a vertex is within the bound; not so when it is NaN */
+static inline bool pel_sim_is_inside(const pel_sim *sim, int32_t v)
+{
+    double bound = sim->step.bound, x[3];
+    pel_vertex_position(sim->state->position_next, v, x);
+    return pel_vec3_squared_length(x) < bound * bound;
+}
+
 /* ---- sim.c ---- */
-/* True when no vertex of the new positions has left the bound. */
-bool pel_sim_is_inside(const pel_sim *sim);
+/* True when this is so for every vertex. */
+bool pel_sim_all_inside(const pel_sim *sim);
 
 /* ---- project.c ---- */
 /* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */

@@ -17,11 +17,6 @@ static inline void pel_pose_to_world(const pel_pose *pose, const double local[3]
     pel_vec3_add(world, pose->position, world);
 }
 
-static inline void pel_vertex_position(const pel_record *positions, int32_t v, double x[3])
-{
-    pel_vec3_set(x, (double)positions[v][0], (double)positions[v][1], (double)positions[v][2]);
-}
-
 /* velocity of the point of the tool that is now at `point`, over the last step */
 static inline void pel_tool_velocity(const pel_tool *tool, const double point[3], double dt, double velocity[3])
 {

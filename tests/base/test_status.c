@@ -28,6 +28,9 @@ static void test_text_of_each_place(void **unused)
     pel_fail_remedy(&error, "use %d", 4);
     assert_string_equal(text_of(&error), "error: 3 is odd. use 4");
     pel_fail_element(&error, "vertex", 7);
+    strcpy(error.element_name, "left");
+    assert_string_equal(text_of(&error), "error: vertex 'left': 3 is odd. use 4");
+    error.element_name[0] = '\0';
     assert_string_equal(text_of(&error), "error: vertex 7: 3 is odd. use 4");
     pel_fail_place(&error, "a.obj", 12, 5);
     assert_string_equal(text_of(&error), "a.obj:12:5: error: vertex 7: 3 is odd. use 4");

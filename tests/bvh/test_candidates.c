@@ -94,7 +94,7 @@ static void check_motion(surface s, double margin, double wobble, double thickne
     memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
     memcpy(s.end, s.start, (size_t)s.vertex_count * sizeof *rest);
     pel_candidates *c = make_candidates(&s, margin);
-    for (int step = 0; step < 30; step++) {
+    for (int step = 0; step < ROUNDS(30, 6); step++) {
         move(&s, (const double(*)[3])rest, step, wobble);
         update(c, &s, thickness, NULL);
         check_lists(c);
@@ -117,6 +117,41 @@ static void test_motion(void **unused)
     check_motion(make_sphere(5, 0), 0.02, 0.1, 0.05, 30);
     check_motion(make_folded_sheet(10, 0), 0.05, 0.005, 0.02, 20);
     check_motion(make_soup(120, 0.2, 4), 0.05, 0.01, 0.03, 30);
+}
+
+/* a dent runs around a sphere and stands out of its boxes: only there the tree is searched, and the list stays exact */
+static void test_extension(void **unused)
+{
+    (void)unused;
+    for (int threads = 1; threads <= 3; threads += 2) {
+        surface s = make_sphere(10, 0);
+        pel_pool *pool;
+        double(*rest)[3] = malloc((size_t)s.vertex_count * sizeof *rest);
+        memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
+        memcpy(s.end, s.start, (size_t)s.vertex_count * sizeof *rest);
+        pel_candidates *c = make_candidates(&s, 0.02);
+        assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
+        for (int step = 0; step < 40; step++) {
+            const double dent[3] = {cos(0.15 * step), sin(0.15 * step), 0};
+            for (int32_t v = 0; v < s.vertex_count; v++) {
+                const double *x = rest[v];
+                double depth = exp(60 * (x[0] * dent[0] + x[1] * dent[1] - 1));
+                memcpy(s.start[v], s.end[v], sizeof s.end[v]);
+                for (int k = 0; k < 3; k++)
+                    s.end[v][k] = (1 - 1.5 * depth) * x[k];
+            }
+            update(c, &s, 0.01, pool);
+            check_lists(c);
+            if (step % 10 == 0)
+                check_near_pairs(c, &s, 0.01);
+        }
+        assert_true(c->counts.extensions > 10);
+        assert_true(c->counts.searches < 20);
+        pel_pool_destroy(pool);
+        pel_candidates_destroy(c);
+        free(rest);
+        free_surface(&s);
+    }
 }
 
 /* a search that kept nothing useful is not repeated every time */
@@ -265,9 +300,9 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_motion),      cmocka_unit_test(test_pause),         cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_rebuild),     cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_motion),   cmocka_unit_test(test_extension),   cmocka_unit_test(test_pause),
+        cmocka_unit_test(test_threads),  cmocka_unit_test(test_rebuild),     cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -382,7 +382,7 @@ static void test_hard_motions(void **unused)
 {
     (void)unused;
     random_state random = {5};
-    for (int trial = 0; trial < 2000; trial++) {
+    for (int trial = 0; trial < ROUNDS(2000, 200); trial++) {
         query q = {.edge_edge = trial % 2};
         pel_ccd_hit hit;
         double gap = ldexp(1, -(int)random_integer(&random, 0, 50));
@@ -473,7 +473,7 @@ static void test_wide_is_scalar(void **unused)
 {
     (void)unused;
     random_state random = {7};
-    for (int trial = 0; trial < 2000; trial++) {
+    for (int trial = 0; trial < ROUNDS(2000, 200); trial++) {
         wide_ccd_pair wide;
         ccd_pair single[4];
         wide_ccd_cubic wide_cubic;
@@ -541,15 +541,91 @@ static void test_plain_cubic(void **unused)
     assert_true(hit_count > trial_count(1000));
 }
 
+static bool solve_plain(const query *q, double tolerance, pel_ccd_hit *hit)
+{
+    return pel_ccd_bridson((const double(*)[3])q->start, (const double(*)[3])q->end, q->edge_edge, q->min_separation,
+                           tolerance, hit);
+}
+
+/* through a face, past it, and stopping before it: there only the end of the step counts */
+static void test_plain_cubic_known(void **unused)
+{
+    (void)unused;
+    query q = {.start = {{0.25, 0.25, 3}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+               .end = {{0.25, 0.25, -1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+    pel_ccd_hit hit;
+    assert_true(solve_plain(&q, 1e-9, &hit));
+    assert_near(hit.time_of_impact, 0.75, 1e-12);
+    assert_near(hit.normal[2], 1, 1e-9);
+    assert_near(hit.weight[2], -0.25, 1e-9);
+    q.start[0][0] = q.end[0][0] = 1.5;
+    assert_false(solve_plain(&q, 1e-9, &hit));
+    q.start[0][0] = q.end[0][0] = 0.25;
+    q.end[0][2] = 0.05;
+    assert_false(solve_plain(&q, 1e-9, &hit));
+    assert_true(solve_plain(&q, 0.06, &hit));
+    q.min_separation = 0.1;
+    assert_true(solve_plain(&q, 1e-9, &hit));
+    assert_near(hit.time_of_impact, 1, 0);
+    q.end[0][2] = 0.11;
+    assert_false(solve_plain(&q, 1e-9, &hit));
+    q.end[0][2] = (double)NAN;
+    assert_true(solve_plain(&q, 1e-9, &hit));
+    assert_near(hit.time_of_impact, 0, 0);
+    /* onto an edge that turns */
+    query e = {.start = {{-1, 0, 1}, {1, 0, 1}, {0, -1, 0}, {0, 1, 0}},
+               .end = {{-1, 0, -3}, {1, 0, -3}, {0, -1, -4}, {0, 1, 4}},
+               .edge_edge = true};
+    assert_true(solve_plain(&e, 1e-9, &hit));
+    assert_near(hit.time_of_impact, 0.25, 1e-12);
+    assert_near(hit.normal[2], sqrt(0.5), 1e-4);
+}
+
+/* a batch finds what single queries find, in any number */
+static void test_plain_batches(void **unused)
+{
+    (void)unused;
+    enum { COUNT = 600 };
+    static query queries[COUNT];
+    static double start[12 * COUNT], end[12 * COUNT];
+    static int32_t found[COUNT];
+    static pel_ccd_hit hits[COUNT];
+    random_state random = {9};
+    for (int kind = 0; kind < 2; kind++) {
+        fill_batch(&random, queries, COUNT, kind, start, end);
+        pel_ccd_batch batch = {.start = start,
+                               .end = end,
+                               .query_count = COUNT,
+                               .edge_edge = kind,
+                               .method = PEL_CCD_BRIDSON,
+                               .tolerance = 1e-6};
+        pel_ccd_statistics statistics = {0};
+        int32_t next = 0, count = pel_ccd_solve_batch(&batch, found, hits, &statistics);
+        for (int i = 0; i < COUNT; i++) {
+            pel_ccd_hit hit;
+            if (!solve_plain(&queries[i], 1e-6, &hit))
+                continue;
+            assert_true(next < count);
+            assert_int_equal(found[next], i);
+            assert_memory_equal(&hits[next++], &hit, sizeof hit);
+        }
+        assert_int_equal(next, count);
+        assert_int_equal(statistics.hits, count);
+        assert_int_equal(statistics.passed_hull, statistics.passed_filter);
+        assert_true(count > COUNT / 20 && count < COUNT / 2);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact_contacts),   cmocka_unit_test(test_exact_gaps),
-        cmocka_unit_test(test_rounded_contacts), cmocka_unit_test(test_against_sampling),
-        cmocka_unit_test(test_known_times),      cmocka_unit_test(test_touching_start),
-        cmocka_unit_test(test_bad_input),        cmocka_unit_test(test_hard_motions),
-        cmocka_unit_test(test_batches),          cmocka_unit_test(test_wide_is_scalar),
-        cmocka_unit_test(test_no_contraction),   cmocka_unit_test(test_plain_cubic),
+        cmocka_unit_test(test_exact_contacts),    cmocka_unit_test(test_exact_gaps),
+        cmocka_unit_test(test_rounded_contacts),  cmocka_unit_test(test_against_sampling),
+        cmocka_unit_test(test_known_times),       cmocka_unit_test(test_touching_start),
+        cmocka_unit_test(test_bad_input),         cmocka_unit_test(test_hard_motions),
+        cmocka_unit_test(test_batches),           cmocka_unit_test(test_wide_is_scalar),
+        cmocka_unit_test(test_no_contraction),    cmocka_unit_test(test_plain_cubic),
+        cmocka_unit_test(test_plain_cubic_known), cmocka_unit_test(test_plain_batches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,6 +57,57 @@ function factRows(run) {
     return rows.filter(([, text]) => text);
 }
 
+/* ---- contact ---- */
+
+function makeTable(title, heads, rows) {
+    const table = element("table", "numbers");
+    const line = (cells) => {
+        const tr = element("tr");
+        cells.forEach((cell, i) => {
+            const made = element(i === 0 || cells === heads ? "th" : "td", "", cell);
+            if (made.tagName === "TH") made.scope = cells === heads ? "col" : "row";
+            tr.append(made);
+        });
+        return tr;
+    };
+    table.append(element("caption", "", title), line(heads), ...rows.map(line));
+    return table;
+}
+
+const share = (part, whole) => (whole > 0 ? `${formatNumber((100 * part) / whole)} %` : "–");
+const whole = (number) => (Number.isFinite(number) ? number.toLocaleString("en") : "–");
+
+// what the stages of the search let through, and what each part of contact took; none without contact
+function contactTables(run) {
+    const contact = run.facts.contact;
+    if (!contact) return [];
+    const stages = [
+        ["candidates", contact.candidates],
+        ["passed the filter", contact.passed_filter],
+        ["passed the hull", contact.passed_hull],
+        ["cubics solved", contact.cubics],
+        ["contacts", contact.pairs],
+    ];
+    const steps = Math.max(run.facts.steps ?? 0, 1);
+    const times = [
+        ["find", contact.find_s],
+        ["solve", contact.solve_s],
+        ["guard", contact.guard_s],
+    ];
+    const others = [
+        ["rounds", contact.rounds],
+        ["fall-backs (vertices stepped back)", contact.fall_backs],
+        ["contacts dropped", contact.dropped],
+        ["tools held back", contact.tools_held],
+        ["pairs tangled at the end", contact.tangled],
+    ];
+    return [
+        makeTable("Contact: pairs of the whole run", ["stage", "pairs", "of the candidates"], stages.map(([name, n]) => [name, whole(n), share(n, contact.candidates)])),
+        makeTable("Contact: time", ["part", "ms a step", "s in all"], times.map(([name, s]) => [name, formatNumber((1000 * s) / steps), formatNumber(s)])),
+        makeTable("Contact: events", ["what", "count"], others.map(([name, n]) => [name, whole(n)])),
+    ];
+}
+
 export function showDetails(parent, runs) {
     for (const run of runs) {
         const fold = element("details");
@@ -64,7 +115,9 @@ export function showDetails(parent, runs) {
         const list = element("dl");
         for (const [name, text] of factRows(run)) list.append(element("dt", "", name), element("dd", "", text));
         const body = element("div", "fold");
-        body.append(list);
+        const left = element("div");
+        left.append(list, ...contactTables(run));
+        body.append(left);
         if (run.scene) body.append(element("pre", "", run.scene));
         fold.append(body);
         parent.append(fold);

@@ -30,7 +30,10 @@ export function formatTogether(values, digits = 0) {
     const ordered = values.map((value) => value / 10 ** power).sort((a, b) => a - b);
     const steps = ordered.slice(1).map((value, i) => value - ordered[i]).filter((step) => step > 1e-9 * largest / 10 ** power);
     const step = digits > 0 || steps.length === 0 ? 10 ** (exponent - power - Math.max(digits, 3) + 1) : Math.min(...steps);
-    const decimals = Math.min(12, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+    let decimals = Math.min(12, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+    // steps of 2.5 need one more
+    const scaled = step * 10 ** decimals;
+    if (decimals < 12 && Math.abs(scaled - Math.round(scaled)) > 1e-6) decimals++;
     return values.map((value) => {
         const text = String(Number((value / 10 ** power).toFixed(decimals))).replace("-", "−");
         return power === 0 || text === "0" ? text : `${text}·10${superscript(power)}`;

@@ -10,6 +10,15 @@ const groups = [
     { title: "Force", unit: "N", takes: (name) => name === "max_force" || /_force$/.test(name) },
     { title: "Displacement", unit: "m", takes: (name) => /displacement$/.test(name) },
     { title: "Contacts", unit: "", takes: (name) => /contacts$/.test(name) },
+    // what each stage of the search lets through in a frame, from the broad phase to contacts
+    {
+        title: "Contact search",
+        unit: "pairs",
+        log: true,
+        takes: (name) => /^contact_(candidates|passed_filter|passed_hull|cubics|pairs)$/.test(name),
+    },
+    { title: "Contact solving", unit: "", takes: (name) => /^contact_(dropped|rounds|fall_backs|tools_held|tangled)$/.test(name) },
+    { title: "Contact time", unit: "ms a frame", takes: (name) => /^contact_\w+_ms$/.test(name) },
     { title: "Mesh", unit: "", takes: (name) => name === "vertices" || name === "triangles" },
     { title: "Step time", unit: "ms", takes: (name) => name === "step_ms" },
     { title: "More", unit: null, takes: () => true, choose: true },
@@ -63,6 +72,16 @@ function element(tag, className, text) {
     return made;
 }
 
+// counts from 0 to millions; asinh is a logarithm that has a place for 0
+const logarithmic = {
+    scale: { distr: 4, asinh: 1, range: (_, low, high) => [Math.min(low, 0), 1.2 * Math.max(high, 1)] },
+    splits: (_, axis, low, high) => {
+        const powers = Math.floor(Math.log10(Math.max(high, 1)));
+        const step = Math.ceil((powers + 1) / 4);
+        return [0, ...Array.from({ length: Math.floor(powers / step) + 1 }, (_, i) => 10 ** (i * step))];
+    },
+};
+
 class Chart {
     constructor(parent, runs, group, seek) {
         this.runs = runs;
@@ -111,13 +130,13 @@ class Chart {
         const options = {
             width: this.place.clientWidth || 320,
             height: 132,
-            padding: [8, 10, 0, 0],
+            padding: [8, 18, 0, 0],
             legend: { show: false },
             cursor: { sync: { key: "pellicle" }, drag: { x: false, y: false }, points: { size: 6 } },
-            scales: { x: { time: false } },
+            scales: { x: { time: false }, y: this.group.log ? logarithmic.scale : {} },
             axes: [
                 { ...axis, size: 26, values: (_, ticks) => formatTogether(ticks).map((text, i) => text + (i === ticks.length - 1 ? this.unit : "")) },
-                { ...axis, size: 58, values: (_, ticks) => formatTogether(ticks) },
+                { ...axis, size: 58, values: (_, ticks) => (this.group.log ? ticks.map((tick) => (tick == null ? "" : formatNumber(tick, 1))) : formatTogether(ticks)), ...(this.group.log ? { splits: logarithmic.splits } : {}) },
             ],
             series: [{}, ...this.styles.map((style) => ({ stroke: style.colour, dash: style.dash, width: 1.6, points: { show: false }, spanGaps: true }))],
             hooks: {
@@ -144,7 +163,7 @@ class Chart {
                 const key = element("span", "key");
                 const swatch = element("i");
                 swatch.style.borderTop = `2px ${style.dash.length ? "dashed" : "solid"} ${style.colour}`;
-                const parts = [several ? run.name : "", this.group.choose ? "" : plainName(name)].filter(Boolean);
+                const parts = [several ? run.name : "", this.group.choose ? "" : plainName(name.replace(/^contact_/, ""))].filter(Boolean);
                 style.value = element("b");
                 key.append(swatch, ...(parts.length ? [element("span", "", parts.join(": "))] : []), style.value);
                 this.legend.append(key);

@@ -188,6 +188,26 @@ async function onPage(name, words, options, look) {
     await page.close();
 }
 
+// a shell that refines where a plate presses it
+const refiningShell = `version: 1
+bodies:
+  - name: shell
+    mesh: { shape: geodesic-sphere, frequency: 6, radius: 1 }
+    mass: { density: 1000, thickness: 0.02 }
+    membrane: { material: stvk, young: 1.0e5, poisson: 0.3, thickness: 0.02 }
+    bending: { model: hinge }
+    refine: { levels: 1, near_tools: 0.1, interval: 5 }
+tools:
+  - name: plate
+    shape: box
+    size: [2, 2, 0.1]
+    motion: [ { position: [0, 0, 1.3] }, { time: 0.5, position: [0, 0, 0.8] } ]
+contact: { self: true }
+solver: { method: xpbd, dt: 0.01, drag: 1 }
+duration: 0.5
+output: { every: 0.05, fields: [contact, displacement] }
+`;
+
 // two runs whose triangles differ, as the frames of one
 function changingRun() {
     writeRun(at("coarse"), { rings: 8, columns: 12, frames: 3 });
@@ -233,6 +253,32 @@ await onPage("changing", [at("changing")], {}, async (page) => {
     await page.keyboard.press("Home");
     await settle(page);
     await playing(page);
+});
+
+writeFileSync(at("shell.yaml"), refiningShell);
+pellicle("run", at("shell.yaml"), "-o", at("shell"), "-q");
+await onPage("contact", [at("shell")], {}, async (page) => {
+    const facts = JSON.parse(readFileSync(at("shell", "summary.json"), "utf8"));
+    assert.ok(facts.contact.candidates > facts.contact.pairs && facts.contact.pairs > 0, "the shell is touched");
+    const titles = await page.$$eval("figcaption h3", (heads) => heads.map((head) => head.textContent));
+    for (const title of ["Contact search [pairs]", "Contact time [ms a frame]", "Mesh"])
+        assert.ok(titles.includes(title), `plot ${title} among ${titles.join(", ")}`);
+    await page.click("summary");
+    const rows = await page.$$eval(".numbers tr", (all) => all.map((tr) => [...tr.cells].map((cell) => cell.textContent)));
+    const cell = (name) => rows.find((row) => row[0] === name)?.[1];
+    const text = (number) => number.toLocaleString("en");
+    assert.equal(cell("candidates"), text(facts.contact.candidates));
+    assert.equal(cell("passed the filter"), text(facts.contact.passed_filter));
+    assert.equal(cell("contacts"), text(facts.contact.pairs));
+    assert.equal(cell("fall-backs (vertices stepped back)"), text(facts.contact.fall_backs));
+    assert.ok(Number(cell("find")) > 0, "ms a step");
+    await page.locator(".numbers").first().scrollIntoViewIfNeeded();
+    await picture(page, "contact-numbers");
+    await page.click("summary");
+    await page.selectOption("#surface", "edges");
+    await page.evaluate(() => document.activeElement.blur());
+    await page.keyboard.press("End");
+    await page.locator("figure", { hasText: "Contact search" }).evaluate((figure) => figure.scrollIntoView());
 });
 
 await browser.close();

@@ -1,0 +1,85 @@
+#include "bench.h"
+
+#include "pellicle/mesh_io.h"
+#include "pellicle/shape.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+static double read_clock(clockid_t clock)
+{
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double bench_seconds(void)
+{
+    return read_clock(CLOCK_MONOTONIC);
+}
+
+double bench_thread_seconds(void)
+{
+    return read_clock(CLOCK_THREAD_CPUTIME_ID);
+}
+
+void bench_check(pel_status status, const pel_error *error)
+{
+    char text[1000];
+    if (status == PEL_OK)
+        return;
+    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
+    exit(1);
+}
+
+void *bench_allocate(size_t count, size_t size)
+{
+    void *memory = calloc(count, size);
+    if (memory == NULL) {
+        fputs("out of memory\n", stderr);
+        exit(1);
+    }
+    return memory;
+}
+
+pel_mesh *bench_sphere(int32_t frequency)
+{
+    pel_error error;
+    pel_mesh *mesh;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    def.frequency = frequency;
+    bench_check(pel_shape_create(&def, &mesh, &error), &error);
+    return mesh;
+}
+
+pel_mesh *bench_read(const char *path)
+{
+    pel_error error;
+    pel_mesh *mesh;
+    bench_check(pel_mesh_read(path, PEL_FORMAT_AUTO, NULL, &mesh, &error), &error);
+    return mesh;
+}
+
+pel_model *bench_model(const pel_body_def *body)
+{
+    pel_error error;
+    pel_model *model;
+    pel_model_def def = pel_model_def_default();
+    def.bodies = body;
+    def.body_count = 1;
+    bench_check(pel_model_create(&def, &model, &error), &error);
+    return model;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+bench_spread bench_spread_of(double *times, int count)
+{
+    qsort(times, (size_t)count, sizeof *times, by_size);
+    return (bench_spread){times[0], times[count / 2], times[count * 99 / 100], times[count - 1]};
+}

@@ -1,0 +1,44 @@
+/* What the benchmarks share: clocks, meshes, times in order. A failure prints what is wrong and ends the program. */
+#ifndef PEL_BENCH_BENCH_H
+#define PEL_BENCH_BENCH_H
+
+#include "pellicle/mesh.h"
+#include "pellicle/model.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* seconds on the wall */
+double bench_seconds(void);
+
+/* processor time of this thread: other jobs on the machine count less */
+double bench_thread_seconds(void);
+
+/* ends the program unless status is PEL_OK */
+void bench_check(pel_status status, const pel_error *error);
+
+/* ends the program when memory runs out */
+void *bench_allocate(size_t count, size_t size);
+
+/* geodesic sphere of radius 1 with 20 frequency^2 triangles */
+pel_mesh *bench_sphere(int32_t frequency);
+
+/* mesh of a file */
+pel_mesh *bench_read(const char *path);
+
+/* model of one body */
+pel_model *bench_model(const pel_body_def *body);
+
+typedef struct bench_spread {
+    double least, median, percentile_99, most;
+} bench_spread;
+
+/* puts the times in order */
+bench_spread bench_spread_of(double *times, int count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
