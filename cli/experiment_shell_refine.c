@@ -98,7 +98,7 @@ static pel_status measure_surface(const pel_mesh *mesh, outcome *made, pel_error
     double *curvature = calloc((size_t)mesh->vertex_count, sizeof *curvature);
     if (curvature == NULL) {
         pel_topology_destroy(topology);
-        return cli_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
+        return pel_fail_memory(error);
     }
     pel_surface_mean_curvature(topology, mesh->positions[0], curvature, NULL);
     made->roughness = roughness_of(mesh, topology, curvature);
