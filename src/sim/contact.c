@@ -225,7 +225,7 @@ static bool make_contact(const pel_sim *sim, const pel_collision *pair, const pe
 
 static pel_contact_key make_key(const pel_sim *sim, const pel_collision *hit)
 {
-    pel_contact_key key = {hit->edge_edge, hit->first, hit->second, -1, false};
+    pel_contact_key key = {.edge_edge = hit->edge_edge, .first = hit->first, .second = hit->second, .tool = -1};
     for (int i = 0; i < 4 && key.tool < 0; i++)
         key.tool = pel_contact_tool_of(sim, hit->vertices[i]);
     return key;
@@ -301,6 +301,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (known) {
         contact.push = old->push;
         memcpy(contact.tangential, old->tangential, sizeof contact.tangential);
+        key.loop_push = contacts->keys[m->old].loop_push;
+        memcpy(key.loop_tangential, contacts->keys[m->old].loop_tangential, sizeof key.loop_tangential);
         m->old++;
     } else if (contacts->list.count - m->old + m->count >= contacts->limit) {
         contacts->statistics.dropped++;
@@ -437,6 +439,28 @@ static void correct(pel_sim *sim, int32_t sweeps)
     }
 }
 
+/* after the solver: a push in a substep is an impulse over the substep, one after it over the step */
+static void note_loop(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        contacts->keys[c].loop_push = (double)contacts->list.contacts[c].push;
+        for (int k = 0; k < 3; k++)
+            contacts->keys[c].loop_tangential[k] = (double)contacts->list.contacts[c].tangential[k];
+    }
+}
+
+/* distances to move by over a time step, of equal force: those in substeps count as often as there are */
+static void weigh_push(const pel_sim *sim, int32_t c, double push[3])
+{
+    const pel_contact *contact = &sim->contacts->list.contacts[c];
+    const pel_contact_key *key = &sim->contacts->keys[c];
+    double more = pel_sim_is_projected(sim) ? sim->solver.substeps - 1 : 0;
+    double along = (double)contact->push + more * key->loop_push;
+    for (int k = 0; k < 3; k++)
+        push[k] = along * (double)contact->normal[k] + (double)contact->tangential[k] + more * key->loop_tangential[k];
+}
+
 /* the effect of contacts with tools on them */
 static void touch_tools(pel_sim *sim)
 {
@@ -458,8 +482,7 @@ static void touch_tools(pel_sim *sim)
         }
         if (!(free > 0))
             continue;
-        for (int k = 0; k < 3; k++)
-            push[k] = (double)contact->push * (double)contact->normal[k] + (double)contact->tangential[k];
+        weigh_push(sim, c, push);
         for (int i = 0; i < 4; i++) {
             double share = (double)sim->model->inverse_mass[contact->vertices[i]] * (double)contact->weights[i] / free;
             if (share == 0)
@@ -534,6 +557,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
 {
     if (!pel_sim_has_loop_contacts(sim))
         sim->contacts->list.count = 0;
+    note_loop(sim);
     pel_tools_move(sim, time);
     pel_status status = step(sim, longest, error);
     if (status != PEL_OK) {

@@ -20,6 +20,7 @@ typedef struct pel_contact_key {
     int32_t first, second;
     int32_t tool;
     bool is_impact; /* its place is that of a conflict in this step, which says more than where the step began */
+    double loop_push, loop_tangential[3]; /* of push and tangential, what the solver did in its substeps */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */

@@ -3,8 +3,13 @@
    than the tolerance. Vertices come first, which settles most of it.
 
    A quasi-static step may spring back farther than a small tool is thick, and the triangle would come out on the other
-   side. So the half space of each contact is kept for one step: what has gone deep behind it is brought back. */
+   side. So the half space of each contact is kept for one step: what has gone deep behind it is brought back.
+
+   Friction, with contact: each push by a distance d takes back up to friction times d of the way that the point has
+   gone across the normal since the start of the step, against the tool's own motion; velocities likewise, by the
+   impulse. The sums obey Coulomb's law as each of them does. */
 #include "base/sort.h"
+#include "sim/contact.h"
 #include "sim/tool.h"
 
 /* sweeps over the near triangles at most */
@@ -141,6 +146,30 @@ typedef struct surface_point {
     int count;
 } surface_point;
 
+static double friction_of(const pel_sim *sim)
+{
+    return sim->contacts != NULL ? sim->contacts->def.friction : 0;
+}
+
+/* the part of a vector across the unit normal, turned round and at most `limit` long; false when it is nothing */
+static bool oppose_across(const double vector[3], const double normal[3], double limit, double back[3])
+{
+    pel_vec3_along(vector, -pel_vec3_dot(vector, normal), normal, back);
+    double length = pel_vec3_length(back);
+    if (!(length > 0) || !(limit > 0))
+        return false;
+    pel_vec3_scale(back, -fmin(1, limit / length), back);
+    return true;
+}
+
+static void change_velocity(pel_sim *sim, const surface_point *at, double impulse, const double direction[3])
+{
+    for (int c = 0; c < at->count; c++) {
+        int32_t v = at->vertices[c];
+        record_add(&sim->state->velocity_next[v], impulse * at->weights[c] * pel_tool_mobility(sim, v), direction);
+    }
+}
+
 /* explicit method: takes away the velocity with which the point runs into the tool, and counts the impulse */
 static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
 {
@@ -156,13 +185,37 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     double approach = -pel_vec3_dot(relative, normal);
     if (approach <= 0)
         return;
-    double impulse = approach / inertia, force[3];
+    double impulse = approach / inertia, back[3], force[3];
+    change_velocity(sim, at, impulse, normal);
+    pel_vec3_scale(normal, -impulse / sim->step.dt, force);
+    if (oppose_across(relative, normal, friction_of(sim) * approach, back)) {
+        change_velocity(sim, at, 1 / inertia, back);
+        pel_vec3_along(force, -1 / (inertia * sim->step.dt), back, force);
+    }
+    pel_tool_add_reaction(tool, point, force);
+}
+
+/* takes back what a push by `depth` can hold of the way of the point across the tool in this step */
+static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *at, double depth, const double normal[3],
+                      double inertia)
+{
+    double now[3] = {0, 0, 0}, start[3] = {0, 0, 0}, local[3], slip[3], back[3], x[3];
+    for (int c = 0; c < at->count; c++) {
+        pel_vertex_position(sim->state->position_next, at->vertices[c], x);
+        pel_vec3_along(now, at->weights[c], x, now);
+        pel_vertex_position(sim->state->position, at->vertices[c], x);
+        pel_vec3_along(start, at->weights[c], x, start);
+    }
+    /* where the tool's point that is now there was when the step began */
+    pel_pose_to_local(&tool->pose, now, local);
+    pel_pose_to_world(&tool->pose_before, local, slip);
+    pel_vec3_subtract(slip, start, slip);
+    if (!oppose_across(slip, normal, friction_of(sim) * depth, back))
+        return;
     for (int c = 0; c < at->count; c++) {
         int32_t v = at->vertices[c];
-        record_add(&sim->state->velocity_next[v], impulse * at->weights[c] * pel_tool_mobility(sim, v), normal);
+        record_add(&sim->state->position_next[v], pel_tool_mobility(sim, v) * at->weights[c] / inertia, back);
     }
-    pel_vec3_scale(normal, -impulse / sim->step.dt, force);
-    pel_tool_add_reaction(tool, point, force);
 }
 
 /* moves the vertices so that the point goes `depth` along the normal; false when none of them can move */
@@ -183,6 +236,8 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
         pel_touch *touch = pel_tool_touch(tool, v);
         pel_vec3_along(touch->push, share, normal, touch->push);
     }
+    if (friction_of(sim) > 0)
+        rub_point(sim, tool, at, depth, normal, inertia);
     if (sim->state->velocity_next != NULL)
         stop_point(sim, tool, at, normal, inertia);
     return true;
@@ -300,8 +355,10 @@ static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
     double tolerance = press_tolerance(sim, tool);
     world_box box = world_box_of(tool, 0);
     bool moved = false, again = true;
+    /* what rests has to be pushed in every step, or it would creep where friction holds it */
+    double corner_tolerance = friction_of(sim) > 0 ? 0 : tolerance;
     for (int32_t i = 0; i < near_count; i++) {
-        press_corners(sim, tool, &box, sim->near_triangles[i], tolerance, &moved);
+        press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
         sim->looked_at[i] = -1;
     }
     for (int round = 0; again && round < SWEEP_LIMIT; round++) {

@@ -1,10 +1,12 @@
 /* Rigid tools: they move on their keys, hold what they grasped, and push the surface out of the way.
 
-   The force on the tool is what the surface does to it without friction. Quasi-static method: the force F_i of eq. A-2
+   The force on the tool is what the surface does to it. Quasi-static method: the force F_i of eq. A-2
    on each touched vertex, as far as it presses against the tool (held vertices: all of it); at rest this balances the
-   push exactly. Explicit method: the momentum taken from the vertices over dt. */
+   push exactly, and friction carries what is across it, as far as it can. Explicit method: the momentum taken from the
+   vertices over dt. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "sim/contact.h"
 #include "sim/tool.h"
 
 #include <stdio.h>
@@ -313,6 +315,18 @@ static void static_force(const pel_sim *sim, int32_t v, double force[3])
         force[i] = (double)(elastic[i] + sim->force[v][i]);
 }
 
+/* what of a force presses against the tool, which cannot pull, and what of the rest friction holds */
+static void hold_against(const pel_sim *sim, const double push[3], double force[3])
+{
+    double square = pel_vec3_squared_length(push), pressing[3], across[3];
+    double along = square > 0 ? fmin(pel_vec3_dot(force, push) / square, 0) : 0;
+    double friction = sim->contacts != NULL ? sim->contacts->def.friction : 0;
+    pel_vec3_scale(push, along, pressing);
+    pel_vec3_subtract(force, pressing, across);
+    double limit = friction * pel_vec3_length(pressing), length = pel_vec3_length(across);
+    pel_vec3_along(pressing, length > limit ? limit / length : 1, across, force);
+}
+
 static void read_forces(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->touch_count; i++) {
@@ -320,10 +334,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
         double force[3], x[3];
         static_force(sim, touch->vertex, force);
         if (!sim->held[touch->vertex]) {
-            /* only what presses against the tool: it cannot pull and has no friction */
-            double push = pel_vec3_squared_length(touch->push);
-            double along = push > 0 ? fmin(pel_vec3_dot(force, touch->push) / push, 0) : 0;
-            pel_vec3_scale(touch->push, along, force);
+            hold_against(sim, touch->push, force);
         }
         pel_vertex_position(sim->state->position_next, touch->vertex, x);
         pel_tool_add_reaction(tool, x, force);

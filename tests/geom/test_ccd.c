@@ -20,7 +20,7 @@ typedef struct query {
 static int query_count(int usual)
 {
     const char *text = getenv("PEL_CCD_QUERIES");
-    return text != NULL ? atoi(text) : trial_count(usual);
+    return text != NULL ? atoi(text) : ROUNDS(usual, usual / 20);
 }
 
 static bool solve(const query *q, double tolerance, pel_ccd_hit *hit)
@@ -525,7 +525,7 @@ static void test_plain_cubic(void **unused)
     (void)unused;
     random_state random = {8};
     int hit_count = 0;
-    for (int trial = 0; trial < trial_count(20000); trial++) {
+    for (int trial = 0; trial < ROUNDS(20000, 2000); trial++) {
         query q;
         pel_ccd_hit hit, plain;
         random_query(&random, 1, &q);
@@ -538,7 +538,7 @@ static void test_plain_cubic(void **unused)
             assert_near(plain.time_of_impact, hit.time_of_impact, 1e-5);
         hit_count += hits;
     }
-    assert_true(hit_count > trial_count(1000));
+    assert_true(hit_count > ROUNDS(1000, 100));
 }
 
 static bool solve_plain(const query *q, double tolerance, pel_ccd_hit *hit)

@@ -18,7 +18,7 @@ typedef struct contact_scene {
     pel_pose_key keys[SCENE_TOOLS][SCENE_KEYS];
     pel_model *model;
     pel_sim_def def;
-    double gravity;
+    double gravity, gravity_along; /* m/s2 along z and x */
 } contact_scene;
 
 static inline void scene_body(contact_scene *scene, pel_mesh *mesh)
@@ -72,6 +72,7 @@ static inline pel_sim *scene_create(contact_scene *scene)
     def.bodies = scene->bodies;
     def.body_count = scene->body_count;
     def.gravity[2] = scene->gravity;
+    def.gravity[0] = scene->gravity_along;
     pel_error error;
     char text[800];
     pel_status status = pel_model_create(&def, &scene->model, &error);

@@ -330,7 +330,7 @@ static double cantilever(pel_grid_diagonals diagonals, double gamma)
 static void test_cantilever(void **unused)
 {
     (void)unused;
-    skip_if_sanitized();
+    skip_if_slow();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -386,7 +386,7 @@ static double press_between_plates(double gap, double forces[2])
 static void test_plates_feel_the_energy(void **unused)
 {
     (void)unused;
-    skip_if_sanitized();
+    skip_if_slow();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -423,7 +423,7 @@ static void press_ball(const pel_mesh *mesh, pel_method method, int32_t substeps
 static void test_xpbd_against_leapfrog(void **unused)
 {
     (void)unused;
-    skip_if_sanitized();
+    skip_if_slow();
 #ifdef PEL_SINGLE
     skip();
 #endif
