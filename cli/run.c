@@ -199,6 +199,10 @@ static int load_and_run(const cli_call *call, const char *const *settings, int s
 int cli_run(const cli_call *call)
 {
     char folder[PEL_RUN_PATH_SIZE];
+    const char *path = call->arguments[0];
+    if (pel_mesh_format_of_path(path) != PEL_FORMAT_AUTO)
+        return cli_complain("'%s' is a mesh, a run needs a scene. write one that names it: mesh: { file: %s }", path,
+                            path);
     if (!choose_folder(call, folder))
         return CLI_BAD_INPUT;
     const char **settings = calloc((size_t)call->given_count + 1, sizeof *settings);

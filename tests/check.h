@@ -12,6 +12,25 @@
 
 #include <cmocka.h>
 
+/* whether each step takes some times longer: under a sanitizer, or without optimization */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__OPTIMIZE__)
+enum { IS_SLOW = 1 };
+#elif defined(__has_feature)
+enum { IS_SLOW = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) };
+#else
+enum { IS_SLOW = 0 };
+#endif
+
+/* rounds of a loop; few are enough where they are slow: there it counts what each does, not how many are right */
+#define ROUNDS(full, few) (IS_SLOW ? (few) : (full))
+
+/* for tests of accuracy alone: shorter tests run the same code */
+#define skip_if_slow()                                                                                                 \
+    do {                                                                                                               \
+        if (IS_SLOW)                                                                                                   \
+            skip();                                                                                                    \
+    } while (0)
+
 /* |actual - expected| <= tolerance, printing the three numbers when not */
 #define assert_near(actual, expected, tolerance)                                                                       \
     do {                                                                                                               \

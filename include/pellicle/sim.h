@@ -37,7 +37,7 @@ typedef struct pel_solver_def {
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
     int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 50 */
     int32_t substeps;   /* pbd, xpbd: a step of dt is done in this many; 0 = 1 and 16 */
-    bool second_order;  /* xpbd: velocities from three positions instead of two */
+    bool second_order;  /* xpbd: second order in time (BDF2); not for bodies that touch */
     double drag;        /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
     bool gradient_only; /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
 } pel_solver_def;

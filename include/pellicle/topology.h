@@ -37,7 +37,8 @@ static inline int32_t pel_half_edge_previous(int32_t h)
 }
 static inline int32_t pel_half_edge_origin(const pel_topology *topology, int32_t h)
 {
-    return topology->triangles[h / 3][h % 3];
+    const int32_t *origin = topology->triangles[0];
+    return origin[h];
 }
 static inline int32_t pel_half_edge_target(const pel_topology *topology, int32_t h)
 {

@@ -13,6 +13,9 @@
 #include <stdbool.h>
 #include <string.h>
 
+/* for kernels of which there is a copy for each kind: the flags that tell them apart are constants */
+#define PEL_INLINE static inline __attribute__((always_inline))
+
 #ifdef PEL_SINGLE
 typedef int32_t pel_lane_integer;
 #define PEL_REAL_EPSILON 1.1920929e-7f
@@ -130,6 +133,12 @@ static inline pel_lane pel_lane_select(pel_lane_mask mask, pel_lane a, pel_lane 
 #else
     return pel_lane_from_bits((pel_lane_bits(a) & mask) | (pel_lane_bits(b) & ~mask));
 #endif
+}
+
+/* a / b, 0 where b is not above 0 */
+static inline pel_lane pel_lane_quotient(pel_lane a, pel_lane b)
+{
+    return pel_lane_where(pel_lane_above(b, pel_lane_splat(0)), a / b);
 }
 
 /* b where either is NaN */
@@ -291,6 +300,10 @@ typedef struct pel_particle {
 
 #ifdef PEL_LANE_SCALAR
 
+static inline void pel_lane3_store(pel_record *records, pel_lane3 a)
+{
+    *records = (pel_record){a.x, a.y, a.z, 0};
+}
 static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
 {
     const pel_record r = records[places[lane]];
@@ -316,6 +329,17 @@ static inline void pel_lane_transpose(pel_lane *a, pel_lane *b, pel_lane *c, pel
     *b = __builtin_shufflevector(ab_low, cd_low, 2, 3, 10, 11, 6, 7, 14, 15);
     *c = __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13);
     *d = __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+/* a block of records side by side, the fourth number 0 */
+static inline void pel_lane3_store(pel_record *records, pel_lane3 v)
+{
+    pel_lane a = v.x, b = v.y, c = v.z, d = pel_lane_splat(0);
+    pel_lane_transpose(&a, &b, &c, &d);
+    const pel_lane rows[4] = {a, b, c, d};
+    for (int i = 0; i < 4; i++) {
+        records[i] = __builtin_shufflevector(rows[i], rows[i], 0, 1, 2, 3);
+        records[i + 4] = __builtin_shufflevector(rows[i], rows[i], 4, 5, 6, 7);
+    }
 }
 static inline pel_lane pel_lane_join(pel_record low, pel_record high)
 {
@@ -346,6 +370,16 @@ static inline void pel_particle_move(pel_record *records, const int32_t *places,
 
 #else
 
+/* a block of records side by side, the fourth number 0 */
+static inline void pel_lane3_store(pel_record *records, pel_lane3 v)
+{
+    pel_wide a = v.x, b = v.y, c = v.z, d = pel_wide_splat(0);
+    pel_wide_transpose(&a, &b, &c, &d);
+    records[0] = a;
+    records[1] = b;
+    records[2] = c;
+    records[3] = d;
+}
 static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
 {
     (void)lane;

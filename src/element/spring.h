@@ -1,7 +1,7 @@
 /* The two springs of paper A, four at a time.
 
    Structural spring (eq. A-3), on vertex i from vertex j, d = x_j - x_i, R its rest length:
-       g = k (|d| - R) d / |d| = k (1 - R/|d|) d
+       g = k (|d| - R) d / |d| = (k - k R/|d|) d
    At |d| = 0 the direction is undefined; the tiny number under the root makes the force zero there instead of NaN, and
    changes no other length.
 
@@ -28,10 +28,10 @@ static inline pel_wide pel_spring_length(pel_wide3 d)
     return pel_wide_sqrt(pel_wide3_dot(d, d) + pel_wide_splat(PEL_REAL_TINY));
 }
 
-/* factor c of the force k c d */
-static inline pel_wide pel_spring_strain(pel_wide length, pel_wide rest_length)
+/* factor c of the force c d; product: stiffness x rest length */
+static inline pel_wide pel_spring_scale(pel_wide length, pel_wide stiffness, pel_wide product)
 {
-    return pel_wide_splat(1) - rest_length / length;
+    return stiffness - product / length;
 }
 
 /* elastic energy k (|d| - R)^2 / 2 */

@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "force/pressure.h"
 
+#include <math.h>
 #include <string.h>
 
 const pel_shell_body *pel_shell_body_of(const pel_shell_forces *forces, int32_t body)
@@ -36,6 +37,7 @@ static pel_status make_laws(pel_shell_body *own, pel_error *error)
         return PEL_OK;
     int32_t count = shell->uniform ? 1 : shell->triangle_limit;
     own->laws = pel_allocate((size_t)count, sizeof *own->laws);
+    own->kind = pel_membrane_law_of(&shell->material).kind;
     return own->laws != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -99,35 +101,55 @@ static void fill_fibres(pel_shell_body *own)
         }
 }
 
+/* ---- rows ---- */
+
 /* counts the rows of each vertex, or lists them; triangles come first */
+static void visit_row(pel_shell_body *own, int32_t place, size_t row, bool list)
+{
+    int32_t *begin = &own->gather_begin[place - own->first_place];
+    if (list)
+        own->gather[begin[1]++] = (int32_t)row;
+    else
+        begin[2]++;
+}
+
 static void visit_rows(pel_shell_body *own, bool list)
 {
     const pel_shell *shell = own->shell;
-    int32_t triangle_rows = 3 * shell->triangle_count, count = triangle_rows + 4 * shell->hinge_count;
-    for (int32_t row = 0; row < count; row++) {
-        int32_t h = row - triangle_rows;
-        int32_t place = h < 0 ? shell->triangles[row / 3].vertices[row % 3] : shell->hinges[h / 4].vertices[h % 4];
-        int32_t *begin = &own->gather_begin[place - own->first_place];
-        if (list)
-            own->gather[begin[1]++] = row;
-        else
-            begin[2]++;
+    for (int32_t lane = 0; lane < 3 * shell->triangle_count; lane++) {
+        int32_t row = pel_row_of(lane / 3, 3, lane % 3);
+        visit_row(own, own->triangle_places[row], (size_t)row, list);
+    }
+    for (int32_t lane = 0; lane < 4 * shell->hinge_count; lane++) {
+        int32_t row = pel_row_of(lane / 4, 4, lane % 4);
+        visit_row(own, own->hinge_places[row], own->first_hinge_row + (size_t)row, list);
     }
 }
 
 static pel_status make_rows(pel_shell_body *own, pel_error *error)
 {
     const pel_shell *shell = own->shell;
-    size_t triangles = (size_t)shell->triangle_limit, rows = 3 * triangles + 4 * (size_t)shell->hinge_limit;
+    size_t triangles = PEL_BLOCK * (size_t)pel_block_count(shell->triangle_limit);
+    size_t hinges = PEL_BLOCK * (size_t)pel_block_count(shell->hinge_limit), rows = 3 * triangles + 4 * hinges;
     int32_t most = shell->triangle_limit > shell->hinge_limit ? shell->triangle_limit : shell->hinge_limit;
-    own->rows = pel_allocate(rows, sizeof *own->rows);
+    own->rows = pel_allocate_aligned(rows, sizeof *own->rows);
+    own->first_hinge_row = 3 * triangles;
     own->gather = pel_allocate(rows, sizeof *own->gather);
     own->gather_begin = pel_allocate((size_t)own->place_count + 2, sizeof *own->gather_begin);
+    own->sums = pel_allocate((size_t)own->place_count, sizeof *own->sums);
     own->energies = pel_allocate((size_t)pel_shell_chunk_count(most, PEL_SHELL_CHUNK), sizeof *own->energies);
+    own->triangle_at = pel_allocate(triangles, sizeof *own->triangle_at);
+    own->hinge_at = pel_allocate(hinges, sizeof *own->hinge_at);
+    own->triangle_places = pel_allocate_aligned(3 * triangles, sizeof *own->triangle_places);
+    own->triangle_numbers = pel_allocate_aligned(PEL_TRIANGLE_NUMBERS * triangles, sizeof *own->triangle_numbers);
+    own->hinge_places = pel_allocate_aligned(4 * hinges, sizeof *own->hinge_places);
+    own->hinge_numbers = pel_allocate_aligned(PEL_HINGE_NUMBERS * hinges, sizeof *own->hinge_numbers);
     bool normal_form = shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL;
     if (normal_form)
-        own->area_vectors = pel_allocate(triangles, sizeof *own->area_vectors);
-    if (own->rows == NULL || own->gather == NULL || own->gather_begin == NULL || own->energies == NULL ||
+        own->area_vectors = pel_allocate_aligned(triangles, sizeof *own->area_vectors);
+    if (own->rows == NULL || own->gather == NULL || own->gather_begin == NULL || own->sums == NULL ||
+        own->energies == NULL || own->triangle_at == NULL || own->hinge_at == NULL || own->triangle_places == NULL ||
+        own->triangle_numbers == NULL || own->hinge_places == NULL || own->hinge_numbers == NULL ||
         (normal_form && own->area_vectors == NULL))
         return pel_fail_memory(error);
     return PEL_OK;
@@ -141,10 +163,106 @@ static void fill_rows(pel_shell_body *own)
     visit_rows(own, true);
 }
 
+/* ---- blocks ---- */
+
+static int32_t lowest_place(const int32_t *vertices, int arity)
+{
+    int32_t least = vertices[0];
+    for (int k = 1; k < arity; k++)
+        least = vertices[k] < least ? vertices[k] : least;
+    return least;
+}
+
+/* elements by the lowest of their places, by counting; vertices stand `stride` bytes apart */
+static void sort_elements(pel_shell_body *own, const int32_t *vertices, size_t stride, int32_t count, int arity,
+                          int32_t *element_at)
+{
+    int32_t *begin = own->gather_begin; /* filled later */
+    memset(begin, 0, ((size_t)own->place_count + 2) * sizeof *begin);
+    for (int pass = 0; pass < 2; pass++) {
+        const char *at = (const char *)vertices;
+        for (int32_t i = 0; i < count; i++, at += stride) {
+            int32_t *first = begin + lowest_place((const int32_t *)(const void *)at, arity) - own->first_place;
+            if (pass == 0)
+                first[2]++;
+            else
+                element_at[first[1]++] = i;
+        }
+        if (pass == 0)
+            sum_counts(begin, own->place_count);
+    }
+}
+
+/* numbers of an element as a lane; only its places when there are no numbers for it */
+static void fill_lane(int32_t *places, pel_real *numbers, int32_t lane, int arity, int count, const int32_t *vertices,
+                      const double *given)
+{
+    for (int k = 0; k < arity; k++)
+        places[pel_row_of(lane, arity, k)] = vertices[k];
+    for (int j = 0; j < count; j++)
+        numbers[pel_row_of(lane, count, j)] = given != NULL ? (pel_real)given[j] : 0;
+}
+
+static void find_triangle_numbers(const pel_shell_body *own, int32_t t, double numbers[PEL_TRIANGLE_NUMBERS])
+{
+    const pel_shell *shell = own->shell;
+    const pel_rest_triangle *rest = &shell->triangles[t].rest;
+    memcpy(numbers, rest->inverse, sizeof rest->inverse);
+    numbers[3] = numbers[4] = 0;
+    if (own->laws != NULL) {
+        const pel_membrane_law *law = &own->laws[shell->uniform ? 0 : t];
+        numbers[3] = rest->area * law->first;
+        numbers[4] = rest->area * law->second;
+    }
+    numbers[5] = shell->pressure_weights != NULL ? shell->pressure_weights[t] : 1;
+    numbers[6] = 1;
+}
+
+static void find_hinge_numbers(const pel_shell *shell, const pel_shell_hinge *hinge, double numbers[PEL_HINGE_NUMBERS])
+{
+    double factor = pel_shell_hinge_factor(shell, hinge);
+    memset(numbers, 0, PEL_HINGE_NUMBERS * sizeof *numbers);
+    if (shell->bending == PEL_BENDING_HINGE) {
+        numbers[0] = cos(hinge->hinge.rest_angle);
+        numbers[1] = sin(hinge->hinge.rest_angle);
+        numbers[2] = factor * hinge->hinge.factor;
+        return;
+    }
+    memcpy(numbers, hinge->isometric.weight + 1, 3 * sizeof *numbers);
+    numbers[3] = factor * hinge->isometric.factor;
+    if (shell->bending == PEL_BENDING_ISOMETRIC_REST)
+        numbers[4] = 2 * factor * hinge->isometric.rest_energy;
+}
+
+/* lanes without an element look at the corners of the last one, with numbers of zero */
+static void fill_blocks(pel_shell_body *own)
+{
+    const pel_shell *shell = own->shell;
+    int32_t triangles = shell->triangle_count, hinges = shell->hinge_count;
+    sort_elements(own, shell->triangles[0].vertices, sizeof *shell->triangles, triangles, 3, own->triangle_at);
+    for (int32_t lane = 0; lane < PEL_BLOCK * pel_block_count(triangles); lane++) {
+        int32_t t = own->triangle_at[lane < triangles ? lane : triangles - 1];
+        double numbers[PEL_TRIANGLE_NUMBERS];
+        find_triangle_numbers(own, t, numbers);
+        fill_lane(own->triangle_places, own->triangle_numbers, lane, 3, PEL_TRIANGLE_NUMBERS,
+                  shell->triangles[t].vertices, lane < triangles ? numbers : NULL);
+    }
+    if (hinges > 0)
+        sort_elements(own, shell->hinges[0].vertices, sizeof *shell->hinges, hinges, 4, own->hinge_at);
+    for (int32_t lane = 0; lane < PEL_BLOCK * pel_block_count(hinges); lane++) {
+        const pel_shell_hinge *hinge = &shell->hinges[own->hinge_at[lane < hinges ? lane : hinges - 1]];
+        double numbers[PEL_HINGE_NUMBERS];
+        find_hinge_numbers(shell, hinge, numbers);
+        fill_lane(own->hinge_places, own->hinge_numbers, lane, 4, PEL_HINGE_NUMBERS, hinge->vertices,
+                  lane < hinges ? numbers : NULL);
+    }
+}
+
 static void fill_body(pel_shell_body *own)
 {
     fill_laws(own);
     fill_fibres(own);
+    fill_blocks(own);
     fill_rows(own);
 }
 
@@ -201,8 +319,10 @@ void pel_shell_forces_destroy(pel_shell_forces *forces)
         return;
     for (int32_t i = 0; i < forces->count; i++) {
         pel_shell_body *own = &forces->bodies[i];
-        void *arrays[] = {own->laws,         own->fibre_begin, own->fibres,       own->rows,
-                          own->area_vectors, own->energies,    own->gather_begin, own->gather};
+        void *arrays[] = {
+            own->laws,     own->fibre_begin,     own->fibres,           own->rows,         own->area_vectors,
+            own->energies, own->gather_begin,    own->gather,           own->sums,         own->triangle_at,
+            own->hinge_at, own->triangle_places, own->triangle_numbers, own->hinge_places, own->hinge_numbers};
         for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
             pel_free(arrays[k]);
     }

@@ -114,8 +114,7 @@ static double volume_bound(const pel_model *model, const pel_shell_body *own, do
 static double body_bound(const pel_model *model, const pel_shell_body *own)
 {
     const pel_shell *shell = own->shell;
-    /* the rows are free between evaluations: there are more of them than vertices */
-    double *sums = own->rows[0], bound = 0, volume = volume_bound(model, own, sums);
+    double *sums = own->sums, bound = 0, volume = volume_bound(model, own, sums);
     memset(sums, 0, (size_t)own->place_count * sizeof *sums);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         double x[3][3], norms[3];

@@ -20,93 +20,88 @@ typedef struct shell_loop {
 
 /* ---- elements ---- */
 
-static void add_pressure(const shell_loop *loop, int32_t t, const double x[3][3], double rows[3][3])
+/* the blocks of a chunk of so many elements */
+static pel_shell_sweep sweep_of(const shell_loop *loop, int32_t chunk, int32_t count)
+{
+    int32_t first = chunk * PEL_SHELL_CHUNK, end = first + PEL_SHELL_CHUNK;
+    return (pel_shell_sweep){
+        .position = loop->position,
+        .begin = first / PEL_BLOCK,
+        .end = pel_block_count(end < count ? end : count),
+        .pressure = loop->pressure,
+        .with_pressure = (loop->parts & loop->own->pressure_part) != 0,
+    };
+}
+
+/* energy of the fibres of the triangle in a lane; adds their forces to its rows */
+static double add_fibres(const shell_loop *loop, int32_t lane)
 {
     const pel_shell_body *own = loop->own;
-    const double *weights = own->shell->pressure_weights;
-    double weight = weights != NULL ? weights[t] : 1, force[3];
-    if (own->area_vectors != NULL) {
-        pel_vec3_triangle_normal(x[0], x[1], x[2], force);
-        pel_vec3_scale(force, 0.5 * weight, own->area_vectors[t]);
-        return;
-    }
-    pel_triangle_pressure_force(x, loop->pressure * weight, force);
-    for (int i = 0; i < 3; i++)
-        pel_vec3_add(rows[i], force, rows[i]);
+    int32_t t = own->triangle_at[lane];
+    double x[3][3], forces[3][3] = {{0}};
+    if (own->fibre_begin[t] == own->fibre_begin[t + 1])
+        return 0;
+    pel_load_points(loop->position, own->shell->triangles[t].vertices, 3, x);
+    double energy = pel_shell_fibre_energies(own, t, loop->time, (const double(*)[3])x, forces);
+    for (int k = 0; k < 3; k++)
+        own->rows[pel_row_of(lane, 3, k)] +=
+            (pel_record){(pel_real)forces[k][0], (pel_real)forces[k][1], (pel_real)forces[k][2], 0};
+    return energy;
 }
 
 static void triangle_chunk(void *context, int32_t chunk)
 {
     const shell_loop *loop = context;
     const pel_shell_body *own = loop->own;
-    const pel_shell *shell = own->shell;
-    int32_t first = chunk * PEL_SHELL_CHUNK, end = first + PEL_SHELL_CHUNK;
-    double membrane = 0, fibres = 0;
-    for (int32_t t = first; t < end && t < shell->triangle_count; t++) {
-        double x[3][3], (*rows)[3] = &own->rows[3 * (size_t)t];
-        pel_load_points(loop->position, shell->triangles[t].vertices, 3, x);
-        memset(rows, 0, 3 * sizeof *rows);
-        if ((loop->parts & PEL_SHELL_MEMBRANE) != 0)
-            membrane += pel_shell_membrane_energy(own, t, (const double(*)[3])x, rows);
-        if ((loop->parts & PEL_SHELL_FIBRES) != 0)
-            fibres += pel_shell_fibre_energies(own, t, loop->time, (const double(*)[3])x, rows);
-        if ((loop->parts & own->pressure_part) != 0)
-            add_pressure(loop, t, (const double(*)[3])x, rows);
-    }
-    own->energies[chunk][0] = membrane;
-    own->energies[chunk][1] = fibres;
+    int32_t count = own->shell->triangle_count, first = chunk * PEL_SHELL_CHUNK, end = first + PEL_SHELL_CHUNK;
+    pel_shell_sweep sweep = sweep_of(loop, chunk, count);
+    own->energies[chunk][0] = pel_shell_sweep_triangles(own, &sweep, (loop->parts & PEL_SHELL_MEMBRANE) != 0);
+    own->energies[chunk][1] = 0;
+    bool with_fibres = (loop->parts & PEL_SHELL_FIBRES) != 0 && own->fibre_begin != NULL;
+    for (int32_t lane = first; with_fibres && lane < end && lane < count; lane++)
+        own->energies[chunk][1] += add_fibres(loop, lane);
 }
 
 static void hinge_chunk(void *context, int32_t chunk)
 {
     const shell_loop *loop = context;
     const pel_shell_body *own = loop->own;
-    const pel_shell *shell = own->shell;
-    int32_t first = chunk * PEL_SHELL_CHUNK, end = first + PEL_SHELL_CHUNK;
-    double bending = 0;
-    for (int32_t i = first; i < end && i < shell->hinge_count; i++) {
-        const pel_shell_hinge *hinge = &shell->hinges[i];
-        double x[4][3], (*rows)[3] = &own->rows[3 * (size_t)shell->triangle_count + 4 * (size_t)i];
-        double factor = (loop->parts & PEL_SHELL_BENDING) != 0 ? pel_shell_hinge_factor(shell, hinge) : 0;
-        pel_load_points(loop->position, hinge->vertices, 4, x);
-        bending += factor * pel_shell_hinge_energy(shell, hinge, (const double(*)[3])x, rows);
-        for (int k = 0; k < 4; k++)
-            pel_vec3_scale(rows[k], -factor, rows[k]);
-    }
-    own->energies[chunk][0] = bending;
+    pel_shell_sweep sweep = sweep_of(loop, chunk, own->shell->hinge_count);
+    own->energies[chunk][0] = pel_shell_sweep_hinges(own, &sweep);
 }
 
 static void volume_chunk(void *context, int32_t chunk)
 {
     const shell_loop *loop = context;
     const pel_shell_body *own = loop->own;
-    int32_t first = chunk * PEL_SHELL_CHUNK, end = first + PEL_SHELL_CHUNK;
-    double volume = 0, origin[1][3];
-    pel_load_points(loop->position, own->shell->triangles[0].vertices, 1, origin);
-    for (int32_t t = first; t < end && t < own->shell->triangle_count; t++) {
-        double x[3][3];
-        pel_load_points(loop->position, own->shell->triangles[t].vertices, 3, x);
-        volume += pel_vec3_cone_volume(origin[0], x[0], x[1], x[2]);
-    }
-    own->energies[chunk][2] = volume;
+    pel_shell_sweep sweep = sweep_of(loop, chunk, own->shell->triangle_count);
+    own->energies[chunk][2] = pel_shell_sweep_volumes(own, &sweep);
 }
 
 /* ---- vertices ---- */
 
+static bool has_normal_pressure(const shell_loop *loop)
+{
+    return loop->own->area_vectors != NULL && (loop->parts & loop->own->pressure_part) != 0;
+}
+
 /* the paper's pressure: a third of the areas around along the vertex's normal */
-static void add_normal_pressure(const shell_loop *loop, int32_t place, double sum[3])
+static pel_record normal_pressure(const shell_loop *loop, int32_t place)
 {
     const pel_shell_body *own = loop->own;
-    double area = 0, normal[3] = {0, 0, 0};
+    double area = 0, normal[3] = {0, 0, 0}, sum[3];
     for (int32_t i = own->gather_begin[place]; i < own->gather_begin[place + 1]; i++) {
-        int32_t t = own->gather[i] / 3;
-        if (t >= own->shell->triangle_count)
+        double own_area[3];
+        if ((size_t)own->gather[i] >= own->first_hinge_row)
             break;
-        area += pel_vec3_length(own->area_vectors[t]);
-        pel_vec3_add(normal, own->area_vectors[t], normal);
+        int32_t lane = pel_lane_of(own->gather[i], 3);
+        pel_load_points(own->area_vectors, &lane, 1, &own_area);
+        area += pel_vec3_length(own_area);
+        pel_vec3_add(normal, own_area, normal);
     }
     pel_vec3_normalize(normal);
-    pel_vec3_along(sum, loop->pressure * area / 3, normal, sum);
+    pel_vec3_scale(normal, loop->pressure * area / 3, sum);
+    return (pel_record){(pel_real)sum[0], (pel_real)sum[1], (pel_real)sum[2], 0};
 }
 
 static void vertex_chunk(void *context, int32_t chunk)
@@ -114,14 +109,15 @@ static void vertex_chunk(void *context, int32_t chunk)
     const shell_loop *loop = context;
     const pel_shell_body *own = loop->own;
     int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    bool normal_form = own->area_vectors != NULL && (loop->parts & own->pressure_part) != 0;
+    bool normal_form = has_normal_pressure(loop);
+    size_t row_end = (loop->parts & PEL_SHELL_BENDING) != 0 ? SIZE_MAX : own->first_hinge_row;
     for (int32_t v = first; v < end && v < own->place_count; v++) {
-        double sum[3] = {0, 0, 0};
-        for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1]; i++)
-            pel_vec3_add(sum, own->rows[own->gather[i]], sum);
+        pel_record sum = pel_wide_splat(0);
+        for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1] && (size_t)own->gather[i] < row_end; i++)
+            sum += own->rows[own->gather[i]];
         if (normal_form)
-            add_normal_pressure(loop, v, sum);
-        loop->force[own->first_place + v] += (pel_record){(pel_real)sum[0], (pel_real)sum[1], (pel_real)sum[2], 0};
+            sum += normal_pressure(loop, v);
+        loop->force[own->first_place + v] += sum;
     }
 }
 
@@ -166,8 +162,10 @@ static void add_body(const pel_model *model, shell_loop *loop, pel_pool *pool, p
     pel_pool_run(pool, triangle_chunks, triangle_chunk, loop);
     energy->membrane += sum_energies(loop->own, triangle_chunks, 0);
     energy->fibres += sum_energies(loop->own, triangle_chunks, 1);
-    pel_pool_run(pool, hinge_chunks, hinge_chunk, loop);
-    energy->bending += sum_energies(loop->own, hinge_chunks, 0);
+    if ((loop->parts & PEL_SHELL_BENDING) != 0) {
+        pel_pool_run(pool, hinge_chunks, hinge_chunk, loop);
+        energy->bending += sum_energies(loop->own, hinge_chunks, 0);
+    }
     if (loop->force != NULL)
         pel_pool_run(pool, pel_shell_chunk_count(loop->own->place_count, VERTEX_CHUNK), vertex_chunk, loop);
 }

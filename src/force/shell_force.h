@@ -1,9 +1,11 @@
 /* Forces and energies of the shells of a model: membrane, bending, fibres, pressure (paper B as energies).
 
    Each triangle and hinge writes the forces on its corners to rows of its own; then every vertex gathers its rows in
-   one order. So sums have the same bits for any number of threads, and nothing is allocated. All of it is done in
-   double. The force of each part is the negative gradient of its energy, but for pressure in the vertex-normal form or
-   on a part of the surface. PEL_FIBRE_CAVE is a rule of position-based dynamics, not an energy: it gives no force. */
+   one order. So sums have the same bits for any number of threads, and nothing is allocated. Membrane, bending,
+   pressure and volume go over lanes (shell_lanes.c), in the precision of the state; fibres, and what is asked for at
+   vertices, go element by element in double. The force of each part is the negative gradient of its energy, but for
+   pressure in the vertex-normal form or on a part of the surface. PEL_FIBRE_CAVE is a rule of position-based dynamics,
+   not an energy: it gives no force. */
 #ifndef PEL_FORCE_SHELL_FORCE_H
 #define PEL_FORCE_SHELL_FORCE_H
 

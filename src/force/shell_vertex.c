@@ -72,19 +72,20 @@ static void element_force(const pel_shell_body *own, const pel_record *position,
                           double force[3])
 {
     const pel_shell *shell = own->shell;
-    int32_t h = row - 3 * shell->triangle_count;
     double x[4][3], rows[4][3] = {{0}};
-    if (h >= 0) {
-        const pel_shell_hinge *hinge = &shell->hinges[h / 4];
+    if ((size_t)row >= own->first_hinge_row) {
+        row -= (int32_t)own->first_hinge_row;
+        const pel_shell_hinge *hinge = &shell->hinges[own->hinge_at[pel_lane_of(row, 4)]];
         pel_load_points(position, hinge->vertices, 4, x);
         pel_shell_hinge_energy(shell, hinge, (const double(*)[3])x, rows);
-        pel_vec3_scale(rows[h % 4], -pel_shell_hinge_factor(shell, hinge), force);
+        pel_vec3_scale(rows[pel_corner_of(row, 4)], -pel_shell_hinge_factor(shell, hinge), force);
         return;
     }
-    pel_load_points(position, shell->triangles[row / 3].vertices, 3, x);
-    pel_shell_membrane_energy(own, row / 3, (const double(*)[3])x, rows);
-    pel_shell_fibre_energies(own, row / 3, time, (const double(*)[3])x, rows);
-    pel_vec3_copy(rows[row % 3], force);
+    int32_t t = own->triangle_at[pel_lane_of(row, 3)];
+    pel_load_points(position, shell->triangles[t].vertices, 3, x);
+    pel_shell_membrane_energy(own, t, (const double(*)[3])x, rows);
+    pel_shell_fibre_energies(own, t, time, (const double(*)[3])x, rows);
+    pel_vec3_copy(rows[pel_corner_of(row, 3)], force);
 }
 
 void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,

@@ -187,6 +187,7 @@ pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_me
         return status;
     }
     if (mesh->field_count > 0 && !holds_fields(format))
-        pel_log_line(log, "%d vertex fields dropped: only PLY holds them", (int)mesh->field_count);
+        pel_log_line(log, "%d vertex %s dropped: only PLY holds them", (int)mesh->field_count,
+                     mesh->field_count == 1 ? "field" : "fields");
     return pel_file_writer_commit(&writer, error);
 }

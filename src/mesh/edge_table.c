@@ -4,55 +4,67 @@
 
 #include <string.h>
 
-/* ends of half-edge h, the lower vertex first */
-static void edge_ends(const int32_t (*triangles)[3], int32_t h, int32_t *low, int32_t *high)
+/* a half-edge by its ends, in the bucket of the lower one */
+typedef struct bucket_entry {
+    int32_t high, h;
+} bucket_entry;
+
+/* how often each vertex is the lower end of a half-edge, two places up: so filling moves each bucket's beginning into
+   place */
+static void count_low_vertices(const int32_t (*triangles)[3], int32_t triangle_count, const uint8_t *skip,
+                               int32_t *offset)
 {
-    const int32_t *triangle = triangles[h / 3];
-    int32_t a = triangle[h % 3], b = triangle[h % 3 == 2 ? 0 : h % 3 + 1];
-    *low = a < b ? a : b;
-    *high = a < b ? b : a;
+    for (int32_t t = 0; t < triangle_count; t++) {
+        if (skip != NULL && skip[t])
+            continue;
+        int32_t a = triangles[t][0], b = triangles[t][1], c = triangles[t][2];
+        offset[(a < b ? a : b) + 2]++;
+        offset[(b < c ? b : c) + 2]++;
+        offset[(c < a ? c : a) + 2]++;
+    }
+}
+
+static inline void put_entry(int32_t from, int32_t to, int32_t h, int32_t *offset, bucket_entry *sorted)
+{
+    int32_t low = from < to ? from : to;
+    sorted[offset[low + 1]++] = (bucket_entry){from < to ? to : from, h};
 }
 
 /* half-edges in ascending order within each lower vertex v: sorted[offset[v]] .. sorted[offset[v + 1] - 1] */
 static void sort_by_low_vertex(const int32_t (*triangles)[3], int32_t triangle_count, int32_t vertex_count,
-                               const uint8_t *skip, int32_t *offset, int32_t *sorted)
+                               const uint8_t *skip, int32_t *offset, bucket_entry *sorted)
 {
-    int32_t low, high;
-    /* counts two places up, so that filling moves each bucket's beginning into place */
-    for (int32_t h = 0; h < 3 * triangle_count; h++) {
-        if (skip != NULL && skip[h / 3])
-            continue;
-        edge_ends(triangles, h, &low, &high);
-        offset[low + 2]++;
-    }
+    count_low_vertices(triangles, triangle_count, skip, offset);
     for (int32_t v = 0; v < vertex_count; v++)
         offset[v + 2] += offset[v + 1];
-    for (int32_t h = 0; h < 3 * triangle_count; h++) {
-        if (skip != NULL && skip[h / 3])
+    for (int32_t t = 0; t < triangle_count; t++) {
+        if (skip != NULL && skip[t])
             continue;
-        edge_ends(triangles, h, &low, &high);
-        sorted[offset[low + 1]++] = h;
+        const int32_t *v = triangles[t];
+        put_entry(v[0], v[1], 3 * t, offset, sorted);
+        put_entry(v[1], v[2], 3 * t + 1, offset, sorted);
+        put_entry(v[2], v[0], 3 * t + 2, offset, sorted);
     }
 }
 
 /* chains half-edges with the same ends; edge_of_half_edge becomes the lowest half-edge of the chain */
-static void link_chains(const int32_t (*triangles)[3], int32_t vertex_count, const int32_t *offset,
-                        const int32_t *sorted, int32_t *place_of_high, pel_edge_table *table)
+static void link_chains(int32_t vertex_count, const int32_t *offset, const bucket_entry *sorted, int32_t *place_of_high,
+                        pel_edge_table *table)
 {
     for (int32_t v = 0; v < vertex_count; v++)
         place_of_high[v] = -1;
     for (int32_t v = 0; v < vertex_count; v++) {
         int32_t begin = offset[v];
         for (int32_t k = begin; k < offset[v + 1]; k++) {
-            int32_t h = sorted[k], low, high;
-            edge_ends(triangles, h, &low, &high);
-            int32_t place = place_of_high[high];
-            table->edge_of_half_edge[h] = h;
+            int32_t h = sorted[k].h, place = place_of_high[sorted[k].high], first = h;
             if (place >= begin) {
-                table->next_in_edge[sorted[place]] = h;
-                table->edge_of_half_edge[h] = table->edge_of_half_edge[sorted[place]];
+                int32_t before = sorted[place].h;
+                table->next_in_edge[before] = h;
+                first = table->edge_of_half_edge[before];
             }
-            place_of_high[high] = k;
+            table->edge_of_half_edge[h] = first;
+            table->next_in_edge[h] = -1;
+            place_of_high[sorted[k].high] = k;
         }
     }
 }
@@ -79,16 +91,17 @@ pel_status pel_edge_table_build(const int32_t (*triangles)[3], int32_t triangle_
     table->half_edge_of_edge = pel_allocate(half_edge_count, sizeof(int32_t));
     table->next_in_edge = pel_allocate(half_edge_count, sizeof(int32_t));
     int32_t *offset = pel_allocate((size_t)vertex_count + 2, sizeof *offset);
-    int32_t *sorted = pel_allocate(half_edge_count, sizeof *sorted);
+    bucket_entry *sorted = pel_allocate(half_edge_count, sizeof *sorted);
     int32_t *place_of_high = pel_allocate((size_t)vertex_count, sizeof *place_of_high);
     bool made = table->edge_of_half_edge != NULL && table->half_edge_of_edge != NULL && table->next_in_edge != NULL &&
                 offset != NULL && sorted != NULL && place_of_high != NULL;
     if (made) {
-        if (skip != NULL)
+        if (skip != NULL) {
             memset(table->edge_of_half_edge, -1, half_edge_count * sizeof(int32_t));
-        memset(table->next_in_edge, -1, half_edge_count * sizeof(int32_t));
+            memset(table->next_in_edge, -1, half_edge_count * sizeof(int32_t));
+        }
         sort_by_low_vertex(triangles, triangle_count, vertex_count, skip, offset, sorted);
-        link_chains(triangles, vertex_count, offset, sorted, place_of_high, table);
+        link_chains(vertex_count, offset, sorted, place_of_high, table);
         number_edges((int32_t)half_edge_count, table);
         int32_t *shrunk = pel_reallocate(table->half_edge_of_edge, (size_t)table->edge_count, sizeof *shrunk);
         if (shrunk != NULL)

@@ -194,8 +194,10 @@ static void copy_springs(pel_active *active, int32_t b)
         int32_t from = given->slot_begin[s - shift / PEL_WIDTH], to = model->slot_begin[s];
         for (int32_t i = 0; i < model->slot_end[s] - to; i++) {
             model->rest_lengths[to + i] = given->rest_lengths[from + i];
-            if (given->stiffnesses != NULL)
+            if (given->stiffnesses != NULL) {
                 model->stiffnesses[to + i] = given->stiffnesses[from + i];
+                model->products[to + i] = given->products[from + i];
+            }
             for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
                 model->neighbours[to + i][lane] = given->neighbours[from + i][lane] + shift;
         }
@@ -311,19 +313,16 @@ static int32_t collect_row(pel_active *active, const pel_body_detail *detail, co
     return count;
 }
 
-/* the springs of one place; the rest of its lane is springs to itself */
+/* the springs of one place; in the rest of its lane, springs to itself stay */
 static void write_row(pel_active *active, const pel_active_body *own, int32_t place, int32_t count)
 {
     pel_model *model = &active->model;
-    int32_t slice = place / PEL_WIDTH, lane = place % PEL_WIDTH, begin = model->slot_begin[slice];
-    int32_t room = model->slot_begin[slice + 1] - begin, longest = 0;
-    for (int32_t s = 0; s < room; s++) {
-        int32_t other = s < count ? own->place_of_vertex[active->row[s].vertex] : place;
-        model->neighbours[begin + s][lane] = other;
-        model->rest_lengths[begin + s][lane] =
-            s < count ? pel_rest_distance(model, place, other) : pel_sqrt(PEL_REAL_TINY);
-        model->stiffnesses[begin + s][lane] = s < count ? (pel_real)active->row[s].stiffness : 0;
-    }
+    int32_t slice = place / PEL_WIDTH, begin = model->slot_begin[slice], longest = 1;
+    for (int32_t s = 0; s < count; s++)
+        pel_model_set_spring(model, begin + s, place, own->place_of_vertex[active->row[s].vertex],
+                             active->row[s].stiffness);
+    for (int32_t s = count; s < active->valence[place]; s++)
+        pel_model_set_spring(model, begin + s, place, place, 0);
     active->valence[place] = count;
     for (int32_t i = slice * PEL_WIDTH; i < (slice + 1) * PEL_WIDTH; i++)
         longest = active->valence[i] > longest ? active->valence[i] : longest;
@@ -607,8 +606,11 @@ static void start_body(pel_active *active, int32_t b)
     memset(own->place_of_vertex, -1, (size_t)fine_vertex_count(body->detail) * sizeof *own->place_of_vertex);
     for (int32_t v = 0; v < body->mesh->vertex_count; v++)
         own->place_of_vertex[v] = body->slot_of_vertex[v];
-    for (int32_t place = body->slice_begin * PEL_WIDTH; place < own->fine_limit; place++)
+    for (int32_t place = body->slice_begin * PEL_WIDTH; place < own->fine_limit; place++) {
+        int32_t slice = place / PEL_WIDTH;
+        active->valence[place] = model->slot_begin[slice + 1] - model->slot_begin[slice];
         write_row(active, own, place, 0);
+    }
     pel_active_rebuild(active, b, NULL);
 }
 

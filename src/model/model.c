@@ -189,20 +189,22 @@ bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan
     size_t count = (size_t)model->slot_begin[model->slice_count];
     model->neighbours = pel_allocate_aligned(count, sizeof *model->neighbours);
     model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
-    if (with_stiffness)
+    if (with_stiffness) {
         model->stiffnesses = pel_allocate_aligned(count, sizeof *model->stiffnesses);
+        model->products = pel_allocate_aligned(count, sizeof *model->products);
+    }
     model->fans = pel_allocate((size_t)fan_count, sizeof *model->fans);
     return model->neighbours != NULL && model->rest_lengths != NULL && model->fans != NULL &&
-           (!with_stiffness || model->stiffnesses != NULL);
+           (!with_stiffness || (model->stiffnesses != NULL && model->products != NULL));
 }
 
 void pel_model_free_arrays(pel_model *model)
 {
     void *arrays[] = {
-        model->rest,          model->inverse_mass, model->mass,       model->damping,        model->volumetric_damping,
-        model->body_of_slice, model->mesh_vertex,  model->slot_begin, model->slot_end,       model->neighbours,
-        model->rest_lengths,  model->stiffnesses,  model->triangles,  model->triangle_begin, model->fan_begin,
-        model->fans};
+        model->rest,          model->inverse_mass, model->mass,       model->damping,   model->volumetric_damping,
+        model->body_of_slice, model->mesh_vertex,  model->slot_begin, model->slot_end,  model->neighbours,
+        model->rest_lengths,  model->stiffnesses,  model->products,   model->triangles, model->triangle_begin,
+        model->fan_begin,     model->fans};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
 }
@@ -250,13 +252,23 @@ static void count_slots(pel_model *model, const pel_body *body, const int32_t *v
     }
 }
 
+void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness)
+{
+    pel_record d = model->rest[j] - model->rest[i];
+    pel_real length = pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+    int32_t lane = i % PEL_WIDTH;
+    model->neighbours[slot][lane] = j;
+    model->rest_lengths[slot][lane] = length;
+    if (model->stiffnesses == NULL)
+        return;
+    pel_real product = (pel_real)stiffness * length;
+    model->products[slot][lane] = product;
+    model->stiffnesses[slot][lane] = product / length;
+}
+
 static void add_spring(pel_model *model, int32_t i, int32_t j, int32_t *filled, double stiffness)
 {
-    int32_t slot = model->slot_begin[i / PEL_WIDTH] + filled[i]++, lane = i % PEL_WIDTH;
-    model->neighbours[slot][lane] = j;
-    model->rest_lengths[slot][lane] = pel_rest_distance(model, i, j);
-    if (model->stiffnesses != NULL)
-        model->stiffnesses[slot][lane] = (pel_real)stiffness;
+    pel_model_set_spring(model, model->slot_begin[i / PEL_WIDTH] + filled[i]++, i, j, stiffness);
 }
 
 /* both ends of every edge; lanes that stay empty point to their own vertex */
@@ -265,10 +277,8 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
 {
     for (int32_t s = body->slice_begin; s < body->slice_end; s++)
         for (int32_t slot = model->slot_begin[s]; slot < model->slot_begin[s + 1]; slot++)
-            for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
-                model->neighbours[slot][lane] = s * PEL_WIDTH + lane;
-                model->rest_lengths[slot][lane] = pel_sqrt(PEL_REAL_TINY);
-            }
+            for (int32_t i = s * PEL_WIDTH; i < (s + 1) * PEL_WIDTH; i++)
+                pel_model_set_spring(model, slot, i, i, 0);
     for (int32_t e = 0; e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e];
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);

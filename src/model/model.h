@@ -81,11 +81,12 @@ struct pel_model {
     int32_t *mesh_vertex;         /* (vertex_count) number in the body's mesh, -1 = padding */
 
     /* by slot */
-    int32_t *slot_begin; /* (slice_count + 1) */
-    int32_t *slot_end;   /* (slice_count) before the next slice's in an active model, which has room to grow */
+    int32_t *slot_begin;              /* (slice_count + 1) */
+    int32_t *slot_end;                /* (slice_count) at least one slot in each; an active model has room behind it */
     int32_t (*neighbours)[PEL_WIDTH]; /* (slot_count) */
     pel_wide *rest_lengths;           /* (slot_count) */
     pel_wide *stiffnesses;            /* (slot_count), null when every body has a uniform one */
+    pel_wide *products;               /* (slot_count) stiffness x rest length, null likewise */
 
     /* by triangle of all bodies, in model vertex order */
     int32_t (*triangles)[3];
@@ -112,13 +113,10 @@ bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan
 /* All of them; names, meshes and the like belong to the bodies. */
 void pel_model_free_arrays(pel_model *model);
 
-/* Rest length of the spring between two vertices: by the very operations of the force loop, so that the rest shape is
-   free of force to the last bit. */
-static inline pel_real pel_rest_distance(const pel_model *model, int32_t i, int32_t j)
-{
-    pel_record d = model->rest[j] - model->rest[i];
-    return pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
-}
+/* Writes the spring from place i to j into a slot of i; from i to itself, with stiffness 0, it fills the slot up. The
+   rest length comes from the very operations of the force loop, and the stiffness, in its last bit, from the product:
+   so the rest shape is free of force to the last bit. */
+void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness);
 
 /* The triangles of a body's surface: their number, and which of model->triangles is the i-th. With refinement the
    triangle of a node and half has the fixed number 2 node + half in its body, so that it can be named over events. */

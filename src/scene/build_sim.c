@@ -7,6 +7,7 @@
 #include "scene/table.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { MOST_NAMES = 64 };
@@ -222,6 +223,27 @@ static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
     sim->thread_count = pel_scene_value_integer(value, "threads");
 }
 
+/* what a body has beside its edges means nothing to pbd-distance but its mass and the energies that are reported */
+static void note_ignored(pel_scene_reader *reader, const pel_scene_value *body)
+{
+    static const char *const keys[] = {"membrane", "bending", "anisotropy"};
+    const pel_scene_place *place = NULL;
+    char names[64] = "";
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        const pel_scene_value *value = pel_scene_value_entry(body, keys[i]);
+        if (value == NULL)
+            continue;
+        place = place == NULL ? &value->key_place : place;
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", length > 0 ? ", " : "", keys[i]);
+    }
+    if (place != NULL)
+        pel_log_line(reader->log,
+                     "%s:%d:%d: pbd-distance moves by the lengths of edges alone: %s is ignored. use pbd, or "
+                     "xpbd for the material",
+                     place->source, (int)place->line, (int)place->column, names);
+}
+
 /* a field that every run has, or one of a mesh */
 static pel_status check_field(pel_scene_reader *reader, const pel_scene_value *field, const pel_model_def *model)
 {
@@ -287,6 +309,10 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     scene->duration = pel_scene_value_number(root, "duration");
     scene->sim = pel_sim_def_default();
     read_solver(pel_scene_value_entry(root, "solver"), &scene->sim);
+    const pel_scene_value *bodies = pel_scene_value_entry(root, "bodies");
+    for (const pel_scene_value *body = bodies->first; body != NULL; body = body->next)
+        if (scene->sim.solver.method == PEL_METHOD_PBD_DISTANCE)
+            note_ignored(reader, body);
     read_stop(pel_scene_value_entry(root, "stop"), scene);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)

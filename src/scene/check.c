@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { PATH_SIZE = 160, MOST_NAMES = 64 };
@@ -40,6 +41,43 @@ static const char *describe(const pel_scene_value *value, char *text, size_t siz
     return text;
 }
 
+/* appends ", name" as long as there is room, and dots once there is none */
+static void add_name(char *text, size_t size, const char *name)
+{
+    size_t length = strlen(text);
+    const char *comma = length > 0 ? ", " : "";
+    if (length >= 3 && strcmp(text + length - 3, "...") == 0)
+        return;
+    bool fits = length + strlen(name) + sizeof ", , ..." <= size;
+    snprintf(text + length, size - length, "%s%s", comma, fits ? name : "...");
+}
+
+/* whether a text is a number and a unit */
+static bool has_unit(const char *text)
+{
+    char *end;
+    double number = strtod(text, &end);
+    return end != text && isfinite(number) && *end == ' ';
+}
+
+/* what would be right where a value has the wrong form */
+static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
+{
+    const char *prefix = pel_scene_row_prefix(row);
+    if (value->kind == PEL_SCENE_SCALAR && has_unit(value->text) && row->unit != NULL) {
+        pel_fail_remedy(reader->error, "write the number alone, it is taken in %s", row->unit);
+        return;
+    }
+    char names[200] = "";
+    for (const pel_scene_row *child = NULL;
+         row->forms == PEL_FORM_MAP && (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;)
+        add_name(names, sizeof names, pel_scene_row_name(child, prefix));
+    if (value->kind == PEL_SCENE_SCALAR && value->parent != NULL && names[0] != '\0')
+        pel_fail_remedy(reader->error, "write { key: value } with keys of: %s", names);
+    else
+        pel_fail_remedy(reader->error, "it means: %s", row->doc);
+}
+
 static pel_status fail_form(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
 {
     static const char *const not_finite[] = {".inf",  ".Inf",  ".INF", "+.inf", "-.inf", "+.Inf", "-.Inf",
@@ -51,7 +89,7 @@ static pel_status fail_form(pel_scene_reader *reader, const pel_scene_row *row, 
     if (value->kind == PEL_SCENE_SCALAR && is_one_of(value->text, not_finite))
         pel_fail_remedy(reader->error, "infinite numbers and NaN are refused");
     else
-        pel_fail_remedy(reader->error, "it means: %s", row->doc);
+        advise_form(reader, row, value);
     return PEL_BAD_SCENE;
 }
 
@@ -75,17 +113,6 @@ static pel_status fail_count(pel_scene_reader *reader, const pel_scene_value *va
                    (int)count, count == 1 ? "" : "s");
     pel_fail_remedy(reader->error, "%s", remedy);
     return PEL_BAD_SCENE;
-}
-
-/* appends ", name" as long as there is room, and dots once there is none */
-static void add_name(char *text, size_t size, const char *name)
-{
-    size_t length = strlen(text);
-    const char *comma = length > 0 ? ", " : "";
-    if (length >= 3 && strcmp(text + length - 3, "...") == 0)
-        return;
-    bool fits = length + strlen(name) + sizeof ", , ..." <= size;
-    snprintf(text + length, size - length, "%s%s", comma, fits ? name : "...");
 }
 
 pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *place, const char *what,
@@ -147,7 +174,8 @@ static pel_status fail_missing_key(pel_scene_reader *reader, const pel_scene_val
     char quoted[212];
     snprintf(quoted, sizeof quoted, "'%s'", key);
     fail_missing(reader, map, quoted);
-    pel_fail_remedy(reader->error, "add '%s:': %s", key, doc);
+    const char *end = strstr(doc, "; left out");
+    pel_fail_remedy(reader->error, "add '%s:': %.*s", key, end != NULL ? (int)(end - doc) : (int)strlen(doc), doc);
     return PEL_BAD_SCENE;
 }
 

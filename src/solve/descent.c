@@ -19,8 +19,9 @@ enum { PAIR_COUNT = 8, MOST_TRIALS = 30 };
 #endif
 
 struct pel_descent {
-    int32_t vertex_count;
-    size_t size;                         /* 3 vertex_count */
+    int32_t vertex_count, movable_count;
+    int32_t *movable;                    /* (movable_count) vertices that may move: padding and free places are many */
+    size_t size;                         /* 3 movable_count */
     double *x, *gradient;                /* (size) accepted */
     double *trial, *trial_gradient;      /* (size) */
     double *direction;                   /* (size) */
@@ -44,9 +45,9 @@ pel_status pel_descent_create(int32_t vertex_count, pel_descent **descent, pel_e
         return pel_fail_memory(error);
     size_t size = 3 * (size_t)vertex_count;
     made->vertex_count = vertex_count;
-    made->size = size;
+    made->movable = pel_allocate((size_t)vertex_count, sizeof *made->movable);
     double **vectors[] = {&made->x, &made->gradient, &made->trial, &made->trial_gradient, &made->direction};
-    bool room = true;
+    bool room = made->movable != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(size, sizeof **vectors[i])) != NULL;
     made->step_pairs = pel_allocate(PAIR_COUNT * size, sizeof *made->step_pairs);
@@ -68,7 +69,7 @@ void pel_descent_destroy(pel_descent *descent)
         return;
     void *arrays[] = {descent->x,         descent->gradient,   descent->trial,          descent->trial_gradient,
                       descent->direction, descent->step_pairs, descent->gradient_pairs, descent->position,
-                      descent->force};
+                      descent->force,     descent->movable};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(descent);
@@ -82,16 +83,16 @@ static double dot(size_t size, const double *a, const double *b)
     return sum;
 }
 
-/* energy and gradient at a vector of positions; fixed vertices have no gradient */
+/* energy and gradient at a vector of positions */
 static double evaluate(pel_descent *descent, const pel_descent_problem *problem, const double *x, double *gradient)
 {
-    for (int32_t v = 0; v < descent->vertex_count; v++)
+    for (int32_t i = 0; i < descent->movable_count; i++)
         for (int c = 0; c < 3; c++)
-            descent->position[v][c] = (pel_real)x[3 * (size_t)v + (size_t)c];
+            descent->position[descent->movable[i]][c] = (pel_real)x[3 * (size_t)i + (size_t)c];
     double energy = problem->energy(problem->context, descent->position, descent->force);
-    for (int32_t v = 0; v < descent->vertex_count; v++)
+    for (int32_t i = 0; i < descent->movable_count; i++)
         for (int c = 0; c < 3; c++)
-            gradient[3 * (size_t)v + (size_t)c] = problem->inverse_mass[v] > 0 ? -(double)descent->force[v][c] : 0;
+            gradient[3 * (size_t)i + (size_t)c] = -(double)descent->force[descent->movable[i]][c];
     return energy;
 }
 
@@ -150,8 +151,8 @@ static void find_direction(pel_descent *descent)
 static double longest_length(const pel_descent *descent, double longest_move)
 {
     double largest = 0;
-    for (int32_t v = 0; v < descent->vertex_count; v++)
-        largest = fmax(largest, dot(3, descent->direction + 3 * (size_t)v, descent->direction + 3 * (size_t)v));
+    for (size_t i = 0; i < descent->size; i += 3)
+        largest = fmax(largest, dot(3, descent->direction + i, descent->direction + i));
     return largest > 0 ? longest_move / sqrt(largest) : 0;
 }
 
@@ -262,11 +263,16 @@ static void iterate(pel_descent *descent, const pel_descent_problem *problem, pe
 void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, pel_record *position,
                      pel_descent_result *result)
 {
+    descent->movable_count = 0;
     for (int32_t v = 0; v < descent->vertex_count; v++) {
         descent->position[v] = position[v];
+        if (!(problem->inverse_mass[v] > 0))
+            continue;
         for (int c = 0; c < 3; c++)
-            descent->x[3 * (size_t)v + (size_t)c] = (double)position[v][c];
+            descent->x[3 * (size_t)descent->movable_count + (size_t)c] = (double)position[v][c];
+        descent->movable[descent->movable_count++] = v;
     }
+    descent->size = 3 * (size_t)descent->movable_count;
     descent->pair_count = descent->newest = 0;
     descent->last_length = 0;
     *result = (pel_descent_result){.evaluations = 1};
@@ -274,7 +280,7 @@ void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, p
     result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));
     result->converged = result->residual <= problem->tolerance;
     iterate(descent, problem, result);
-    for (int32_t v = 0; v < descent->vertex_count; v++)
+    for (int32_t i = 0; i < descent->movable_count; i++)
         for (int c = 0; c < 3; c++)
-            position[v][c] = (pel_real)descent->x[3 * (size_t)v + (size_t)c];
+            position[descent->movable[i]][c] = (pel_real)descent->x[3 * (size_t)i + (size_t)c];
 }

@@ -217,6 +217,13 @@ static pel_record damp_radially(pel_record velocity, pel_record offset, double r
     return velocity - (pel_real)change * offset;
 }
 
+/* The drag of everything [1/s] as far as it is taken up by the mass. In second order it has to be: a factor on the
+   velocities, of which the last two count, would act one and a half times. */
+static double massive_drag(const pel_projector *projector)
+{
+    return projector->solver.second_order ? projector->solver.drag : 0;
+}
+
 /* drag and volumetric spring as a larger mass, see project.h */
 static pel_record hold_back(const vertex_job *job, int32_t v, const double *factors, pel_record x, const launch *from,
                             pel_record push, pel_real *w)
@@ -226,7 +233,8 @@ static pel_record hold_back(const vertex_job *job, int32_t v, const double *fact
     double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
     if (radial > 0)
         velocity = damp_radially(velocity, x - model->rest[v], job->projector->tau * (double)*w * radial);
-    pel_real drag = (pel_real)(factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * *w) * job->projector->tau);
+    double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * *w);
+    pel_real drag = (pel_real)((rate + massive_drag(job->projector)) * job->projector->tau);
     pel_real spring = (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * *w) *
                                  job->projector->tau * job->projector->tau);
     pel_real share = 1 / (1 + drag + spring);
@@ -249,7 +257,8 @@ static void predict_vertex(const vertex_job *job, int32_t v, const double *facto
         from = (launch){x, speed - speed};
     pel_record push = tau * tau * w * job->force[v];
     pel_record next = from.base + tau * from.velocity + push;
-    if (model->damping[v] + model->rest[v][3] + model->volumetric_damping[v] > 0)
+    bool is_dragged = w > 0 && massive_drag(job->projector) > 0;
+    if (is_dragged || model->damping[v] + model->rest[v][3] + model->volumetric_damping[v] > 0)
         next = hold_back(job, v, factors, x, &from, push, &w);
     next[3] = w;
     state->position_next[v] = next;
@@ -271,7 +280,8 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
     const vertex_job *job = context;
     const pel_projector *projector = job->projector;
     int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    pel_real rate = (pel_real)(exp(-projector->solver.drag * projector->substep) / projector->tau);
+    double drag = projector->solver.drag - massive_drag(projector);
+    pel_real rate = (pel_real)(exp(-drag * projector->substep) / projector->tau);
     for (int32_t v = first; v < end && v < projector->model->vertex_count; v++) {
         pel_record velocity = rate * (job->state->position_next[v] - projector->base[v]);
         velocity[3] = 0;

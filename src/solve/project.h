@@ -11,7 +11,8 @@
    often done, are not consistent: a free fall gets twice its acceleration.)
 
    Volumetric springs k' and drag d of a vertex are quadratic in its own position: they are taken up exactly by a mass
-   that is larger by tau d + tau^2 k', with x* drawn to the rest place; no constraint is needed for them.
+   that is larger by tau d + tau^2 k', with x* drawn to the rest place; no constraint is needed for them. So is the drag
+   of the solver in second order; in first order it is the factor exp(-drag h) on velocities.
 
    Sweeps go body by body over springs, triangles, hinges and fibres, then over the contacts. The constraints of a body
    stand in bundles that share no vertex: pieces of the surface, then the seams between neighbouring pieces, even and

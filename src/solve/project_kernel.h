@@ -31,12 +31,9 @@
 #ifndef PEL_SOLVE_PROJECT_KERNEL_H
 #define PEL_SOLVE_PROJECT_KERNEL_H
 
-#include "base/lane.h"
-#include "pellicle/material.h"
+#include "element/bending_lane.h"
+#include "material/membrane_lane.h"
 #include "solve/project_batch.h"
-
-/* a copy for each kind and material: the flags that tell them apart are constants */
-#define PEL_INLINE static inline __attribute__((always_inline))
 
 /* ---- access ---- */
 
@@ -77,11 +74,6 @@ static inline void add_multiplier(const pel_batch *batch, int32_t block, int cou
                        old + change);
 }
 
-static inline pel_lane quotient(pel_lane a, pel_lane b)
-{
-    return pel_lane_where(pel_lane_above(b, pel_lane_splat(0)), a / b);
-}
-
 /* ---- springs ---- */
 
 PEL_INLINE void sweep_edges(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool compliant)
@@ -100,9 +92,9 @@ PEL_INLINE void sweep_edges(const pel_batch *batch, int32_t begin, int32_t end, 
                 pel_lane multiplier = multiplier_of(batch, block, 1, 0, lane);
                 change = (stretch + softness * multiplier) / (mobility + softness);
                 add_multiplier(batch, block, 1, 0, lane, multiplier, -change);
-                change = quotient(change, length);
+                change = pel_lane_quotient(change, length);
             } else {
-                change = quotient(stretch, mobility * length);
+                change = pel_lane_quotient(stretch, mobility * length);
             }
             move_particle(batch, block, 0, lane, positions, &a, pel_lane3_scale(d, a.fourth * change));
             move_particle(batch, block, 1, lane, positions, &b, pel_lane3_scale(d, -(b.fourth * change)));
@@ -150,234 +142,22 @@ static inline void move_triangle(const pel_batch *batch, int32_t block, int32_t 
                   pel_lane3_combine(-(p[2].fourth * t->i0), a, -(p[2].fourth * (t->i1 + t->i2)), b));
 }
 
-/* symmetric 2 x 2: components 11, 22, 12 */
-typedef struct symmetric2 {
-    pel_lane a, b, c;
-} symmetric2;
-
-/* symmetric 3 x 3 */
-typedef struct symmetric3 {
-    pel_lane a11, a12, a13, a22, a23, a33;
-} symmetric3;
-
-typedef struct strain_lanes {
-    symmetric2 green;  /* (C - I) / 2 */
-    symmetric2 cauchy; /* C = F^T F */
-} strain_lanes;
-
-static inline strain_lanes strain_of(const triangle_lanes *t)
-{
-    const pel_lane half = pel_lane_splat((pel_real)0.5), one = pel_lane_splat(1);
-    strain_lanes s;
-    s.cauchy = (symmetric2){pel_lane3_dot(t->f1, t->f1), pel_lane3_dot(t->f2, t->f2), pel_lane3_dot(t->f1, t->f2)};
-    s.green = (symmetric2){half * (s.cauchy.a - one), half * (s.cauchy.b - one), half * s.cauchy.c};
-    return s;
-}
-
-/* what a material says: energy density, second Piola-Kirchhoff stress and a positive definite tangent */
-typedef struct response {
-    pel_lane energy;
-    symmetric2 stress;
-    symmetric3 tangent;
-} response;
-
-static inline void respond_stvk(const strain_lanes *s, pel_lane mu, pel_lane lambda, response *r)
-{
-    const pel_lane two = pel_lane_splat(2), half = pel_lane_splat((pel_real)0.5);
-    pel_lane trace = s->green.a + s->green.b, volume = lambda * trace;
-    r->stress = (symmetric2){two * mu * s->green.a + volume, two * mu * s->green.b + volume, two * mu * s->green.c};
-    r->energy = mu * (s->green.a * s->green.a + s->green.b * s->green.b + two * s->green.c * s->green.c) +
-                half * volume * trace;
-    pel_lane zero = pel_lane_splat(0), along = two * mu + lambda;
-    r->tangent = (symmetric3){along, lambda, zero, along, zero, mu};
-}
-
-/* area ratio and what goes with it; below the floor the inverse stays that of the floor */
-typedef struct area_lanes {
-    pel_lane ratio, floored, excess; /* J, at least the floor, J^2 - 1 of that */
-    symmetric2 inverse;              /* of C */
-} area_lanes;
-
-static inline area_lanes area_of(const triangle_lanes *t, const strain_lanes *s)
-{
-    const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2), four = pel_lane_splat(4);
-    const pel_lane floor = pel_lane_splat((pel_real)0.01);
-    pel_lane3 normal = pel_lane3_cross(t->f1, t->f2);
-    area_lanes area;
-    area.ratio = pel_lane_sqrt(pel_lane3_dot(normal, normal));
-    area.floored = pel_lane_max(area.ratio, floor);
-    /* from the strains it is exact near rest */
-    pel_lane determinant = s->green.a * s->green.b - s->green.c * s->green.c;
-    pel_lane fine = two * (s->green.a + s->green.b) + four * determinant;
-    pel_lane coarse = (area.floored - one) * (area.floored + one);
-    area.excess = pel_lane_select(pel_lane_above(pel_lane_splat((pel_real)0.1), pel_lane_abs(coarse)), fine, coarse);
-    pel_lane inverse = one / (area.floored * area.floored);
-    area.inverse = (symmetric2){s->cauchy.b * inverse, s->cauchy.a * inverse, -(s->cauchy.c * inverse)};
-    return area;
-}
-
-/* x c c^T + y P + z r r^T with P = -d C^-1 / d e of the inverse c */
-static inline symmetric3 combine_tangent(pel_lane x, symmetric2 c, pel_lane y, pel_lane z, symmetric2 r)
-{
-    const pel_lane two = pel_lane_splat(2);
-    return (symmetric3){
-        x * c.a * c.a + y * two * c.a * c.a + z * r.a * r.a,
-        x * c.a * c.b + y * two * c.c * c.c + z * r.a * r.b,
-        x * c.a * c.c + y * two * c.a * c.c + z * r.a * r.c,
-        x * c.b * c.b + y * two * c.b * c.b + z * r.b * r.b,
-        x * c.b * c.c + y * two * c.b * c.c + z * r.b * r.c,
-        x * c.c * c.c + y * (c.a * c.b + c.c * c.c) + z * r.c * r.c,
-    };
-}
-
-/* U = sqrt C: U^-1 = (I + J C^-1) / s with s = tr U; psi = mu |U - I|^2 + lambda/2 tr^2 (U - I) */
-static inline void respond_corotated(const triangle_lanes *t, const strain_lanes *s, pel_lane mu, pel_lane lambda,
-                                     response *r)
-{
-    const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2), half = pel_lane_splat((pel_real)0.5);
-    area_lanes area = area_of(t, s);
-    pel_lane j = area.ratio;
-    pel_lane trace = pel_lane_max(pel_lane_sqrt(s->cauchy.a + s->cauchy.b + two * j), pel_lane_splat((pel_real)0.01));
-    pel_lane inverse = one / trace, excess = trace - two;
-    pel_lane u11 = inverse * (s->cauchy.a + j) - one, u22 = inverse * (s->cauchy.b + j) - one;
-    pel_lane u12 = inverse * s->cauchy.c;
-    r->energy = mu * (u11 * u11 + u22 * u22 + two * u12 * u12) + half * lambda * excess * excess;
-    symmetric2 root = {inverse * (one + j * area.inverse.a), inverse * (one + j * area.inverse.b),
-                       inverse * (j * area.inverse.c)};
-    pel_lane by_trace = lambda * excess - two * mu;
-    r->stress = (symmetric2){two * mu + by_trace * root.a, two * mu + by_trace * root.b, by_trace * root.c};
-    pel_lane pull = pel_lane_max(-by_trace, pel_lane_splat((pel_real)0.1) * mu), share = pull * j * inverse;
-    r->tangent = combine_tangent(-share, area.inverse, share, lambda + pull * inverse, root);
-}
-
-/* true where a symmetric matrix is clearly positive definite */
-static inline pel_lane_mask is_definite(const symmetric3 *m)
-{
-    const pel_lane margin = pel_lane_splat((pel_real)0.01);
-    pel_lane minor = m->a11 * m->a22 - m->a12 * m->a12;
-    pel_lane determinant = m->a33 * minor - m->a11 * m->a23 * m->a23 - m->a22 * m->a13 * m->a13 +
-                           pel_lane_splat(2) * m->a12 * m->a13 * m->a23;
-    return pel_lane_above(m->a11, pel_lane_splat(0)) & pel_lane_above(minor, margin * m->a11 * m->a22) &
-           pel_lane_above(determinant, margin * margin * m->a11 * m->a22 * m->a33);
-}
-
-static inline symmetric3 select_matrix(pel_lane_mask mask, const symmetric3 *a, const symmetric3 *b)
-{
-    return (symmetric3){
-        pel_lane_select(mask, a->a11, b->a11), pel_lane_select(mask, a->a12, b->a12),
-        pel_lane_select(mask, a->a13, b->a13), pel_lane_select(mask, a->a22, b->a22),
-        pel_lane_select(mask, a->a23, b->a23), pel_lane_select(mask, a->a33, b->a33),
-    };
-}
-
-/* with h = 1 / J^2, or its tangent below the floor (material/membrane.c) */
-static inline void respond_mooney(const triangle_lanes *t, const strain_lanes *s, pel_lane c1, pel_lane c2, response *r)
-{
-    const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2), four = pel_lane_splat(4);
-    area_lanes area = area_of(t, s);
-    pel_lane j = area.ratio, floored = area.floored, trace = s->cauchy.a + s->cauchy.b;
-    pel_lane h = one / (floored * floored), slope = -(two * h / floored);
-    pel_lane determinant4 = four * (s->green.a * s->green.b - s->green.c * s->green.c);
-    pel_lane i1 = h * (two * (s->green.a + s->green.b) * area.excess - determinant4);
-    pel_lane i2 = h * (area.excess * area.excess - determinant4);
-    h = h + slope * (j - floored);
-    pel_lane_mask low = pel_lane_above(floored, j);
-    i1 = pel_lane_select(low, trace + h - pel_lane_splat(3), i1);
-    i2 = pel_lane_select(low, j * j + trace * h - pel_lane_splat(3), i2);
-    r->energy = c1 * i1 + c2 * i2;
-    pel_lane by_trace = two * (c1 + c2 * h), by_area = c1 * slope + c2 * (two * j + trace * slope);
-    symmetric2 c = area.inverse;
-    pel_lane along = by_area * floored;
-    r->stress = (symmetric2){by_trace + along * c.a, by_trace + along * c.b, along * c.c};
-    pel_lane pull = pel_lane_max(-along, pel_lane_splat((pel_real)0.1) * c1), square = floored * floored;
-    symmetric3 safe = combine_tangent(four * ((c1 + c2 * trace) * h + c2 * square), c, pull, pel_lane_splat(0), c);
-    pel_lane coupling = four * c2 * h;
-    symmetric3 full = {safe.a11 - two * coupling * c.a, safe.a12 - coupling * (c.a + c.b), safe.a13 - coupling * c.c,
-                       safe.a22 - two * coupling * c.b, safe.a23 - coupling * c.c,         safe.a33};
-    r->tangent = select_matrix(is_definite(&full), &full, &safe);
-}
-
-static inline void respond_neo_hookean(const triangle_lanes *t, const strain_lanes *s, pel_lane mu, pel_lane lambda,
-                                       response *r)
-{
-    const pel_lane two = pel_lane_splat(2), half = pel_lane_splat((pel_real)0.5);
-    area_lanes area = area_of(t, s);
-    pel_lane below = (area.ratio - area.floored) / area.floored;
-    pel_lane log_j = half * pel_lane_log1p(area.excess) + below;
-    pel_lane determinant = s->green.a * s->green.b - s->green.c * s->green.c;
-    pel_lane shear = half * area.excess - two * determinant - log_j;
-    shear = pel_lane_select(pel_lane_above(area.floored, area.ratio), s->green.a + s->green.b - log_j, shear);
-    r->energy = mu * shear + half * lambda * log_j * log_j;
-    pel_lane by_log = lambda * log_j - mu;
-    symmetric2 c = area.inverse;
-    r->stress = (symmetric2){mu + by_log * c.a, mu + by_log * c.b, by_log * c.c};
-    pel_lane pull = pel_lane_max(-by_log, pel_lane_splat((pel_real)0.1) * mu);
-    r->tangent = combine_tangent(lambda, c, pull, pel_lane_splat(0), c);
-}
-
-static inline void respond(pel_membrane_kind kind, const pel_batch_law *law, const triangle_lanes *t,
-                           const strain_lanes *s, response *r)
-{
-    pel_lane first = pel_lane_splat(law->first), second = pel_lane_splat(law->second);
-    if (kind == PEL_MEMBRANE_COROTATED)
-        respond_corotated(t, s, first, second, r);
-    else if (kind == PEL_MEMBRANE_MOONEY_RIVLIN)
-        respond_mooney(t, s, first, second, r);
-    else if (kind == PEL_MEMBRANE_NEO_HOOKEAN)
-        respond_neo_hookean(t, s, first, second, r);
-    else
-        respond_stvk(s, first, second, r);
-}
-
-/* The triangle factor [[a, b], [0, c]] of F in the frame of its first column (material/membrane.c). */
-typedef struct factor_lanes {
-    pel_lane3 t1, t2;
-    pel_lane a, b, c, inverse; /* inverse of a, at most 2 */
-} factor_lanes;
-
-static inline factor_lanes factor_of(const triangle_lanes *t, const strain_lanes *s)
-{
-    factor_lanes f;
-    f.a = pel_lane_sqrt(s->cauchy.a);
-    f.t1 = pel_lane3_scale(t->f1, quotient(pel_lane_splat(1), f.a));
-    f.b = pel_lane3_dot(t->f2, f.t1);
-    f.t2 = pel_lane3_combine(pel_lane_splat(1), t->f2, -f.b, f.t1);
-    f.c = pel_lane_sqrt(pel_lane3_dot(f.t2, f.t2));
-    f.t2 = pel_lane3_scale(f.t2, quotient(pel_lane_splat(1), f.c));
-    f.inverse = pel_lane_splat(1) / pel_lane_max(f.a, pel_lane_splat((pel_real)0.5));
-    return f;
-}
-
-/* energy and the columns of P of the linear material */
-static inline pel_lane linear_stress(const pel_batch_law *law, const triangle_lanes *t, const strain_lanes *s,
-                                     pel_lane3 columns[2])
-{
-    const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5), two = pel_lane_splat(2);
-    pel_lane mu = pel_lane_splat(law->first), lambda = pel_lane_splat(law->second);
-    factor_lanes f = factor_of(t, s);
-    pel_lane e11 = f.a - one, e22 = f.c - one, e12 = half * f.b, trace = e11 + e22;
-    pel_lane by_a = two * mu * e11 + lambda * trace, by_b = two * mu * e12, by_c = two * mu * e22 + lambda * trace;
-    pel_lane turning = quotient(by_b * f.c - by_c * f.b, f.a);
-    columns[0] = pel_lane3_combine(by_a, f.t1, turning, f.t2);
-    columns[1] = pel_lane3_combine(by_b, f.t1, by_c, f.t2);
-    return mu * (e11 * e11 + e22 * e22 + two * e12 * e12) + half * lambda * trace * trace;
-}
-
 /* pbd: the energy is the constraint */
 PEL_INLINE void sweep_membrane(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
                                pel_membrane_kind kind)
 {
+    pel_lane first = pel_lane_splat(batch->law.first), second = pel_lane_splat(batch->law.second);
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
             triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
-            strain_lanes s = strain_of(&t);
+            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
             pel_lane3 stress[2];
             pel_lane energy;
             if (kind == PEL_MEMBRANE_LINEAR) {
-                energy = linear_stress(&batch->law, &t, &s, stress);
+                energy = pel_linear_stress(first, second, &s, stress);
             } else {
-                response r;
-                respond(kind, &batch->law, &t, &s, &r);
+                pel_response r;
+                pel_respond(kind, first, second, &s, &r);
                 energy = r.energy;
                 stress[0] = pel_lane3_combine(r.stress.a, t.f1, r.stress.c, t.f2);
                 stress[1] = pel_lane3_combine(r.stress.c, t.f1, r.stress.b, t.f2);
@@ -388,14 +168,14 @@ PEL_INLINE void sweep_membrane(const pel_batch *batch, int32_t begin, int32_t en
             /* no vertex moves by more than 1 / sqrt(i0^2 + i2^2), about 0.7 of an edge at rest */
             pel_lane mobility = t.point[0].fourth + t.point[1].fourth + t.point[2].fourth;
             bottom = pel_lane_max(bottom, energy * energy * mobility * (t.i0 * t.i0 + t.i2 * t.i2));
-            pel_lane scale = -quotient(energy, bottom);
+            pel_lane scale = -pel_lane_quotient(energy, bottom);
             move_triangle(batch, block, lane, positions, &t, pel_lane3_scale(stress[0], scale),
                           pel_lane3_scale(stress[1], scale));
         }
 }
 
 /* solves (m) x = right for a positive definite m; a pivot lost to rounding is taken as what rounding left of it */
-static inline void solve_symmetric(const symmetric3 *m, pel_lane right[3])
+static inline void solve_symmetric(const pel_symmetric3 *m, pel_lane right[3])
 {
     const pel_lane one = pel_lane_splat(1), least = pel_lane_splat(16 * PEL_REAL_EPSILON);
     pel_lane r1 = one / m->a11, l2 = m->a12 * r1, l3 = m->a13 * r1;
@@ -409,11 +189,11 @@ static inline void solve_symmetric(const symmetric3 *m, pel_lane right[3])
 }
 
 /* G of the Green strains; a column squeezed to less than half counts as half */
-static inline symmetric3 mobility_of(const triangle_lanes *t, const strain_lanes *s)
+static inline pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_strain_lanes *s)
 {
     const pel_lane quarter = pel_lane_splat((pel_real)0.25), two = pel_lane_splat(2);
     pel_lane c11 = pel_lane_max(s->cauchy.a, quarter), c22 = pel_lane_max(s->cauchy.b, quarter), c12 = s->cauchy.c;
-    return (symmetric3){
+    return (pel_symmetric3){
         t->pp * c11,
         t->pq * c12,
         t->pp * c12 + t->pq * c11,
@@ -424,7 +204,7 @@ static inline symmetric3 mobility_of(const triangle_lanes *t, const strain_lanes
 }
 
 /* (G + D^-1 / (area dt^2)) dl = -(c + ...) for a quadratic energy; softness: 1 / (area young thickness dt^2) */
-static inline void solve_quadratic(const pel_batch *batch, int32_t block, int32_t lane, symmetric3 g,
+static inline void solve_quadratic(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric3 g,
                                    const pel_lane strain[3], pel_lane softness, pel_lane change[3])
 {
     pel_lane poisson = pel_lane_splat(batch->law.second), across = poisson * softness;
@@ -448,7 +228,7 @@ PEL_INLINE void sweep_strain_stvk(const pel_batch *batch, int32_t begin, int32_t
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
             triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-            strain_lanes s = strain_of(&t);
+            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
             const pel_lane strain[3] = {s.green.a, s.green.b, s.cauchy.c};
             pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
             pel_lane change[3];
@@ -465,17 +245,17 @@ PEL_INLINE void sweep_strain_linear(const pel_batch *batch, int32_t begin, int32
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
             triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-            strain_lanes s = strain_of(&t);
-            factor_lanes f = factor_of(&t, &s);
+            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
+            pel_factor_lanes f = pel_factor_of(&s);
             const pel_lane strain[3] = {f.a - one, f.c - one, f.b};
             pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
             pel_lane by_b = f.b * f.inverse, by_c = f.c * f.inverse, change[3];
-            symmetric3 g = {t.pp,
-                            pel_lane_splat(0),
-                            t.pq,
-                            t.pp * by_b * by_b - two * t.pq * by_b + t.qq,
-                            t.pq * by_c - t.pp * by_b * by_c,
-                            t.pp * by_c * by_c + t.qq};
+            pel_symmetric3 g = {t.pp,
+                                pel_lane_splat(0),
+                                t.pq,
+                                t.pp * by_b * by_b - two * t.pq * by_b + t.qq,
+                                t.pq * by_c - t.pp * by_b * by_c,
+                                t.pp * by_c * by_c + t.qq};
             solve_quadratic(batch, block, lane, g, strain, softness, change);
             move_triangle(batch, block, lane, positions, &t,
                           pel_lane3_combine(change[0], f.t1, by_c * change[2] - by_b * change[1], f.t2),
@@ -484,7 +264,7 @@ PEL_INLINE void sweep_strain_linear(const pel_batch *batch, int32_t begin, int32
 }
 
 /* dl = -L (1 + L^T G L)^-1 L^-1 right with B = L L^T; the result replaces right */
-static inline void solve_newton(const symmetric3 *b, const symmetric3 *g, pel_lane right[3])
+static inline void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g, pel_lane right[3])
 {
     const pel_lane one = pel_lane_splat(1);
     /* a collapsed triangle may have a tangent of rank one, or none */
@@ -497,12 +277,12 @@ static inline void solve_newton(const symmetric3 *b, const symmetric3 *g, pel_la
     pel_lane x1 = g->a11 * l11 + g->a12 * l21 + g->a13 * l31, x2 = g->a12 * l11 + g->a22 * l21 + g->a23 * l31;
     pel_lane x3 = g->a13 * l11 + g->a23 * l21 + g->a33 * l31;
     pel_lane y2 = g->a22 * l22 + g->a23 * l32, y3 = g->a23 * l22 + g->a33 * l32, z3 = g->a33 * l33;
-    symmetric3 m = {one + l11 * x1 + l21 * x2 + l31 * x3,
-                    l22 * x2 + l32 * x3,
-                    l33 * x3,
-                    one + l22 * y2 + l32 * y3,
-                    l33 * y3,
-                    one + l33 * z3};
+    pel_symmetric3 m = {one + l11 * x1 + l21 * x2 + l31 * x3,
+                        l22 * x2 + l32 * x3,
+                        l33 * x3,
+                        one + l22 * y2 + l32 * y3,
+                        l33 * y3,
+                        one + l33 * z3};
     pel_lane y[3];
     y[0] = right[0] * r1;
     y[1] = (right[1] - l21 * y[0]) * r2;
@@ -520,26 +300,27 @@ static inline pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane
     pel_lane square =
         t->pp * pel_lane3_dot(a, a) + pel_lane_splat(2) * t->pq * pel_lane3_dot(a, b) + t->qq * pel_lane3_dot(b, b);
     pel_lane mobility = t->point[0].fourth + t->point[1].fourth + t->point[2].fourth;
-    pel_lane share = quotient(pel_lane_splat(1), square * mobility * (t->i0 * t->i0 + t->i2 * t->i2));
+    pel_lane share = pel_lane_quotient(pel_lane_splat(1), square * mobility * (t->i0 * t->i0 + t->i2 * t->i2));
     return pel_lane_sqrt(pel_lane_min(share, pel_lane_splat(1)));
 }
 
 PEL_INLINE void sweep_strain_newton(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
                                     pel_membrane_kind kind)
 {
+    pel_lane law_first = pel_lane_splat(batch->law.first), law_second = pel_lane_splat(batch->law.second);
     for (int32_t block = begin; block < end; block++)
         for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
             triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-            strain_lanes s = strain_of(&t);
-            response r;
-            respond(kind, &batch->law, &t, &s, &r);
+            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
+            pel_response r;
+            pel_respond(kind, law_first, law_second, &s, &r);
             pel_lane k = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.square_time), old[3];
             for (int i = 0; i < 3; i++)
                 old[i] = multiplier_of(batch, block, 3, i, lane);
             pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
-            const symmetric3 *h = &r.tangent;
-            symmetric3 g = mobility_of(&t, &s);
-            symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
+            const pel_symmetric3 *h = &r.tangent;
+            pel_symmetric3 g = mobility_of(&t, &s);
+            pel_symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
             solve_newton(&b, &g, change);
             pel_lane3 first = pel_lane3_combine(change[0], t.f1, change[2], t.f2);
             pel_lane3 second = pel_lane3_combine(change[2], t.f1, change[1], t.f2);
@@ -585,7 +366,7 @@ PEL_INLINE void sweep_isometric(const pel_batch *batch, int32_t begin, int32_t e
                 pel_lane square = pel_lane3_dot(u, u);
                 pel_lane bottom = pel_lane_max(square, number * pel_lane_splat((pel_real)0.25)) * mobility;
                 pel_lane top = pel_lane_splat((pel_real)-0.5 * batch->law.weight) * (square - number);
-                change = pel_lane3_scale(u, quotient(top, bottom));
+                change = pel_lane3_scale(u, pel_lane_quotient(top, bottom));
             }
             for (int a = 0; a < 4; a++)
                 move_particle(batch, block, a, lane, positions, &p[a], pel_lane3_scale(change, p[a].fourth * k[a]));
@@ -603,20 +384,11 @@ PEL_INLINE void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, 
             pel_particle p[4];
             for (int a = 0; a < 4; a++)
                 p[a] = load_particle(batch, block, a, lane, positions);
-            pel_lane3 edge = pel_lane3_subtract(p[1].at, p[0].at), to2 = pel_lane3_subtract(p[2].at, p[0].at);
-            pel_lane3 to3 = pel_lane3_subtract(p[3].at, p[0].at);
-            pel_lane3 n2 = pel_lane3_cross(edge, to2), n3 = pel_lane3_cross(to3, edge);
-            pel_lane square = pel_lane3_dot(edge, edge), length = pel_lane_sqrt(square), cosine = pel_lane3_dot(n2, n3);
-            pel_lane sine = -(length * pel_lane3_dot(to3, n2));
-            /* turned back by the rest angle: the difference comes out the short way round */
             pel_lane rest_cosine = number_of(batch, block, count, 0, lane);
             pel_lane rest_sine = number_of(batch, block, count, 1, lane);
-            pel_lane difference =
-                pel_lane_atan2(sine * rest_cosine - cosine * rest_sine, cosine * rest_cosine + sine * rest_sine);
-            pel_lane r2 = quotient(one, pel_lane3_dot(n2, n2)), r3 = quotient(one, pel_lane3_dot(n3, n3));
-            pel_lane inverse = quotient(one, square);
-            pel_lane t2 = inverse * pel_lane3_dot(to2, edge), t3 = inverse * pel_lane3_dot(to3, edge);
-            pel_lane g22 = square * r2, g33 = square * r3, g23 = g22 * (r3 * cosine);
+            pel_hinge_lanes h = pel_hinge_of(p, rest_cosine, rest_sine);
+            pel_lane t2 = h.t2, t3 = h.t3;
+            pel_lane g22 = h.square * h.r2, g33 = h.square * h.r3, g23 = g22 * (h.r3 * h.cosine);
             pel_lane s2 = one - t2, s3 = one - t3;
             pel_lane mobility = p[2].fourth * g22 + p[3].fourth * g33 +
                                 p[0].fourth * (s2 * s2 * g22 + two * s2 * s3 * g23 + s3 * s3 * g33) +
@@ -625,13 +397,13 @@ PEL_INLINE void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, 
             if (compliant) {
                 pel_lane softness = number_of(batch, block, count, 2, lane) * pel_lane_splat(batch->law.inverse_square);
                 pel_lane old = multiplier_of(batch, block, 1, 0, lane);
-                change = -((difference + softness * old) / (mobility + softness));
+                change = -((h.difference + softness * old) / (mobility + softness));
                 add_multiplier(batch, block, 1, 0, lane, old, change);
             } else {
-                change = quotient(pel_lane_splat((pel_real)-0.5 * batch->law.weight) * difference, mobility);
+                change = pel_lane_quotient(pel_lane_splat((pel_real)-0.5 * batch->law.weight) * h.difference, mobility);
             }
-            pel_lane3 g2 = pel_lane3_scale(n2, -(length * r2 * change));
-            pel_lane3 g3 = pel_lane3_scale(n3, -(length * r3 * change));
+            pel_lane3 g2 = pel_lane3_scale(h.n2, -(h.length * h.r2 * change));
+            pel_lane3 g3 = pel_lane3_scale(h.n3, -(h.length * h.r3 * change));
             pel_lane w0 = p[0].fourth, w1 = p[1].fourth;
             move_particle(batch, block, 0, lane, positions, &p[0],
                           pel_lane3_combine(zero - w0 * s2, g2, zero - w0 * s3, g3));
@@ -678,7 +450,7 @@ PEL_INLINE void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t end,
             pel_lane length = pel_lane_sqrt(f.square);
             pel_lane value = squared ? f.square - one : length - pel_lane_splat(batch->law.rest_length);
             /* gradient c_k times this times the image */
-            pel_lane slope = squared ? pel_lane_splat(2) : quotient(one, length);
+            pel_lane slope = squared ? pel_lane_splat(2) : pel_lane_quotient(one, length);
             pel_lane mobility = f.mobility;
             if (squared)
                 mobility = pel_lane_splat(4) * mobility * pel_lane_max(f.square, pel_lane_splat((pel_real)0.25));
@@ -689,7 +461,7 @@ PEL_INLINE void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t end,
                 change = -((value + softness * old) / (mobility + softness));
                 add_multiplier(batch, block, 1, 0, lane, old, change);
             } else {
-                change = quotient(-(half * f.number * value), mobility);
+                change = pel_lane_quotient(-(half * f.number * value), mobility);
             }
             pel_lane3 way = pel_lane3_scale(f.image, slope * change);
             const pel_particle *p = f.point;
@@ -716,7 +488,7 @@ PEL_INLINE void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end, p
                 pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at), pel_lane3_subtract(p[2].at, p[0].at));
             pel_lane size = pel_lane_sqrt(pel_lane3_dot(normal, normal));
             pel_lane mass = p[0].fourth + p[1].fourth + p[2].fourth;
-            pel_lane scale = quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
+            pel_lane scale = pel_lane_quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
             for (int k = 0; k < 3; k++)
                 move_particle(batch, block, k, lane, positions, &p[k], pel_lane3_scale(normal, scale * p[k].fourth));
         }

@@ -21,61 +21,83 @@ typedef struct sweep {
     int32_t slice_begin, slice_end;
 } sweep;
 
-static inline void note_position(tally *sum, const pel_wide3 *position, const pel_step *step)
+#define STEP_INLINE static inline __attribute__((always_inline))
+
+STEP_INLINE void note_position(tally *sum, const pel_wide3 *position, const pel_step *step)
 {
     pel_real bound = (pel_real)step->bound;
     sum->inside &= pel_wide3_dot(*position, *position) < pel_wide_splat(bound * bound);
 }
 
-static inline void quasi_static_slice(const sweep *run, int32_t slice, bool keep_velocity, tally *sum)
+/* moves the vertices of a slice by the elastic force on them */
+STEP_INLINE void quasi_static_slice(const sweep *run, int32_t slice, const pel_slice *own, pel_wide3 force,
+                                    bool keep_velocity, tally *sum)
 {
     const pel_step *step = run->step;
     pel_state *state = run->state;
-    pel_slice own = pel_slice_load(state->position, slice);
-    pel_wide3 force = pel_elastic_force(run->model, state->position, slice, &own.position, &run->body, &sum->longest);
     if (keep_velocity) {
         pel_slice before = pel_slice_load(state->position_before, slice);
         pel_wide rate = pel_wide_splat((pel_real)(1 / step->dt));
-        pel_wide3 velocity = {rate * (own.position.x - before.position.x), rate * (own.position.y - before.position.y),
-                              rate * (own.position.z - before.position.z)};
-        pel_add_damping(run->model, slice, &own.position, &velocity, &run->body, &force);
+        pel_wide3 velocity = {rate * (own->position.x - before.position.x),
+                              rate * (own->position.y - before.position.y),
+                              rate * (own->position.z - before.position.z)};
+        pel_add_damping(run->model, slice, &own->position, &velocity, &run->body, &force);
     }
-    pel_wide factor = pel_wide_splat((pel_real)(step->alpha * step->dt * step->dt)) * own.inverse_mass;
-    pel_wide3 next = {own.position.x + factor * force.x, own.position.y + factor * force.y,
-                      own.position.z + factor * force.z};
+    pel_wide factor = pel_wide_splat((pel_real)(step->alpha * step->dt * step->dt)) * own->inverse_mass;
+    pel_wide3 next = {own->position.x + factor * force.x, own->position.y + factor * force.y,
+                      own->position.z + factor * force.z};
     note_position(sum, &next, step);
-    pel_slice_store(state->position_next, slice, next, own.inverse_mass);
+    pel_slice_store(state->position_next, slice, next, own->inverse_mass);
 }
 
-static inline void explicit_slice(const sweep *run, int32_t slice, bool symplectic, tally *sum)
+STEP_INLINE void explicit_slice(const sweep *run, int32_t slice, const pel_slice *own, pel_wide3 force, bool symplectic,
+                                tally *sum)
 {
     const pel_step *step = run->step;
     pel_state *state = run->state;
-    pel_slice own = pel_slice_load(state->position, slice), speed = pel_slice_load(state->velocity, slice);
-    pel_wide3 force = pel_elastic_force(run->model, state->position, slice, &own.position, &run->body, &sum->longest);
-    pel_add_damping(run->model, slice, &own.position, &speed.position, &run->body, &force);
-    pel_wide dt = pel_wide_splat((pel_real)step->dt), factor = dt * own.inverse_mass;
+    pel_slice speed = pel_slice_load(state->velocity, slice);
+    pel_add_damping(run->model, slice, &own->position, &speed.position, &run->body, &force);
+    pel_wide dt = pel_wide_splat((pel_real)step->dt), factor = dt * own->inverse_mass;
     pel_wide3 v = speed.position;
     pel_wide3 faster = {v.x + factor * force.x, v.y + factor * force.y, v.z + factor * force.z};
     pel_wide3 used = symplectic ? faster : v;
-    pel_wide3 next = {own.position.x + dt * used.x, own.position.y + dt * used.y, own.position.z + dt * used.z};
+    pel_wide3 next = {own->position.x + dt * used.x, own->position.y + dt * used.y, own->position.z + dt * used.z};
     note_position(sum, &next, step);
-    pel_slice_store(state->position_next, slice, next, own.inverse_mass);
+    pel_slice_store(state->position_next, slice, next, own->inverse_mass);
     pel_slice_store(state->velocity_next, slice, faster, pel_wide_splat(0));
 }
 
-/* runs the slices of one chunk; the flag is a constant at each call, so that the branches vanish */
-static inline void run_chunk(const sweep *run, int32_t chunk, bool explicit_method, bool flag)
+/* the slices first .. last - 1; the flags are constants at each call, so that the branches vanish */
+STEP_INLINE void run_slices(const sweep *run, int32_t first, int32_t last, bool explicit_method, bool flag,
+                            bool uniform, tally *sum)
+{
+    const pel_model *model = run->model;
+    const pel_record *position = run->state->position;
+    pel_slice own = pel_slice_load(position, first);
+    pel_slot_flight flight = pel_slot_begin(model, position, model->slot_begin[first], &own.position);
+    for (int32_t slice = first; slice < last; slice++) {
+        int32_t next = slice + 1 < last ? slice + 1 : slice;
+        pel_slice next_own = pel_slice_load(position, next);
+        pel_wide3 force = pel_spring_force(model, position, slice, &own.position, next, &next_own.position, uniform,
+                                           &flight, &sum->longest);
+        pel_add_volumetric(model, slice, &own.position, &run->body, &force);
+        if (explicit_method)
+            explicit_slice(run, slice, &own, force, flag, sum);
+        else
+            quasi_static_slice(run, slice, &own, force, flag, sum);
+        own = next_own;
+    }
+}
+
+STEP_INLINE void run_chunk(const sweep *run, int32_t chunk, bool explicit_method, bool flag)
 {
     int32_t first = run->slice_begin + chunk * PEL_SLICE_CHUNK;
     int32_t last = run->slice_end - first < PEL_SLICE_CHUNK ? run->slice_end : first + PEL_SLICE_CHUNK;
     tally sum = {pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
-    for (int32_t slice = first; slice < last; slice++) {
-        if (explicit_method)
-            explicit_slice(run, slice, flag, &sum);
-        else
-            quasi_static_slice(run, slice, flag, &sum);
-    }
+    if (run->body.uniform)
+        run_slices(run, first, last, explicit_method, flag, true, &sum);
+    else
+        run_slices(run, first, last, explicit_method, flag, false, &sum);
     /* an infinite length says that a position left the bound */
     bool inside = sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3];
     run->step->longest[chunk] = inside ? (double)pel_wide_largest(sum.longest) : HUGE_VAL;

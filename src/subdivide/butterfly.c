@@ -20,20 +20,9 @@
 
 /* rings up to this size have tables of their own: ring K starts at K (K - 1) of the cosine-sine pairs */
 enum { SHORT_RING = 16, SHORT_PAIRS = SHORT_RING * (SHORT_RING + 1) / 2 };
-
-/* triangles around a vertex; 0 on the boundary or without triangles */
-static int32_t inner_ring_size(const pel_topology *topology, int32_t v)
-{
-    int32_t begin = topology->corner_of_vertex[v], size = 0;
-    if (begin < 0 || topology->twin[begin] < 0)
-        return 0;
-    int32_t h = begin;
-    do {
-        size++;
-        h = pel_half_edge_turn(topology, h);
-    } while (h != begin);
-    return size;
-}
+/* room for several rings that are gathered together: each step about a vertex waits for the one before, so that one
+   ring alone leaves the processor idle */
+enum { LEAST_RINGS = 256 };
 
 static void fill_wave(int32_t ring_size, double *wave)
 {
@@ -64,23 +53,26 @@ static const double *wave_of_ring(pel_butterfly *butterfly, int32_t ring_size)
 
 size_t pel_butterfly_bytes(const pel_topology *base)
 {
-    size_t ring = (size_t)base->triangle_count;
+    size_t ring = (size_t)base->triangle_count + LEAST_RINGS;
     return (size_t)base->vertex_count * 2 * sizeof(int32_t) + ring * 2 * (sizeof(int32_t) + sizeof(double)) +
            2 * SHORT_PAIRS * sizeof(double);
 }
 
-/* marks and lists the irregular vertices; returns the size of the longest ring */
+/* lists the irregular vertices and keeps their ring sizes; returns the size of the longest ring */
 static int32_t find_irregular(pel_butterfly *butterfly, const pel_topology *base)
 {
-    int32_t longest = 0;
+    int32_t longest = 0, *size = butterfly->ring_size;
+    const int32_t *origin = base->triangles[0];
+    for (int32_t h = 0; h < 3 * base->triangle_count; h++)
+        size[origin[h]]++;
     for (int32_t v = 0; v < base->vertex_count; v++) {
-        int32_t size = inner_ring_size(base, v);
-        if (size == 0 || size == 6)
+        int32_t corner = base->corner_of_vertex[v];
+        if (size[v] == 6 || corner < 0 || base->twin[corner] < 0) {
+            size[v] = 0;
             continue;
-        butterfly->ring_size[v] = size;
+        }
         butterfly->irregular[butterfly->irregular_count++] = v;
-        if (size > longest)
-            longest = size;
+        longest = size[v] > longest ? size[v] : longest;
     }
     return longest;
 }
@@ -93,7 +85,8 @@ static bool allocate_butterfly(pel_butterfly *butterfly, const pel_topology *bas
     if (butterfly->irregular == NULL || butterfly->ring_size == NULL)
         return false;
     size_t longest = (size_t)find_irregular(butterfly, base);
-    butterfly->ring = pel_allocate(2 * longest, sizeof *butterfly->ring);
+    butterfly->ring_limit = (int32_t)longest > LEAST_RINGS ? (int32_t)longest : LEAST_RINGS;
+    butterfly->ring = pel_allocate(2 * (size_t)butterfly->ring_limit, sizeof *butterfly->ring);
     butterfly->wave = pel_allocate(2 * (SHORT_PAIRS + longest), sizeof *butterfly->wave);
     return butterfly->ring != NULL && butterfly->wave != NULL;
 }
@@ -128,159 +121,177 @@ static inline bool is_irregular(const pel_butterfly *butterfly, int32_t v)
     return v < butterfly->base_vertex_count && butterfly->ring_size[v] != 0;
 }
 
-/* vertices and edges around v into butterfly->ring, one after the other */
-static void gather_ring(pel_butterfly *butterfly, const pel_topology *level, int32_t v)
+/* vertices and edges around v, one after the other; returns the end */
+static int32_t *gather_ring(const pel_butterfly *butterfly, const pel_topology *level, int32_t v, int32_t *ring)
 {
     const int32_t *origin = level->triangles[0];
-    int32_t h = level->corner_of_vertex[v], *ring = butterfly->ring, *end = ring + 2 * butterfly->ring_size[v];
+    int32_t h = level->corner_of_vertex[v], *end = ring + 2 * butterfly->ring_size[v];
     for (; ring != end; ring += 2) {
         ring[0] = origin[pel_half_edge_next(h)];
         ring[1] = level->edge_of_half_edge[h];
         h = level->twin[pel_half_edge_previous(h)];
     }
+    return end;
 }
 
-/* five sums over a ring of one component's differences from the centre: mean, and waves of both harmonics */
-typedef struct ring_sums {
-    double centre, mean, cosine1, sine1, cosine2, sine2;
-} ring_sums;
-
-/* the values of all edges around an irregular vertex, in `count` (at most RING_BLOCK) components from `first` on; half
-   of them where the other end is irregular too: the end with the lower number comes first */
-enum { RING_BLOCK = 3 };
-static inline void ring_block(const pel_butterfly *butterfly, const pel_topology *level, int32_t v, int32_t n,
-                              int32_t first, int32_t count, const double *wave, double *values)
+/* the rings of as many irregular vertices from the k-th on as there is room for; returns the one behind the last */
+static int32_t gather_rings(const pel_butterfly *butterfly, const pel_topology *level, int32_t k)
 {
-    const int32_t size = butterfly->ring_size[v], *ring = butterfly->ring;
-    const double second = size == 3 ? 0 : size == 4 ? 0.25 : 0.5, inverse = 1.0 / size;
-    ring_sums sums[RING_BLOCK];
-    memset(sums, 0, sizeof sums);
+    int32_t *ring = butterfly->ring, *limit = ring + 2 * butterfly->ring_limit;
+    for (; k < butterfly->irregular_count; k++) {
+        int32_t v = butterfly->irregular[k];
+        if (limit - ring < 2 * butterfly->ring_size[v])
+            break;
+        ring = gather_ring(butterfly, level, v, ring);
+    }
+    return k;
+}
+
+/* the count of components is a constant at each call of edge_values */
+#define ROW_INLINE static inline __attribute__((always_inline))
+
+/* up to four components at once */
+typedef double quad __attribute__((vector_size(32)));
+enum { QUAD = 4 };
+
+ROW_INLINE quad splat(double a)
+{
+    return (quad){a, a, a, a};
+}
+
+/* the first `count` components; the others are 0 */
+ROW_INLINE quad load(const double *row, int32_t count)
+{
+    return (quad){row[0], count > 1 ? row[1] : 0, count > 2 ? row[2] : 0, count > 3 ? row[3] : 0};
+}
+
+ROW_INLINE void store(double *row, int32_t count, quad a)
+{
     for (int32_t c = 0; c < count; c++)
-        sums[c].centre = values[(size_t)v * (size_t)n + (size_t)(first + c)];
-    for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
-        const double *row = values + (size_t)ring[2 * j] * (size_t)n + first;
-        for (int32_t c = 0; c < count; c++) {
-            double difference = row[c] - sums[c].centre;
-            sums[c].mean += difference;
-            sums[c].cosine1 += wave[2 * j] * difference;
-            sums[c].sine1 += wave[2 * j + 1] * difference;
-            sums[c].cosine2 += wave[2 * k] * difference;
-            sums[c].sine2 += wave[2 * k + 1] * difference;
-        }
-    }
-    for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
-        bool halved = is_irregular(butterfly, ring[2 * j]), added = halved && ring[2 * j] < v;
-        double *row = values + ((size_t)level->vertex_count + (size_t)ring[2 * j + 1]) * (size_t)n + first;
-        for (int32_t c = 0; c < count; c++) {
-            double first_wave = wave[2 * j] * sums[c].cosine1 + wave[2 * j + 1] * sums[c].sine1;
-            double second_wave = wave[2 * k] * sums[c].cosine2 + wave[2 * k + 1] * sums[c].sine2;
-            double value = sums[c].centre + inverse * (0.25 * sums[c].mean + first_wave + second * second_wave);
-            row[c] = halved ? (added ? row[c] : 0) + 0.5 * value : value;
-        }
-    }
+        row[c] = a[c];
 }
 
-static inline void ring_values(pel_butterfly *butterfly, const pel_topology *level, int32_t v, int32_t n,
-                               double *values)
+/* `count` components of all rows, from `first` on */
+typedef struct columns {
+    double *values;
+    size_t row_size;
+    int32_t count;
+} columns;
+
+ROW_INLINE quad load_row(const columns *part, int32_t v)
 {
-    const double *wave = wave_of_ring(butterfly, butterfly->ring_size[v]);
-    gather_ring(butterfly, level, v);
-    int32_t c = 0;
-    for (; c + RING_BLOCK <= n; c += RING_BLOCK)
-        ring_block(butterfly, level, v, n, c, RING_BLOCK, wave, values);
-    for (; c < n; c++)
-        ring_block(butterfly, level, v, n, c, 1, wave, values);
+    return load(part->values + (size_t)v * part->row_size, part->count);
 }
 
-/* a point across an edge: the tip of the triangle there, or p + q - r beyond the boundary edge p q of triangle p q r */
-typedef struct across {
-    const double *tip; /* or null */
-    const double *p, *q, *r;
-} across;
+/* ---- irregular ends ---- */
 
-static inline int32_t tip_of(const pel_topology *level, int32_t h)
+/* the values of all edges around an irregular vertex; half of them where the other end is irregular too: the end with
+   the lower number comes first. The sums are of differences from the centre: mean, and waves of both harmonics */
+ROW_INLINE void ring_values(const pel_butterfly *butterfly, const pel_topology *level, int32_t v, const int32_t *ring,
+                            const columns *part, const double *wave)
+{
+    const int32_t size = butterfly->ring_size[v];
+    const quad second = splat(size == 3 ? 0 : size == 4 ? 0.25 : 0.5), inverse = splat(1.0 / size);
+    const quad centre = load_row(part, v);
+    quad mean = splat(0), cosine1 = mean, sine1 = mean, cosine2 = mean, sine2 = mean;
+    for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
+        quad difference = load_row(part, ring[2 * j]) - centre;
+        mean += difference;
+        cosine1 += splat(wave[2 * j]) * difference;
+        sine1 += splat(wave[2 * j + 1]) * difference;
+        cosine2 += splat(wave[2 * k]) * difference;
+        sine2 += splat(wave[2 * k + 1]) * difference;
+    }
+    for (int32_t j = 0, k = 0; j < size; j++, k = k + 2 < size ? k + 2 : k + 2 - size) {
+        quad first_wave = splat(wave[2 * j]) * cosine1 + splat(wave[2 * j + 1]) * sine1;
+        quad second_wave = splat(wave[2 * k]) * cosine2 + splat(wave[2 * k + 1]) * sine2;
+        quad value = centre + inverse * (splat(0.25) * mean + first_wave + second * second_wave);
+        double *row = part->values + (size_t)(level->vertex_count + ring[2 * j + 1]) * part->row_size;
+        if (is_irregular(butterfly, ring[2 * j]))
+            value = splat(0.5) * value + (ring[2 * j] < v ? load(row, part->count) : splat(0));
+        store(row, part->count, value);
+    }
+}
+
+/* ---- other edges ---- */
+
+ROW_INLINE int32_t tip_of(const pel_topology *level, int32_t h)
 {
     const int32_t *origin = level->triangles[0];
     return origin[pel_half_edge_previous(h)];
 }
 
-static inline const double *row_of(const double *values, int32_t v, int32_t n)
-{
-    return values + (size_t)v * (size_t)n;
-}
-
-static inline across look_across(const pel_topology *level, int32_t h, const double *p, const double *q,
-                                 const double *r, int32_t n, const double *values)
+/* the point across an edge: the tip of the triangle there, or p + q - r beyond the boundary edge p q of triangle p q r
+ */
+ROW_INLINE quad tip_across(const pel_topology *level, int32_t h, const columns *part, quad p, quad q, quad r)
 {
     int32_t g = level->twin[h];
-    if (g < 0)
-        return (across){NULL, p, q, r};
-    return (across){row_of(values, tip_of(level, g), n), p, q, r};
+    return g >= 0 ? load_row(part, tip_of(level, g)) : p + q - r;
 }
 
-static inline double across_value(const across *point, int32_t c)
-{
-    return point->tip != NULL ? point->tip[c] : point->p[c] + point->q[c] - point->r[c];
-}
-
-static inline void regular_value(const pel_topology *level, int32_t h, int32_t g, int32_t n, const double *values,
-                                 double *value)
+ROW_INLINE quad regular_value(const pel_topology *level, int32_t h, int32_t g, const columns *part)
 {
     const int32_t *origin = level->triangles[0];
     const int32_t h1 = pel_half_edge_next(h), h2 = pel_half_edge_previous(h);
     const int32_t g1 = pel_half_edge_next(g), g2 = pel_half_edge_previous(g);
-    const double *a = row_of(values, origin[h], n), *b = row_of(values, origin[h1], n);
-    const double *left = row_of(values, origin[h2], n), *right = row_of(values, origin[g2], n);
-    const across outer[4] = {
-        look_across(level, h1, b, left, a, n, values), look_across(level, h2, left, a, b, n, values),
-        look_across(level, g1, a, right, b, n, values), look_across(level, g2, right, b, a, n, values)};
-    for (int32_t c = 0; c < n; c++) {
-        double tips = (across_value(&outer[0], c) + across_value(&outer[1], c)) +
-                      (across_value(&outer[2], c) + across_value(&outer[3], c));
-        value[c] = 0.5 * (a[c] + b[c]) + 0.125 * (left[c] + right[c]) - 0.0625 * tips;
-    }
+    const quad a = load_row(part, origin[h]), b = load_row(part, origin[h1]);
+    const quad left = load_row(part, origin[h2]), right = load_row(part, origin[g2]);
+    quad tips = (tip_across(level, h1, part, b, left, a) + tip_across(level, h2, part, left, a, b)) +
+                (tip_across(level, g1, part, a, right, b) + tip_across(level, g2, part, right, b, a));
+    return splat(0.5) * (a + b) + splat(0.125) * (left + right) - splat(0.0625) * tips;
 }
 
 /* half-edge h is the first about its origin; the last one ends in the boundary edge before */
-static inline void boundary_value(const pel_topology *level, int32_t h, int32_t n, const double *values, double *value)
+ROW_INLINE quad boundary_value(const pel_topology *level, int32_t h, const columns *part)
 {
     int32_t last = h, turned;
     while ((turned = pel_half_edge_turn(level, last)) >= 0)
         last = turned;
     int32_t before = tip_of(level, last), end = pel_half_edge_target(level, h);
     int32_t after = pel_half_edge_target(level, level->corner_of_vertex[end]);
-    const double *a = row_of(values, pel_half_edge_origin(level, h), n), *b = row_of(values, end, n);
-    const double *outer_a = row_of(values, before, n), *outer_b = row_of(values, after, n);
-    for (int32_t c = 0; c < n; c++)
-        value[c] = 0.5625 * (a[c] + b[c]) - 0.0625 * (outer_a[c] + outer_b[c]);
+    quad ends = load_row(part, pel_half_edge_origin(level, h)) + load_row(part, end);
+    quad outer = load_row(part, before) + load_row(part, after);
+    return splat(0.5625) * ends - splat(0.0625) * outer;
 }
 
-/* one body for any number of components, compiled for three and for one */
-static inline void edge_values(pel_butterfly *butterfly, const pel_topology *level, int32_t n, double *values)
+/* one body for any number of components up to four, compiled for each of them */
+ROW_INLINE void edge_values(pel_butterfly *butterfly, const pel_topology *level, const columns *part)
 {
-    for (int32_t k = 0; k < butterfly->irregular_count; k++)
-        ring_values(butterfly, level, butterfly->irregular[k], n, values);
+    for (int32_t k = 0, end; k < butterfly->irregular_count; k = end) {
+        const int32_t *ring = butterfly->ring;
+        end = gather_rings(butterfly, level, k);
+        for (int32_t i = k; i < end; i++) {
+            int32_t v = butterfly->irregular[i], size = butterfly->ring_size[v];
+            ring_values(butterfly, level, v, ring, part, wave_of_ring(butterfly, size));
+            ring += 2 * size;
+        }
+    }
     const int32_t *origin = level->triangles[0];
-    double *value = values + (size_t)level->vertex_count * (size_t)n;
+    double *row = part->values + (size_t)level->vertex_count * part->row_size;
     for (int32_t h = 0; h < 3 * level->triangle_count; h++) {
         int32_t g = level->twin[h];
         if (g >= 0 && g < h)
             continue;
         if (g < 0)
-            boundary_value(level, h, n, values, value);
+            store(row, part->count, boundary_value(level, h, part));
         else if (!is_irregular(butterfly, origin[h]) && !is_irregular(butterfly, origin[g]))
-            regular_value(level, h, g, n, values, value);
-        value += n;
+            store(row, part->count, regular_value(level, h, g, part));
+        row += part->row_size;
     }
 }
 
 void pel_butterfly_edge_values(pel_butterfly *butterfly, const pel_topology *level, int32_t component_count,
                                double *values)
 {
-    if (component_count == 3)
-        edge_values(butterfly, level, 3, values);
-    else if (component_count == 1)
-        edge_values(butterfly, level, 1, values);
-    else
-        edge_values(butterfly, level, component_count, values);
+    const size_t n = (size_t)component_count;
+    for (int32_t first = 0; first < component_count; first += QUAD) {
+        int32_t count = component_count - first < QUAD ? component_count - first : QUAD;
+        double *from = values + first;
+        if (n == 3)
+            edge_values(butterfly, level, &(columns){from, 3, 3});
+        else if (n == 1)
+            edge_values(butterfly, level, &(columns){from, 1, 1});
+        else
+            edge_values(butterfly, level, &(columns){from, n, count});
+    }
 }

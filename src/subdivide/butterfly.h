@@ -11,7 +11,8 @@ typedef struct pel_butterfly {
     int32_t irregular_count;
     int32_t *irregular; /* (irregular_count) ascending */
     int32_t *ring_size; /* (base_vertex_count) triangles around an irregular vertex, 0 for all others */
-    int32_t *ring;      /* scratch (longest ring x 2): vertices and edges around */
+    int32_t *ring;      /* scratch (ring_limit x 2): vertices and edges around some vertices */
+    int32_t ring_limit; /* at least the longest ring */
     double *wave;       /* cosine and sine tables, see butterfly.c */
     int32_t long_ring;  /* size of the ring whose table is the last one */
 } pel_butterfly;

@@ -94,7 +94,7 @@ static void check_motion(surface s, double margin, double wobble, double thickne
     memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
     memcpy(s.end, s.start, (size_t)s.vertex_count * sizeof *rest);
     pel_candidates *c = make_candidates(&s, margin);
-    for (int step = 0; step < 30; step++) {
+    for (int step = 0; step < ROUNDS(30, 6); step++) {
         move(&s, (const double(*)[3])rest, step, wobble);
         update(c, &s, thickness, NULL);
         check_lists(c);

@@ -168,7 +168,9 @@ static void check_motion(moving m, double separation, bool expect_some)
                 memcpy(collisions, result.collisions, (size_t)result.collision_count * sizeof *collisions);
             copy.collisions = collisions;
             assert_int_equal(pel_collider_candidates(collider, &query, &candidates, NULL), PEL_OK);
-            int64_t count = check_against_all_pairs(&m, &candidates, &copy, separation);
+            int64_t count = copy.collision_count;
+            if (ROUNDS(true, i == 2 && again == 0))
+                count = check_against_all_pairs(&m, &candidates, &copy, separation);
             assert_int_equal(count > 0, expect_some);
             assert_int_equal(copy.vertex_face.hits + copy.edge_edge.hits, count);
             free(collisions);

@@ -20,7 +20,7 @@ typedef struct query {
 static int query_count(int usual)
 {
     const char *text = getenv("PEL_CCD_QUERIES");
-    return text != NULL ? atoi(text) : trial_count(usual);
+    return text != NULL ? atoi(text) : ROUNDS(usual, usual / 20);
 }
 
 static bool solve(const query *q, double tolerance, pel_ccd_hit *hit)
@@ -382,7 +382,7 @@ static void test_hard_motions(void **unused)
 {
     (void)unused;
     random_state random = {5};
-    for (int trial = 0; trial < 2000; trial++) {
+    for (int trial = 0; trial < ROUNDS(2000, 200); trial++) {
         query q = {.edge_edge = trial % 2};
         pel_ccd_hit hit;
         double gap = ldexp(1, -(int)random_integer(&random, 0, 50));
@@ -473,7 +473,7 @@ static void test_wide_is_scalar(void **unused)
 {
     (void)unused;
     random_state random = {7};
-    for (int trial = 0; trial < 2000; trial++) {
+    for (int trial = 0; trial < ROUNDS(2000, 200); trial++) {
         wide_ccd_pair wide;
         ccd_pair single[4];
         wide_ccd_cubic wide_cubic;
@@ -525,7 +525,7 @@ static void test_plain_cubic(void **unused)
     (void)unused;
     random_state random = {8};
     int hit_count = 0;
-    for (int trial = 0; trial < trial_count(20000); trial++) {
+    for (int trial = 0; trial < ROUNDS(20000, 2000); trial++) {
         query q;
         pel_ccd_hit hit, plain;
         random_query(&random, 1, &q);
@@ -538,7 +538,7 @@ static void test_plain_cubic(void **unused)
             assert_near(plain.time_of_impact, hit.time_of_impact, 1e-5);
         hit_count += hits;
     }
-    assert_true(hit_count > trial_count(1000));
+    assert_true(hit_count > ROUNDS(1000, 100));
 }
 
 static bool solve_plain(const query *q, double tolerance, pel_ccd_hit *hit)

@@ -112,7 +112,7 @@ static void test_against_bounds(void **unused)
 {
     (void)unused;
     random_state random = {1};
-    for (int trial = 0; trial < trial_count(1200); trial++) {
+    for (int trial = 0; trial < ROUNDS(1200, 120); trial++) {
         double points[5][3];
         for (int i = 0; i < 5; i++)
             for (int k = 0; k < 3; k++) {

@@ -42,7 +42,7 @@ static void test_signs_on_integers(void **unused)
     (void)unused;
     random_state random = {1};
     int zeros = 0;
-    for (int trial = 0; trial < trial_count(200000); trial++) {
+    for (int trial = 0; trial < ROUNDS(200000, 20000); trial++) {
         int64_t p[4][3];
         double x[4][3];
         random_points(&random, p);
@@ -59,7 +59,7 @@ static void test_signs_on_integers(void **unused)
         assert_int_equal(pel_orient2d(x[0], x[1], x[2]), sign_of(area));
         zeros += expected == 0;
     }
-    assert_true(zeros > trial_count(10000));
+    assert_true(zeros > ROUNDS(10000, 1000));
 }
 
 /* a plane through far and near points, and the smallest step off it */
@@ -158,7 +158,7 @@ static void test_triangles(void **unused)
 {
     (void)unused;
     random_state random = {2};
-    int meeting = 0, trials = trial_count(30000);
+    int meeting = 0, trials = ROUNDS(30000, 3000);
     for (int trial = 0; trial < trials; trial++) {
         whole a[3], b[3];
         double x[3][3], y[3][3];
@@ -218,7 +218,7 @@ static void test_common_corner(void **unused)
     (void)unused;
     random_state random = {3};
     int meeting = 0;
-    for (int trial = 0; trial < trial_count(20000); trial++) {
+    for (int trial = 0; trial < ROUNDS(20000, 2000); trial++) {
         whole a[3], b[3], cut[4], part[3];
         double x[3][3], y[3][3];
         random_triangle(&random, 3, false, a);
@@ -244,7 +244,7 @@ static void test_common_corner(void **unused)
         assert_int_equal(pel_triangles_intersect_beyond((const double(*)[3])x, (const double(*)[3])y, 1), expected);
         meeting += expected;
     }
-    assert_true(meeting > trial_count(2000));
+    assert_true(meeting > ROUNDS(2000, 200));
 }
 
 int main(void)

@@ -282,7 +282,7 @@ static void check_topology(const pel_mesh *mesh)
 static void test_same_surface(void **unused)
 {
     (void)unused;
-    for (uint64_t seed = 1; seed <= 5; seed++) {
+    for (uint64_t seed = 1; seed <= (uint64_t)ROUNDS(5, 1); seed++) {
         pel_frames *frames;
         pel_common_mesh *common;
         make_run(seed, NO_DAMAGE);

@@ -63,6 +63,44 @@ static void test_pc2(void **unused)
     pel_free(bytes);
 }
 
+/* three numbers of the JSON behind a word, which must come */
+static const char *next_numbers(const char *json, const char *word, double numbers[3])
+{
+    json = strstr(json, word);
+    assert_non_null(json);
+    assert_int_equal(sscanf(json + strlen(word), "[%lf,%lf,%lf]", &numbers[0], &numbers[1], &numbers[2]), 3);
+    return json + 1;
+}
+
+/* the bounds of each frame in the JSON are those of its numbers, and normals are unit vectors in every frame */
+static void check_glb_frames(const char *json, const char *vertices, size_t frame_size)
+{
+    for (size_t f = 0; f < FOLDER_FRAMES; f++) {
+        const char *positions = vertices + f * frame_size, *normals = positions + frame_size / 2;
+        double low[3], high[3];
+        next_numbers(json, "\"min\":", low);
+        json = next_numbers(json, "\"max\":", high);
+        for (size_t i = 0; i < 3; i++) {
+            double least = HUGE_VAL, most = -HUGE_VAL;
+            for (size_t v = 0; v < FOLDER_VERTICES; v++) {
+                least = fmin(least, real(positions + 12 * v + 4 * i));
+                most = fmax(most, real(positions + 12 * v + 4 * i));
+            }
+            assert_near(low[i], least, 0);
+            assert_near(high[i], most, 0);
+        }
+        for (size_t v = 0; v < FOLDER_VERTICES; v++) {
+            double square = 0;
+            for (size_t i = 0; i < 3; i++) {
+                double base = real(vertices + frame_size / 2 + 12 * v + 4 * i);
+                double x = base + (f > 0 ? real(normals + 12 * v + 4 * i) : 0);
+                square += x * x;
+            }
+            assert_near(square, 1, 1e-5);
+        }
+    }
+}
+
 /* frame 0 plus the morph target of frame f is frame f */
 static void test_glb(void **unused)
 {
@@ -88,6 +126,7 @@ static void test_glb(void **unused)
             assert_near(real(vertices + 4 * i) + delta, positions[i], 1e-6 * 12);
         }
     }
+    check_glb_frames(bytes + 20, vertices, frame_size);
     const char *times = vertices + FOLDER_FRAMES * frame_size, *weights = times + 4 * FOLDER_FRAMES;
     for (int f = 0; f < FOLDER_FRAMES; f++) {
         assert_near(real(times + 4 * f), 0.5 * f, 0);

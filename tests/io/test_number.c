@@ -107,7 +107,7 @@ static void test_random_doubles(void **unused)
 {
     (void)unused;
     char text[512];
-    for (int i = 0; i < 400000; i++) {
+    for (int i = 0; i < ROUNDS(400000, 40000); i++) {
         uint64_t bits = random_bits(&generator);
         double value;
         memcpy(&value, &bits, sizeof value);
@@ -130,7 +130,7 @@ static void test_random_digits(void **unused)
 {
     (void)unused;
     char text[128];
-    for (int i = 0; i < 1000000; i++) {
+    for (int i = 0; i < ROUNDS(1000000, 100000); i++) {
         uint64_t bits = random_bits(&generator);
         int count = 1 + (int)(bits % 22), point = (int)((bits >> 8) % 23), length = 0;
         for (int d = 0; d < count; d++) {

@@ -33,7 +33,11 @@ static const bad_scene bad_scenes[] = {
     {BALL "    springs: {stiffness: soft}\n", NULL,
      "a.yaml:5:26: error: bodies.0.springs.stiffness is 'soft', it must be: number or map. it means: stiffness k"},
     {BALL "    springs: {stiffness: '3'}\n", NULL, "a.yaml:5:26: error: bodies.0.springs.stiffness is '3', it must be"},
-    {BALL "    springs: 3\n", NULL, "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. it means"},
+    {BALL "    springs: 3\n", NULL,
+     "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. write { key: value } with keys of: stiff"},
+    {BALL "    springs: { stiffness: 3 N/m }\n", NULL,
+     "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number alone, it "
+     "is taken in N/m"},
     {BALL "    springs:\n      - 3\n", NULL, "a.yaml:6:7: error: bodies.0.springs is a list, it must be: map"},
     {BALL "    scale_with_area: yes\n", NULL,
      "a.yaml:5:22: error: bodies.0.scale_with_area is 'yes', it must be: true"},

@@ -274,6 +274,47 @@ static void test_stops(void **unused)
     remove_run_folder("shell_run");
 }
 
+/* the last line of a log, and how many there were */
+typedef struct heard {
+    char text[512];
+    int count;
+} heard;
+
+static void hear(void *user, const char *text)
+{
+    heard *told = user;
+    snprintf(told->text, sizeof told->text, "%s", text);
+    told->count++;
+}
+
+/* what pbd-distance does not look at is told where it stands */
+static void test_ignored(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text, *told;
+    } cases[] = {
+        {BALL "    membrane: {preset: skin}\n    bending: {}\nsolver: {method: pbd-distance}\n",
+         "a.yaml:5:5: pbd-distance moves by the lengths of edges alone: membrane, bending is ignored. use pbd"},
+        {BALL "    mass: {total: 1}\n    anisotropy: {strength: 1, stiffness: 1}\nsolver: {method: pbd-distance}\n",
+         "a.yaml:6:5: pbd-distance moves by the lengths of edges alone: anisotropy is ignored. use pbd"},
+        {BALL "    pressure: {outside: 1}\nsolver: {method: pbd-distance}\n", NULL},
+        {BALL "    membrane: {preset: skin}\n    bending: {}\nsolver: {method: pbd}\n", NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        heard told = {.count = 0};
+        pel_log log = {.write = hear, .user = &told};
+        pel_scene *scene;
+        assert_int_equal(pel_scene_parse("a.yaml", cases[i].text, strlen(cases[i].text), NULL, 0, &log, &scene, NULL),
+                         PEL_OK);
+        assert_int_equal(told.count, cases[i].told != NULL);
+        if (cases[i].told != NULL && strstr(told.text, cases[i].told) == NULL)
+            print_error("%s\n", told.text);
+        assert_true(cases[i].told == NULL || strstr(told.text, cases[i].told) != NULL);
+        pel_scene_destroy(scene);
+    }
+}
+
 static void test_bad_runs(void **unused)
 {
     (void)unused;
@@ -324,14 +365,9 @@ static void test_series(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_head),
-        cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_regions_and_pressures),
-        cmocka_unit_test(test_implied),
-        cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_bad_runs),
-        cmocka_unit_test(test_series),
+        cmocka_unit_test(test_head),    cmocka_unit_test(test_materials),  cmocka_unit_test(test_regions_and_pressures),
+        cmocka_unit_test(test_implied), cmocka_unit_test(test_bad_scenes), cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_ignored), cmocka_unit_test(test_bad_runs),   cmocka_unit_test(test_series),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -379,6 +379,7 @@ static double settled(int32_t levels, bool local, bool uniform)
 static void test_stiffness(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     for (int uniform = 0; uniform < 2; uniform++) {
         double base = settled(0, false, uniform);
         double local = settled(1, true, uniform) / base, global = settled(1, false, uniform) / base;

@@ -6,9 +6,11 @@
 #ifdef PEL_SINGLE
 #define VOLUME_TOLERANCE 1e-3
 #define STRAIN_TOLERANCE 0.02
+#define ENERGY_TOLERANCE 1e-2 /* strains of 1e-5 in float beside those in double */
 #else
 #define VOLUME_TOLERANCE 1e-4
 #define STRAIN_TOLERANCE 0.01
+#define ENERGY_TOLERANCE 1e-5
 #endif
 
 static pel_sim_def sim_of(const pel_model *model, pel_method method, double dt)
@@ -328,6 +330,7 @@ static double cantilever(pel_grid_diagonals diagonals, double gamma)
 static void test_cantilever(void **unused)
 {
     (void)unused;
+    skip_if_slow();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -383,6 +386,7 @@ static double press_between_plates(double gap, double forces[2])
 static void test_plates_feel_the_energy(void **unused)
 {
     (void)unused;
+    skip_if_slow();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -419,6 +423,7 @@ static void press_ball(const pel_mesh *mesh, pel_method method, int32_t substeps
 static void test_xpbd_against_leapfrog(void **unused)
 {
     (void)unused;
+    skip_if_slow();
 #ifdef PEL_SINGLE
     skip();
 #endif
@@ -688,9 +693,9 @@ static void test_getters(void **unused)
         pel_vec3_add(net, forces + 3 * v, net);
         work += pel_vec3_dot(forces + 3 * v, positions + 3 * v);
     }
-    assert_near(sum[0] / measures.membrane_energy, 1, 1e-5);
-    assert_near(sum[1] / measures.bending_energy, 1, 1e-5);
-    assert_near(sum[2] / measures.fibre_energy, 1, 1e-5);
+    assert_near(sum[0] / measures.membrane_energy, 1, ENERGY_TOLERANCE);
+    assert_near(sum[1] / measures.bending_energy, 1, ENERGY_TOLERANCE);
+    assert_near(sum[2] / measures.fibre_energy, 1, ENERGY_TOLERANCE);
     assert_near(pel_vec3_length(net), 0, 1e-5);
     /* a pressure P does the work -3 P V against growth; P is 0.99 at this time */
     assert_near(work / (-3 * 0.99 * measures.volume_ratio *

@@ -197,7 +197,7 @@ static pel_status create(const void *unused, pel_error *error)
 static void test_allocation_failure(void **unused)
 {
     (void)unused;
-    assert_int_equal(for_every_allocation_failure(create, NULL), 10);
+    assert_int_equal(for_every_allocation_failure(create, NULL), 11);
 }
 
 int main(void)

@@ -318,6 +318,39 @@ static void test_free_fall(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* velocity after half a second of drag, in second order, less the exact one */
+static double drag_error(const pel_model *model, int steps)
+{
+    pel_sim_def def = sim_of(model, PEL_METHOD_XPBD, 0.5 / steps, 1);
+    def.solver.drag = 3;
+    def.solver.second_order = true;
+    pel_sim *sim = make_sim(&def);
+    double velocity[3 * 92];
+    for (int i = 0; i < 3 * 92; i++)
+        velocity[i] = 1;
+    assert_int_equal(pel_sim_set_velocities(sim, 0, velocity, NULL), PEL_OK);
+    run_steps(sim, steps);
+    pel_sim_get_velocities(sim, 0, velocity);
+    pel_sim_destroy(sim);
+    for (int i = 1; i < 3 * 92; i++)
+        assert_near(velocity[i], velocity[0], is_double ? 1e-10 : 1e-3);
+    return fabs(velocity[0] - exp(-1.5));
+}
+
+/* it slows what moves as in first order, and the error quarters with the step */
+static void test_drag_in_second_order(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(3);
+    pel_body_def body = bare_body(mesh);
+    pel_model *model = make_model(&body);
+    assert_true(drag_error(model, 10) < 0.01);
+    if (is_double)
+        assert_near(drag_error(model, 40) / drag_error(model, 80), 4, 0.4);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 /* theory page, section 11 e: a uniform load moves a body by f / k' exactly; pins stay; drag slows as it says */
 static void test_volumetric_springs_pins_and_drag(void **unused)
 {
@@ -475,13 +508,10 @@ static void test_regions(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet_reaches_closed_forms),
-        cmocka_unit_test(test_pressurised_sphere),
-        cmocka_unit_test(test_error_falls_with_dt),
-        cmocka_unit_test(test_free_fall),
-        cmocka_unit_test(test_volumetric_springs_pins_and_drag),
-        cmocka_unit_test(test_springs_come_to_the_same_rest),
-        cmocka_unit_test(test_regions),
+        cmocka_unit_test(test_sheet_reaches_closed_forms),    cmocka_unit_test(test_pressurised_sphere),
+        cmocka_unit_test(test_error_falls_with_dt),           cmocka_unit_test(test_free_fall),
+        cmocka_unit_test(test_drag_in_second_order),          cmocka_unit_test(test_volumetric_springs_pins_and_drag),
+        cmocka_unit_test(test_springs_come_to_the_same_rest), cmocka_unit_test(test_regions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -335,7 +335,7 @@ static void test_event_time(void **unused)
         scene made = make_scene(sample_sphere(frequencies[i]), 2);
         int32_t v = made.mesh->vertex_count / 2;
         double refine = HUGE_VAL, coarsen = HUGE_VAL;
-        for (int round = 0; round < 2000; round++) {
+        for (int round = 0; round < ROUNDS(2000, 20); round++) {
             double start = seconds();
             mark_rings(&made, v, 2, 1, true);
             update(made.front);
