@@ -45,6 +45,7 @@ static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
 /* turns the chain of each edge into a pair of twins, in place */
 static pel_status pair_twins(pel_topology *topology, pel_error *error)
 {
+    topology->boundary_edge_count = 0;
     for (int32_t e = 0; e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e], other = topology->twin[h];
         if (other < 0) {
@@ -73,6 +74,7 @@ static pel_status pair_twins(pel_topology *topology, pel_error *error)
 static pel_status find_corners(pel_topology *topology, int32_t *corner_count, pel_error *error)
 {
     memset(topology->corner_of_vertex, -1, (size_t)topology->vertex_count * sizeof(int32_t));
+    memset(corner_count, 0, (size_t)topology->vertex_count * sizeof(int32_t));
     for (int32_t h = 0; h < 3 * topology->triangle_count; h++) {
         int32_t v = pel_half_edge_origin(topology, h);
         int32_t corner = topology->corner_of_vertex[v];
@@ -119,27 +121,161 @@ static pel_status allocate_topology(const pel_mesh *mesh, pel_topology **topolog
     if (made->triangles == NULL || made->corner_of_vertex == NULL)
         return PEL_OUT_OF_MEMORY;
     memcpy(made->triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof *made->triangles);
-    pel_edge_table edges;
-    if (pel_edge_table_build((const int32_t(*)[3])mesh->triangles, mesh->triangle_count, mesh->vertex_count, NULL,
-                             &edges) != PEL_OK)
-        return PEL_OUT_OF_MEMORY;
-    made->edge_count = edges.edge_count;
-    made->edge_of_half_edge = edges.edge_of_half_edge;
-    made->half_edge_of_edge = edges.half_edge_of_edge;
-    made->twin = edges.next_in_edge;
     return PEL_OK;
 }
 
-static pel_status fill_topology(pel_topology *topology, pel_error *error)
+/* ---- sound meshes: one pass over the half-edges ---- */
+
+/* a half-edge that has not met its twin, in the list of its origin */
+typedef struct waiting {
+    int32_t h, target, next;
+} waiting;
+
+/* scratch of the pass */
+typedef struct matching {
+    int32_t *list_of_vertex; /* (vertex_count) -1 = empty */
+    waiting *pool;           /* (3 triangle_count); few are used at a time, so that they stay in the cache */
+    int32_t pool_count, unused;
+} matching;
+
+/* takes the half-edge from a to b off its list; -1 when it does not wait */
+static int32_t take_waiting(matching *scratch, int32_t a, int32_t b, int64_t *steps)
 {
-    int32_t *corner_count = pel_allocate((size_t)topology->vertex_count, sizeof *corner_count);
-    if (corner_count == NULL)
+    int32_t *link = &scratch->list_of_vertex[a];
+    for (; *link >= 0; link = &scratch->pool[*link].next, (*steps)++) {
+        waiting *found = &scratch->pool[*link];
+        if (found->target != b)
+            continue;
+        int32_t at = *link;
+        *link = found->next;
+        found->next = scratch->unused;
+        scratch->unused = at;
+        return found->h;
+    }
+    return -1;
+}
+
+static void put_waiting(matching *scratch, int32_t a, int32_t b, int32_t h)
+{
+    int32_t at = scratch->unused;
+    if (at >= 0)
+        scratch->unused = scratch->pool[at].next;
+    else
+        at = scratch->pool_count++;
+    scratch->pool[at] = (waiting){h, b, scratch->list_of_vertex[a]};
+    scratch->list_of_vertex[a] = at;
+}
+
+/* Pairs each half-edge with the one that runs back and numbers the edges. False when that takes long: triangles in no
+   order about vertices of very many. */
+static bool match_half_edges(pel_topology *topology, matching *scratch)
+{
+    int64_t steps = 0, limit = 24 * (int64_t)topology->triangle_count + 1000;
+    memset(scratch->list_of_vertex, -1, (size_t)topology->vertex_count * sizeof(int32_t));
+    scratch->pool_count = topology->edge_count = 0;
+    scratch->unused = -1;
+    for (int32_t t = 0; t < topology->triangle_count && steps <= limit; t++)
+        for (int i = 0; i < 3; i++) {
+            int32_t a = topology->triangles[t][i], b = topology->triangles[t][i == 2 ? 0 : i + 1], h = 3 * t + i;
+            int32_t g = take_waiting(scratch, b, a, &steps);
+            topology->twin[h] = g;
+            if (g >= 0) {
+                topology->twin[g] = h;
+                topology->edge_of_half_edge[h] = topology->edge_of_half_edge[g];
+                continue;
+            }
+            put_waiting(scratch, a, b, h);
+            topology->half_edge_of_edge[topology->edge_count] = h;
+            topology->edge_of_half_edge[h] = topology->edge_count++;
+        }
+    topology->boundary_edge_count = 2 * topology->edge_count - 3 * topology->triangle_count;
+    return steps <= limit;
+}
+
+/* One turn about each vertex visits all its triangles, and each neighbour once: then no edge has more than two
+   triangles, nor two that face opposite sides. seen: (vertex_count) scratch. */
+static bool is_sound(const pel_topology *topology, const int32_t *corner_count, int32_t *seen)
+{
+    const int32_t *origin = topology->triangles[0];
+    memset(seen, -1, (size_t)topology->vertex_count * sizeof *seen);
+    for (int32_t v = 0; v < topology->vertex_count; v++) {
+        int32_t begin = topology->corner_of_vertex[v], h = begin, visited = 0;
+        bool again = false;
+        while (h >= 0) {
+            int32_t before = pel_half_edge_previous(h), w = origin[pel_half_edge_next(h)];
+            again |= seen[w] == v;
+            seen[w] = v;
+            visited++;
+            h = topology->twin[before];
+            if (h < 0)
+                again |= seen[origin[before]] == v;
+            if (h == begin)
+                break;
+        }
+        if (again || visited != corner_count[v])
+            return false;
+    }
+    return true;
+}
+
+/* builds the table of a sound mesh; *sound is false, with arrays to be filled otherwise, when it is none */
+static pel_status fill_sound(pel_topology *topology, int32_t *corner_count, bool *sound)
+{
+    size_t half_edge_count = 3 * (size_t)topology->triangle_count;
+    matching scratch = {pel_allocate((size_t)topology->vertex_count, sizeof(int32_t)),
+                        pel_allocate(half_edge_count, sizeof(waiting)), 0, -1};
+    topology->twin = pel_allocate(half_edge_count, sizeof(int32_t));
+    topology->edge_of_half_edge = pel_allocate(half_edge_count, sizeof(int32_t));
+    topology->half_edge_of_edge = pel_allocate(half_edge_count, sizeof(int32_t));
+    bool room = scratch.list_of_vertex != NULL && scratch.pool != NULL && topology->twin != NULL &&
+                topology->edge_of_half_edge != NULL && topology->half_edge_of_edge != NULL;
+    *sound = room && match_half_edges(topology, &scratch) && find_corners(topology, corner_count, NULL) == PEL_OK &&
+             is_sound(topology, corner_count, scratch.list_of_vertex);
+    if (*sound) {
+        int32_t *shrunk = pel_reallocate(topology->half_edge_of_edge, (size_t)topology->edge_count, sizeof *shrunk);
+        if (shrunk != NULL)
+            topology->half_edge_of_edge = shrunk;
+    }
+    pel_free(scratch.list_of_vertex);
+    pel_free(scratch.pool);
+    return room ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+/* ---- others: all half-edges of an edge together, to say what is wrong ---- */
+
+static pel_status fill_any(pel_topology *topology, int32_t *corner_count, pel_error *error)
+{
+    pel_edge_table edges;
+    pel_free(topology->twin);
+    pel_free(topology->edge_of_half_edge);
+    pel_free(topology->half_edge_of_edge);
+    topology->twin = topology->edge_of_half_edge = topology->half_edge_of_edge = NULL;
+    if (pel_edge_table_build((const int32_t(*)[3])topology->triangles, topology->triangle_count, topology->vertex_count,
+                             NULL, &edges) != PEL_OK)
         return pel_fail_memory(error);
+    topology->edge_count = edges.edge_count;
+    topology->edge_of_half_edge = edges.edge_of_half_edge;
+    topology->half_edge_of_edge = edges.half_edge_of_edge;
+    topology->twin = edges.next_in_edge;
     pel_status status = pair_twins(topology, error);
     if (status == PEL_OK)
         status = find_corners(topology, corner_count, error);
     if (status == PEL_OK)
         status = check_fans(topology, corner_count, error);
+    return status;
+}
+
+static pel_status fill_topology(pel_topology *topology, pel_error *error)
+{
+    bool sound;
+    int32_t *corner_count = pel_allocate((size_t)topology->vertex_count, sizeof *corner_count);
+    if (corner_count == NULL)
+        return pel_fail_memory(error);
+    pel_status status = fill_sound(topology, corner_count, &sound);
+    if (status != PEL_OK)
+        pel_fail_memory(error);
+    else if (!sound)
+        status = fill_any(topology, corner_count, error);
     pel_free(corner_count);
     return status;
 }

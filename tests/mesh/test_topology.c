@@ -238,6 +238,31 @@ static void test_sphere_and_isolated_vertex(void **unused)
     pel_topology_destroy(topology);
 }
 
+/* a cone of many triangles in random order: the quick way gives up, the other gives the same table */
+static void test_many_about_a_vertex(void **unused)
+{
+    (void)unused;
+    enum { COUNT = 900 };
+    random_state random = {3};
+    int32_t triangles[3 * COUNT];
+    for (int32_t t = 0; t < COUNT; t++) {
+        triangles[3 * t] = 0;
+        triangles[3 * t + 1] = 1 + t;
+        triangles[3 * t + 2] = 1 + (t + 1) % COUNT;
+    }
+    for (int32_t t = COUNT - 1; t > 0; t--) {
+        int32_t other = random_below(&random, t + 1), kept[3];
+        memcpy(kept, triangles + 3 * t, sizeof kept);
+        memmove(triangles + 3 * t, triangles + 3 * other, sizeof kept);
+        memcpy(triangles + 3 * other, kept, sizeof kept);
+    }
+    pel_topology *topology;
+    assert_int_equal(topology_of(COUNT + 1, triangles, COUNT, &topology, NULL), PEL_OK);
+    assert_int_equal(topology->boundary_edge_count, COUNT);
+    check_against_brute_force(topology);
+    pel_topology_destroy(topology);
+}
+
 static pel_status create_case(const void *mesh, pel_error *error)
 {
     pel_topology *topology;
@@ -262,7 +287,7 @@ int main(void)
         cmocka_unit_test(test_tetrahedron),         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_bad_index),           cmocka_unit_test(test_random_triangles),
         cmocka_unit_test(test_random_patches),      cmocka_unit_test(test_sphere_and_isolated_vertex),
-        cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_many_about_a_vertex), cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
