@@ -192,23 +192,20 @@ static bool match_half_edges(pel_topology *topology, matching *scratch)
     return steps <= limit;
 }
 
-/* One turn about each vertex visits all its triangles, and each neighbour once: then no edge has more than two
-   triangles, nor two that face opposite sides. seen: (vertex_count) scratch. */
+/* One turn about each vertex visits all its triangles, and leaves for each neighbour once: of three half-edges on an
+   edge, or of two that run the same way, two leave the same end. seen: (vertex_count) scratch. */
 static bool is_sound(const pel_topology *topology, const int32_t *corner_count, int32_t *seen)
 {
-    const int32_t *origin = topology->triangles[0];
     memset(seen, -1, (size_t)topology->vertex_count * sizeof *seen);
     for (int32_t v = 0; v < topology->vertex_count; v++) {
         int32_t begin = topology->corner_of_vertex[v], h = begin, visited = 0;
         bool again = false;
         while (h >= 0) {
-            int32_t before = pel_half_edge_previous(h), w = origin[pel_half_edge_next(h)];
+            int32_t w = pel_half_edge_target(topology, h);
             again |= seen[w] == v;
             seen[w] = v;
             visited++;
-            h = topology->twin[before];
-            if (h < 0)
-                again |= seen[origin[before]] == v;
+            h = pel_half_edge_turn(topology, h);
             if (h == begin)
                 break;
         }

@@ -252,20 +252,6 @@ static void count_slots(pel_model *model, const pel_body *body, const int32_t *v
     }
 }
 
-void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness)
-{
-    pel_record d = model->rest[j] - model->rest[i];
-    pel_real length = pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
-    int32_t lane = i % PEL_WIDTH;
-    model->neighbours[slot][lane] = j;
-    model->rest_lengths[slot][lane] = length;
-    if (model->stiffnesses == NULL)
-        return;
-    pel_real product = (pel_real)stiffness * length;
-    model->products[slot][lane] = product;
-    model->stiffnesses[slot][lane] = product / length;
-}
-
 static void add_spring(pel_model *model, int32_t i, int32_t j, int32_t *filled, double stiffness)
 {
     pel_model_set_spring(model, model->slot_begin[i / PEL_WIDTH] + filled[i]++, i, j, stiffness);

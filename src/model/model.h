@@ -116,7 +116,19 @@ void pel_model_free_arrays(pel_model *model);
 /* Writes the spring from place i to j into a slot of i; from i to itself, with stiffness 0, it fills the slot up. The
    rest length comes from the very operations of the force loop, and the stiffness, in its last bit, from the product:
    so the rest shape is free of force to the last bit. */
-void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness);
+static inline void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness)
+{
+    pel_record d = model->rest[j] - model->rest[i];
+    pel_real length = pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+    int32_t lane = i % PEL_WIDTH;
+    model->neighbours[slot][lane] = j;
+    model->rest_lengths[slot][lane] = length;
+    if (model->stiffnesses == NULL)
+        return;
+    pel_real product = (pel_real)stiffness * length;
+    model->products[slot][lane] = product;
+    model->stiffnesses[slot][lane] = product / length;
+}
 
 /* The triangles of a body's surface: their number, and which of model->triangles is the i-th. With refinement the
    triangle of a node and half has the fixed number 2 node + half in its body, so that it can be named over events. */

@@ -19,7 +19,7 @@ static pel_wide3 random_offset(random_state *random, double size)
 
 static long double length_of(const pel_wide3 *d, int lane)
 {
-    long double x = d->x[lane], y = d->y[lane], z = d->z[lane];
+    long double x = (long double)d->x[lane], y = (long double)d->y[lane], z = (long double)d->z[lane];
     return sqrtl(x * x + y * y + z * z);
 }
 

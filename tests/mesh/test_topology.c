@@ -128,6 +128,8 @@ static void test_refusals(void **unused)
         /* tetrahedra that share vertex 0, then an edge */
         {"vertex", "one fan", 0, 7, 8, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 5, 4, 0, 4, 6, 4, 5, 6, 5, 0, 6}},
         {"edge", "more than two", 2, 6, 8, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 4, 1, 0, 1, 5, 1, 4, 5, 4, 0, 5}},
+        /* the same in an order in which the half-edges of that edge pair up to one turn about each of its ends */
+        {"edge", "more than two", 0, 6, 8, {0, 1, 4, 0, 3, 1, 0, 1, 2, 0, 5, 1, 0, 2, 3, 0, 4, 5, 1, 3, 2, 1, 5, 4}},
         /* Moebius strip of five triangles */
         {"edge", "opposite winding", 0, 5, 5, {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 0, 4, 4, 0, 1}},
     };
