@@ -103,12 +103,41 @@ static void test_particles_round_trip(void **unused)
             assert_near((double)records[places[i]][c], 4 * places[i] + c + (c == 0 ? 0.5 : c == 2 ? -1 : 0), 0);
 }
 
+/* three components of each lane as records side by side */
+static void test_store(void **unused)
+{
+    (void)unused;
+    pel_record records[PEL_BLOCK + 1];
+    pel_lane3 a = {pel_lane_splat(0), pel_lane_splat(0), pel_lane_splat(0)};
+    for (int i = 0; i < PEL_BLOCK; i++) {
+        a.x[i] = (pel_real)(3 * i);
+        a.y[i] = (pel_real)(3 * i + 1);
+        a.z[i] = (pel_real)(3 * i + 2);
+    }
+    records[PEL_BLOCK] = pel_wide_splat(7);
+    pel_lane3_store(records, a);
+    for (int i = 0; i < PEL_BLOCK; i++)
+        for (int c = 0; c < 4; c++)
+            assert_near((double)records[i][c], c < 3 ? 3 * i + c : 0, 0);
+    assert_near((double)records[PEL_BLOCK][0], 7, 0);
+}
+
+static void test_quotient(void **unused)
+{
+    (void)unused;
+    static const double cases[4][3] = {{3, 2, 1.5}, {3, 0, 0}, {0, 0, 0}, {3, -2, 0}};
+    for (int i = 0; i < 4; i++) {
+        pel_lane quotient =
+            pel_lane_quotient(pel_lane_splat((pel_real)cases[i][0]), pel_lane_splat((pel_real)cases[i][1]));
+        assert_near((double)quotient[PEL_BLOCK - 1], cases[i][2], 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_atan2),
-        cmocka_unit_test(test_log1p),
-        cmocka_unit_test(test_particles_round_trip),
+        cmocka_unit_test(test_atan2), cmocka_unit_test(test_log1p),    cmocka_unit_test(test_particles_round_trip),
+        cmocka_unit_test(test_store), cmocka_unit_test(test_quotient),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -124,7 +124,7 @@ static void test_extension(void **unused)
 {
     (void)unused;
     for (int threads = 1; threads <= 3; threads += 2) {
-        surface s = make_sphere(10, 0);
+        surface s = make_sphere(8, 0);
         pel_pool *pool;
         double(*rest)[3] = malloc((size_t)s.vertex_count * sizeof *rest);
         memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
@@ -141,11 +141,12 @@ static void test_extension(void **unused)
                     s.end[v][k] = (1 - 1.5 * depth) * x[k];
             }
             update(c, &s, 0.01, pool);
-            check_lists(c);
-            if (step % 10 == 0)
+            if (step % 5 == 0)
+                check_lists(c);
+            if (step % 20 == 0)
                 check_near_pairs(c, &s, 0.01);
         }
-        assert_true(c->counts.extensions > 10);
+        assert_true(c->counts.extensions > 5);
         assert_true(c->counts.searches < 20);
         pel_pool_destroy(pool);
         pel_candidates_destroy(c);

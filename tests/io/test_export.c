@@ -153,6 +153,27 @@ static void test_glb_mesh(void **unused)
     pel_free(bytes);
 }
 
+/* a coordinate that no float holds, on either side of zero */
+static void test_too_large(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], frame[FOLDER_PATH];
+    for (int side = 0; side < 2; side++) {
+        double positions[12], scalar[4], vector[12];
+        folder_values(1, positions, scalar, vector);
+        positions[7] = side == 0 ? 1e39 : -1e39;
+        const pel_vtp vtp = {.vertex_count = FOLDER_VERTICES,
+                             .triangle_count = 4,
+                             .positions = positions,
+                             .triangles = folder_triangles,
+                             .float64 = true};
+        assert_int_equal(pel_vtp_write(folder_path(frame, folder, "frames/f00001.vtp"), &vtp, NULL), PEL_OK);
+        pel_error error;
+        assert_int_equal(pel_export_pc2(folder_path(path, folder, "e.pc2"), frames, &error), PEL_BAD_FORMAT);
+        assert_int_equal(access(path, F_OK), -1);
+    }
+}
+
 static void test_sequence(void **unused)
 {
     (void)unused;
@@ -234,6 +255,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_pc2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_glb, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_glb_mesh, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_too_large, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_sequence, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_nothing_half_written, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_allocation_failures, set_up, tear_down),

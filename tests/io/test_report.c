@@ -163,6 +163,42 @@ static void test_changing_triangles(void **unused)
     assert_non_null(strstr(text, "[[0,0,0],[1,0.5,1],[2,1,0],[3,1.5,0]]"));
     assert_int_equal(unpack(text, bytes, sizeof bytes), 4 * 12 + 3 * 12 + FOLDER_FRAMES * 7 * 8);
     pel_free(text);
+    /* a frame whose triangles are not those of the frame before begins anew, the last one goes on */
+    const size_t heads[FOLDER_FRAMES] = {48, 36, 0, 0};
+    const unsigned char *at = bytes;
+    unsigned last[7][4] = {{0}};
+    for (int f = 0; f < FOLDER_FRAMES; f++) {
+        double positions[12], scalar[4], vector[12];
+        folder_values(f, positions, scalar, vector);
+        at += heads[f];
+        if (f < 3)
+            memset(last, 0, sizeof last);
+        for (size_t i = 0; i < 3; i++)
+            at = check_list(at, 2, last[i], positions + i, 3, 10, 11.3);
+        at = check_list(at, 2, last[3], scalar, 1, -3, 0.75);
+        for (size_t i = 0; i < 3; i++)
+            at = check_list(at, 2, last[4 + i], vector + i, 3, 0, 0.3);
+    }
+}
+
+/* a table that is too long keeps its header, some rows and the last one */
+static void test_long_series(void **unused)
+{
+    (void)unused;
+    enum { ROWS = 300000 };
+    char path[FOLDER_PATH];
+    FILE *file = fopen(folder_path(path, folder, "series.csv"), "w");
+    assert_non_null(file);
+    fputs("frame,time\n", file);
+    for (int row = 0; row < ROWS; row++)
+        fprintf(file, "%d,%d.5\n", row, row);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(pel_report_write(out, &def, NULL, NULL), PEL_OK);
+    char *text = read_report();
+    assert_non_null(strstr(text, "\"series\":\"frame,time\\n0,0.5\\n"));
+    assert_non_null(strstr(text, "\\n299999,299999.5\\n\",\n\"series_thinned\":true"));
+    assert_null(strstr(text, "\\n1,1.5\\n"));
+    pel_free(text);
 }
 
 enum { NOTES_SIZE = 1 << 16 };
@@ -284,6 +320,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_chosen_fields, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_changing_triangles, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_thinned, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_long_series, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_refuses, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_frames_alone, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_allocation_failures, set_up, tear_down),

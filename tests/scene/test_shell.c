@@ -152,6 +152,9 @@ static void test_implied(void **unused)
                   (const char *const[]){"material: mooney-rivlin\n", "young: 1170000\n", "mooney_ratio: 0.1\n",
                                         "density: 930\n", "thickness: 0.001\n", "method: xpbd\n", "stiffness: 0\n",
                                         NULL});
+    /* an entry without value counts as left out */
+    check_implied(BALL "    membrane: {preset: rubber, young: ~}\n    mass:\n    springs: ~\n",
+                  (const char *const[]){"young: 1170000\n", "density: 930\n", "stiffness: 0\n", NULL});
     check_implied(BALL "    mass: {density: 5, thickness: 0.5}\n    membrane: {preset: rubber, material: stvk}\n",
                   (const char *const[]){"density: 5\n", "      thickness: 0.5\n    springs", "material: stvk\n",
                                         "mooney_ratio: 0.2\n", "poisson: 0.5\n      thickness: 0.5\n", NULL});
