@@ -131,7 +131,7 @@ static void test_extension(void **unused)
         memcpy(s.end, s.start, (size_t)s.vertex_count * sizeof *rest);
         pel_candidates *c = make_candidates(&s, 0.02);
         assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
-        for (int step = 0; step < 40; step++) {
+        for (int step = 0; step < ROUNDS(40, 10); step++) {
             const double dent[3] = {cos(0.15 * step), sin(0.15 * step), 0};
             for (int32_t v = 0; v < s.vertex_count; v++) {
                 const double *x = rest[v];
@@ -146,7 +146,7 @@ static void test_extension(void **unused)
             if (step % 20 == 0)
                 check_near_pairs(c, &s, 0.01);
         }
-        assert_true(c->counts.extensions > 5);
+        assert_true(c->counts.extensions > ROUNDS(5, 1));
         assert_true(c->counts.searches < 20);
         pel_pool_destroy(pool);
         pel_candidates_destroy(c);
