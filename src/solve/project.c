@@ -290,6 +290,24 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
     }
 }
 
+/* Second order: what a contact stops has no smooth past. Its velocity is the way of the substep, and the next one
+   begins as if it had always moved so. Otherwise the past would throw it back from what it ran into. */
+static void forget_past(pel_projector *projector, pel_state *state, const pel_contact_list *contacts)
+{
+    const pel_real rate = (pel_real)(1 / projector->substep);
+    for (int32_t c = 0; c < contacts->count; c++) {
+        const pel_contact *contact = &contacts->contacts[c];
+        for (int i = 0; i < 4 && contact->push > 0; i++) {
+            int32_t v = contact->vertices[i];
+            if (contact->weights[i] == 0 || !(state->position_next[v][3] > 0))
+                continue;
+            pel_record velocity = rate * (state->position_next[v] - projector->older_position[v]);
+            velocity[3] = 0;
+            state->velocity_next[v] = projector->older_velocity[v] = velocity;
+        }
+    }
+}
+
 /* ---- steps ---- */
 
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
@@ -323,6 +341,8 @@ void pel_project_substep(pel_projector *projector, pel_state *state, const pel_r
             pel_contacts_project(contacts, state->position_next, state->position);
     }
     pel_pool_run(projector->pool, chunk_count, measure_velocity_chunk, &job);
+    if (contacts != NULL && projector->solver.second_order)
+        forget_past(projector, state, contacts);
 }
 
 void pel_projector_accept(pel_projector *projector, pel_state *state)
@@ -335,4 +355,11 @@ void pel_projector_accept(pel_projector *projector, pel_state *state)
     state->older_is_known = true;
     projector->older_position = position;
     projector->older_velocity = velocity;
+    /* what touched anything has no smooth past, see forget_past */
+    const pel_real substep = (pel_real)projector->substep;
+    for (int32_t v = 0; v < projector->model->vertex_count; v++)
+        if (state->contact[v]) {
+            state->older_position[v] = state->position[v] - substep * state->velocity[v];
+            state->older_velocity[v] = state->velocity[v];
+        }
 }

@@ -259,6 +259,40 @@ static void test_friction_on_slope(void **unused)
     }
 }
 
+/* what falls on a floor stays there: a past of second order does not throw it back */
+static void test_no_rebound(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < 64; i++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_XPBD);
+        scene.def.solver.dt = 5e-3;
+        scene.def.solver.substeps = i % 4 < 2 ? 1 : 3;
+        scene.def.solver.second_order = i % 2 == 1;
+        scene.gravity = -8;
+        scene_body(&scene, make_sheet(3, 0));
+        scene.bodies[0].spring_damping.value = 0;
+        add_floor(&scene, i % 8 < 4 ? PEL_TOOL_BOX : PEL_TOOL_MESH);
+        pel_transform transform = pel_transform_default();
+        transform.translation[0] = transform.translation[1] = -0.5;
+        /* it lands at different times of a step */
+        transform.translation[2] = 0.04 + 5e-4 * (i / 8);
+        assert_int_equal(pel_mesh_transform(scene.meshes[0], &transform, NULL), PEL_OK);
+        pel_sim *sim = scene_create(&scene);
+        double x[3 * 16];
+        bool landed = false;
+        for (int n = 0; n < 60; n++) {
+            assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+            pel_sim_get_positions(sim, 0, x);
+            landed |= x[2] < 1e-3;
+            for (int v = 0; v < 16 && landed; v++)
+                assert_true(x[3 * v + 2] < 1.5e-3);
+        }
+        assert_true(landed);
+        scene_end(&scene, sim);
+    }
+}
+
 /* velocities that no contact can answer: the guard alone keeps the surfaces free */
 static void test_shaken(void **unused)
 {
@@ -586,6 +620,7 @@ int main(void)
         cmocka_unit_test(test_mesh_tool),
         cmocka_unit_test(test_fast_round_tools),
         cmocka_unit_test(test_friction_on_slope),
+        cmocka_unit_test(test_no_rebound),
         cmocka_unit_test(test_shaken),
         cmocka_unit_test(test_refinement),
         cmocka_unit_test(test_tangled_start),
