@@ -222,13 +222,15 @@ static pel_status sieve_pairs(pel_candidates *c, pel_pair_kind kind, pel_pool *p
     }
     if (!pel_reserve((void **)pairs, capacity, total, sizeof **pairs))
         return PEL_OUT_OF_MEMORY;
+    c->counts.kept += (int64_t)total;
+    if (total == 0)
+        return PEL_OK;
     s.kept = *pairs;
     pel_pool_run(pool, PEL_SEARCH_CHUNKS, sieve_chunk, &s);
-    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS && total > 0; chunk++) {
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
         memmove(*pairs + *count, *pairs + s.offset[chunk], s.kept_count[chunk] * sizeof **pairs);
         *count += s.kept_count[chunk];
     }
-    c->counts.kept += (int64_t)total;
     return PEL_OK;
 }
 

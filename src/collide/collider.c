@@ -305,7 +305,8 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
         all->count += p->list.count;
         pel_ccd_statistics_add(statistics, &p->statistics);
     }
-    sort_collisions(all->collisions + before, all->count - before);
+    if (all->count > before)
+        sort_collisions(all->collisions + before, all->count - before);
     return PEL_OK;
 }
 
