@@ -37,10 +37,8 @@ static pel_status begin(void **inner, const char *every, const char *duration, p
 {
     writing *w = calloc(1, sizeof *w);
     *inner = w;
-    if (w == NULL) {
-        *error = (pel_error){.status = PEL_OUT_OF_MEMORY, .element = -1, .byte_offset = -1, .what = "out of memory"};
-        return PEL_OUT_OF_MEMORY;
-    }
+    if (w == NULL)
+        return pel_fail_memory(error);
     w->with_best = w->without_best = HUGE_VAL;
     snprintf(w->folder, sizeof w->folder, "/tmp/pellicle-bench-XXXXXX");
     if (mkdtemp(w->folder) == NULL) {

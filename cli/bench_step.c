@@ -55,7 +55,7 @@ static pel_status begin(void **inner, int32_t frequency, int steps, int thread_c
     stepping *s = calloc(1, sizeof *s);
     *inner = s;
     if (s == NULL)
-        return PEL_OUT_OF_MEMORY;
+        return pel_fail_memory(error);
     s->steps = steps;
     s->thread_count = thread_count;
     pel_status status = make_sim(s, frequency, error);
@@ -64,7 +64,7 @@ static pel_status begin(void **inner, int32_t frequency, int steps, int thread_c
     s->start_size = pel_sim_save_size(s->sim);
     s->start = malloc(s->start_size);
     if (s->start == NULL)
-        return PEL_OUT_OF_MEMORY;
+        return pel_fail_memory(error);
     pel_sim_save(s->sim, s->start);
     return PEL_OK;
 }

@@ -123,10 +123,8 @@ static pel_status add_pressure(const measured *m, double pressure, double *value
 static pel_status write_vtp(const char *path, const pel_mesh *mesh, pel_error *error)
 {
     pel_vtp_field *fields = calloc((size_t)mesh->field_count, sizeof *fields);
-    if (fields == NULL) {
-        *error = (pel_error){.status = PEL_OUT_OF_MEMORY, .what = "out of memory", .element = -1, .byte_offset = -1};
-        return PEL_OUT_OF_MEMORY;
-    }
+    if (fields == NULL)
+        return pel_fail_memory(error);
     for (int32_t f = 0; f < mesh->field_count; ++f)
         fields[f] = (pel_vtp_field){mesh->fields[f].name, mesh->fields[f].component_count, mesh->fields[f].values};
     const pel_vtp vtp = {.vertex_count = mesh->vertex_count,
@@ -144,9 +142,9 @@ static pel_status write_vtp(const char *path, const pel_mesh *mesh, pel_error *e
 
 static int write_fields(const cli_call *call, const measured *m, const char *path)
 {
-    pel_error error = {.status = PEL_OUT_OF_MEMORY, .what = "out of memory", .element = -1, .byte_offset = -1};
+    pel_error error;
     double *values = calloc((size_t)m->mesh->vertex_count, 3 * sizeof *values);
-    pel_status status = values != NULL ? add_measures(m, values, &error) : PEL_OUT_OF_MEMORY;
+    pel_status status = values != NULL ? add_measures(m, values, &error) : pel_fail_memory(&error);
     if (status == PEL_OK && cli_has(call, "pressure"))
         status = add_pressure(m, cli_number(call, "pressure"), values, &error);
     free(values);

@@ -72,6 +72,19 @@ static inline void run_steps(pel_sim *sim, int count)
     }
 }
 
+/* saves and destroys a sim, and goes on in a new one */
+static inline pel_sim *resume_sim(pel_sim *sim, const pel_sim_def *def)
+{
+    size_t size = pel_sim_save_size(sim);
+    void *bytes = malloc(size);
+    pel_sim_save(sim, bytes);
+    pel_sim_destroy(sim);
+    sim = make_sim(def);
+    assert_int_equal(pel_sim_load(sim, bytes, size, NULL), PEL_OK);
+    free(bytes);
+    return sim;
+}
+
 /* an allocation_case (failing_malloc.h): a sim from its pel_sim_def, which may stay as it is */
 static inline pel_status create_sim(const void *def, pel_error *error)
 {

@@ -1,26 +1,16 @@
 /* Position-based dynamics as a whole: layout, momentum, what the answer depends on, determinism, snapshots. */
 #include "failing_malloc.h"
-#include "sim/fixture.h"
+#include "shell_fixture.h"
 
 #include "model/state.h"
 #include "solve/project.h"
 
 #include <stdlib.h>
 
-static pel_body_def shell_body(const pel_mesh *mesh)
+static pel_body_def stiff_body(const pel_mesh *mesh)
 {
-    pel_body_def body = pel_body_def_default();
-    body.name = "shell";
-    body.mesh = mesh;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = 0.01;
-    body.spring_stiffness.value = body.spring_damping.value = 0;
-    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
-    body.shell.membrane.on = true;
-    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
     body.shell.membrane.young.value = 1e6;
-    body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = PEL_BENDING_HINGE;
     return body;
 }
@@ -79,7 +69,7 @@ static void test_layout(void **unused)
     (void)unused;
     for (int32_t frequency = 1; frequency <= 32; frequency *= 2) {
         pel_mesh *mesh = make_sphere(frequency);
-        pel_body_def def = shell_body(mesh);
+        pel_body_def def = stiff_body(mesh);
         def.spring_stiffness.value = 1;
         pel_model *model = make_model(&def);
         const pel_solver_def solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .iterations = 1, .substeps = 1};
@@ -110,7 +100,7 @@ static void test_fan_of_many_triangles(void **unused)
     }
     pel_mesh *mesh;
     assert_int_equal(pel_mesh_create(positions[0], SPOKES + 1, triangles[0], SPOKES, &mesh, NULL), PEL_OK);
-    pel_body_def def = shell_body(mesh);
+    pel_body_def def = stiff_body(mesh);
     pel_model *model = make_model(&def);
     const pel_solver_def solver = {.method = PEL_METHOD_PBD, .dt = 0.01, .iterations = 1, .substeps = 1};
     pel_projector *projector;
@@ -154,7 +144,7 @@ static void test_wide_is_plain(void **unused)
     for (int m = 0; m < 3; m++)
         for (int material = 0; material <= PEL_MEMBRANE_NEO_HOOKEAN; material++)
             for (int bending = PEL_BENDING_ISOMETRIC; bending <= PEL_BENDING_HINGE; bending++) {
-                pel_body_def def = shell_body(mesh);
+                pel_body_def def = stiff_body(mesh);
                 def.spring_stiffness.value = 10;
                 def.shell.membrane.kind = (pel_membrane_kind)material;
                 def.shell.bending.model = (pel_bending_model)bending;
@@ -239,7 +229,7 @@ static void test_momentum(void **unused)
             positions[3 * v + i] = x[i] * (i == 0 ? 1.1 : 1);
     }
     for (int m = 0; m < 3; m++) {
-        pel_body_def def = shell_body(mesh);
+        pel_body_def def = stiff_body(mesh);
         pel_model *model = make_model(&def);
         pel_sim_def sim_def = projected(model, methods[m]);
         pel_sim *sim = make_sim(&sim_def);
@@ -266,7 +256,7 @@ static double squeezed_volume(int32_t frequency, pel_method method, double young
                               pel_bending_model bending, int steps, int *rises)
 {
     pel_mesh *mesh = make_sphere(frequency);
-    pel_body_def def = shell_body(mesh);
+    pel_body_def def = stiff_body(mesh);
     def.shell.membrane.young.value = young;
     def.shell.bending.model = bending;
     def.shell.bending.weight = weight;
@@ -334,15 +324,8 @@ static uint64_t run_hash(const pel_model *model, pel_method method, bool second_
     def.thread_count = threads;
     pel_sim *sim = make_sim(&def);
     run_steps(sim, 6);
-    if (resume) {
-        void *bytes = malloc(pel_sim_save_size(sim));
-        size_t size = pel_sim_save_size(sim);
-        pel_sim_save(sim, bytes);
-        pel_sim_destroy(sim);
-        sim = make_sim(&def);
-        assert_int_equal(pel_sim_load(sim, bytes, size, NULL), PEL_OK);
-        free(bytes);
-    }
+    if (resume)
+        sim = resume_sim(sim, &def);
     run_steps(sim, 6);
     uint64_t hash = pel_sim_hash(sim);
     pel_sim_destroy(sim);
@@ -352,7 +335,7 @@ static uint64_t run_hash(const pel_model *model, pel_method method, bool second_
 static pel_model *squeezed_model(const pel_mesh *mesh, pel_bending_model bending)
 {
     static const int32_t pinned[2] = {0, 40};
-    pel_body_def body = shell_body(mesh);
+    pel_body_def body = stiff_body(mesh);
     body.spring_stiffness.value = 20;
     body.spring_damping.value = 0.01;
     body.volumetric_stiffness.value = 0.5;
@@ -433,7 +416,7 @@ static void test_divergence(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(4);
-    pel_body_def body = shell_body(mesh);
+    pel_body_def body = stiff_body(mesh);
     pel_model *model = make_model(&body);
     pel_load_def load = pel_load_def_default();
     load.force[2] = 1e12;

@@ -17,6 +17,21 @@ static pel_body_def bare_body(const pel_mesh *mesh)
     return body;
 }
 
+/* a shell that bends, under a pressure that is still to be given */
+static pel_body_def pressed_body(const pel_mesh *mesh, double young, double thickness)
+{
+    pel_body_def body = bare_body(mesh);
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.mass = 1000;
+    body.thickness.value = thickness;
+    body.shell.membrane.on = true;
+    body.shell.membrane.young.value = young;
+    body.shell.membrane.thickness.value = thickness;
+    body.shell.bending.model = PEL_BENDING_HINGE;
+    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    return body;
+}
+
 static pel_sim_def sim_of(const pel_model *model, pel_method method, double dt, int32_t substeps)
 {
     pel_sim_def def = pel_sim_def_default();
@@ -180,15 +195,7 @@ static void test_pressurised_sphere(void **unused)
 #endif
     const double young = 1e6, thickness = 0.01, poisson = 0.3, pressure = 10;
     pel_mesh *mesh = make_sphere(8);
-    pel_body_def body = bare_body(mesh);
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = thickness;
-    body.shell.membrane.on = true;
-    body.shell.membrane.young.value = young;
-    body.shell.membrane.thickness.value = thickness;
-    body.shell.bending.model = PEL_BENDING_HINGE;
-    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    pel_body_def body = pressed_body(mesh, young, thickness);
     body.shell.pressure.outside.value = -pressure;
     pel_model *model = make_model(&body);
     pel_sim_def def = sim_of(model, PEL_METHOD_XPBD, 1.0 / 60, 64);
@@ -217,15 +224,7 @@ static void pressed_sphere(pel_method method, int32_t substeps, bool second_orde
     pel_mesh *mesh = make_sphere(4);
     const double young = 1e6, thickness = 0.01, critical = 2 * young * thickness * thickness / sqrt(3 * 0.91);
     const pel_key keys[2] = {{0, 0}, {5.0 / 60, 1}};
-    pel_body_def body = bare_body(mesh);
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = thickness;
-    body.shell.membrane.on = true;
-    body.shell.membrane.young.value = young;
-    body.shell.membrane.thickness.value = thickness;
-    body.shell.bending.model = PEL_BENDING_HINGE;
-    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    pel_body_def body = pressed_body(mesh, young, thickness);
     body.shell.pressure.outside = (pel_quantity){.value = 0.5 * critical, .keys = keys, .key_count = 2};
     pel_model *model = make_model(&body);
     bool leapfrog = method == PEL_METHOD_EXPLICIT;
