@@ -7,8 +7,9 @@
        x* = y + tau u + tau^2 w f,      u = v or (4 v - v') / 3
        v  = (x - y) / tau               after the sweeps
 
-   A substep without a past, the first one, is of first order. (Velocities from three positions and x* = x + h v, as
-   often done, are not consistent: a free fall gets twice its acceleration.)
+   A substep without a past, the first one, is of first order; where a contact acts the past is made anew from the
+   velocity that it leaves. (Velocities from three positions and x* = x + h v, as often done, are not consistent: a free
+   fall gets twice its acceleration.)
 
    Volumetric springs k' and drag d of a vertex are quadratic in its own position: they are taken up exactly by a mass
    that is larger by tau d + tau^2 k', with x* drawn to the rest place; no constraint is needed for them. So is the drag
