@@ -1,6 +1,8 @@
 /* Paper A's body against the numbers of the reference computation (figures 6 and 7) and against closed forms. */
 #include "sim/fixture.h"
 
+#include "pellicle/measure.h"
+
 /* tolerance of the figures' numbers: the reference gives them to three digits */
 #define FIGURE 0.0015
 
@@ -349,10 +351,50 @@ static void test_divergence_is_reported_and_undone(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* area and volume are those of all bodies together, each over its own triangles */
+static void test_measures_of_two_bodies(void **unused)
+{
+    (void)unused;
+    const double scale = 1.5;
+    pel_mesh *meshes[2] = {make_sphere(2), make_sphere(3)};
+    pel_body_def bodies[2] = {pel_body_def_default(), pel_body_def_default()};
+    pel_model_def model_def = pel_model_def_default();
+    double area[2], volume[2];
+    for (int b = 0; b < 2; b++) {
+        bodies[b].name = b == 0 ? "first" : "second";
+        bodies[b].mesh = meshes[b];
+        const pel_mesh *mesh = meshes[b];
+        area[b] = pel_surface_area(mesh->positions[0], mesh->triangles[0], mesh->triangle_count);
+        volume[b] = pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, NULL);
+    }
+    model_def.bodies = bodies;
+    model_def.body_count = 2;
+    pel_model *model;
+    assert_int_equal(pel_model_create(&model_def, &model, NULL), PEL_OK);
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    pel_sim *sim = make_sim(&def);
+    double x[3 * 92];
+    for (int i = 0; i < 3 * meshes[1]->vertex_count; i++)
+        x[i] = scale * meshes[1]->positions[0][i];
+    assert_int_equal(pel_sim_set_positions(sim, 1, x, NULL), PEL_OK);
+    pel_sim_measures measures;
+    pel_sim_measure(sim, &measures);
+    const double rounding = sizeof(pel_real) == 8 ? 1e-12 : 1e-5;
+    assert_near(measures.area_ratio, (area[0] + pow(scale, 2) * area[1]) / (area[0] + area[1]), rounding);
+    assert_near(measures.volume_ratio, (volume[0] + pow(scale, 3) * volume[1]) / (volume[0] + volume[1]), rounding);
+    assert_near(pel_sim_volume_ratio(sim), measures.volume_ratio, rounding);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(meshes[0]);
+    pel_mesh_destroy(meshes[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_figures_6_and_7),
+        cmocka_unit_test(test_measures_of_two_bodies),
         cmocka_unit_test(test_quasi_static_does_not_oscillate),
         cmocka_unit_test(test_uniform_load_moves_by_force_over_stiffness),
         cmocka_unit_test(test_recovery_factor),
