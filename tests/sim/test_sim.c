@@ -375,8 +375,9 @@ static void test_measures_of_two_bodies(void **unused)
     def.model = model;
     pel_sim *sim = make_sim(&def);
     double x[3 * 92];
+    const double *rest = meshes[1]->positions[0];
     for (int i = 0; i < 3 * meshes[1]->vertex_count; i++)
-        x[i] = scale * meshes[1]->positions[0][i];
+        x[i] = scale * rest[i];
     assert_int_equal(pel_sim_set_positions(sim, 1, x, NULL), PEL_OK);
     pel_sim_measures measures;
     pel_sim_measure(sim, &measures);
