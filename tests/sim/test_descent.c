@@ -68,6 +68,9 @@ static void test_shell_against_xpbd(void **unused)
 {
     (void)unused;
     skip_if_slow();
+    /* in float short substeps lose small motions (docs/solvers.md) */
+    if (sizeof(pel_real) == 4)
+        skip();
     check_against(PEL_METHOD_XPBD, 1e5);
 }
 
