@@ -83,7 +83,8 @@ static void test_chosen_texts(void **unused)
 static void test_no_number(void **unused)
 {
     (void)unused;
-    static const char *const texts[] = {"", "-", "+", ".", "-.", "e5", "x", " 1", "in", "\n1", "--1"};
+    static const char *const texts[] = {"",   "-",   "+",   ".",   "-.",  "e5",  "x",       " 1",
+                                        "in", "\n1", "--1", "xnf", "zan", "nax", "ynfinity"};
     double value;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         assert_null(pel_number_parse(texts[i], texts[i] + strlen(texts[i]), &value));
