@@ -364,6 +364,11 @@ static void test_texts(void **unused)
         pel_scene *again = load(pel_scene_text(scene), NULL, 0);
         assert_string_equal(again->title, texts[i]);
         assert_string_equal(pel_scene_text(again), pel_scene_text(scene));
+        /* only what every reader of YAML takes for text stands there without quotes */
+        snprintf(override, sizeof override, "\ntitle: %s\n", texts[i]);
+        bool plain = strstr(pel_scene_text(scene), override) != NULL;
+        assert_int_equal(plain, strcmp(texts[i], "offset") == 0 || strcmp(texts[i], "nullify") == 0 ||
+                                    strcmp(texts[i], "/a/b") == 0);
         pel_scene_destroy(again);
         pel_scene_destroy(scene);
     }
