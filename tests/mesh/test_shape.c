@@ -1,3 +1,4 @@
+#include "comma_locale.h"
 #include "failing_malloc.h"
 #include "sample.h"
 
@@ -413,6 +414,22 @@ static void test_allocation_failures(void **unused)
     }
 }
 
+/* a decimal comma of the locale changes nothing */
+static void test_locale(void **unused)
+{
+    (void)unused;
+    if (!set_comma_locale())
+        skip();
+    char text[64];
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_TORUS);
+    const pel_shape_parameter *minor = &pel_shape_info_of(PEL_SHAPE_TORUS)->parameters[1];
+    assert_string_equal(pel_shape_get(&def, minor, text, sizeof text), "0.25");
+    assert_int_equal(pel_shape_set(&def, "minor_radius", "0.375", NULL), PEL_OK);
+    assert_int_equal(pel_shape_set(&def, "minor_radius", "0,5", NULL), PEL_BAD_ARGUMENT);
+    setlocale(LC_NUMERIC, "C");
+    assert_near(def.minor_radius, 0.375, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -428,6 +445,7 @@ int main(void)
         cmocka_unit_test(test_set),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_locale),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
