@@ -261,7 +261,8 @@ static const pel_scene_row rows[] = {
      .doc = "packs the .vtp files (zlib): less than half the size, several times the work"},
     {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},
     {"output.checkpoint", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
-     .doc = "simulated time between checkpoints; 0 keeps only the last good one when a run fails or is stopped"},
+     .doc = "simulated time between checkpoints; 0 keeps only the last good one of a run that fails, is stopped or "
+            "killed"},
 
     {"<mesh>", MAP, .doc = "a surface, in metres once scaled: a shape or a file"},
     {"<mesh>.shape", .forms = PEL_FORM_WORD, ALTERNATIVE, .doc = "a generated surface; its parameters stand beside it"},

@@ -128,7 +128,8 @@ typedef struct run_case {
     int64_t kill_at;    /* step, 0 = no */
     int64_t fill_at;    /* step from which on files can have file_size bytes only, 0 = no */
     rlim_t file_size;
-    const char *block; /* name in the folder that another folder takes at step 30; nullable */
+    const char *block;   /* name in the folder that another folder takes at step 30; nullable */
+    double keep_seconds; /* 0 = as by default */
     int64_t max_frames;
     int32_t threads;
     pel_run_summary summary;
@@ -174,6 +175,7 @@ static pel_status do_run(const pel_scene *scene, run_case *test)
     def.resume = test->resume != NULL ? in_folder(resume, test->run, test->resume) : NULL;
     def.max_frames = test->max_frames;
     def.thread_count = test->threads > 0 ? test->threads : thread_count;
+    def.keep_seconds = test->keep_seconds > 0 ? test->keep_seconds : def.keep_seconds;
     def.progress = watch;
     def.user = test;
     return pel_run(scene, &def, &test->summary, &test->error);
@@ -507,30 +509,89 @@ static void test_resume_from_older(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* killed at any step: everything is valid, and the run goes on from its last checkpoint */
+/* killed at a step: everything is valid, and the run goes on from its last checkpoint */
+static void check_kill(const pel_scene *scene, const run_case *whole, int64_t step, double keep_seconds)
+{
+    run_case test = {.run = "killed", .kill_at = step, .keep_seconds = keep_seconds};
+    pid_t child = fork();
+    if (child == 0) {
+        do_run(scene, &test);
+        _exit(1);
+    }
+    int ended;
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGKILL);
+    assert_false(exists("killed", "summary.json"));
+    assert_true(check_list("killed") > 0);
+    assert_true(count_rows("killed") >= check_list("killed"));
+    run_case rest = {.run = "killed", .resume = "checkpoint"};
+    check_run(scene, &rest, PEL_OK);
+    check_same_results(whole->run, "killed", whole->summary.frames);
+}
+
 static void test_kill(void **unused)
 {
     (void)unused;
     pel_scene *scene = load_scene(busy, NULL, 0);
     run_case whole = {.run = "kill-whole"};
     check_run(scene, &whole, PEL_OK);
-    for (int64_t step = 11; step < 60; step += 8) {
-        run_case test = {.run = "killed", .kill_at = step};
-        pid_t child = fork();
-        if (child == 0) {
-            do_run(scene, &test);
-            _exit(1);
-        }
-        int ended;
-        assert_int_equal(waitpid(child, &ended, 0), child);
-        assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGKILL);
-        assert_false(exists("killed", "summary.json"));
-        assert_true(check_list("killed") > 0);
-        assert_true(count_rows("killed") >= check_list("killed"));
-        run_case rest = {.run = "killed", .resume = "checkpoint"};
-        check_run(scene, &rest, PEL_OK);
-        check_same_results("kill-whole", "killed", whole.summary.frames);
-    }
+    for (int64_t step = 11; step < 60; step += 8)
+        check_kill(scene, &whole, step, 0);
+    pel_scene_destroy(scene);
+}
+
+/* a run that asks for no checkpoints keeps its state all the same, from the first step on when it may */
+static void test_kept_state(void **unused)
+{
+    (void)unused;
+    const char *const override = "output.checkpoint=0";
+    pel_scene *scene = load_scene(busy, &override, 1);
+    run_case whole = {.run = "kept-whole", .keep_seconds = 1e-9};
+    check_run(scene, &whole, PEL_OK);
+    assert_false(exists("kept-whole", "checkpoint"));
+    for (int64_t step = 2; step < 60; step += 25)
+        check_kill(scene, &whole, step, 1e-9);
+    pel_scene_destroy(scene);
+}
+
+static bool limit_for_a_while(void *user, const pel_run_progress *progress)
+{
+    (void)user;
+    if (progress->step == 0)
+        limit_files(16);
+    else if (progress->step == 5)
+        unlimit_files();
+    return true;
+}
+
+static void take_note(void *user, const char *text)
+{
+    snprintf(user, 400, "%s", text);
+}
+
+/* a state that cannot be kept is told, and the run goes on */
+static void test_state_not_kept(void **unused)
+{
+    (void)unused;
+    const char *const overrides[2] = {"output.checkpoint=0", "output.every_frame=50"};
+    pel_scene *scene = load_scene(small, overrides, 2);
+    char path[256], note[400] = "";
+    const pel_log log = {take_note, note};
+    pel_run_def def = pel_run_def_default();
+    pel_run_summary summary;
+    def.folder = in_folder(path, "not-kept", "");
+    def.keep_seconds = 1e-9;
+    def.progress = limit_for_a_while;
+    def.log = &log;
+    def.thread_count = 1;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_non_null(strstr(note, "the state of step 1 is not kept: "));
+    assert_string_equal(summary.status, "done");
+    check_whole("not-kept");
+    def.keep_seconds = -1;
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_BAD_ARGUMENT);
     pel_scene_destroy(scene);
 }
 
@@ -856,6 +917,8 @@ int main(void)
         cmocka_unit_test(test_resume_from_older),
         cmocka_unit_test(test_resume_at_end),
         cmocka_unit_test(test_kill),
+        cmocka_unit_test(test_kept_state),
+        cmocka_unit_test(test_state_not_kept),
         cmocka_unit_test(test_takes_over_folder),
         cmocka_unit_test(test_refuses_checkpoints),
         cmocka_unit_test(test_bad_folders),

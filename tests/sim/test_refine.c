@@ -625,6 +625,68 @@ static void test_order(void **unused)
     assert_true(hashes[0] == hashes[1]);
 }
 
+/* forces of all rows; the loads alone, as the body is at rest */
+static double *forces_of(const bench *made, int32_t *count)
+{
+    *count = pel_sim_vertex_count(made->sim, 0);
+    double *forces = calloc((size_t)*count * 3, sizeof *forces);
+    assert_non_null(forces);
+    pel_sim_get_forces(made->sim, 0, forces);
+    return forces;
+}
+
+/* a load on a part of the body after any history of events is that of a sim that was refined once: vertices come into
+   the load and leave it, and their places are taken by others that it does not act on */
+static void test_loads_follow(void **unused)
+{
+    (void)unused;
+    enum { FREQUENCY = 5, COUNT = 10 * FREQUENCY * FREQUENCY + 2, ROUNDS_OF_EVENTS = 80 };
+    random_state random = {11};
+    int32_t asked[COUNT] = {0}, loaded[COUNT], count = 0;
+    double weights[COUNT];
+    pel_mesh *mesh = make_sphere(FREQUENCY);
+    for (int32_t v = 0; v < COUNT; v++)
+        if (mesh->positions[v][2] > 0.5) {
+            weights[count] = random_between(&random, -1, 1);
+            loaded[count++] = v;
+        }
+    pel_body_def body = ball(mesh, 2);
+    pel_load_def load = pel_load_def_default();
+    load.kind = PEL_LOAD_PER_VERTEX;
+    load.force[1] = 0.5;
+    load.vertices = loaded;
+    load.weights = weights;
+    load.vertex_count = count;
+    pel_sim_def def = pel_sim_def_default();
+    def.loads = &load;
+    def.load_count = 1;
+    bench made = begin(mesh, &body, &def);
+    for (int i = 0; i < ROUNDS_OF_EVENTS; i++) {
+        int32_t v = (int32_t)random_integer(&random, 0, COUNT - 1), row_count, expected_count;
+        /* half of the events give all up again, so that places become free */
+        for (int32_t u = 0; i % 2 == 1 && u < COUNT; u++)
+            if (asked[u] > 0 && random_between(&random, 0, 1) < 0.7) {
+                asked[u] = 0;
+                refine(&made, u, 0);
+            }
+        asked[v] = (int32_t)random_integer(&random, 1, 2);
+        refine(&made, v, asked[v]);
+        bench once = begin(make_sphere(FREQUENCY), &body, &def);
+        for (int32_t u = 0; u < COUNT; u++)
+            if (asked[u] > 0)
+                refine(&once, u, asked[u]);
+        double *forces = forces_of(&made, &row_count), *expected = forces_of(&once, &expected_count);
+        assert_int_equal(row_count, expected_count);
+        assert_memory_equal(forces, expected, (size_t)row_count * 3 * sizeof *forces);
+        /* what the sim steps with: each vertex once */
+        assert_int_equal(made.sim->loads[0].vertex_count, once.sim->loads[0].vertex_count);
+        free(forces);
+        free(expected);
+        end(&once);
+    }
+    end(&made);
+}
+
 /* ---- refusals ---- */
 
 static void test_refusals(void **unused)
@@ -742,6 +804,7 @@ int main(void)
         cmocka_unit_test(test_two_bodies),
         cmocka_unit_test(test_tool_stays_outside),
         cmocka_unit_test(test_order),
+        cmocka_unit_test(test_loads_follow),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_allocations),
     };

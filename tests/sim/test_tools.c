@@ -302,12 +302,63 @@ static void test_driven_tool(void **unused)
     end_stage(&s);
 }
 
+/* a snapshot with any word of it overwritten is loaded or refused; nothing outside the arrays is touched afterwards */
+static void test_damaged_snapshot(void **unused)
+{
+    (void)unused;
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {0.5, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    pel_tool_def tools[2] = {pel_tool_def_default(), pel_tool_def_default()};
+    for (int t = 0; t < 2; t++) {
+        tools[t].name = t == 0 ? "probe" : "clamp";
+        tools[t].radius = 0.2;
+        tools[t].keys = keys;
+        tools[t].key_count = 2;
+        tools[t].press = t == 0;
+        tools[t].grasp = t == 1;
+        tools[t].reach = 0.3;
+    }
+    stage s = make_stage(3, tools, 2, PEL_METHOD_QUASI_STATIC);
+    run_steps(s.sim, 60);
+    size_t size = pel_sim_save_size(s.sim);
+    unsigned char *good = malloc(size), *bad = malloc(size);
+    assert_true(good != NULL && bad != NULL);
+    pel_sim_save(s.sim, good);
+    uint64_t hash = pel_sim_hash(s.sim);
+    int refused = 0;
+    const uint32_t words[4] = {UINT32_MAX, INT32_MAX, 0x01010101, 100000};
+    for (size_t at = 0; at + 4 <= size; at += 4)
+        for (int w = 0; w < 4; w++) {
+            pel_error error;
+            memcpy(bad, good, size);
+            memcpy(bad + at, &words[w], 4);
+            pel_status status = pel_sim_load(s.sim, bad, size, &error);
+            if (status == PEL_OK)
+                continue;
+            refused++;
+            assert_int_equal(status, PEL_BAD_FORMAT);
+            assert_true(error.what[0] != '\0' && error.remedy[0] != '\0');
+            /* it may be stepped all the same, if to no good end */
+            (void)pel_sim_step(s.sim, NULL);
+        }
+    assert_true(refused > 30);
+    assert_int_equal(pel_sim_load(s.sim, good, size, NULL), PEL_OK);
+    assert_true(pel_sim_hash(s.sim) == hash);
+    run_steps(s.sim, 20);
+    free(good);
+    free(bad);
+    end_stage(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_press),       cmocka_unit_test(test_force_balances_at_rest),
-        cmocka_unit_test(test_grasp),       cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_driven_tool), cmocka_unit_test(test_settles),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_force_balances_at_rest),
+        cmocka_unit_test(test_grasp),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_driven_tool),
+        cmocka_unit_test(test_settles),
+        cmocka_unit_test(test_damaged_snapshot),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
