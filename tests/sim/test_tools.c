@@ -168,6 +168,57 @@ static void test_force_balances_at_rest(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* what a tool takes from a free body, step by step, is the momentum that the body gains: pressed from the side, so that
+   points within triangles and all three axes take part; a grasping tool likewise */
+static void test_momentum(void **unused)
+{
+    (void)unused;
+    for (int grasp = 0; grasp < 2; grasp++) {
+        const pel_pose_key keys[2] = {{0, {0.75, 0.6, 0.9}, {0, 0, 0, 1}}, {1, {0.25, 0.2, 0.3}, {0, 0, 0, 1}}};
+        pel_tool_def tool = pel_tool_def_default();
+        tool.name = "probe";
+        tool.radius = 0.25;
+        tool.keys = keys;
+        tool.key_count = 2;
+        tool.press = grasp == 0;
+        tool.grasp = grasp == 1;
+        tool.reach = 0.2;
+        pel_mesh *mesh = make_sphere(4);
+        pel_body_def body = pel_body_def_default();
+        body.name = "ball";
+        body.mesh = mesh;
+        body.mass = 0.3;
+        body.volumetric_stiffness.value = body.volumetric_damping.value = body.spring_damping.value = 0;
+        pel_model *model = make_model(&body);
+        pel_sim_def def = pel_sim_def_default();
+        def.model = model;
+        def.solver.method = PEL_METHOD_EXPLICIT;
+        def.solver.dt = 0.01;
+        def.tools = &tool;
+        def.tool_count = 1;
+        pel_sim *sim = make_sim(&def);
+        double *velocities = malloc(3 * sizeof *velocities * (size_t)mesh->vertex_count), taken[3] = {0, 0, 0};
+        assert_non_null(velocities);
+        for (int n = 0; n < 80; n++) {
+            pel_tool_reading reading;
+            run_steps(sim, 1);
+            pel_sim_get_tool(sim, 0, &reading);
+            pel_vec3_along(taken, def.solver.dt, reading.force, taken);
+        }
+        pel_sim_get_velocities(sim, 0, velocities);
+        double momentum[3] = {0, 0, 0};
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            pel_vec3_along(momentum, body.mass, velocities + 3 * v, momentum);
+        assert_true(pel_vec3_length(momentum) > 0.5);
+        for (int c = 0; c < 3; c++)
+            assert_near(momentum[c], -taken[c], sizeof(pel_real) == 8 ? 1e-10 : 1e-3);
+        free(velocities);
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 /* a tool held still comes to rest for good, also where the press was lopsided: no contact flips */
 static void test_settles(void **unused)
 {
@@ -384,6 +435,7 @@ int main(void)
         cmocka_unit_test(test_driven_tool),
         cmocka_unit_test(test_settles),
         cmocka_unit_test(test_damaged_snapshot),
+        cmocka_unit_test(test_momentum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
