@@ -393,7 +393,7 @@ static void expect_tools(pel_sim *sim)
     }
 }
 
-pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
+pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     const pel_state *state = sim->state;
@@ -407,8 +407,20 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
         }
     double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
     pel_collision_result found;
-    pel_status status = search(sim, fmin(reach, 4 * contacts->thickness), &found, error);
+    pel_status status = search(sim, fmax(least, fmin(reach, 4 * contacts->thickness)), &found, error);
     return status == PEL_OK ? merge(sim, &found, NULL, error) : status;
+}
+
+pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    pel_collision_result found;
+    pel_contact_points(sim);
+    pel_status status = search(sim, contacts->thickness, &found, error);
+    if (status == PEL_OK)
+        status = pel_contact_find_conflicts(sim, &found, error);
+    contacts->statistics.rounds++;
+    return status == PEL_OK ? merge(sim, &found, contacts->impacts, error) : status;
 }
 
 /* ---- correction ---- */
@@ -558,11 +570,11 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
     if (!pel_sim_has_loop_contacts(sim))
         sim->contacts->list.count = 0;
     note_loop(sim);
-    pel_tools_move(sim, time);
+    if (sim->descent == NULL)
+        pel_tools_move(sim, time);
     pel_status status = step(sim, longest, error);
     if (status != PEL_OK) {
-        for (int32_t i = 0; i < sim->tool_count; i++)
-            sim->tools[i].pose = sim->tools[i].pose_before;
+        pel_tools_return(sim);
         return status;
     }
     touch_tools(sim);
