@@ -283,8 +283,8 @@ bool pel_sim_has_shells(const pel_sim *sim);
 uint64_t pel_sim_hash(const pel_sim *sim);
 
 /* Snapshot: everything a later pel_sim_load needs to continue with the same bits, in a buffer of pel_sim_save_size
-   bytes (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT), and one whose
-   numbers are out of range: then only the next successful load gives a state to go on from. */
+   bytes (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT), and one
+   whose numbers are out of range: then only the next successful load gives a state to go on from. */
 size_t pel_sim_save_size(const pel_sim *sim);
 void pel_sim_save(const pel_sim *sim, void *bytes);
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);
