@@ -34,6 +34,12 @@ enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 /* what a round leaves of the gradient that it begins with */
 #define FIRST_REDUCTION 1e-3
 #define REDUCTION 0.1
+/* the stiffness of constraints, of the bound of that of the bodies: stiffer where a round closes gaps by less than this
+ */
+#define PENALTY 0.1
+#define MOST_PENALTY 10
+#define STIFFENING 4.0
+#define CLOSING 0.3
 /* of half the thickness of a tool, that it goes in one part of a step; of the way up to an impact, that is gone */
 #define PART_SHARE 0.5
 #define SAFE_SHARE 0.9
@@ -228,6 +234,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
     pel_descent_result *sum = &descent->result, round;
     pel_status status = PEL_OK;
     bool closed = false;
+    double before = HUGE_VAL;
     sum->converged = false;
     for (int n = 0; status == PEL_OK && !sum->converged && n < ROUND_LIMIT; n++) {
         bool again, had_any = descent->count > 0;
@@ -240,6 +247,9 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         if (!pel_sim_all_inside(sim))
             return PEL_OK;
         double error_of_gaps = pel_descent_contacts_update(sim);
+        if (round.converged && error_of_gaps > 1 && error_of_gaps > CLOSING * before)
+            descent->penalty = fmin(STIFFENING * descent->penalty, MOST_PENALTY);
+        before = error_of_gaps;
         status = find_constraints(sim, is_last, &again, error);
         if (descent->count == 0 && !had_any) {
             sum->converged = round.converged;
@@ -277,6 +287,7 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
         return status;
     context->is_constrained = true;
     int part_count = count_parts(sim, &way);
+    sim->descent->penalty = PENALTY;
     for (int part = 1; status == PEL_OK && part <= part_count; part++) {
         set_poses(sim, (double)part / part_count);
         status = find_constraints(sim, false, &again, error);

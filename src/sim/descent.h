@@ -40,6 +40,7 @@ struct pel_sim_descent {
     double mean_edge;     /* m */
     double stiff_force;   /* N */
     double stiffness;     /* 1/s2, bound of that of the bodies over mass */
+    double penalty;       /* stiffness of constraints over that bound */
     pel_descent_result result;
 
     /* those of tools, then those of surfaces; the others are what was known when they were found anew */

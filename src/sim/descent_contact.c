@@ -9,11 +9,9 @@
 
 enum { ESTIMATE_SWEEPS = 20 };
 
-/* stiffness of a constraint, of the bound of that of the bodies */
-#define PENALTY 0.1
 /* of the thickness: gaps keep so much more than it, to within the tolerance */
-#define SLACK_SHARE 0.05
-#define GAP_TOLERANCE 0.03
+#define SLACK_SHARE 0.2
+#define GAP_TOLERANCE 0.15
 
 /* ---- one constraint ---- */
 
@@ -141,7 +139,7 @@ pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *cons
         return pel_fail_memory(error);
     pel_descent_contact *added = &descent->constraints[descent->count++];
     *added = *constraint;
-    added->stiffness = PENALTY * descent->stiffness / free;
+    added->stiffness = descent->penalty * descent->stiffness / free;
     pel_vec3_along(added->drag, -pel_vec3_dot(added->drag, added->normal), added->normal, added->drag);
     return PEL_OK;
 }

@@ -12,8 +12,8 @@
 /* of the longest edge: triangles this near to a tool take part */
 #define REACH_SHARE 0.5
 /* of the depth that pressing leaves: gaps keep so much more, to within the tolerance */
-#define SLACK_SHARE 0.5
-#define GAP_TOLERANCE 0.4
+#define SLACK_SHARE 2.0
+#define GAP_TOLERANCE 1.5
 
 /* one tool at work */
 typedef struct tool_search {
@@ -205,7 +205,7 @@ pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
 static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
 {
     pel_tool *tool = &sim->tools[constraint->tool];
-    double point[3] = {0, 0, 0}, sum = 0, load[3], x[3];
+    double point[3] = {0, 0, 0}, sum = 0, side = 0, load[3], x[3];
     pel_meeting meeting;
     pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
     for (int i = 0; i < 4; i++) {
@@ -217,12 +217,14 @@ static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
         pel_vertex_position(sim->state->position_next, v, x);
         pel_vec3_along(point, fabs(meeting.weights[i]), x, point);
         sum += fabs(meeting.weights[i]);
+        side += meeting.weights[i];
     }
     if (!(sum > 0))
         return;
     pel_vec3_scale(point, 1 / sum, point);
     pel_vec3_along(constraint->drag, constraint->load, meeting.normal, load);
-    pel_vec3_scale(load, -1, load);
+    /* of surfaces the tool may be the first or the second one */
+    pel_vec3_scale(load, -side, load);
     pel_tool_add_reaction(tool, point, load);
 }
 

@@ -3,7 +3,7 @@
    The force on the tool is what the surface does to it. Quasi-static method: the force F_i of eq. A-2
    on each touched vertex, as far as it presses against the tool (held vertices: all of it); at rest this balances the
    push exactly, and friction carries what is across it, as far as it can. Explicit method: the momentum taken from the
-   vertices over dt. */
+   vertices over dt. Minimisation: the sum of the loads of its contacts (descent.h), and all of F_i where it holds. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
