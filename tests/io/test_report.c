@@ -301,10 +301,11 @@ static void test_many_vertices(void **unused)
     assert_non_null(bytes);
     char *text = read_report();
     assert_int_equal(unpack(text, bytes, room + 1), room);
+    const int32_t *corners = ball->triangles[0];
     unsigned corner = 0;
     for (size_t i = 0; i < CORNERS; i++) {
         corner += read_list(bytes, 4, CORNERS, i);
-        assert_int_equal(corner, ball->triangles[0][i]);
+        assert_int_equal(corner, corners[i]);
     }
     pel_free(text);
     pel_free(bytes);

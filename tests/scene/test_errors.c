@@ -268,6 +268,16 @@ static void test_locations(void **unused)
     (void)unused;
     check_location("solver: {alpha: 5000}\n", "a.yaml:5:17: error: alpha 5000 is unstable");
     check_location("solver: {method: explicit, integrator: forward, dt: 5}\n", "a.yaml:5:53: error: dt 5 is unstable");
+    check_location("    refine: {above: 1, budget: 30}\n",
+                   "a.yaml:4:5: error: body 'body1': refine: the budget is 30 triangles, 500 are needed");
+    check_location(
+        "    refine: {above: 1, levels: 6}\n  - {mesh: {shape: grid, nx: 1000, ny: 1000}, refine: {above: 1, "
+        "levels: 6}}\n",
+        "a.yaml:6:5: error: body 'body2': 6 levels of 2000000 triangles are more than 32 bits can number");
+    check_location(
+        "    membrane: {preset: rubber}\n  - {name: thin, mesh: {shape: grid, size_x: 1e-200, size_y: 1e-200}, "
+        "membrane: {preset: rubber}}\n",
+        "a.yaml: error: triangle 0: body 'thin': triangle has no area");
     check_location("tools:\n- {shape: sphere, radius: .5, motion: [{position: [0, 0, 9]}]}\n"
                    "- {shape: sphere, radius: .5, motion: [{position: [0, 0, 1]}]}\n",
                    "a.yaml:7:3: error: ");
