@@ -1,6 +1,7 @@
 /* Continuous collision: ns a query of each stage, conservative method beside the plain cubic, one thread.
    Queries are random pairs whose swept boxes overlap, as a broad phase would hand them over; "small" motion is 5 % of
-   the features' size, "large" 50 %. Misses and hits are timed apart, one query a call. usage: bench_ccd [queries a set]
+   the features' size, "large" 50 %. Misses and hits are timed apart, one query a call
+   and in a batch. usage: bench_ccd [queries a set]
  */
 #include "bench.h"
 #include "pellicle/geometry.h"
@@ -86,6 +87,30 @@ static void time_one_by_one(const query_set *set, const int *queries, int count,
     print_times(set, what, count, times);
 }
 
+/* the chosen queries in one batch */
+static void time_chosen(const query_set *set, const int32_t *chosen, int count, const char *what)
+{
+    double times[REPEATS];
+    int32_t *points = bench_allocate((size_t)count, sizeof(int32_t[4]));
+    int32_t *queries = bench_allocate((size_t)count, sizeof *queries);
+    for (int32_t i = 0; i < 4 * count; i++)
+        points[i] = 4 * chosen[i / 4] + i % 4;
+    const pel_ccd_batch batch = {.start = &set->start[0][0][0],
+                                 .end = &set->end[0][0][0],
+                                 .points = points,
+                                 .query_count = count,
+                                 .edge_edge = set->edge_edge,
+                                 .tolerance = 1e-6};
+    for (int repeat = 0; repeat < REPEATS; repeat++) {
+        double begin = bench_seconds();
+        pel_ccd_solve_batch(&batch, queries, NULL, NULL);
+        times[repeat] = bench_seconds() - begin;
+    }
+    print_times(set, what, count, times);
+    free(points);
+    free(queries);
+}
+
 static void time_batch(const query_set *set, pel_ccd_method method, bool filter_only, const char *what,
                        int32_t *queries, pel_ccd_hit *hits)
 {
@@ -129,6 +154,7 @@ static void run_set(query_set set)
                 chosen[count++] = q;
         time_one_by_one(&set, chosen, count, false, hitting ? "hits, conservative" : "misses, conservative");
         time_one_by_one(&set, chosen, count, true, hitting ? "hits, plain cubic" : "misses, plain cubic");
+        time_chosen(&set, chosen, count, hitting ? "hits, conservative, batch" : "misses, conservative, batch");
     }
     free(chosen);
     free(hits);

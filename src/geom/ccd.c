@@ -1,10 +1,12 @@
 /* The conservative time of impact of one pair (see ccd_pair.h for the two proofs of freedom).
 
-   Only time is subdivided. On an interval [a, b] the cubic's Bernstein polygon is taken by blossoming the coefficients
-   of the whole step, so that errors do not build up; where its hull lies beyond the band the interval is clipped away
-   (Bezier clipping: quadratic convergence at simple roots). What is left is tested against separating axes; if that
-   fails it is followed until the motion left in it is below the tolerance, halved when clipping does not shrink it,
-   earlier half first. The lower end of the first interval that could not be proved free is the time of impact.
+   First the step is cut into quarters, four lanes of the wide kernel: where each of them has a separating axis the
+   cubic is not needed. For the rest only time is subdivided. On an interval [a, b] the cubic's Bernstein polygon is
+   taken by blossoming the coefficients of the whole step, so that errors do not build up; where its hull lies beyond
+   the band the interval is clipped away (Bezier clipping: quadratic convergence at simple roots). What is left is
+   tested against separating axes; if that fails it is followed until the motion left in it is below the tolerance,
+   halved when clipping does not shrink it, earlier half first. The lower end of the first interval that could not be
+   proved free is the time of impact.
 
    The axis tried is the vector between the closest points at mid-time, which is the best axis for pairs that do not
    turn, whatever feature is closest. Pairs that slide and turn close to each other would need as many intervals as
@@ -17,7 +19,7 @@
 
 #include "math/vec3.h"
 
-enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64, EASY_INTERVALS = 8, HALVINGS = 2 };
+enum { INTERVAL_BUDGET = 2048, STACK_SIZE = 64, EASY_INTERVALS = 8 };
 
 /* no interval of time is split below this; also the outward rounding of a clip */
 #define TIME_RESOLUTION (64 * DBL_EPSILON)
@@ -32,22 +34,26 @@ typedef struct interval {
 
 static bool comes_before(const ccd_points *points, int i, int j)
 {
-    for (int k = 0; k < 3; k++)
-        if (points->start[i][k] != points->start[j][k])
-            return points->start[i][k] < points->start[j][k];
-    for (int k = 0; k < 3; k++)
-        if (points->end[i][k] != points->end[j][k])
-            return points->end[i][k] < points->end[j][k];
-    return false;
+    const double *a = points->start[i], *b = points->start[j];
+    int k = 0;
+    while (k < 2 && a[k] == b[k])
+        k++;
+    if (a[k] == b[k]) {
+        a = points->end[i];
+        b = points->end[j];
+        k = 0;
+        while (k < 2 && a[k] == b[k])
+            k++;
+    }
+    return a[k] < b[k];
 }
 
 static void sort_two(const ccd_points *points, int order[4], int i, int j)
 {
-    if (comes_before(points, order[j], order[i])) {
-        int swapped = order[i];
-        order[i] = order[j];
-        order[j] = swapped;
-    }
+    /* which one is first cannot be predicted: no branch */
+    int first = order[i], second = order[j], change = (second - first) * comes_before(points, second, first);
+    order[i] = first + change;
+    order[j] = second - change;
 }
 
 /* one order of the points for all orders in which they may be given */
@@ -201,18 +207,6 @@ void ccd_closest(const ccd_query *query, double time, double *s, double *u, doub
 
 /* ---- separating axes on an interval of time ---- */
 
-static void cut_pair(const ccd_pair *pair, double begin, double end, ccd_pair *part)
-{
-    for (int k = 0; k < 3; k++) {
-        part->offset[0][k] = mix(pair->offset[0][k], pair->offset[1][k], begin);
-        part->offset[1][k] = mix(pair->offset[0][k], pair->offset[1][k], end);
-        part->edge1[0][k] = mix(pair->edge1[0][k], pair->edge1[1][k], begin);
-        part->edge1[1][k] = mix(pair->edge1[0][k], pair->edge1[1][k], end);
-        part->edge2[0][k] = mix(pair->edge2[0][k], pair->edge2[1][k], begin);
-        part->edge2[1][k] = mix(pair->edge2[0][k], pair->edge2[1][k], end);
-    }
-}
-
 /* corners at both ends of the interval against the unit vectors between the closest points at these ends, which turn
    into each other: the products are quadratic in time, with these Bernstein coefficients */
 static bool is_separated_turning(const ccd_query *query, const ccd_pair *part, double corners[8][3], int count)
@@ -237,7 +231,7 @@ static bool is_separated(const ccd_query *query, const interval *now, int tried)
 {
     ccd_pair part;
     double corners[8][3], offset[3], edge1[3], edge2[3], vector[3], axis[3];
-    cut_pair(&query->pair, now->begin, now->end, &part);
+    ccd_pair_part(&query->pair, now->begin, now->end, &part);
     int count = ccd_pair_corners(&part, query->edge_edge, corners);
     if (ccd_box_margin(corners, count, query->error, query->min_separation) > 0)
         return true;
@@ -357,51 +351,66 @@ static bool search(const ccd_query *query, const ccd_cubic *cubic, double *time,
     }
 }
 
-/* axes separate the interval, or each of the parts into which it is halved: there is no need of the cubic */
-static bool is_free_by_axes(const ccd_query *query, interval now, int halvings)
+/* the quarters of a step, one a lane: where axes separate each of them there is no need of the cubic */
+typedef struct quarters {
+    wide4 corners[8][3], margin;
+} quarters;
+
+WIDE4_INLINE void set_quarters(const ccd_query *query, bool edge_edge, quarters *q)
 {
-    if (is_separated(query, &now, halvings > 0 ? 1 : EASY_INTERVALS + 1))
-        return true;
-    double middle = 0.5 * (now.begin + now.end);
-    return halvings > 0 && is_free_by_axes(query, (interval){now.begin, middle}, halvings - 1) &&
-           is_free_by_axes(query, (interval){middle, now.end}, halvings - 1);
+    static const wide4 begin = {0, 0.25, 0.5, 0.75}, end = {0.25, 0.5, 0.75, 1};
+    wide_ccd_pair pair, part;
+    for (int time = 0; time < 2; time++)
+        for (int k = 0; k < 3; k++) {
+            pair.offset[time][k] = wide4_set(query->pair.offset[time][k]);
+            pair.edge1[time][k] = wide4_set(query->pair.edge1[time][k]);
+            pair.edge2[time][k] = wide4_set(query->pair.edge2[time][k]);
+        }
+    wide_ccd_pair_part(&pair, begin, end, &part);
+    const int count = wide_ccd_pair_corners(&part, edge_edge, q->corners);
+    q->margin = wide_ccd_hull_margin(&part, q->corners, count, wide4_set(query->error), query->min_separation);
 }
 
-static bool is_free_by_box(const ccd_query *query)
+typedef enum step_state { STEP_IS_FREE, STEP_STARTS_NEAR, STEP_IS_UNKNOWN } step_state;
+
+/* the axis between the closest points at the start is best where not much moves */
+WIDE4_INLINE step_state look_for_axes(const ccd_query *query, bool edge_edge)
 {
-    double corners[8][3];
-    int count = ccd_pair_corners(&query->pair, query->edge_edge, corners);
-    return ccd_box_margin(corners, count, query->error, query->min_separation) > 0;
+    quarters q;
+    const int count = edge_edge ? 8 : 6;
+    const wide4 error = wide4_set(query->error);
+    double vector[3], axis[3];
+    set_quarters(query, edge_edge, &q);
+    if (wide4_all(q.margin > 0))
+        return STEP_IS_FREE;
+    closest_axis(query->pair.offset[0], query->pair.edge1[0], query->pair.edge2[0], edge_edge, vector, axis);
+    if (pel_vec3_dot(vector, vector) <= query->min_separation * query->min_separation)
+        return STEP_STARTS_NEAR;
+    wide4 direction[3] = {wide4_set(axis[0]), wide4_set(axis[1]), wide4_set(axis[2])};
+    wide4 margin = wide_ccd_axis_margin(q.corners, count, direction, error, query->min_separation);
+    q.margin = wide4_max(margin, q.margin);
+    if (wide4_all(q.margin > 0))
+        return STEP_IS_FREE;
+    margin = wide_ccd_descent_margin(q.corners, count, error, query->min_separation);
+    return wide4_all(wide4_max(margin, q.margin) > 0) ? STEP_IS_FREE : STEP_IS_UNKNOWN;
 }
 
-/* then the time of impact is known */
-static bool is_near_at_start(const ccd_query *query)
-{
-    double s, u, vector[3];
-    ccd_closest(query, 0, &s, &u, vector);
-    return pel_vec3_dot(vector, vector) <= query->min_separation * query->min_separation;
-}
-
-bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, bool axes_first,
-               pel_ccd_hit *hit, ccd_counts *counts)
+bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, pel_ccd_hit *hit,
+               ccd_counts *counts)
 {
     ccd_query query;
     ccd_cubic cubic;
-    double time;
+    double time = 0;
     *counts = (ccd_counts){0};
     if (!ccd_query_set(points, edge_edge, min_separation, tolerance, &query)) {
         ccd_hit_unknown(edge_edge, hit);
         return true;
     }
-    if (is_near_at_start(&query)) {
-        ccd_hit_set(&query, 0, hit);
-        return true;
-    }
-    const interval whole = {0, 1};
-    if (axes_first ? is_free_by_axes(&query, whole, HALVINGS) : is_free_by_box(&query))
-        return false;
     ccd_pair_cubic(&query.pair, query.min_separation, &cubic);
-    if (!search(&query, &cubic, &time, counts))
+    if (ccd_cubic_margin(cubic.coefficient, cubic.band) > 0)
+        return false;
+    step_state state = edge_edge ? look_for_axes(&query, true) : look_for_axes(&query, false);
+    if (state == STEP_IS_FREE || (state == STEP_IS_UNKNOWN && !search(&query, &cubic, &time, counts)))
         return false;
     ccd_hit_set(&query, time, hit);
     return true;
@@ -488,7 +497,7 @@ bool pel_ccd_vertex_face(const double start[4][3], const double end[4][3], doubl
 {
     ccd_counts counts;
     ccd_points points = points_of(start, end);
-    return ccd_solve(&points, false, min_separation, tolerance, false, hit, &counts);
+    return ccd_solve(&points, false, min_separation, tolerance, hit, &counts);
 }
 
 bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
@@ -496,7 +505,7 @@ bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double 
 {
     ccd_counts counts;
     ccd_points points = points_of(start, end);
-    return ccd_solve(&points, true, min_separation, tolerance, false, hit, &counts);
+    return ccd_solve(&points, true, min_separation, tolerance, hit, &counts);
 }
 
 bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation)

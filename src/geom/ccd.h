@@ -28,10 +28,9 @@ typedef struct ccd_points {
 /* False when nothing can be computed from the numbers (NaN, infinite or too large). */
 bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, ccd_query *query);
 
-/* Filter, axes and time of impact of one query in its own order of points. axes_first: tries more axes, on parts of the
-   step too, before the cubic is solved; that costs time where most queries hit. */
-bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, bool axes_first,
-               pel_ccd_hit *hit, ccd_counts *counts);
+/* Filter, axes and time of impact of one query in its own order of points. */
+bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, pel_ccd_hit *hit,
+               ccd_counts *counts);
 
 /* The plain cubic. */
 bool ccd_solve_bridson(const ccd_points *points, bool edge_edge, double min_separation, double tolerance,

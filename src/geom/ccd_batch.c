@@ -69,7 +69,9 @@ WIDE4_INLINE int32_t run_stage_of(wide_stage stage, bool edge_edge, const int32_
             wide_ccd_pair_cubic(&pair, min_separation, &cubic);
             margin = wide_ccd_cubic_margin(cubic.coefficient, cubic.band);
         } else {
-            margin = wide_ccd_hull_margin(&pair, edge_edge, min_separation);
+            wide4 corners[8][3];
+            int count = wide_ccd_pair_corners(&pair, edge_edge, corners);
+            margin = wide_ccd_hull_margin(&pair, corners, count, wide_ccd_pair_error(&pair), min_separation);
         }
         for (int lane = 0; lane < WIDE4_WIDTH && i + lane < list.count; lane++) {
             kept[kept_count] = lanes[lane];
@@ -138,7 +140,7 @@ static bool solve_one(const pel_ccd_batch *batch, int32_t query, pel_ccd_hit *hi
     if (batch->method == PEL_CCD_BRIDSON)
         hits = ccd_solve_bridson(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit);
     else
-        hits = ccd_solve(&points, batch->edge_edge, batch->min_separation, batch->tolerance, true, hit, &counts);
+        hits = ccd_solve(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit, &counts);
     statistics->passed_hull += hits || batch->method == PEL_CCD_BRIDSON || counts.intervals > 0;
     statistics->intervals += counts.intervals;
     statistics->fall_backs += counts.fall_back;

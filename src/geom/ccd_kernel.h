@@ -1,7 +1,7 @@
 /* The kernel of continuous collision detection, as text: src/geom/ccd_pair.h includes it once for double and once for
    wide4, so that one query and four queries are computed by the same operations in the same order.
-   It needs CCD_INLINE, REAL, NAME(function), real_set, real_abs, real_min, real_max and real_sqrt. No include guard on
-   purpose. */
+   It needs CCD_INLINE, REAL, NAME(function), real_set, real_abs, real_min, real_max, real_sqrt and real_if_less. No
+   include guard on purpose. */
 
 typedef struct NAME(ccd_pair) {
     REAL offset[2][3], edge1[2][3], edge2[2][3]; /* [time 0 and 1] */
@@ -97,6 +97,19 @@ CCD_INLINE REAL NAME(ccd_pair_error)(const NAME(ccd_pair) * pair)
     return CCD_CORNER_ERROR * size + 0.0 * sum;
 }
 
+/* the same pair between two times of its step; errors stay those of the step */
+CCD_INLINE void NAME(ccd_pair_part)(const NAME(ccd_pair) * pair, REAL begin, REAL end, NAME(ccd_pair) * part)
+{
+    const REAL times[2] = {begin, end};
+    for (int time = 0; time < 2; time++)
+        for (int k = 0; k < 3; k++) {
+            REAL late = times[time], early = 1 - late;
+            part->offset[time][k] = early * pair->offset[0][k] + late * pair->offset[1][k];
+            part->edge1[time][k] = early * pair->edge1[0][k] + late * pair->edge1[1][k];
+            part->edge2[time][k] = early * pair->edge2[0][k] + late * pair->edge2[1][k];
+        }
+}
+
 /* the corners (8 for edge-edge, 6 for vertex-face) of the swept difference; returns how many */
 CCD_INLINE int NAME(ccd_pair_corners)(const NAME(ccd_pair) * pair, bool edge_edge, REAL corners[8][3])
 {
@@ -153,13 +166,13 @@ CCD_INLINE REAL NAME(ccd_box_margin)(REAL corners[8][3], int corner_count, REAL 
     return best;
 }
 
-/* axes worth trying on a whole step: the normal at mid-step, across each edge in that plane, the normals at both ends.
-   Positive = one of them proves freedom. */
-CCD_INLINE REAL NAME(ccd_hull_margin)(const NAME(ccd_pair) * pair, bool edge_edge, double min_separation)
+/* axes worth trying on a step or a part of it: the normal at its middle, across each edge in that plane, the normals at
+   both ends. Positive = one of them proves freedom. */
+CCD_INLINE REAL NAME(ccd_hull_margin)(const NAME(ccd_pair) * pair, REAL corners[8][3], int count, REAL error,
+                                      double min_separation)
 {
-    REAL corners[8][3], axis[3], edge1[3], edge2[3], normal[3];
-    REAL error = NAME(ccd_pair_error)(pair);
-    int count = NAME(ccd_pair_corners)(pair, edge_edge, corners);
+    const bool edge_edge = count == 8;
+    REAL axis[3], edge1[3], edge2[3], normal[3];
     REAL best = NAME(ccd_box_margin)(corners, count, error, min_separation);
     for (int k = 0; k < 3; k++) {
         edge1[k] = pair->edge1[0][k] + pair->edge1[1][k];
@@ -182,4 +195,36 @@ CCD_INLINE REAL NAME(ccd_hull_margin)(const NAME(ccd_pair) * pair, bool edge_edg
         best = real_max(NAME(ccd_axis_margin)(corners, count, axis, error, min_separation), best);
     }
     return best;
+}
+
+/* axes towards the point of the hull that is nearest to the origin, by the descent of Gilbert 1966: from a point of the
+   hull to the nearest one on the way to the corner that is farthest down along it. Positive = one proves freedom. */
+CCD_INLINE REAL NAME(ccd_descent_margin)(REAL corners[8][3], int count, REAL error, double min_separation)
+{
+    REAL nearest[3], best = real_set(-1);
+    for (int k = 0; k < 3; k++) {
+        REAL sum = corners[0][k];
+        for (int i = 1; i < count; i++)
+            sum = sum + corners[i][k];
+        nearest[k] = sum * (1.0 / count);
+    }
+    for (int step = 0;; step++) {
+        REAL low = NAME(dot)(nearest, corners[0]), way[3];
+        for (int k = 0; k < 3; k++)
+            way[k] = corners[0][k];
+        for (int i = 1; i < count; i++) {
+            REAL along = NAME(dot)(nearest, corners[i]);
+            for (int k = 0; k < 3; k++)
+                way[k] = real_if_less(along, low, corners[i][k], way[k]);
+            low = real_min(along, low);
+        }
+        best = real_max(low - NAME(ccd_axis_threshold)(nearest, error, min_separation), best);
+        if (step == CCD_DESCENT_STEPS)
+            return best;
+        for (int k = 0; k < 3; k++)
+            way[k] = way[k] - nearest[k];
+        REAL share = real_min(-NAME(dot)(nearest, way) / NAME(dot)(way, way), real_set(1));
+        for (int k = 0; k < 3; k++)
+            nearest[k] = nearest[k] + share * way[k];
+    }
 }

@@ -43,12 +43,16 @@
 #define CCD_TINY_PRODUCT 0x1p-960
 #define CCD_TINY_NORMAL 0x1p-530
 
+/* more prove hardly more: 4 leave 11.4 % of random pairs, 14 leave 10.4 %, of which 7.4 % hit */
+enum { CCD_DESCENT_STEPS = 4 };
+
 #define CCD_INLINE static inline
 #define REAL double
 #define NAME(function) function
 #define real_set(value) ((double)(value))
 #define real_abs fabs
 #define real_sqrt sqrt
+#define real_if_less(a, b, less, other) ((a) < (b) ? (less) : (other))
 static inline double real_min(double a, double b)
 {
     return a < b ? a : b;
@@ -64,6 +68,7 @@ static inline double real_max(double a, double b)
 #undef real_set
 #undef real_abs
 #undef real_sqrt
+#undef real_if_less
 
 #define CCD_INLINE WIDE4_INLINE
 #define REAL wide4
@@ -73,6 +78,7 @@ static inline double real_max(double a, double b)
 #define real_sqrt wide4_sqrt
 #define real_min wide4_min
 #define real_max wide4_max
+#define real_if_less(a, b, less, other) wide4_select((a) < (b), less, other)
 #include "geom/ccd_kernel.h"
 #undef CCD_INLINE
 #undef REAL
@@ -80,6 +86,7 @@ static inline double real_max(double a, double b)
 #undef real_set
 #undef real_abs
 #undef real_sqrt
+#undef real_if_less
 #undef real_min
 #undef real_max
 

@@ -4,6 +4,7 @@
 #define PEL_GEOM_WIDE4_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -20,10 +21,23 @@ typedef double wide4 __attribute__((vector_size(32)));
 typedef int64_t wide4_mask __attribute__((vector_size(32)));
 typedef double wide2 __attribute__((vector_size(16)));
 
-/* all bits of a where the mask is set, of b elsewhere */
+/* a where the mask is set, b elsewhere; a lane of the mask is all ones or all zeros */
 WIDE4_INLINE wide4 wide4_select(wide4_mask mask, wide4 a, wide4 b)
 {
+#ifdef __AVX__
+    return (wide4)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)mask);
+#else
     return (wide4)((mask & (wide4_mask)a) | (~mask & (wide4_mask)b));
+#endif
+}
+
+WIDE4_INLINE bool wide4_all(wide4_mask mask)
+{
+#ifdef __AVX__
+    return _mm256_movemask_pd((__m256d)mask) == 15;
+#else
+    return (mask[0] & mask[1] & mask[2] & mask[3]) != 0;
+#endif
 }
 
 WIDE4_INLINE wide4 wide4_set(double value)

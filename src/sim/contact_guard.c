@@ -40,7 +40,7 @@ typedef struct check {
     const pel_collision_result *found;
 } check;
 
-static double start_distance(const pel_sim_contacts *contacts, const pel_collision *hit)
+double pel_contact_start_distance(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
     const double(*x)[3] = (const double(*)[3])contacts->start;
     const int32_t *v = hit->vertices;
@@ -65,7 +65,7 @@ static double longest_approach(const double start[4][3], const double end[4][3],
 static pel_ccd_hit find_impact(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
     pel_ccd_hit impact = {.time_of_impact = NO_IMPACT};
-    double start[4][3], end[4][3], distance = start_distance(contacts, hit);
+    double start[4][3], end[4][3], distance = pel_contact_start_distance(contacts, hit);
     for (int i = 0; i < 4; i++) {
         pel_vec3_copy(contacts->start[hit->vertices[i]], start[i]);
         pel_vec3_copy(contacts->end[hit->vertices[i]], end[i]);

@@ -492,16 +492,54 @@ static void test_wide_is_scalar(void **unused)
                 }
         }
         wide_ccd_pair_cubic(&wide, separation, &wide_cubic);
-        wide4 margin = wide_ccd_hull_margin(&wide, edge_edge, separation);
+        wide4 corners[8][3], error = wide_ccd_pair_error(&wide);
+        wide_ccd_pair wide_part;
+        const double begin = 0.25, end = random_between(&random, 0.25, 1);
+        wide_ccd_pair_part(&wide, wide4_set(begin), wide4_set(end), &wide_part);
+        int count = wide_ccd_pair_corners(&wide_part, edge_edge, corners);
+        wide4 margin = wide_ccd_hull_margin(&wide_part, corners, count, error, separation);
+        wide4 descent = wide_ccd_descent_margin(corners, count, error, separation);
         for (int lane = 0; lane < 4; lane++) {
             ccd_cubic cubic;
             ccd_pair_cubic(&single[lane], separation, &cubic);
             for (int i = 0; i < 4; i++)
                 assert_near(wide_cubic.coefficient[i][lane], cubic.coefficient[i], 0);
             assert_near(wide_cubic.band[lane], cubic.band, 0);
-            assert_near(margin[lane], ccd_hull_margin(&single[lane], edge_edge, separation), 0);
+            ccd_pair part;
+            double own[8][3], own_error = ccd_pair_error(&single[lane]);
+            ccd_pair_part(&single[lane], begin, end, &part);
+            ccd_pair_corners(&part, edge_edge, own);
+            assert_near(margin[lane], ccd_hull_margin(&part, own, count, own_error, separation), 0);
+            assert_near(descent[lane], ccd_descent_margin(own, count, own_error, separation), 0);
         }
     }
+}
+
+/* what an axis separates is apart at all times, and the descent separates most pairs that are */
+static void test_axes_are_true(void **unused)
+{
+    (void)unused;
+    enum { SAMPLES = 20 };
+    random_state random = {10};
+    int apart = 0, proved = 0, count = ROUNDS(20000, 2000);
+    for (int trial = 0; trial < count; trial++) {
+        query q;
+        ccd_pair pair;
+        double corners[8][3], least = HUGE_VAL;
+        random_query(&random, 0.2, &q);
+        ccd_pair_set(&pair, 0, q.start, q.edge_edge);
+        ccd_pair_set(&pair, 1, q.end, q.edge_edge);
+        int corner_count = ccd_pair_corners(&pair, q.edge_edge, corners);
+        double error = ccd_pair_error(&pair);
+        bool is_free = ccd_descent_margin(corners, corner_count, error, q.min_separation) > 0;
+        bool is_hull_free = ccd_hull_margin(&pair, corners, corner_count, error, q.min_separation) > 0;
+        for (int i = 0; i <= SAMPLES; i++)
+            least = fmin(least, distance_at(&q, (double)i / SAMPLES));
+        assert_true(!(is_free || is_hull_free) || least > q.min_separation - 1e-14);
+        apart += least > q.min_separation;
+        proved += is_free;
+    }
+    assert_true(proved > 0.7 * apart);
 }
 
 /* a * b - c * d with equal products is zero, unless the compiler contracts it into a fused multiply-add */
@@ -619,13 +657,14 @@ static void test_plain_batches(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact_contacts),    cmocka_unit_test(test_exact_gaps),
-        cmocka_unit_test(test_rounded_contacts),  cmocka_unit_test(test_against_sampling),
-        cmocka_unit_test(test_known_times),       cmocka_unit_test(test_touching_start),
-        cmocka_unit_test(test_bad_input),         cmocka_unit_test(test_hard_motions),
-        cmocka_unit_test(test_batches),           cmocka_unit_test(test_wide_is_scalar),
-        cmocka_unit_test(test_no_contraction),    cmocka_unit_test(test_plain_cubic),
-        cmocka_unit_test(test_plain_cubic_known), cmocka_unit_test(test_plain_batches),
+        cmocka_unit_test(test_exact_contacts),   cmocka_unit_test(test_exact_gaps),
+        cmocka_unit_test(test_rounded_contacts), cmocka_unit_test(test_against_sampling),
+        cmocka_unit_test(test_known_times),      cmocka_unit_test(test_touching_start),
+        cmocka_unit_test(test_bad_input),        cmocka_unit_test(test_hard_motions),
+        cmocka_unit_test(test_batches),          cmocka_unit_test(test_wide_is_scalar),
+        cmocka_unit_test(test_axes_are_true),    cmocka_unit_test(test_no_contraction),
+        cmocka_unit_test(test_plain_cubic),      cmocka_unit_test(test_plain_cubic_known),
+        cmocka_unit_test(test_plain_batches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
