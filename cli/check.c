@@ -353,6 +353,9 @@ int cli_check(const cli_call *call)
     pel_mesh_format format = PEL_FORMAT_AUTO;
     if (is_scene && out != NULL)
         return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as 'pellicle check' says", path);
+    if (out == NULL && (cli_has(call, "tolerance") || cli_has(call, "format")))
+        return cli_complain("option '--%s' is about the mesh that is written. add '--fix OUT.ply'",
+                            cli_has(call, "tolerance") ? "tolerance" : "format");
     if (out != NULL && !cli_output_format(call, out, &format))
         return CLI_BAD_INPUT;
     if (!cli_has(call, "json"))

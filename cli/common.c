@@ -4,6 +4,7 @@
 #include <pellicle/import.h>
 
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 
 int cli_report(const pel_error *error)
@@ -74,6 +75,12 @@ bool cli_is_scene(const char *path)
             return true;
     }
     return false;
+}
+
+bool cli_is_folder(const char *path)
+{
+    struct stat information;
+    return stat(path, &information) == 0 && S_ISDIR(information.st_mode);
 }
 
 static void write_note(void *user, const char *text)

@@ -28,6 +28,7 @@ double cli_processor_clock(void);
 
 /* whether the path ends like a scene file (.yaml, .yml, .json) */
 bool cli_is_scene(const char *path);
+bool cli_is_folder(const char *path);
 
 /* a log that prints "note: ..." on stderr */
 extern const pel_log cli_notes;

@@ -4,7 +4,6 @@
 #include <pellicle/export.h>
 
 #include <string.h>
-#include <sys/stat.h>
 
 enum { FORMAT_GLB = PEL_FORMAT_COUNT, FORMAT_PC2 };
 
@@ -41,12 +40,6 @@ static int output_format(const cli_call *call, const char *out)
         return -1;
     }
     return cli_output_format(call, out, &format) ? (int)format : -1;
-}
-
-static bool is_folder(const char *path)
-{
-    struct stat information;
-    return stat(path, &information) == 0 && S_ISDIR(information.st_mode);
 }
 
 static pel_status export_frames(const pel_frames *frames, const char *out, int format, const pel_log *log,
@@ -93,7 +86,7 @@ int cli_convert(const cli_call *call)
     if (format < 0)
         return CLI_BAD_INPUT;
     bool quiet = cli_has(call, "quiet");
-    if (is_folder(in))
+    if (cli_is_folder(in))
         return export_run(in, out, format, quiet);
     if (format == FORMAT_PC2)
         return cli_complain("a point cache holds the frames of a run and '%s' is no folder. name a run's folder", in);

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const char *const backgrounds[] = {"white", "dark", "transparent"};
 enum { BACKGROUND_COUNT = sizeof backgrounds / sizeof backgrounds[0], RANGES = 64 };
@@ -217,13 +218,6 @@ static bool read_labels(const cli_call *call, const char **labels, pel_render_de
 
 /* ---- the command ---- */
 
-static bool is_folder_name(const char *path)
-{
-    size_t length = strlen(path);
-    return length > 0 &&
-           (path[length - 1] == '/' || strchr(strrchr(path, '/') != NULL ? strrchr(path, '/') : path, '.') == NULL);
-}
-
 /* RUN/pictures for a folder, NAME.png for a file */
 static const char *choose_output(const cli_call *call, char *text, size_t size)
 {
@@ -236,11 +230,25 @@ static const char *choose_output(const cli_call *call, char *text, size_t size)
         --length;
     if (call->argument_count > 1)
         snprintf(text, size, "pictures");
-    else if (is_folder_name(input) || dot == NULL || strcmp(dot, ".pvd") == 0)
-        snprintf(text, size, "%.*s/pictures", dot != NULL ? (int)(dot - input) : (int)length, input);
+    else if (cli_is_folder(input) || dot == NULL)
+        snprintf(text, size, "%.*s/pictures", (int)length, input);
+    else if (strcmp(dot, ".pvd") == 0)
+        snprintf(text, size, "%.*spictures", (int)(name - input), input);
     else
         snprintf(text, size, "%.*s.png", (int)(dot - name), name);
     return text;
+}
+
+/* whether the name would be a folder of that name, though it is that of a file that cannot be written */
+static bool is_other_file(const char *output)
+{
+    static const char *const endings[] = {".jpg", ".jpeg", ".gif", ".bmp",  ".tif", ".tiff", ".webp", ".svg",
+                                          ".pdf", ".avi",  ".mov", ".webm", ".mkv", ".html", ".exr",  ".ppm"};
+    const char *slash = strrchr(output, '/'), *dot = strrchr(slash != NULL ? slash : output, '.');
+    for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(dot, endings[i]) == 0)
+            return !cli_is_folder(output);
+    return false;
 }
 
 static void write_summary(const char *output, const pel_render_summary *summary)
@@ -285,6 +293,9 @@ int cli_render(const cli_call *call)
     def.frames = ranges;
     if (call->given_count > CLI_ARGUMENTS)
         return cli_complain("there are too many options");
+    if (is_other_file(def.output))
+        return cli_complain("'%s' names no picture that can be written. let it end in .png or .mp4, or name a folder",
+                            def.output);
     if (!read_choices(call, &def) || !read_frames(call, ranges, &def.frame_range_count) ||
         !read_labels(call, labels, &def))
         return CLI_BAD_INPUT;

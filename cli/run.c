@@ -9,12 +9,16 @@
 #include <unistd.h>
 
 /* set by the first Ctrl-C; the second one finds the default handler and ends the program */
-static volatile sig_atomic_t stop_asked;
+static volatile sig_atomic_t stop_asked, on_terminal;
 
 static void ask_to_stop(int number)
 {
+    static const char text[] = "\r\033[Kstopping after this step; the same again ends at once\n";
     (void)number;
     stop_asked = 1;
+    /* a message that does not get through changes nothing */
+    if (on_terminal != 0 && write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        on_terminal = 0;
 }
 
 static void catch_signal(int number)
@@ -117,8 +121,13 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
         printf("  alpha                  %.6g (stable below %.6g)\n", s->alpha, s->alpha_limit);
     print_files(folder);
     bool can_go_on = strcmp(s->status, "done") == 0 || strcmp(s->status, "stopped") == 0;
-    if (can_go_on && s->checkpoint[0] != '\0')
-        printf("go on with: pellicle run %s --resume %s\n", call->arguments[0], s->checkpoint);
+    if (can_go_on && s->checkpoint[0] != '\0') {
+        /* the scene as it was with --set */
+        char resolved[PEL_RUN_PATH_SIZE + 16];
+        snprintf(resolved, sizeof resolved, "%s/scene.yaml", folder);
+        printf("go on with: pellicle run %s --resume %s\n", cli_has(call, "set") ? resolved : call->arguments[0],
+               s->checkpoint);
+    }
 }
 
 /* the summary.json that the run wrote, on stdout */
@@ -159,6 +168,7 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
     def.progress = show_progress;
     def.user = &d;
     def.log = quiet ? NULL : &cli_notes;
+    on_terminal = d.shown;
     catch_signal(SIGINT);
     catch_signal(SIGTERM);
     pel_run_summary summary;

@@ -33,8 +33,9 @@ static const cli_command commands[] = {
                 "with frames/*.vtp for ParaView, series.csv with the measures over time, summary.json, final.ply and "
                 "scene.yaml, the scene with every default filled in.\n\n"
                 "Ctrl-C stops after the current step with everything written so far whole, and leaves a checkpoint "
-                "from which --resume continues with the same bits; a second Ctrl-C ends at once. A run that diverges "
-                "says where, keeps its last good checkpoint and exits with status 1.",
+                "from which --resume continues with the same bits. A second Ctrl-C ends at once; what is in the folder "
+                "is whole then too, and so is the state that a run keeps every 10 s in its file `checkpoint`. A run "
+                "that diverges says where, keeps its last good checkpoint and exits with status 1.",
         .slots = {{.name = "SCENE", .kind = CLI_SCENE}},
         .options = {{.name = "output",
                      .letter = 'o',

@@ -6,10 +6,10 @@
 #include "pellicle/base.h"
 
 typedef struct allocation_count {
-    long calls;          /* allocations asked for between begin and end */
-    long failed;         /* of these, made to fail */
-    long live;           /* blocks made in between and not freed */
-    bool failed_realloc; /* the one that failed was a realloc */
+    long calls;         /* allocations asked for between begin and end */
+    long failed;        /* of these, made to fail */
+    long live;          /* blocks made in between and not freed */
+    bool failed_shrink; /* the one that failed was a realloc that makes its block smaller */
 } allocation_count;
 
 /* Starts counting; the n-th allocation from here fails, 0 = none. */

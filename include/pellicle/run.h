@@ -6,8 +6,8 @@
        frames/f00000.vtp  the surface of all bodies with the fields asked for, frame 0 is the initial state
        frames.pvd         the frames with their times, for ParaView
        final.ply          the surface at the end
-       checkpoint         the last good state, when the run was stopped, failed or reached max_frames, and each time
-   when the scene asks for checkpoints, then also as checkpoint-STEP.pel
+       checkpoint         the last good state, when the run was stopped, failed or reached max_frames, each time when
+   the scene asks for checkpoints, then also as checkpoint-STEP.pel, and every keep_seconds while the run goes
 
    Every file but series.csv is written whole or not at all; series.csv always ends with a whole row. At any moment,
    also after a kill, everything in the folder is valid. With more than one thread, a thread beside those of the steps
@@ -47,11 +47,14 @@ typedef struct pel_run_def {
     /* Called before the first step and after every step; returning false stops the run. Nullable. */
     bool (*progress)(void *user, const pel_run_progress *progress);
     void *user;
+    /* s of wall time after which the state is kept in `checkpoint`, so that a killed run can go on from there; later
+       when that would take more than 2 % of the time. 0 = never. A state that cannot be kept is a note in the log. */
+    double keep_seconds;
     const pel_log *log; /* notes; nullable */
     uint32_t cookie;    /* set by pel_run_def_default */
 } pel_run_def;
 
-/* No folder yet, everything else off. */
+/* No folder yet, the state is kept every 10 s, everything else off. */
 pel_run_def pel_run_def_default(void);
 
 /* How a run ended; the same as in summary.json. */

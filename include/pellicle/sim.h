@@ -26,7 +26,7 @@ typedef enum pel_method {
     PEL_METHOD_PBD,          /* paper B: each energy is a constraint, met by `iterations` sweeps of Gauss-Seidel */
     PEL_METHOD_PBD_DISTANCE, /* position-based dynamics on edge lengths alone */
     PEL_METHOD_XPBD,         /* extended position-based dynamics, strain form, `substeps` of one iteration each */
-    PEL_METHOD_DESCENT       /* energy minimisation step by step: L-BFGS or gradient descent with backtracking */
+    PEL_METHOD_DESCENT /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
 } pel_method;
 
 typedef struct pel_solver_def {
@@ -35,7 +35,8 @@ typedef struct pel_solver_def {
     double alpha;       /* quasi-static: size of a step; 0 = a safe value for this mesh */
     bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
-    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 50 */
+    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 50. descent with tools or
+                           contact: in each of up to 12 rounds of a step */
     int32_t substeps;   /* pbd, xpbd: a step of dt is done in this many; 0 = 1 and 16 */
     bool second_order;  /* xpbd: second order in time (BDF2); not for bodies that touch */
     double drag;        /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
@@ -99,7 +100,8 @@ pel_tool_def pel_tool_def_default(void);
 
 /* When contacts are solved. */
 typedef enum pel_contact_response {
-    PEL_CONTACT_IN_LOOP, /* in every sweep of pbd and xpbd, and after the step until nothing is too near */
+    PEL_CONTACT_IN_LOOP, /* in every sweep of pbd and xpbd, in the minimisation of descent, and after the step until
+                            nothing is too near */
     PEL_CONTACT_AFTER    /* paper B: one correction after the step */
 } pel_contact_response;
 
@@ -146,8 +148,9 @@ pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *erro
 void pel_sim_destroy(pel_sim *sim);
 
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
-   was before the step. No memory is allocated; with contact only where a step has more pairs than any before, after
-   refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many pairs come near, PEL_OUT_OF_MEMORY. */
+   was before the step. No memory is allocated; with contact, and by tools under PEL_METHOD_DESCENT, only where a step
+   has more pairs than any before, after refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many
+   pairs come near, PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 double pel_sim_time(const pel_sim *sim);        /* s, step count x dt */
@@ -255,8 +258,9 @@ typedef struct pel_solver_reading {
     int32_t iterations;
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */
-    double residual;     /* N, root of the sum of squares of the forces on all vertices that can move */
-    bool converged;      /* it is 1e-6 of that of loads and pressure at most */
+    double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
+    bool converged;      /* it is 1e-6 of that of loads, pressure and contacts at most, and what touches keeps its
+                            distance */
 } pel_solver_reading;
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 
@@ -283,7 +287,8 @@ bool pel_sim_has_shells(const pel_sim *sim);
 uint64_t pel_sim_hash(const pel_sim *sim);
 
 /* Snapshot: everything a later pel_sim_load needs to continue with the same bits, in a buffer of pel_sim_save_size
-   bytes (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT). */
+   bytes (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT), and one
+   whose numbers are out of range: then only the next successful load gives a state to go on from. */
 size_t pel_sim_save_size(const pel_sim *sim);
 void pel_sim_save(const pel_sim *sim, void *bytes);
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);

@@ -1,5 +1,6 @@
 #include "base/text.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -61,14 +62,14 @@ const char *pel_nearest_name(const char *name, const char *const *names, size_t 
     return nearest;
 }
 
-/* bytes of the UTF-8 sequence at s, 0 when it is none (overlong forms, surrogates and numbers too large are none) */
-static size_t sequence_length(const unsigned char *s)
+size_t pel_utf8_length(const char *text, size_t size)
 {
-    if (s[0] < 0x80)
-        return 1;
-    if (s[0] < 0xc2 || s[0] > 0xf4)
+    const unsigned char *s = (const unsigned char *)text;
+    if (size == 0 || (s[0] >= 0x80 && s[0] < 0xc2) || s[0] > 0xf4)
         return 0;
-    size_t length = s[0] >= 0xf0 ? 4 : s[0] >= 0xe0 ? 3 : 2;
+    size_t length = s[0] >= 0xf0 ? 4 : s[0] >= 0xe0 ? 3 : s[0] >= 0x80 ? 2 : 1;
+    if (length > size)
+        return 0;
     for (size_t i = 1; i < length; i++)
         if ((s[i] & 0xc0) != 0x80)
             return 0;
@@ -80,7 +81,7 @@ static size_t sequence_length(const unsigned char *s)
 const char *pel_json_letter(const char *text, char escaped[7])
 {
     const unsigned char *s = (const unsigned char *)text;
-    size_t length = sequence_length(s);
+    size_t length = pel_utf8_length(text, SIZE_MAX);
     if (length == 0)
         memcpy(escaped, "\\ufffd", 7);
     else if (*s == '"' || *s == '\\')

@@ -1,4 +1,4 @@
-/* Names that a user typed. pel_nearest_name (pellicle/base.h) finds the known one that was meant. */
+/* Names that a user typed, and UTF-8. pel_nearest_name (pellicle/base.h) finds the known one that was meant. */
 #ifndef PEL_BASE_TEXT_H
 #define PEL_BASE_TEXT_H
 
@@ -7,5 +7,9 @@
 /* How many letters must be inserted, deleted, replaced or swapped with their neighbour to get from a to b (optimal
    string alignment); upper and lower case, '-' and '_' count as equal. Names beyond 63 letters are cut there. */
 size_t pel_edit_distance(const char *a, const char *b);
+
+/* Bytes of the UTF-8 character at text, of which `size` bytes may be looked at; 0 when it is none (overlong forms,
+   surrogates and numbers too large are none). */
+size_t pel_utf8_length(const char *text, size_t size);
 
 #endif

@@ -1,9 +1,9 @@
 #include "pellicle/frames.h"
 
 #include "base/memory.h"
+#include "base/number.h"
 #include "base/status.h"
 #include "io/file.h"
-#include "io/number.h"
 #include "io/xml.h"
 #include "pellicle/results.h"
 

@@ -1,7 +1,7 @@
 #include "io/json.h"
 
 #include "base/memory.h"
-#include "io/number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 #include "pellicle/mesh_io.h"
 
 #include "base/memory.h"
+#include "base/number.h"
 #include "io/formats.h"
-#include "io/number.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
+#include "base/number.h"
 #include "io/bytes.h"
 #include "io/formats.h"
-#include "io/number.h"
 
 #include "base/memory.h"
 

@@ -1,8 +1,8 @@
 #include "pellicle/results.h"
 
+#include "base/number.h"
 #include "io/byte_order.h"
 #include "io/file.h"
-#include "io/number.h"
 #include "io/xml.h"
 
 pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times, int32_t frame_count,

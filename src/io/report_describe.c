@@ -140,10 +140,18 @@ static void put_fields(pel_report_run *run)
     pel_json_print(json, "]");
 }
 
-static const char *last_name(const char *path)
+/* the last part of a path; slashes at its end do not count */
+static void put_name(pel_json *json, const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    return slash != NULL && slash[1] != '\0' ? slash + 1 : path;
+    char name[NOTE_SIZE];
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/')
+        end--;
+    size_t start = end;
+    while (start > 0 && path[start - 1] != '/')
+        start--;
+    snprintf(name, sizeof name, "%.*s", (int)(end - start < sizeof name ? end - start : sizeof name - 1), path + start);
+    pel_json_string(json, name);
 }
 
 pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_error *error)
@@ -151,7 +159,7 @@ pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_
     pel_json *json = &run->json;
     pel_json_free(json);
     pel_json_print(json, "{\"program\":\"pellicle " PEL_VERSION "\",\"name\":");
-    pel_json_string(json, last_name(run->folder));
+    put_name(json, run->folder);
     put_frames(run);
     put_fields(run);
     pel_json_print(json, ",\n\"notes\":[");

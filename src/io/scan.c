@@ -1,6 +1,6 @@
 #include "io/scan.h"
 
-#include "io/number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdarg.h>

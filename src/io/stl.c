@@ -3,6 +3,7 @@
 #include "io/formats.h"
 
 #include "base/memory.h"
+#include "math/vec3.h"
 
 #include <float.h>
 #include <math.h>
@@ -171,20 +172,15 @@ pel_status pel_stl_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel
     return status;
 }
 
-/* unit normal, or zero when the triangle has no area */
+/* unit normal, or zero when the triangle has no area or one that is too large for a number */
 static void find_normal(const pel_mesh *mesh, const int32_t triangle[3], double normal[3])
 {
-    const double *p = mesh->positions[triangle[0]], *q = mesh->positions[triangle[1]],
-                 *r = mesh->positions[triangle[2]];
-    double squared = 0;
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        normal[i] = (q[j] - p[j]) * (r[k] - p[k]) - (q[k] - p[k]) * (r[j] - p[j]);
-        squared += normal[i] * normal[i];
-    }
-    const double scale = squared > 0 && isfinite(squared) ? 1 / sqrt(squared) : 0;
-    for (int i = 0; i < 3; i++)
-        normal[i] = scale > 0 ? normal[i] * scale : 0;
+    pel_vec3_triangle_normal(mesh->positions[triangle[0]], mesh->positions[triangle[1]], mesh->positions[triangle[2]],
+                             normal);
+    if (isfinite(pel_vec3_length(normal)))
+        pel_vec3_normalize(normal);
+    else
+        pel_vec3_set(normal, 0, 0, 0);
 }
 
 static void write_ascii(pel_file_writer *writer, const pel_mesh *mesh)

@@ -6,7 +6,8 @@
 #define MOONEY PEL_MEMBRANE_MOONEY_RIVLIN
 #define NEO_HOOKEAN PEL_MEMBRANE_NEO_HOOKEAN
 
-/* what a source does not give is called illustrative */
+/* What a source does not give is called illustrative. "Order of magnitude": the work is named for the kind of material,
+   the number was not found in it word for word. */
 static const pel_material_preset presets[] = {
     {"lens-capsule",
      {STVK, 1.5e6, 0.47, 15e-6, 0},
@@ -20,35 +21,34 @@ static const pel_material_preset presets[] = {
      1100,
      "skin of the forearm, small strains",
      "young: Diridollou et al. 2000, Skin Res. Technol. 6:214 (129 +- 88 kPa by suction, 10 men); thickness, density: "
-     "in the ranges of Ye, De 2017, Burns 43:909 (dermis 1 to 4 mm, 1093 to 1190 kg/m3); poisson: illustrative, nearly "
-     "incompressible"},
+     "in the ranges of Ye, De 2017, Burns 43:909, table 1 (dermis 1 to 4 mm, skin 1093 to 1190 kg/m3); poisson: "
+     "illustrative, nearly incompressible"},
     {"rubber",
      {MOONEY, 3 * 0.39e6, 0.5, 1e-3, 0.1},
      930,
      "vulcanised natural rubber sheet",
-     "young: three times the shear modulus of 0.39 MPa of Treloar 1944, Trans. Faraday Soc. 40:59 (8 % sulphur); "
-     "ratio: "
-     "as latex-balloon; density: natural rubber; thickness: illustrative"},
+     "young: order of magnitude, three times a shear modulus of 0.39 MPa, as theory is usually fitted to the 8 % "
+     "sulphur rubber of Treloar 1944, Trans. Faraday Soc. 40:59; ratio: as latex-balloon; density: natural rubber; "
+     "thickness: illustrative"},
     {"latex-balloon",
      {MOONEY, 3 * (3e5 + 0.3e5), 0.5, 2.5e-4, 0.1},
      930,
      "toy balloon before it is blown up",
-     "young, ratio: Mueller, Strehlow 2004, Rubber and Rubber Balloons, Lecture Notes in Physics 637 (s+ 3 bar, s- "
-     "-0.3 "
-     "bar: a shear modulus of 0.33 MPa); density: natural rubber; thickness: illustrative"},
+     "young, ratio: order of magnitude, after the Mooney-Rivlin balloons of Mueller, Strehlow 2004, Rubber and Rubber "
+     "Balloons, Lecture Notes in Physics 637 (s+ of 3 bar, s- a tenth of it: a shear modulus of 0.33 MPa); density: "
+     "natural rubber; thickness: illustrative"},
     {"silicone",
      {NEO_HOOKEAN, 1.18e5, 0.49, 2e-3, 0},
      1070,
      "very soft silicone rubber (shore 00-30)",
-     "young, density: data sheet of Ecoflex 00-30 (69 kPa at 100 % stretch, which neo-Hooke gives for a shear modulus "
-     "of "
-     "39 kPa; 1.07 g/cm3); poisson: nearly incompressible; thickness: illustrative"},
+     "young, density: order of magnitude, what makers of such rubbers state (69 kPa at 100 % stretch, which neo-Hooke "
+     "gives for a shear modulus of 39 kPa; 1.07 g/cm3); poisson: nearly incompressible; thickness: illustrative"},
     {"paper",
      {STVK, 3e9, 0.3, 1e-4, 0},
      800,
      "office paper, 80 g/m2, as if it were isotropic",
-     "density: 80 g/m2 (ISO 536) at 0.1 mm; young, poisson: illustrative, between the two directions of machine-made "
-     "paper (Alava, Niskanen 2006, Rep. Prog. Phys. 69:669, on the elasticity of paper)"},
+     "density: 80 g/m2 at 0.1 mm; young: order of magnitude, machine-made paper is stiffer along the machine and "
+     "softer across; poisson: illustrative"},
     {"polyester-film",
      {STVK, 4.9e9, 0.38, 23e-6, 0},
      1390,
@@ -59,8 +59,7 @@ static const pel_material_preset presets[] = {
      {STVK, 7e10, 0.33, 16e-6, 0},
      2700,
      "household foil; elastic only, it has no creases that stay",
-     "young, poisson, density: Davis 1993, Aluminum and Aluminum Alloys (70 GPa); thickness: standard household "
-     "foil, 0.016 mm"},
+     "young, poisson, density: as handbooks give them for aluminium; thickness: standard household foil, 0.016 mm"},
     {"steel-sheet",
      {STVK, 2.1e11, 0.3, 5e-4, 0},
      7850,

@@ -1,12 +1,12 @@
 #include "pellicle/shape.h"
 
+#include "base/number.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "mesh/shape_build.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { COOKIE = 0x53484150, MOST_PARAMETERS = 8 };
@@ -233,9 +233,9 @@ static double parse_value(const pel_shape_parameter *parameter, const char *text
                 return i;
         return (double)NAN;
     }
-    char *end;
-    double value = strtod(text, &end);
-    return end == text || *end != '\0' ? (double)NAN : value;
+    double value;
+    const char *end = pel_number_parse(text, text + strlen(text), &value);
+    return end == NULL || *end != '\0' ? (double)NAN : value;
 }
 
 pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, pel_error *error)
@@ -260,14 +260,14 @@ pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, 
 const char *pel_shape_get(const pel_shape_def *def, const pel_shape_parameter *parameter, char *text, size_t size)
 {
     double value = value_of(def, parameter);
+    char number[PEL_NUMBER_SIZE];
+    pel_number_print(number, value);
     if (parameter->type == PEL_SHAPE_BOOLEAN)
         snprintf(text, size, "%s", value != 0 ? "true" : "false");
     else if (parameter->type == PEL_SHAPE_CHOICE)
         snprintf(text, size, "%s", parameter->choices[(int32_t)value]);
     else
-        for (int digits = 15; digits <= 17; digits++)
-            if (snprintf(text, size, "%.*g", digits, value) < 0 || strtod(text, NULL) == value)
-                break;
+        snprintf(text, size, "%s", number);
     return text;
 }
 

@@ -50,14 +50,15 @@ static int32_t fine_capacity(const pel_body_detail *detail)
     return (asked + PEL_WIDTH - 1) / PEL_WIDTH * PEL_WIDTH;
 }
 
-static pel_status check_budget(const pel_body *body, pel_error *error)
+static pel_status check_budget(const pel_model *model, int32_t body, pel_error *error)
 {
-    const pel_body_detail *detail = body->detail;
+    const pel_body_detail *detail = model->bodies[body].detail;
     int32_t least = detail->forest->levels[detail->def.everywhere ? detail->forest->depth : 0]->triangle_count;
     if (detail->def.budget == 0 || detail->def.budget >= least)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "refine: budget of body '%s' is %d triangles, %d are needed", body->name,
-             (int)detail->def.budget, (int)least);
+    pel_fail(error, PEL_BAD_ARGUMENT, "refine: the budget is %d triangles, %d are needed", (int)detail->def.budget,
+             (int)least);
+    pel_fail_element(error, "body", body);
     pel_fail_remedy(error, "give at least %d, or leave the budget out", (int)least);
     return PEL_BAD_ARGUMENT;
 }
@@ -79,7 +80,7 @@ static pel_status lay_out(pel_active *active, pel_error *error)
             model->triangle_count += body->mesh->triangle_count;
             continue;
         }
-        pel_status status = check_budget(body, error);
+        pel_status status = check_budget(model, b, error);
         if (status == PEL_OK)
             status = pel_front_create(body->detail->forest, &own->front, error);
         if (status != PEL_OK)

@@ -393,6 +393,21 @@ static pel_status check_masses(const pel_model *model, int32_t body, pel_error *
     return PEL_OK;
 }
 
+/* says of which body an error is: as its element, or before the text where that names a vertex or triangle */
+static pel_status name_body(pel_status status, const char *name, int32_t body, pel_error *error)
+{
+    char what[sizeof error->what];
+    if (error == NULL || status == PEL_OK || status == PEL_OUT_OF_MEMORY || strcmp(error->element_kind, "body") == 0)
+        return status;
+    if (error->element < 0) {
+        pel_fail_element(error, "body", body);
+        return status;
+    }
+    memcpy(what, error->what, sizeof what);
+    snprintf(error->what, sizeof error->what, "body '%s': %.*s", name, (int)(sizeof what - PEL_NAME_SIZE - 10), what);
+    return status;
+}
+
 static pel_status build_bodies(pel_model *model, const pel_model_def *def, build *builds, pel_error *error)
 {
     bool with_stiffness = false;
@@ -400,7 +415,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         pel_body *body = &model->bodies[b];
         pel_status status = begin_body(&def->bodies[b], body, &builds[b], error);
         if (status != PEL_OK)
-            return status;
+            return name_body(status, def->bodies[b].name, b, error);
         body->slice_begin = model->slice_count;
         model->slice_count += (body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH;
         body->slice_end = model->slice_count;
@@ -418,7 +433,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
             model->body_of_slice[s] = b;
         pel_status status = check_masses(model, b, error);
         if (status != PEL_OK)
-            return status;
+            return name_body(status, body->name, b, error);
         fill_triangles(model, b);
     }
     int32_t *filled = pel_allocate((size_t)model->vertex_count, sizeof *filled);
@@ -434,7 +449,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         if (status == PEL_OK)
             status = pel_body_shell_create(&def->bodies[b], model, b, builds[b].topology, error);
         if (status != PEL_OK)
-            return status;
+            return name_body(status, model->bodies[b].name, b, error);
     }
     return PEL_OK;
 }

@@ -1,6 +1,6 @@
 #include "scene/build.h"
 
-#include "io/number.h"
+#include "base/number.h"
 #include "scene/table.h"
 
 #include <math.h>

@@ -1,11 +1,11 @@
 #include "scene/check.h"
 
+#include "base/number.h"
 #include "base/text.h"
 #include "scene/yaml.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { PATH_SIZE = 160, MOST_NAMES = 64 };
@@ -55,9 +55,9 @@ static void add_name(char *text, size_t size, const char *name)
 /* whether a text is a number and a unit */
 static bool has_unit(const char *text)
 {
-    char *end;
-    double number = strtod(text, &end);
-    return end != text && isfinite(number) && *end == ' ';
+    double number;
+    const char *end = pel_number_parse(text, text + strlen(text), &number);
+    return end != NULL && isfinite(number) && *end == ' ';
 }
 
 /* what would be right where a value has the wrong form */

@@ -1,6 +1,6 @@
 #include "scene/imply.h"
 
-#include "io/number.h"
+#include "base/number.h"
 #include "pellicle/preset.h"
 #include "scene/check.h"
 

@@ -22,12 +22,16 @@ enum { RUN_COOKIE = 0x72756e21 };
 #define SOFTNESS_TOLD 0.25
 enum { DEFAULT_SUBSTEPS = 16 };
 
+/* s of wall time between states that are kept, and the share of the time that this may take */
+#define KEEP_SECONDS 10
+#define KEEP_SHARE 0.02
+
 /* changes of the volume ratio below this are rounding */
 #define VOLUME_NOISE 1e-12
 
 pel_run_def pel_run_def_default(void)
 {
-    return (pel_run_def){.cookie = RUN_COOKIE};
+    return (pel_run_def){.keep_seconds = KEEP_SECONDS, .cookie = RUN_COOKIE};
 }
 
 /* ---- prepare: nothing is written ---- */
@@ -41,8 +45,8 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
         pel_fail_remedy(error, "name a folder for the results");
         return PEL_BAD_ARGUMENT;
     }
-    if (def->max_frames < 0 || def->thread_count < 0)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "the number of frames or threads is below 0");
+    if (def->max_frames < 0 || def->thread_count < 0 || !(def->keep_seconds >= 0))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the number of frames, threads or seconds is below 0");
     return PEL_OK;
 }
 
@@ -327,6 +331,25 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
     return status == PEL_OK ? pel_run_checkpoint_write(run, true, error) : status;
 }
 
+/* from time to time: what is left of a run that is killed */
+static pel_status keep_state(pel_run_state *run, pel_error *error)
+{
+    double now = pel_run_clock();
+    if (!(run->def->keep_seconds > 0) || now < run->keep_at)
+        return PEL_OK;
+    pel_status status = settle_frames(run, error);
+    if (status != PEL_OK)
+        return status;
+    pel_error failure;
+    char text[1200];
+    if (pel_run_checkpoint_write(run, false, &failure) != PEL_OK)
+        pel_log_line(run->def->log, "the state of step %" PRId64 " is not kept: %s", pel_sim_step_count(run->sim),
+                     pel_error_text(&failure, text, sizeof text));
+    double end = pel_run_clock();
+    run->keep_at = end + fmax(run->def->keep_seconds, (end - now) / KEEP_SHARE);
+    return PEL_OK;
+}
+
 /* one step and what belongs to it */
 static pel_status advance(pel_run_state *run, pel_error *error)
 {
@@ -338,7 +361,8 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
-    return write_due(run, error);
+    status = write_due(run, error);
+    return status == PEL_OK && !run->settled ? keep_state(run, error) : status;
 }
 
 static pel_status simulate(pel_run_state *run, pel_error *error)
@@ -433,6 +457,7 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
     if (status != PEL_OK)
         return status;
     pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock()};
+    run.keep_at = run.start + def->keep_seconds;
     run.plan = pel_run_plan_make(scene, def->max_frames);
     run.frames = (pel_run_frames){.scene = scene, .folder = def->folder, .plan = &run.plan};
     status = prepare(&run, cause);

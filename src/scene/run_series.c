@@ -1,9 +1,9 @@
 #include "scene/run_series.h"
 
 #include "base/memory.h"
+#include "base/number.h"
 #include "base/status.h"
 #include "io/file.h"
-#include "io/number.h"
 
 #include <errno.h>
 #include <fcntl.h>

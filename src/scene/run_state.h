@@ -21,6 +21,7 @@ typedef struct pel_run_state {
     char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
     int64_t checkpoint_step;
     double start;               /* wall clock at the beginning of this call */
+    double keep_at;             /* wall clock at which the state is kept again */
     int64_t start_step;         /* step at the beginning of this call */
     bool settled;               /* a rule of the scene's `stop` ended the run */
     const char *stop_reason;    /* which one; null = none */

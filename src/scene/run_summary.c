@@ -1,6 +1,6 @@
+#include "base/number.h"
 #include "base/status.h"
 #include "io/file.h"
-#include "io/number.h"
 #include "scene/run_state.h"
 
 #include <inttypes.h>

@@ -2,6 +2,7 @@
    alternative that brings keys of its own, so that an editor offers exactly the keys that go together. */
 #include "scene/documents.h"
 
+#include "base/number.h"
 #include "scene/value.h"
 
 #include <math.h>
@@ -38,13 +39,22 @@ static void write_text(schema_writer *out, const char *text)
     fputc('"', out->file);
 }
 
+static void write_limit(schema_writer *out, const char *key, double limit)
+{
+    char text[PEL_NUMBER_SIZE];
+    if (!isfinite(limit))
+        return;
+    pel_number_print(text, limit);
+    fprintf(out->file, ",\"%s\":%s", key, text);
+}
+
 static void write_number(schema_writer *out, pel_scene_form form, pel_scene_range range)
 {
     fprintf(out->file, "{\"type\":\"%s\"", form == PEL_FORM_INTEGER ? "integer" : "number");
-    if (range.given && isfinite(range.least))
-        fprintf(out->file, ",\"%s\":%.17g", range.open ? "exclusiveMinimum" : "minimum", range.least);
-    if (range.given && isfinite(range.most))
-        fprintf(out->file, ",\"maximum\":%.17g", range.most);
+    if (range.given) {
+        write_limit(out, range.open ? "exclusiveMinimum" : "minimum", range.least);
+        write_limit(out, "maximum", range.most);
+    }
     fputc('}', out->file);
 }
 

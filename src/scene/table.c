@@ -202,7 +202,8 @@ static const pel_scene_row rows[] = {
      .doc = "how contacts are found: with a test that misses none, or with the cubic as in paper B; what guards the "
             "end of a step is always the former"},
     {"contact.response", WORD("in-loop", "after"), .preset = "in-loop",
-     .doc = "in-loop: in every sweep of pbd and xpbd, and after the step until nothing is too near; after: one "
+     .doc = "in-loop: in every sweep of pbd and xpbd, in the minimisation of descent, and after the step until nothing "
+            "is too near; after: one "
             "correction after the step, as in paper B"},
     {"contact.start", WORD("refuse", "tangled"), .preset = "refuse",
      .doc = "bodies that intersect at the start: an error, or those pairs are left alone until they are apart"},
@@ -216,7 +217,7 @@ static const pel_scene_row rows[] = {
      .doc =
          "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper B; "
          "pbd-distance: position-based dynamics on edges; xpbd: position-based dynamics that feels stiffness; "
-         "descent: minimises the energy. Left out beside a membrane: xpbd"},
+         "descent: minimises the energy under tools and contacts. Left out beside a membrane: xpbd"},
     {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
     {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
      .doc = "quasi-static: how far a step goes; auto takes a value that is safe for the mesh"},
@@ -225,7 +226,8 @@ static const pel_scene_row rows[] = {
     {"solver.integrator", WORD("symplectic", "forward"), .preset = "symplectic",
      .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
     {"solver.iterations", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
-     .doc = "pbd, xpbd: sweeps in a substep; descent: iterations in a step; auto is 5, 1 and 50"},
+     .doc = "pbd, xpbd: sweeps in a substep; descent: iterations in a step, with tools or contact in each "
+            "of up to 12 rounds; auto is 5, 1 and 50"},
     {"solver.substeps", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
      .doc = "pbd, xpbd: a step is done in so many; auto is 1 and 16"},
     {"solver.second_order", BOOLEAN, .preset = "false",
@@ -261,7 +263,8 @@ static const pel_scene_row rows[] = {
      .doc = "packs the .vtp files (zlib): less than half the size, several times the work"},
     {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},
     {"output.checkpoint", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
-     .doc = "simulated time between checkpoints; 0 keeps only the last good one when a run fails or is stopped"},
+     .doc = "simulated time between checkpoints; 0 keeps only the last good one of a run that fails, is stopped or "
+            "killed"},
 
     {"<mesh>", MAP, .doc = "a surface, in metres once scaled: a shape or a file"},
     {"<mesh>.shape", .forms = PEL_FORM_WORD, ALTERNATIVE, .doc = "a generated surface; its parameters stand beside it"},

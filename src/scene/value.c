@@ -1,6 +1,6 @@
 #include "scene/value.h"
 
-#include "io/number.h"
+#include "base/number.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,5 +1,6 @@
 #include "scene/yaml.h"
 
+#include "base/text.h"
 #include "scene/scalar.h"
 
 #include <libfyaml.h>
@@ -280,24 +281,12 @@ static pel_scene_value *read_stream(yaml_parser *parser)
     }
 }
 
-/* length of the UTF-8 character at text, 0 when it is none */
-static size_t character_length(const unsigned char *text, size_t size)
-{
-    size_t length = text[0] < 0x80 ? 1 : text[0] < 0xc2 ? 0 : text[0] < 0xe0 ? 2 : text[0] < 0xf0 ? 3 : 4;
-    if (length == 0 || text[0] > 0xf4 || length > size)
-        return 0;
-    for (size_t i = 1; i < length; i++)
-        if ((text[i] & 0xc0) != 0x80)
-            return 0;
-    return length;
-}
-
 /* libfyaml passes over bytes that are not UTF-8: name the first one */
 static bool is_utf8(yaml_parser *parser, const char *text, size_t size)
 {
     pel_scene_place place = {parser->source, 1, 1};
     for (size_t i = 0; i < size;) {
-        size_t length = text[i] == '\0' ? 0 : character_length((const unsigned char *)text + i, size - i);
+        size_t length = text[i] == '\0' ? 0 : pel_utf8_length(text + i, size - i);
         if (length == 0) {
             parser->place = parser->with_lines ? place : parser->place;
             fail(parser, "this byte is not UTF-8 text", "save the file as UTF-8");

@@ -275,6 +275,7 @@ static void exchange_lists(pel_sim_contacts *contacts, int32_t count)
 typedef struct merger {
     pel_sim *sim;
     const pel_impact *impacts; /* of conflicts among what was found; null = not looked for */
+    double tool_reach;         /* m, tools that are farther away at the start count only by their faces */
     int32_t old, count;        /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
 
@@ -292,12 +293,21 @@ static bool take_over(merger *m, const pel_contact_key *key)
     return false;
 }
 
+/* a vertex right before the inner part of a triangle */
+static bool is_before_face(const pel_collision *pair)
+{
+    const double *w = pair->hit.weight;
+    return !pair->edge_edge && fmax(w[1], fmax(w[2], w[3])) < -1e-6;
+}
+
 /* a pair that is in the list takes the new place and keeps its sums, unless its place says more */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
     pel_sim_contacts *contacts = m->sim->contacts;
     pel_contact_key key = make_key(m->sim, pair);
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
+    if (key.tool >= 0 && !is_before_face(pair) && pel_contact_start_distance(contacts, pair) > m->tool_reach)
+        return;
     bool known = take_over(m, &key);
     pel_contact contact, *old = known ? &contacts->list.contacts[m->old] : NULL;
     if (known && contacts->keys[m->old].is_impact && !key.is_impact)
@@ -319,10 +329,11 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
 }
 
 /* puts what was found into the list */
-static pel_status merge(pel_sim *sim, const pel_collision_result *found, const pel_impact *impacts, pel_error *error)
+static pel_status merge(pel_sim *sim, const pel_collision_result *found, const pel_impact *impacts, double tool_reach,
+                        pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    merger m = {.sim = sim, .impacts = impacts};
+    merger m = {.sim = sim, .impacts = impacts, .tool_reach = tool_reach};
     pel_status status = make_room(contacts, (size_t)contacts->list.count + (size_t)found->collision_count, error);
     if (status != PEL_OK)
         return status;
@@ -398,7 +409,7 @@ static void expect_tools(pel_sim *sim)
     }
 }
 
-pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
+pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     const pel_state *state = sim->state;
@@ -411,9 +422,24 @@ pel_status pel_contacts_find(pel_sim *sim, pel_error *error)
             contacts->end[p][k] = contacts->start[p][k] + sim->step.dt * velocity;
         }
     double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
+    reach = fmin(reach, 4 * contacts->thickness);
     pel_collision_result found;
-    pel_status status = search(sim, fmin(reach, 4 * contacts->thickness), &found, error);
-    return status == PEL_OK ? merge(sim, &found, NULL, error) : status;
+    pel_status status = search(sim, fmax(least, reach), &found, error);
+    /* what slides along the edges between the flat triangles of a tool must not run into them */
+    double tool_reach = least > reach ? reach : HUGE_VAL;
+    return status == PEL_OK ? merge(sim, &found, NULL, tool_reach, error) : status;
+}
+
+pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    pel_collision_result found;
+    pel_contact_points(sim);
+    pel_status status = search(sim, contacts->thickness, &found, error);
+    if (status == PEL_OK)
+        status = pel_contact_find_conflicts(sim, &found, error);
+    contacts->statistics.rounds++;
+    return status == PEL_OK ? merge(sim, &found, contacts->impacts, HUGE_VAL, error) : status;
 }
 
 /* ---- correction ---- */
@@ -521,7 +547,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         if (found.collision_count + contacts->list.count == 0 && contacts->conflict_count == 0)
             return PEL_OK;
         double began = seconds_now();
-        status = merge(sim, &found, contacts->impacts, error);
+        status = merge(sim, &found, contacts->impacts, HUGE_VAL, error);
         if (status != PEL_OK)
             return status;
         correct(sim, once ? 1 : contacts->def.sweeps);
@@ -563,11 +589,11 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
     if (!pel_sim_has_loop_contacts(sim))
         sim->contacts->list.count = 0;
     note_loop(sim);
-    pel_tools_move(sim, time);
+    if (sim->descent == NULL)
+        pel_tools_move(sim, time);
     pel_status status = step(sim, longest, error);
     if (status != PEL_OK) {
-        for (int32_t i = 0; i < sim->tool_count; i++)
-            sim->tools[i].pose = sim->tools[i].pose_before;
+        pel_tools_return(sim);
         return status;
     }
     touch_tools(sim);

@@ -20,7 +20,8 @@ typedef struct pel_contact_key {
     int32_t first, second;
     int32_t tool;
     bool is_impact; /* its place is that of a conflict in this step, which says more than where the step began */
-    double loop_push, loop_tangential[3]; /* of push and tangential, what the solver did in its substeps */
+    double loop_push, loop_tangential[3]; /* of push and tangential, what the solver did in its substeps; of the method
+                                             descent its loads [N] */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */
@@ -109,8 +110,11 @@ struct pel_sim_contacts {
 /* Null contacts when they are not enabled. Errors as for pel_sim_create. */
 pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_error *error);
 void pel_contacts_destroy(pel_sim *sim);
-/* Before the solver of a method with contacts in its loop: what may touch in this step. */
-pel_status pel_contacts_find(pel_sim *sim, pel_error *error);
+/* Before the solver of a method with contacts in its loop: what may touch in this step; what is as near as `least` [m]
+   in any case, but for tools. */
+pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
+/* While a minimisation goes on: adds what comes too near on the way to the new positions, and finds the conflicts. */
+pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
    step. longest: spring length bound. On failure the state and the poses of the tools are those before the step. */
 pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);
@@ -146,6 +150,8 @@ pel_mesh pel_contact_mesh(const pel_sim *sim);
 pel_status pel_contact_round_conflicts(pel_sim *sim, pel_error *error);
 
 /* ---- contact_guard.c ---- */
+/* of the two parts of a pair at `start` */
+double pel_contact_start_distance(const pel_sim_contacts *contacts, const pel_collision *hit);
 /* Fills `conflicts` from what the collider found between start and end, and from the round tools. */
 pel_status pel_contact_find_conflicts(pel_sim *sim, const pel_collision_result *found, pel_error *error);
 pel_status pel_contact_add_conflict(pel_sim_contacts *contacts, const pel_conflict *conflict, pel_error *error);

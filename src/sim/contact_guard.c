@@ -40,7 +40,7 @@ typedef struct check {
     const pel_collision_result *found;
 } check;
 
-static double start_distance(const pel_sim_contacts *contacts, const pel_collision *hit)
+double pel_contact_start_distance(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
     const double(*x)[3] = (const double(*)[3])contacts->start;
     const int32_t *v = hit->vertices;
@@ -66,7 +66,7 @@ static double longest_approach(const pel_sim_contacts *contacts, const pel_colli
 static pel_impact find_impact(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
     pel_impact impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
-    double distance = start_distance(contacts, hit), approach = longest_approach(contacts, hit);
+    double distance = pel_contact_start_distance(contacts, hit), approach = longest_approach(contacts, hit);
     double separation = fmin(contacts->guarded, APPROACH * distance);
     /* twice, to be far from rounding */
     if (approach == 0 || distance - 2 * approach > separation)

@@ -1,16 +1,23 @@
 /* The method `descent`: each step minimises the energy of springs, shells, pressure and loads at the step's end, from
    where the bodies are. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) acts
-   as it is at the begin of the step: the steps together find the balance. */
+   as it is at the begin of the step: the steps together find the balance.
+
+   With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, bring the
+   loads of the constraints, look for what touches now. Where something ran into something else on its way, the next
+   round begins at the place where it did. Loads are not a part of the state: a step begins with those that balance the
+   forces at its begin. */
+#include "sim/descent.h"
+
 #include "base/memory.h"
 #include "base/status.h"
-#include "math/vec3.h"
-#include "sim/sim.h"
+#include "sim/contact.h"
+#include "sim/tool.h"
 #include "solve/shell_stability.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { DEFAULT_ITERATIONS = 50 };
+enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 
 /* forces are balanced when what is left of them is this share of the loads, or of what it takes to move every vertex by
    an edge */
@@ -24,22 +31,23 @@ enum { DEFAULT_ITERATIONS = 50 };
 /* of the mean edge that a vertex goes in one iteration at most */
 #define MOVE_SHARE 0.3
 
-struct pel_sim_descent {
-    pel_descent *minimiser;
-    pel_record *external; /* (vertex_count) forces that stay during a step */
-    double mean_edge;     /* m */
-    double stiff_force;   /* N */
-    pel_descent_result result;
-};
+/* what a round leaves of the gradient that it begins with */
+#define FIRST_REDUCTION 1e-3
+#define REDUCTION 0.1
+/* the stiffness of constraints, of the bound of that of the bodies: stiffer where a round closes gaps by less than this
+ */
+#define PENALTY 0.1
+#define MOST_PENALTY 10
+#define STIFFENING 4.0
+#define CLOSING 0.3
+/* of half the thickness of a tool, that it goes in one part of a step; of the way up to an impact, that is gone */
+#define PART_SHARE 0.5
+#define SAFE_SHARE 0.9
+/* of the mean edge: what is so near takes part from the begin; what went so far beyond an impact begins anew there */
+#define NEAR_SHARE 0.2
+#define BEYOND_SHARE 0.1
 
-/* what the energy is evaluated with */
-typedef struct step_context {
-    pel_sim *sim;
-    pel_state state; /* a copy that looks at other positions */
-    double time;
-} step_context;
-
-static double spring_energy(const step_context *at)
+static double spring_energy(const pel_descent_context *at)
 {
     double sum = 0;
     const pel_model *model = at->sim->model;
@@ -59,7 +67,7 @@ static double spring_energy(const step_context *at)
 
 static double energy_of(void *context, pel_record *position, pel_record *force)
 {
-    step_context *at = context;
+    pel_descent_context *at = context;
     const pel_sim *sim = at->sim;
     const pel_model *model = sim->model;
     const pel_record *external = sim->descent->external;
@@ -73,7 +81,7 @@ static double energy_of(void *context, pel_record *position, pel_record *force)
             energy -= (double)external[v][c] * ((double)position[v][c] - (double)model->rest[v][c]);
         force[v] += external[v];
     }
-    return energy;
+    return at->is_constrained ? energy + pel_descent_contacts_evaluate(sim, position, force) : energy;
 }
 
 /* the forces that stay; returns the root of the sum of squares of all that is not elastic */
@@ -93,26 +101,237 @@ static double find_external(pel_sim *sim, double time)
     return sqrt(square);
 }
 
-void pel_sim_descent_step(pel_sim *sim, pel_step_result *step)
+static pel_descent_problem make_problem(pel_descent_context *context)
 {
-    pel_sim_descent *descent = sim->descent;
-    pel_state *state = sim->state;
-    size_t count = (size_t)sim->model->vertex_count;
-    step_context context = {sim, *state, (double)(state->step + 1) * sim->step.dt};
-    pel_shell_forces_follow(sim->shells, state->position);
-    double loads = find_external(sim, context.time);
-    const pel_descent_problem problem = {
+    const pel_sim *sim = context->sim;
+    return (pel_descent_problem){
         .inverse_mass = sim->model->inverse_mass,
+        .held = sim->tool_count > 0 ? sim->held : NULL,
         .energy = energy_of,
-        .context = &context,
-        .longest_move = MOVE_SHARE * descent->mean_edge,
-        .tolerance = LOAD_SHARE * loads + STIFFNESS_SHARE * descent->stiff_force,
+        .context = context,
+        .longest_move = MOVE_SHARE * sim->descent->mean_edge,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : DEFAULT_ITERATIONS,
         .gradient_only = sim->solver.gradient_only,
     };
-    memcpy(state->position_next, state->position, count * sizeof *state->position);
-    pel_descent_run(descent->minimiser, &problem, state->position_next, &descent->result);
-    *step = (pel_step_result){.diverged = !pel_sim_all_inside(sim)};
+}
+
+/* ---- under constraints ---- */
+
+static pel_status begin_tools(pel_sim *sim, double time, pel_error *error)
+{
+    pel_sim_descent *descent = sim->descent;
+    if (!pel_reserve((void **)&descent->wanted, &descent->wanted_capacity, (size_t)sim->tool_count,
+                     sizeof *descent->wanted))
+        return pel_fail_memory(error);
+    pel_tools_move(sim, time);
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        descent->wanted[i] = sim->tools[i].pose;
+    return PEL_OK;
+}
+
+/* how many parts the way of the tools takes, so that none passes through what it presses; and the longest way [m] */
+static int count_parts(const pel_sim *sim, double *longest)
+{
+    double most = 1;
+    *longest = 0;
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        const pel_tool *tool = &sim->tools[i];
+        double half[3];
+        pel_solid_half_box(&tool->solid, half);
+        double limit = PART_SHARE * fmin(half[0], fmin(half[1], half[2]));
+        double way = pel_tool_way(tool, &tool->pose_before, &tool->pose);
+        *longest = fmax(*longest, way);
+        if (tool->press && tool->mesh == NULL)
+            most = fmax(most, way / limit);
+    }
+    return (int)ceil(fmin(most, MOST_PARTS));
+}
+
+static void set_poses(pel_sim *sim, double share)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        pel_tool_pose_between(&sim->tools[i].pose_before, &sim->descent->wanted[i], share, &sim->tools[i].pose);
+    pel_tools_carry(sim);
+}
+
+/* false when it is near enough to go on from where it is */
+static bool go_back_to(pel_sim *sim, int32_t v, double share)
+{
+    const double *start = sim->contacts->start[v], *end = sim->contacts->end[v];
+    double beyond = (1 - share) * pel_vec3_distance(start, end);
+    if (beyond < BEYOND_SHARE * sim->descent->mean_edge || (sim->tool_count > 0 && sim->held[v]))
+        return false;
+    for (int k = 0; k < 3; k++)
+        sim->state->position_next[v][k] = (pel_real)(start[k] + share * (end[k] - start[k]));
+    return true;
+}
+
+/* what went far through something begins again shortly before that; false when nothing has. Of round tools the gaps
+   say more */
+static bool go_back(pel_sim *sim)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    double *shares = sim->descent->shares;
+    bool any = false;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t c = 0; c < contacts->conflict_count; c++) {
+            const pel_conflict *conflict = &contacts->conflicts[c];
+            if (conflict->tool >= 0 && pel_tool_is_round(&sim->tools[conflict->tool]))
+                continue;
+            for (int i = 0; i < 4; i++) {
+                int32_t v = conflict->places[i];
+                if (v < 0)
+                    continue;
+                if (pass == 1 && shares[v] < 1)
+                    any |= go_back_to(sim, v, shares[v]);
+                shares[v] = pass == 0 ? fmin(shares[v], SAFE_SHARE * conflict->time) : 1;
+            }
+        }
+    return any;
+}
+
+/* what touches at position_next, surfaces that met on the way included when `looks`; *again is set where that begins
+   anew */
+static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_error *error)
+{
+    bool sees = pel_descent_sees_contacts(sim);
+    *again = false;
+    if (sees)
+        pel_descent_contacts_keep_loads(sim);
+    pel_status status = pel_descent_contacts_find_tools(sim, error);
+    if (status == PEL_OK && sees && looks) {
+        status = pel_contacts_find_on_way(sim, error);
+        *again = status == PEL_OK && go_back(sim);
+    }
+    return status == PEL_OK && sees ? pel_descent_contacts_add_surfaces(sim, error) : status;
+}
+
+/* the error of what was found anew, over its tolerance */
+static double deepest_gap(const pel_sim *sim)
+{
+    const pel_sim_descent *descent = sim->descent;
+    double deepest = 0;
+    for (int32_t c = 0; c < descent->count; c++) {
+        pel_meeting meeting;
+        pel_descent_contact_meet(sim, &descent->constraints[c], sim->state->position_next, &meeting);
+        deepest = fmax(deepest, -meeting.gap / descent->constraints[c].tolerance);
+    }
+    return deepest;
+}
+
+static double tolerance_of(const pel_sim *sim, double loads)
+{
+    double contact = pel_descent_contacts_force(sim);
+    return LOAD_SHARE * sqrt(loads * loads + contact * contact) + STIFFNESS_SHARE * sim->descent->stiff_force;
+}
+
+/* rounds until gaps are closed and forces balanced; the last part of a step looks for surfaces as well */
+static pel_status minimise_in_rounds(pel_descent_context *context, double loads, bool is_last, pel_error *error)
+{
+    pel_sim *sim = context->sim;
+    pel_sim_descent *descent = sim->descent;
+    pel_descent_problem problem = make_problem(context);
+    pel_descent_result *sum = &descent->result, round;
+    pel_status status = PEL_OK;
+    bool closed = false;
+    double before = HUGE_VAL;
+    sum->converged = false;
+    for (int n = 0; status == PEL_OK && !sum->converged && n < ROUND_LIMIT; n++) {
+        bool again, had_any = descent->count > 0;
+        problem.tolerance = tolerance_of(sim, loads);
+        problem.reduction = !had_any || closed ? 0 : n == 0 ? FIRST_REDUCTION : REDUCTION;
+        pel_descent_run(descent->minimiser, &problem, sim->state->position_next, &round);
+        sum->iterations += round.iterations;
+        sum->evaluations += round.evaluations;
+        sum->residual = round.residual;
+        if (!pel_sim_all_inside(sim))
+            return PEL_OK;
+        double error_of_gaps = pel_descent_contacts_update(sim);
+        if (round.converged && error_of_gaps > 1 && error_of_gaps > CLOSING * before)
+            descent->penalty = fmin(STIFFENING * descent->penalty, MOST_PENALTY);
+        before = error_of_gaps;
+        status = find_constraints(sim, is_last, &again, error);
+        if (descent->count == 0 && !had_any) {
+            sum->converged = round.converged;
+            break;
+        }
+        closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= 1;
+        sum->converged = closed && round.residual <= tolerance_of(sim, loads);
+        problem.goes_on = !again;
+    }
+    return status;
+}
+
+/* the energy without that of the constraints, and the forces of the bodies */
+static double plain_energy(pel_descent_context *context, pel_record *force)
+{
+    context->is_constrained = false;
+    double energy = energy_of(context, context->sim->state->position_next, force);
+    context->is_constrained = true;
+    return energy;
+}
+
+static pel_status minimise_under_constraints(pel_descent_context *context, double loads, pel_error *error)
+{
+    pel_sim *sim = context->sim;
+    bool again;
+    double way;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        sim->tools[i].pose_before = sim->tools[i].pose;
+    /* before the tools move: it asks from where they come */
+    pel_status status =
+        pel_descent_sees_contacts(sim) ? pel_contacts_find(sim, NEAR_SHARE * sim->descent->mean_edge, error) : PEL_OK;
+    if (status == PEL_OK)
+        status = begin_tools(sim, context->time, error);
+    if (status != PEL_OK)
+        return status;
+    context->is_constrained = true;
+    int part_count = count_parts(sim, &way);
+    sim->descent->penalty = PENALTY;
+    for (int part = 1; status == PEL_OK && part <= part_count; part++) {
+        set_poses(sim, (double)part / part_count);
+        status = find_constraints(sim, false, &again, error);
+        if (status != PEL_OK)
+            break;
+        if (part == 1 && sim->descent->count > 0) {
+            plain_energy(context, sim->force);
+            pel_descent_contacts_estimate(sim, sim->force, way / part_count);
+        }
+        status = minimise_in_rounds(context, loads, part == part_count, error);
+    }
+    sim->descent->result.energy = plain_energy(context, sim->force);
+    return status;
+}
+
+/* ---- a step ---- */
+
+static void minimise_alone(pel_descent_context *context, double loads)
+{
+    pel_sim_descent *descent = context->sim->descent;
+    pel_descent_problem problem = make_problem(context);
+    problem.tolerance = LOAD_SHARE * loads + STIFFNESS_SHARE * descent->stiff_force;
+    pel_descent_run(descent->minimiser, &problem, context->sim->state->position_next, &descent->result);
+}
+
+pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)
+{
+    pel_state *state = sim->state;
+    pel_descent_context context = {.sim = sim, .state = *state, .time = (double)(state->step + 1) * sim->step.dt};
+    pel_shell_forces_follow(sim->shells, state->position);
+    double loads = find_external(sim, context.time);
+    pel_status status = PEL_OK;
+    memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
+    sim->descent->result = (pel_descent_result){0};
+    sim->descent->count = sim->descent->tool_count = 0;
+    if (sim->tool_count > 0 || pel_descent_sees_contacts(sim))
+        status = minimise_under_constraints(&context, loads, error);
+    else
+        minimise_alone(&context, loads);
+    /* what is left is looked for anew */
+    if (sim->contacts != NULL)
+        sim->contacts->list.count = 0;
+    *step = (pel_step_result){.diverged = status == PEL_OK && !pel_sim_all_inside(sim)};
+    return status;
 }
 
 /* ---- creation ---- */
@@ -134,14 +353,15 @@ static double find_mean_edge(const pel_model *model)
 }
 
 /* what it takes to move every vertex by an edge, by the bound of the stiffness */
-static double find_stiff_force(const pel_sim *sim, double edge)
+static double find_stiff_force(pel_sim *sim, double edge)
 {
     pel_stability stability;
-    double square = 0;
+    double square = 0, dt = sim->step.dt;
     pel_stability_bound(sim->model, &stability);
     pel_shell_stability_bound(sim->shells, &stability);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         square += (double)sim->model->mass[v] * (double)sim->model->mass[v];
+    sim->descent->stiffness = stability.stiffness_bound > 0 ? stability.stiffness_bound : 1 / (dt * dt);
     return stability.stiffness_bound * edge * sqrt(square);
 }
 
@@ -150,9 +370,15 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error)
     pel_sim_descent *descent = sim->descent = pel_allocate(1, sizeof *descent);
     if (descent == NULL)
         return pel_fail_memory(error);
-    descent->external = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *descent->external);
-    if (descent->external == NULL)
+    size_t count = (size_t)sim->model->vertex_count;
+    descent->external = pel_allocate_aligned(count, sizeof *descent->external);
+    descent->constraint_of_vertex = pel_allocate(count, sizeof *descent->constraint_of_vertex);
+    descent->shares = pel_allocate(count, sizeof *descent->shares);
+    if (descent->external == NULL || descent->constraint_of_vertex == NULL || descent->shares == NULL)
         return pel_fail_memory(error);
+    for (size_t v = 0; v < count; v++)
+        descent->shares[v] = 1;
+    sim->contact_in_loop = true;
     descent->mean_edge = find_mean_edge(sim->model);
     descent->stiff_force = find_stiff_force(sim, descent->mean_edge);
     return pel_descent_create(sim->model->vertex_count, &descent->minimiser, error);
@@ -160,11 +386,15 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error)
 
 void pel_sim_descent_destroy(pel_sim *sim)
 {
-    if (sim->descent == NULL)
+    pel_sim_descent *descent = sim->descent;
+    if (descent == NULL)
         return;
-    pel_descent_destroy(sim->descent->minimiser);
-    pel_free(sim->descent->external);
-    pel_free(sim->descent);
+    pel_descent_destroy(descent->minimiser);
+    void *arrays[] = {descent->external, descent->constraint_of_vertex, descent->shares,
+                      descent->wanted,   descent->constraints,          descent->others};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(descent);
 }
 
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)

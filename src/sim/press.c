@@ -117,12 +117,12 @@ static void add_near_body(near_search *search, int32_t body)
     }
 }
 
-/* Lists the triangles that reach within a margin of the tool's box; such a triangle has all its vertices within its
+/* such a triangle has all its vertices within its
    longest edge of that. In rising order: the sweeps depend on the order, which must not change when a triangle that
    does not touch comes near or goes. */
-static int32_t find_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double longest)
+int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double longest,
+                                double margin)
 {
-    double margin = NEAR_MARGIN * longest;
     near_search search = {sim, positions, world_box_of(tool, longest + margin), world_box_of(tool, margin), 0};
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (pel_tool_acts_on(tool, b))
@@ -146,7 +146,7 @@ typedef struct surface_point {
     int count;
 } surface_point;
 
-static double friction_of(const pel_sim *sim)
+double pel_sim_friction(const pel_sim *sim)
 {
     return sim->contacts != NULL ? sim->contacts->def.friction : 0;
 }
@@ -188,7 +188,7 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     double impulse = approach / inertia, back[3], force[3];
     change_velocity(sim, at, impulse, normal);
     pel_vec3_scale(normal, -impulse / sim->step.dt, force);
-    if (oppose_across(relative, normal, friction_of(sim) * approach, back)) {
+    if (oppose_across(relative, normal, pel_sim_friction(sim) * approach, back)) {
         change_velocity(sim, at, 1 / inertia, back);
         pel_vec3_along(force, -1 / (inertia * sim->step.dt), back, force);
     }
@@ -210,7 +210,7 @@ static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *a
     pel_pose_to_local(&tool->pose, now, local);
     pel_pose_to_world(&tool->pose_before, local, slip);
     pel_vec3_subtract(slip, start, slip);
-    if (!oppose_across(slip, normal, friction_of(sim) * depth, back))
+    if (!oppose_across(slip, normal, pel_sim_friction(sim) * depth, back))
         return;
     for (int c = 0; c < at->count; c++) {
         int32_t v = at->vertices[c];
@@ -236,7 +236,7 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
         pel_touch *touch = pel_tool_touch(tool, v);
         pel_vec3_along(touch->push, share, normal, touch->push);
     }
-    if (friction_of(sim) > 0)
+    if (pel_sim_friction(sim) > 0)
         rub_point(sim, tool, at, depth, normal, inertia);
     if (sim->state->velocity_next != NULL)
         stop_point(sim, tool, at, normal, inertia);
@@ -324,7 +324,7 @@ static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double toler
 }
 
 /* with contact the solid is grown by the thickness, most of which is to be kept */
-static double press_tolerance(const pel_sim *sim, const pel_tool *tool)
+double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 {
     double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool), thickness = pel_sim_contact_thickness(sim);
     return thickness > 0 ? fmin(tolerance, 0.1 * thickness) : tolerance;
@@ -352,11 +352,11 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const world_box *box, int32_t ne
 /* corners first, then whole triangles until none is deep */
 static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
 {
-    double tolerance = press_tolerance(sim, tool);
+    double tolerance = pel_tool_press_tolerance(sim, tool);
     world_box box = world_box_of(tool, 0);
     bool moved = false, again = true;
     /* what rests has to be pushed in every step, or it would creep where friction holds it */
-    double corner_tolerance = friction_of(sim) > 0 ? 0 : tolerance;
+    double corner_tolerance = pel_sim_friction(sim) > 0 ? 0 : tolerance;
     for (int32_t i = 0; i < near_count; i++) {
         press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
         sim->looked_at[i] = -1;
@@ -393,7 +393,7 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
 
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
 {
-    int32_t near_count = find_near_triangles(sim, tool, sim->state->position_next, longest);
+    int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, longest, NEAR_MARGIN * longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
     bool moved = press_out(sim, tool, near_count);

@@ -64,7 +64,7 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
 {
     pel_state *state = sim->state;
     pel_contact_list *contacts = pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
-    pel_status status = contacts != NULL ? pel_contacts_find(sim, error) : PEL_OK;
+    pel_status status = contacts != NULL ? pel_contacts_find(sim, 0, error) : PEL_OK;
     if (status != PEL_OK)
         return status;
     double start = pel_sim_time(sim);

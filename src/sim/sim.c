@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "pellicle/parallel.h"
 #include "sim/contact.h"
+#include "sim/descent.h"
 #include "sim/tool.h"
 #include "solve/shell_stability.h"
 
@@ -366,10 +367,11 @@ static void mark_contacts(pel_sim *sim)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
     if (sim->contacts != NULL)
         pel_contacts_mark(sim);
+    if (sim->descent != NULL)
+        pel_descent_contacts_mark(sim);
 }
 
-/* the longest edge of all surfaces at the new positions */
-static double longest_edge(const pel_sim *sim)
+double pel_sim_longest_edge(const pel_sim *sim)
 {
     double longest = 0, x[3][3];
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -390,12 +392,12 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
     if (pel_sim_is_projected(sim) || descends) {
         pel_status status = PEL_OK;
         if (descends)
-            pel_sim_descent_step(sim, result);
+            status = pel_sim_descent_step(sim, result, error);
         else
             status = pel_project_step(sim, result, error);
         /* nothing bounds how far these steps go: what tools look for goes by the new edges */
         if (status == PEL_OK && !result->diverged && (sim->tool_count > 0 || sim->contacts != NULL))
-            result->longest = longest_edge(sim);
+            result->longest = pel_sim_longest_edge(sim);
         return status;
     }
     if (pel_sim_is_explicit(sim))
@@ -424,19 +426,21 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     update_factors(sim, descends ? next : time);
     pel_step_result result = {0};
     pel_status status = solve(sim, &result, error);
-    if (status != PEL_OK)
-        return status;
-    if (result.diverged)
-        return report_divergence(sim, error);
+    if (status == PEL_OK && result.diverged)
+        status = report_divergence(sim, error);
     /* a surface that never cuts itself cannot turn inside out */
-    if (!pel_sim_has_self_contact(sim))
+    if (status == PEL_OK && !pel_sim_has_self_contact(sim))
         status = pel_shells_check_volume(sim, error);
+    /* they moved before the solver */
+    if (status != PEL_OK && descends)
+        pel_tools_return(sim);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
         return status;
     if (sim->contacts == NULL && sim->tool_count > 0) {
-        pel_tools_move(sim, next);
+        if (!descends)
+            pel_tools_move(sim, next);
         pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
     }

@@ -194,6 +194,8 @@ static inline bool pel_sim_is_inside(const pel_sim *sim, int32_t v)
 /* ---- sim.c ---- */
 /* True when this is so for every vertex. */
 bool pel_sim_all_inside(const pel_sim *sim);
+/* the longest edge of all surfaces at the new positions */
+double pel_sim_longest_edge(const pel_sim *sim);
 
 /* ---- project.c ---- */
 /* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
@@ -224,8 +226,9 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body);
 /* ---- descent.c ---- */
 pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error);
 void pel_sim_descent_destroy(pel_sim *sim);
-/* new positions with less energy, loads included */
-void pel_sim_descent_step(pel_sim *sim, pel_step_result *result);
+/* New positions of least energy, loads included, under what contacts and tools allow; the tools move. Errors of
+   pel_contacts_find. */
+pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
 /* ---- weight.c ---- */
 /* the weights at the start */
@@ -291,6 +294,10 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
 void pel_tools_destroy(pel_sim *sim);
 /* Moves the tools towards their poses at `time`, and what they hold. */
 void pel_tools_move(pel_sim *sim, double time);
+/* What they hold goes to where they are. */
+void pel_tools_carry(pel_sim *sim);
+/* They go back to where the step began. */
+void pel_tools_return(pel_sim *sim);
 /* Moves the new positions out of the tools, or of spheres and capsules only. longest: spring length bound. */
 void pel_tools_press(pel_sim *sim, double longest, bool only_round);
 /* Reads the forces of the step. */

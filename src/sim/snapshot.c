@@ -190,6 +190,41 @@ static bool is_whole(const pel_sim *sim, int32_t body)
            is_list(refine->hot, refine->hot_count, fine) && is_list(refine->hot_place, (int32_t)fine, fine);
 }
 
+static bool is_flag(const bool *flag)
+{
+    unsigned char byte;
+    memcpy(&byte, flag, sizeof byte);
+    return byte <= 1;
+}
+
+/* what transfer_tool read has its numbers in range */
+static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
+{
+    const pel_model *model = sim->model;
+    if (!is_flag(&tool->driven) || !is_flag(&tool->blocked) || (unsigned)tool->phase > PEL_GRASP_DONE ||
+        tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
+        return false;
+    for (int32_t p = 0; p < tool->plane_count; p++)
+        if (tool->planes[p].triangle < 0 || tool->planes[p].triangle >= model->triangle_begin[model->body_count])
+            return false;
+    return tool->grasp ? is_list(tool->held, tool->held_count, (size_t)model->vertex_count) : tool->held_count == 0;
+}
+
+/* false, and nothing touched or held, when a tool is not whole */
+static bool restore_tools(pel_sim *sim)
+{
+    bool whole = true;
+    for (int32_t t = 0; t < sim->tool_count; t++)
+        whole = whole && is_whole_tool(sim, &sim->tools[t]);
+    for (int32_t t = 0; !whole && t < sim->tool_count; t++) {
+        pel_tool *tool = &sim->tools[t];
+        tool->held_count = tool->plane_count = 0;
+        tool->driven = tool->blocked = false;
+        tool->phase = PEL_GRASP_DONE;
+    }
+    return whole;
+}
+
 /* the front, places and loads of what transfer_refinement read */
 static bool restore_refinement(pel_sim *sim, int32_t body)
 {
@@ -268,28 +303,48 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
     transfer_sim(&place, sim);
 }
 
+static pel_status refuse(pel_error *error, const char *what, const char *remedy)
+{
+    pel_fail(error, PEL_BAD_FORMAT, "%s", what);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_FORMAT;
+}
+
+static pel_status check_header(const pel_sim *sim, const header *head, size_t size, pel_error *error)
+{
+    if (memcmp(head->magic, "PELSNAP", sizeof head->magic) != 0)
+        return refuse(error, "not a snapshot", "give what pel_sim_save has filled");
+    if (head->version != SNAPSHOT_VERSION || head->real_size != sizeof(pel_real))
+        return refuse(error, "snapshot of another version or precision of the program",
+                      "load it with the program that saved it");
+    if (head->fingerprint != sim->fingerprint || size != pel_sim_save_size(sim))
+        return refuse(error, "snapshot of another model, solver or set of tools",
+                      "load it into a sim that was made from the same defs");
+    return PEL_OK;
+}
+
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
 {
+    static const char damage_remedy[] = "load another one before the next step";
     header head;
     if (size < sizeof head)
-        return pel_fail(error, PEL_BAD_FORMAT, "snapshot is cut short");
+        return refuse(error, "snapshot is cut short", "give all pel_sim_save_size bytes of it");
     memcpy(&head, bytes, sizeof head);
-    if (memcmp(head.magic, "PELSNAP", sizeof head.magic) != 0)
-        return pel_fail(error, PEL_BAD_FORMAT, "not a snapshot");
-    if (head.version != SNAPSHOT_VERSION || head.real_size != sizeof(pel_real))
-        return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another version or precision of the program");
-    if (head.fingerprint != sim->fingerprint || size != pel_sim_save_size(sim))
-        return pel_fail(error, PEL_BAD_FORMAT, "snapshot of another model, solver or set of tools");
+    pel_status status = check_header(sim, &head, size, error);
+    if (status != PEL_OK)
+        return status;
     /* the bytes are only read: the cursor copies out of them */
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
     sim->force_is_present = false;
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
-            return pel_fail(error, PEL_BAD_FORMAT, "snapshot is damaged: its surface does not fit its places");
+            return refuse(error, "snapshot is damaged: its surface does not fit its places", damage_remedy);
     transfer_sim(&place, sim);
     sim->state->step = head.step;
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
-    return PEL_OK;
+    return restore_tools(sim)
+               ? PEL_OK
+               : refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);
 }

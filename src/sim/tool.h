@@ -34,6 +34,11 @@ static inline double pel_tool_size(const pel_tool *tool)
     return half[0] + half[1] + half[2];
 }
 
+static inline bool pel_tool_is_round(const pel_tool *tool)
+{
+    return tool->mesh == NULL && tool->solid.kind != PEL_SOLID_BOX;
+}
+
 static inline bool pel_tool_acts_on(const pel_tool *tool, int32_t body)
 {
     return tool->body < 0 || tool->body == body;
@@ -66,6 +71,8 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
 
 /* the pose that a tool goes to in the step to `time` */
 pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt);
+/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
+double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
 /* a pose between two; share 0 and 1 give them exactly */
 void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
 
@@ -74,6 +81,14 @@ void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, p
  */
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
                                const pel_record *positions, int32_t t, double weights[3], double normal[3]);
+/* Lists the triangles that reach within a margin of the tool's box in sim->near_triangles, in rising order; returns how
+   many. longest: bound of the length of an edge. */
+int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double longest,
+                                double margin);
+/* the depth that pressing leaves [m] */
+double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool);
+/* Coulomb's coefficient, 0 without contact */
+double pel_sim_friction(const pel_sim *sim);
 /* Pushes the new positions out of one tool; true when anything moved. longest: bound of the length of an edge. */
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest);
 

@@ -3,10 +3,11 @@
    The force on the tool is what the surface does to it. Quasi-static method: the force F_i of eq. A-2
    on each touched vertex, as far as it presses against the tool (held vertices: all of it); at rest this balances the
    push exactly, and friction carries what is across it, as far as it can. Explicit method: the momentum taken from the
-   vertices over dt. */
+   vertices over dt. Minimisation: the sum of the loads of its contacts (descent.h), and all of F_i where it holds. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
+#include "sim/descent.h"
 #include "sim/tool.h"
 
 #include <stdio.h>
@@ -320,7 +321,7 @@ static void hold_against(const pel_sim *sim, const double push[3], double force[
 {
     double square = pel_vec3_squared_length(push), pressing[3], across[3];
     double along = square > 0 ? fmin(pel_vec3_dot(force, push) / square, 0) : 0;
-    double friction = sim->contacts != NULL ? sim->contacts->def.friction : 0;
+    double friction = pel_sim_friction(sim);
     pel_vec3_scale(push, along, pressing);
     pel_vec3_subtract(force, pressing, across);
     double limit = friction * pel_vec3_length(pressing), length = pel_vec3_length(across);
@@ -332,10 +333,12 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
     for (int32_t i = 0; i < tool->touch_count; i++) {
         const pel_touch *touch = &tool->touches[i];
         double force[3], x[3];
+        /* of the rest the minimisation knows the loads */
+        if (sim->descent != NULL && !sim->held[touch->vertex])
+            continue;
         static_force(sim, touch->vertex, force);
-        if (!sim->held[touch->vertex]) {
+        if (!sim->held[touch->vertex])
             hold_against(sim, touch->push, force);
-        }
         pel_vertex_position(sim->state->position_next, touch->vertex, x);
         pel_tool_add_reaction(tool, x, force);
     }
@@ -343,8 +346,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
 
 /* ---- one step ---- */
 
-/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
-static double pose_distance(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
+double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
 {
     double cosine = 0;
     for (int i = 0; i < 4; i++)
@@ -356,7 +358,7 @@ static double pose_distance(const pel_tool *tool, const pel_pose *a, const pel_p
 static pel_pose catch_up(const pel_tool *tool, double time, double dt)
 {
     pel_pose wanted = pel_tool_pose_at(tool, time), last = pel_tool_pose_at(tool, time - dt), pose;
-    double behind = pose_distance(tool, &tool->pose, &wanted), stride = 2 * pose_distance(tool, &last, &wanted);
+    double behind = pel_tool_way(tool, &tool->pose, &wanted), stride = 2 * pel_tool_way(tool, &last, &wanted);
     double share = behind > 0 ? fmax(stride / behind, 0.125) : 1;
     pel_tool_pose_between(&tool->pose, &wanted, fmin(share, 1), &pose);
     return pose;
@@ -388,8 +390,19 @@ void pel_tools_move(pel_sim *sim, double time)
 {
     for (int32_t i = 0; i < sim->tool_count; i++)
         begin_tool(sim, &sim->tools[i], time);
+    pel_tools_carry(sim);
+}
+
+void pel_tools_carry(pel_sim *sim)
+{
     for (int32_t i = 0; i < sim->tool_count; i++)
         carry(sim, &sim->tools[i]);
+}
+
+void pel_tools_return(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        sim->tools[i].pose = sim->tools[i].pose_before;
 }
 
 static bool presses(const pel_tool *tool, bool only_round)
@@ -411,6 +424,8 @@ void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 void pel_tools_read(pel_sim *sim, double time)
 {
     int32_t touch_count = 0;
+    if (sim->descent != NULL)
+        pel_descent_contacts_read(sim);
     for (int32_t i = 0; i < sim->tool_count; i++)
         touch_count += sim->tools[i].touch_count;
     if (sim->state->velocity_next == NULL && touch_count > 0) {

@@ -236,6 +236,7 @@ static void accept_trial(pel_descent *descent)
 
 static void iterate(pel_descent *descent, const pel_descent_problem *problem, pel_descent_result *result)
 {
+    double tolerance = fmax(problem->tolerance, problem->reduction * result->residual);
     descent_point at = {0, result->energy, 0};
     while (!result->converged && !result->stuck && result->iterations < problem->iterations) {
         find_direction(descent);
@@ -256,7 +257,7 @@ static void iterate(pel_descent *descent, const pel_descent_problem *problem, pe
         result->iterations++;
         result->energy = at.energy;
         result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));
-        result->converged = result->residual <= problem->tolerance;
+        result->converged = result->residual <= tolerance;
     }
 }
 
@@ -266,15 +267,17 @@ void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, p
     descent->movable_count = 0;
     for (int32_t v = 0; v < descent->vertex_count; v++) {
         descent->position[v] = position[v];
-        if (!(problem->inverse_mass[v] > 0))
+        if (!(problem->inverse_mass[v] > 0) || (problem->held != NULL && problem->held[v]))
             continue;
         for (int c = 0; c < 3; c++)
             descent->x[3 * (size_t)descent->movable_count + (size_t)c] = (double)position[v][c];
         descent->movable[descent->movable_count++] = v;
     }
     descent->size = 3 * (size_t)descent->movable_count;
-    descent->pair_count = descent->newest = 0;
-    descent->last_length = 0;
+    if (!problem->goes_on) {
+        descent->pair_count = descent->newest = 0;
+        descent->last_length = 0;
+    }
     *result = (pel_descent_result){.evaluations = 1};
     result->energy = evaluate(descent, problem, descent->x, descent->gradient);
     result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));

@@ -11,12 +11,15 @@ typedef double pel_descent_energy(void *context, pel_record *position, pel_recor
 
 typedef struct pel_descent_problem {
     const pel_real *inverse_mass; /* (vertex_count) 0 = stays where it is */
+    const uint8_t *held;          /* (vertex_count) 1 = stays as well; nullable */
     pel_descent_energy *energy;
     void *context;
     double longest_move; /* m, no vertex goes farther in one iteration */
     double tolerance;    /* N, root of the sum of squares of all forces at which it has converged */
+    double reduction;    /* it has converged as well at this share of what there was at the begin; 0 = no such end */
     int32_t iterations;  /* at most */
     bool gradient_only;
+    bool goes_on; /* nearly the energy of the last run, from where that ended: what it learnt of the curvature stays */
 } pel_descent_problem;
 
 typedef struct pel_descent_result {

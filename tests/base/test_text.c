@@ -54,6 +54,48 @@ static void test_nearest_name(void **unused)
 }
 
 /* every sequence of two bytes becomes valid UTF-8 that JSON allows */
+/* the UTF-8 of a number, as RFC 3629 has it; returns its bytes */
+static size_t encode(uint32_t code, char text[4])
+{
+    static const unsigned heads[] = {0, 0, 0xc0, 0xe0, 0xf0};
+    size_t length = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
+    for (size_t i = length; i-- > 1; code >>= 6)
+        text[i] = (char)(0x80 | (code & 0x3f));
+    text[0] = (char)(heads[length] | code);
+    return length;
+}
+
+/* every code point is a character, surrogates are none, and no four bytes are one that no code point gives */
+static void test_utf8(void **unused)
+{
+    (void)unused;
+    char text[4], again[4];
+    for (uint32_t code = 0; code < 0x110000; code++) {
+        size_t length = encode(code, text), expected = code < 0xd800 || code > 0xdfff ? length : 0;
+        if (pel_utf8_length(text, 4) != expected || pel_utf8_length(text, length) != expected ||
+            pel_utf8_length(text, length - 1) != 0)
+            fail_msg("code point %x", (unsigned)code);
+    }
+    uint32_t state = 1;
+    for (int i = 0; i < ROUNDS(2000000, 100000); i++) {
+        state = state * 1664525 + 1013904223;
+        /* heads are more telling than letters */
+        const unsigned char bytes[4] = {(unsigned char)(0xc0 | state >> 26), (unsigned char)(state >> 18),
+                                        (unsigned char)(0x80 | (state >> 12 & 0x7f)),
+                                        (unsigned char)(0x80 | (state >> 4 & 0x3f))};
+        memcpy(text, bytes, 4);
+        size_t length = pel_utf8_length(text, 4);
+        uint32_t code = bytes[0] & (0x7fu >> length);
+        for (size_t k = 1; k < length; k++)
+            code = code << 6 | (bytes[k] & 0x3f);
+        if (length == 0)
+            continue;
+        assert_int_equal(encode(code, again), length);
+        assert_memory_equal(again, text, length);
+        assert_true(code < 0x110000 && (code < 0xd800 || code > 0xdfff));
+    }
+}
+
 static void test_json_letters(void **unused)
 {
     (void)unused;
@@ -92,10 +134,9 @@ static void test_json_letters(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_edit_distance),
-        cmocka_unit_test(test_long_names_are_cut),
-        cmocka_unit_test(test_nearest_name),
-        cmocka_unit_test(test_json_letters),
+        cmocka_unit_test(test_edit_distance), cmocka_unit_test(test_long_names_are_cut),
+        cmocka_unit_test(test_nearest_name),  cmocka_unit_test(test_json_letters),
+        cmocka_unit_test(test_utf8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -151,10 +151,12 @@ static void test_scale(void **unused)
     random_state random = {2};
     for (int trial = 0; trial < 2000; trial++) {
         double points[5][3], scaled[5][3], weights[6], again[6];
-        double scale = ldexp(1, (int)random_integer(&random, -20, 20));
+        double scale = ldexp(1, (int)random_integer(&random, -20, 20)), thin = pow(10, -9 - trial % 8);
         for (int i = 0; i < 5; i++)
             for (int k = 0; k < 3; k++)
-                scaled[i][k] = scale * (points[i][k] = random_between(&random, -1, 1));
+                /* every second time thin: nearly parallel, to the last digits */
+                scaled[i][k] =
+                    scale * (points[i][k] = random_between(&random, -1, 1) * (k > 0 && trial % 2 == 1 ? thin : 1));
         for (int kind = 0; kind < 4; kind++) {
             int first = kinds[kind][0], second = kinds[kind][1];
             double answer2 = closest((const double(*)[3])points, first, second, weights);

@@ -69,6 +69,35 @@ static void test_depth_against_samples(void **unused)
     }
 }
 
+/* a triangle that the axis goes through is pushed sideways, against its own normal; a level one anywhere sideways */
+static void test_pierced(void **unused)
+{
+    (void)unused;
+    srand(4);
+    for (int n = 0; n < 600; n++) {
+        const pel_solid *solid = &solids[n % 3];
+        bool level = n % 5 == 0;
+        double corner[3][3], weights[3], found[3], normal[3], own[3], shares[3] = {0.2, 0.3, 0.5};
+        double z = uniform(-0.9, 0.9) * solid->half_length;
+        for (int i = 0; i < 6; i++)
+            corner[i / 3][i % 3] = i % 3 == 2 && level ? z : uniform(-1.5, 1.5);
+        for (int i = 0; i < 3; i++)
+            corner[2][i] = ((i == 2 ? z : 0) - shares[0] * corner[0][i] - shares[1] * corner[1][i]) / shares[2];
+        double depth = pel_solid_depth(solid, corner[0], corner[1], corner[2], weights, normal);
+        assert_near(depth, solid->radius, 1e-9);
+        combine(corner, weights, found);
+        assert_near(hypot(found[0], found[1]), 0, 1e-9);
+        assert_near(pel_vec3_length(normal), 1, 1e-12);
+        assert_near(normal[2], 0, 1e-12);
+        if (level)
+            continue;
+        pel_vec3_triangle_normal(corner[0], corner[1], corner[2], own);
+        own[2] = 0;
+        pel_vec3_normalize(own);
+        assert_near(pel_vec3_dot(own, normal), -1, 1e-9);
+    }
+}
+
 static void test_distance_outside_and_inside(void **unused)
 {
     (void)unused;
@@ -96,6 +125,7 @@ int main(void)
         cmocka_unit_test(test_depth_against_samples),
         cmocka_unit_test(test_distance_outside_and_inside),
         cmocka_unit_test(test_half_box),
+        cmocka_unit_test(test_pierced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

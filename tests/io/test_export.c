@@ -1,4 +1,4 @@
-/* PC2, GLB and numbered files; the glTF validator looks at GLB files in web/test/exports.mjs. */
+/* PC2, GLB and numbered files; the glTF validator looks at GLB files in web/test/exports.mjs, check_glb.py here. */
 #include "check.h"
 
 #include "base/memory.h"
@@ -72,7 +72,36 @@ static const char *next_numbers(const char *json, const char *word, double numbe
     return json + 1;
 }
 
-/* the bounds of each frame in the JSON are those of its numbers, and normals are unit vectors in every frame */
+/* what an independent reader of the file says */
+static void check_by_python(const char *path, const char *expected)
+{
+    char command[300], said[200] = "";
+    snprintf(command, sizeof command, "python3 " PEL_SOURCE_DIR "/tests/io/check_glb.py %s", path);
+    FILE *stream = popen(command, "r");
+    assert_non_null(stream);
+    assert_non_null(fgets(said, sizeof said, stream));
+    assert_int_equal(pclose(stream), 0);
+    assert_string_equal(said, expected);
+}
+
+/* normals of the tetrahedron with right angles at vertex 0: at a corner, triangles weighted by their area */
+static void expected_normal(size_t v, double normal[3])
+{
+    /* twice the areas times the outward normals of the triangles, in the order of folder_triangles */
+    static const double areas[4][3] = {{0, 0, -1}, {0, -1, 0}, {1, 1, 1}, {-1, 0, 0}};
+    double square = 0;
+    for (size_t i = 0; i < 3; i++) {
+        normal[i] = 0;
+        for (size_t t = 0; t < 4; t++)
+            for (size_t c = 0; c < 3; c++)
+                normal[i] += folder_triangles[3 * t + c] == (int32_t)v ? areas[t][i] : 0;
+        square += normal[i] * normal[i];
+    }
+    for (size_t i = 0; i < 3; i++)
+        normal[i] /= sqrt(square);
+}
+
+/* the bounds of each frame in the JSON are those of its numbers, and normals are right in every frame */
 static void check_glb_frames(const char *json, const char *vertices, size_t frame_size)
 {
     for (size_t f = 0; f < FOLDER_FRAMES; f++) {
@@ -90,13 +119,12 @@ static void check_glb_frames(const char *json, const char *vertices, size_t fram
             assert_near(high[i], most, 0);
         }
         for (size_t v = 0; v < FOLDER_VERTICES; v++) {
-            double square = 0;
+            double normal[3];
+            expected_normal(v, normal);
             for (size_t i = 0; i < 3; i++) {
                 double base = real(vertices + frame_size / 2 + 12 * v + 4 * i);
-                double x = base + (f > 0 ? real(normals + 12 * v + 4 * i) : 0);
-                square += x * x;
+                assert_near(base + (f > 0 ? real(normals + 12 * v + 4 * i) : 0), normal[i], 1e-6);
             }
-            assert_near(square, 1, 1e-5);
         }
     }
 }
@@ -134,6 +162,7 @@ static void test_glb(void **unused)
             assert_near(real(weights + 4 * (f * (FOLDER_FRAMES - 1) + k - 1)), k == f, 0);
     }
     assert_ptr_equal(weights + 4 * FOLDER_FRAMES * (FOLDER_FRAMES - 1), bytes + size);
+    check_by_python(path, "4 vertices, 4 triangles, 4 frames\n");
     pel_free(bytes);
 }
 
@@ -147,30 +176,37 @@ static void test_glb_mesh(void **unused)
     assert_int_equal(pel_export_glb_mesh(folder_path(path, folder, "a.glb"), mesh, NULL), PEL_OK);
     assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
     assert_null(strstr(bytes + 20, "animations"));
+    check_by_python(path, "4 vertices, 4 triangles, 1 frames\n");
     mesh->positions[1][2] = 1e300;
     assert_int_equal(pel_export_glb_mesh(path, mesh, NULL), PEL_BAD_ARGUMENT);
     pel_mesh_destroy(mesh);
     pel_free(bytes);
 }
 
-/* a coordinate that no float holds, on either side of zero */
+/* a coordinate that no float holds, on any axis and either side of zero */
 static void test_too_large(void **unused)
 {
     (void)unused;
     char path[FOLDER_PATH], frame[FOLDER_PATH];
-    for (int side = 0; side < 2; side++) {
+    for (int i = 0; i < 6; i++) {
         double positions[12], scalar[4], vector[12];
         folder_values(1, positions, scalar, vector);
-        positions[7] = side == 0 ? 1e39 : -1e39;
+        positions[6 + i % 3] = i < 3 ? 1e39 : -1e39;
         const pel_vtp vtp = {.vertex_count = FOLDER_VERTICES,
                              .triangle_count = 4,
                              .positions = positions,
                              .triangles = folder_triangles,
+                             .time = 0.5,
                              .float64 = true};
         assert_int_equal(pel_vtp_write(folder_path(frame, folder, "frames/f00001.vtp"), &vtp, NULL), PEL_OK);
         pel_error error;
         assert_int_equal(pel_export_pc2(folder_path(path, folder, "e.pc2"), frames, &error), PEL_BAD_FORMAT);
+        assert_non_null(strstr(error.what, "too large"));
+        assert_int_equal(pel_export_glb(folder_path(path, folder, "e.glb"), frames, &error), PEL_BAD_FORMAT);
+        assert_non_null(strstr(error.what, "too large"));
+        assert_non_null(strstr(error.file, "f00001.vtp"));
         assert_int_equal(access(path, F_OK), -1);
+        assert_int_equal(access(folder_path(path, folder, "e.pc2"), F_OK), -1);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "check.h"
 
 #include "base/memory.h"
+#include "failing_malloc.h"
 #include "io/file.h"
 
 #include <dirent.h>
@@ -100,6 +101,71 @@ static void test_read_device(void **unused)
     pel_free(bytes);
 }
 
+/* reading fails on the way: nothing is left behind */
+static void test_read_error(void **unused)
+{
+    (void)unused;
+    char *bytes;
+    size_t size;
+    pel_error error;
+    if (access("/proc/self/mem", R_OK) != 0)
+        skip();
+    failing_malloc_begin(0);
+    assert_int_equal(pel_file_read("/proc/self/mem", &bytes, &size, &error), PEL_BAD_FILE);
+    assert_int_equal(failing_malloc_end().live, 0);
+    assert_null(bytes);
+    assert_string_equal(error.file, "/proc/self/mem");
+}
+
+/* the name of the temporary file is taken, as by a program that was killed: another one is found, that one stays */
+static void test_taken_temporary(void **unused)
+{
+    (void)unused;
+    char path[128], taken[2][128], name[64];
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, ".pellicle-%ld-%d.tmp", (long)getpid(), i);
+        path_in_folder(taken[i], sizeof taken[i], name);
+        FILE *file = fopen(taken[i], "w");
+        assert_non_null(file);
+        fputs("left over", file);
+        fclose(file);
+    }
+    path_in_folder(path, sizeof path, "e.txt");
+    write_text(path, "new");
+    check_text(path, "new");
+    for (int i = 0; i < 2; i++) {
+        check_text(taken[i], "left over");
+        unlink(taken[i]);
+    }
+}
+
+/* files are closed again, whatever happens: the next free descriptor is the same as before */
+static void test_descriptors(void **unused)
+{
+    (void)unused;
+    char path[128], missing[128], *bytes;
+    size_t size;
+    path_in_folder(path, sizeof path, "f.txt");
+    path_in_folder(missing, sizeof missing, "none/f.txt");
+    write_text(path, "text");
+    int before = dup(0);
+    assert_true(before >= 0);
+    close(before);
+    for (int i = 0; i < 20; i++) {
+        pel_file_writer writer;
+        assert_int_equal(pel_file_check(path, NULL), PEL_OK);
+        assert_int_equal(pel_file_check(folder, NULL), PEL_BAD_FILE);
+        assert_int_equal(pel_file_read(folder, &bytes, &size, NULL), PEL_BAD_FILE);
+        check_text(path, "text");
+        assert_int_equal(pel_file_writer_open(&writer, missing, NULL), PEL_BAD_FILE);
+        assert_int_equal(pel_file_writer_open(&writer, path, NULL), PEL_OK);
+        pel_file_writer_abandon(&writer);
+    }
+    int after = dup(0);
+    assert_int_equal(after, before);
+    close(after);
+}
+
 /* an abandoned or uncommitted writer changes nothing under the path */
 static void test_abandon_keeps_old(void **unused)
 {
@@ -177,7 +243,8 @@ int main(void)
         cmocka_unit_test(test_round_trip),          cmocka_unit_test(test_read_failures),
         cmocka_unit_test(test_read_device),         cmocka_unit_test(test_abandon_keeps_old),
         cmocka_unit_test(test_mode_and_links_kept), cmocka_unit_test(test_write_failures),
-        cmocka_unit_test(test_disk_full),
+        cmocka_unit_test(test_disk_full),           cmocka_unit_test(test_read_error),
+        cmocka_unit_test(test_taken_temporary),     cmocka_unit_test(test_descriptors),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

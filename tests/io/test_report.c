@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "failing_malloc.h"
 #include "io/file.h"
+#include "io/report_pack.h"
 #include "pellicle/report.h"
 #include "pellicle/shape.h"
 #include "run_folder.h"
@@ -44,27 +45,41 @@ static char *read_report(void)
     return text;
 }
 
-/* the frames of the first run as bytes */
-static size_t unpack(const char *text, unsigned char *bytes, size_t room)
+/* bytes of base64 up to its end or a tag; a group of four letters has at most two signs of padding */
+static size_t decode(const char *at, unsigned char *bytes)
 {
     static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    static const char tag[] = "class=\"run-frames\">";
-    unsigned char packed[8192];
-    size_t size = 0;
+    size_t size = 0, letters = strcspn(at, "<"), padding = 0;
     unsigned bits = 0, bit_count = 0;
-    const char *at = strstr(text, tag);
-    assert_non_null(at);
-    for (at += strlen(tag); *at != '<' && *at != '='; at++) {
-        assert_non_null(strchr(alphabet, *at));
-        bits = bits << 6 | (unsigned)(strchr(alphabet, *at) - alphabet);
+    assert_int_equal(letters % 4, 0);
+    while (padding < 2 && padding < letters && at[letters - 1 - padding] == '=')
+        padding++;
+    for (size_t i = 0; i < letters - padding; i++) {
+        const char *letter = strchr(alphabet, at[i]);
+        assert_non_null(letter);
+        bits = bits << 6 | (unsigned)(letter - alphabet);
         bit_count += 6;
         if (bit_count >= 8) {
             bit_count -= 8;
-            packed[size++] = (unsigned char)(bits >> bit_count);
+            bytes[size++] = (unsigned char)(bits >> bit_count);
         }
     }
+    return size;
+}
+
+/* the frames of the first run as bytes */
+static size_t unpack(const char *text, unsigned char *bytes, size_t room)
+{
+    static const char tag[] = "class=\"run-frames\">";
+    const char *at = strstr(text, tag);
+    assert_non_null(at);
+    at += strlen(tag);
+    unsigned char *packed = pel_allocate(strlen(at), 1);
+    assert_non_null(packed);
+    size_t size = decode(at, packed);
     uLongf length = (uLongf)room;
     assert_int_equal(uncompress(bytes, &length, packed, (uLong)size), Z_OK);
+    pel_free(packed);
     return length;
 }
 
@@ -210,10 +225,11 @@ static void write_note(void *user, const char *text)
 }
 
 /* frames of a ball whose vertices and two fields jump about, which packs badly */
-static void write_noisy_frames(void)
+static void write_noisy_frames(int32_t frequency)
 {
     pel_mesh *ball;
-    const pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = frequency;
     uint32_t noise = 1;
     assert_int_equal(pel_shape_create(&shape, &ball, NULL), PEL_OK);
     assert_int_equal(pel_mesh_add_field(ball, "energy", 1, NULL, NULL), PEL_OK);
@@ -242,7 +258,7 @@ static void write_noisy_frames(void)
 static void test_thinned(void **unused)
 {
     (void)unused;
-    write_noisy_frames();
+    write_noisy_frames(5);
     char notes[NOTES_SIZE] = "";
     const pel_log log = {write_note, notes};
     pel_report_summary summary, whole;
@@ -267,6 +283,67 @@ static void test_thinned(void **unused)
     assert_non_null(strstr(notes, "vectors are kept as magnitudes only"));
     assert_non_null(strstr(notes, "fields are rounded to 1/255 of their range"));
     assert_non_null(strstr(notes, "2 of 4 frames are kept"));
+}
+
+/* differences of corners that take more than a byte */
+static void test_many_vertices(void **unused)
+{
+    (void)unused;
+    enum { FREQUENCY = 30, TRIANGLES = 20 * FREQUENCY * FREQUENCY, CORNERS = 3 * TRIANGLES };
+    pel_mesh *ball;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = FREQUENCY;
+    assert_int_equal(pel_shape_create(&shape, &ball, NULL), PEL_OK);
+    write_noisy_frames(FREQUENCY);
+    assert_int_equal(pel_report_write(out, &def, NULL, NULL), PEL_OK);
+    size_t room = 4 * CORNERS + (size_t)FOLDER_FRAMES * 7 * 2 * (size_t)ball->vertex_count;
+    unsigned char *bytes = pel_allocate(room + 1, 1);
+    assert_non_null(bytes);
+    char *text = read_report();
+    assert_int_equal(unpack(text, bytes, room + 1), room);
+    const int32_t *corners = ball->triangles[0];
+    unsigned corner = 0;
+    for (size_t i = 0; i < CORNERS; i++) {
+        corner += read_list(bytes, 4, CORNERS, i);
+        assert_int_equal(corner, corners[i]);
+    }
+    pel_free(text);
+    pel_free(bytes);
+    pel_mesh_destroy(ball);
+}
+
+/* noise of any length comes back; what is longer than a buffer too */
+static void test_base64(void **unused)
+{
+    (void)unused;
+    static unsigned char noise[10000], packed[20000], back[10001];
+    char path[FOLDER_PATH], *text;
+    size_t text_size, remainders[3] = {0};
+    uint32_t state = 7;
+    for (size_t i = 0; i < sizeof noise; i++)
+        noise[i] = (unsigned char)((state = state * 1664525 + 1013904223) >> 24);
+    for (size_t size = 0; size <= sizeof noise; size += size < 12 ? 1 : 1427) {
+        pel_report_pack pack = {0};
+        pel_file_writer writer;
+        assert_int_equal(pel_report_pack_open(&pack, SIZE_MAX, NULL), PEL_OK);
+        assert_int_equal(pel_report_pack_add(&pack, noise, size, NULL), PEL_OK);
+        assert_int_equal(pel_report_pack_close(&pack, NULL), PEL_OK);
+        assert_int_equal(pel_file_writer_open(&writer, folder_path(path, folder, "base64"), NULL), PEL_OK);
+        pel_report_pack_write_base64(&pack, &writer);
+        assert_int_equal(pel_file_writer_commit(&writer, NULL), PEL_OK);
+        assert_int_equal(pel_file_read(path, &text, &text_size, NULL), PEL_OK);
+        assert_int_equal(text_size, (pack.size + 2) / 3 * 4);
+        assert_int_equal(decode(text, packed), pack.size);
+        assert_memory_equal(packed, pack.bytes, pack.size);
+        uLongf length = sizeof back;
+        assert_int_equal(uncompress(back, &length, packed, (uLong)pack.size), Z_OK);
+        assert_int_equal(length, size);
+        assert_memory_equal(back, noise, size);
+        remainders[pack.size % 3]++;
+        pel_report_pack_free(&pack);
+        pel_free(text);
+    }
+    assert_true(remainders[0] > 0 && remainders[1] > 0 && remainders[2] > 0);
 }
 
 static void test_refuses(void **unused)
@@ -320,6 +397,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_chosen_fields, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_changing_triangles, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_thinned, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_many_vertices, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_base64, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_long_series, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_refuses, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_frames_alone, set_up, tear_down),

@@ -1,7 +1,9 @@
 #include "failing_malloc.h"
 #include "parse.h"
 
+#include "base/memory.h"
 #include "io/bytes.h"
+#include "io/file.h"
 
 #define FACET(a, b, c)                                                                                                 \
     "facet normal 0 0 1\n outer loop\n  vertex " a "\n  vertex " b "\n  vertex " c "\n endloop\nendfacet\n"
@@ -65,6 +67,47 @@ static void test_binary(void **unused)
     notes said;
     check_square(parse_bytes("a.stl", bytes, make_binary(bytes, "longer than it says", 2) + 7, &said));
     assert_non_null(strstr(said.text, "7 bytes behind the last facet ignored"));
+}
+
+/* each facet is written with the unit normal on the side from which its corners run counter-clockwise */
+static void test_normals(void **unused)
+{
+    (void)unused;
+    double positions[6][3] = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 4}, {4, 0, 0}, {1e200, 0, 1e200}};
+    const int32_t triangles[6][3] = {{0, 1, 2}, {0, 2, 1}, {0, 3, 1}, {1, 2, 3}, {0, 1, 4}, {0, 2, 5}};
+    const double edge = 1 / sqrt(36 + 16 + 9);
+    const double expected[6][3] = {{0, 0, 1}, {0, 0, -1}, {0, 1, 0}, {6 * edge, 4 * edge, 3 * edge},
+                                   {0, 0, 0}, {0, 0, 0}};
+    const pel_mesh_format formats[2] = {PEL_FORMAT_STL_ASCII, PEL_FORMAT_STL};
+    for (int f = 0; f < 2; f++) {
+        /* what is too large for binary files is for the other kind only */
+        int32_t count = f == 0 ? 6 : 5;
+        positions[5][0] = positions[5][2] = f == 0 ? 1e200 : 1;
+        pel_mesh *mesh;
+        char *bytes;
+        size_t size;
+        assert_int_equal(pel_mesh_create(positions[0], 6, triangles[0], count, &mesh, NULL), PEL_OK);
+        assert_int_equal(pel_mesh_write("normals.stl", formats[f], mesh, NULL, NULL), PEL_OK);
+        assert_int_equal(pel_file_read("normals.stl", &bytes, &size, NULL), PEL_OK);
+        const char *at = bytes;
+        for (int32_t t = 0; t < count; t++) {
+            double normal[3];
+            if (f == 0) {
+                at = strstr(at, "facet normal ");
+                assert_non_null(at);
+                assert_int_equal(sscanf(at, "facet normal %lf %lf %lf", &normal[0], &normal[1], &normal[2]), 3);
+                at++;
+            }
+            for (int i = 0; i < 3; i++) {
+                if (f == 1)
+                    normal[i] = pel_load_float(bytes + START + FACET_SIZE * t + 4 * i, false);
+                assert_near(normal[i], expected[t][i], 1e-7);
+            }
+        }
+        pel_free(bytes);
+        pel_mesh_destroy(mesh);
+        remove("normals.stl");
+    }
 }
 
 static void test_degenerate_facets_are_dropped(void **unused)
@@ -155,13 +198,10 @@ static void test_allocation_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ascii),
-        cmocka_unit_test(test_binary),
-        cmocka_unit_test(test_degenerate_facets_are_dropped),
-        cmocka_unit_test(test_ascii_refusals),
-        cmocka_unit_test(test_binary_refusals),
-        cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_ascii),          cmocka_unit_test(test_binary),
+        cmocka_unit_test(test_normals),        cmocka_unit_test(test_degenerate_facets_are_dropped),
+        cmocka_unit_test(test_ascii_refusals), cmocka_unit_test(test_binary_refusals),
+        cmocka_unit_test(test_truncated),      cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

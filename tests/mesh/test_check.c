@@ -1,6 +1,7 @@
 #include "failing_malloc.h"
 #include "sample.h"
 
+#include "math/vec3.h"
 #include "pellicle/mesh_check.h"
 #include "pellicle/topology.h"
 
@@ -29,6 +30,8 @@ static void test_table(void **unused)
         assert_int_equal(info->kind, kind);
         assert_true(strlen(info->name) > 0 && strlen(info->doc) > 0 && strlen(info->remedy) > 0);
         assert_true(strchr("vtec", info->element_kind[0]) != NULL);
+        /* what can be repaired says how, and nothing else does */
+        assert_int_equal(info->repairable, strstr(info->remedy, "--fix") != NULL);
     }
     assert_null(pel_issue_info_of(PEL_ISSUE_COUNT));
     assert_int_equal(pel_issue_info_of(PEL_ISSUE_BOUNDARY_EDGE)->severity, PEL_SEVERITY_NOTE);
@@ -71,6 +74,55 @@ static void test_sphere_figures(void **unused)
 }
 
 /* two triangles apart with edges 3, 4, 5 and 6, 8, 10: an even number of edges has two in the middle */
+static int compare_numbers(const void *a, const void *b)
+{
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+/* the figures of edges against all edges in order: fans of triangles with odd and even numbers of edges */
+static void test_edge_figures(void **unused)
+{
+    (void)unused;
+    enum { MOST = 12 };
+    for (int32_t count = 1; count < MOST; count++) {
+        int32_t triangles[MOST][3], edge_count = 2 * count + 1;
+        double lengths[2 * MOST + 1], sum = 0;
+        for (int32_t t = 0; t < count; t++) {
+            const int32_t corners[3] = {0, t + 1, t + 2};
+            memcpy(triangles[t], corners, sizeof corners);
+        }
+        /* one triangle more, in its own place, makes the number of edges even */
+        bool even = count % 2 == 0;
+        int32_t triangle_count = count + even, vertex_count = count + 2 + 3 * even;
+        if (even) {
+            const int32_t corners[3] = {count + 2, count + 3, count + 4};
+            memcpy(triangles[count], corners, sizeof corners);
+            edge_count += 3;
+        }
+        pel_mesh *mesh = sample_mesh(vertex_count, triangles[0], triangle_count);
+        for (int32_t i = 0, v = 1; i < 2 * count + 1; i++) {
+            bool spoke = i <= count;
+            v = spoke ? i + 1 : i - count;
+            lengths[i] = pel_vec3_distance(mesh->positions[spoke ? 0 : v + 1], mesh->positions[v]);
+        }
+        for (int32_t i = 0; even && i < 3; i++)
+            lengths[2 * count + 1 + i] =
+                pel_vec3_distance(mesh->positions[count + 2 + i], mesh->positions[count + 2 + (i + 1) % 3]);
+        qsort(lengths, (size_t)edge_count, sizeof *lengths, compare_numbers);
+        for (int32_t i = 0; i < edge_count; i++)
+            sum += lengths[i];
+        pel_mesh_report *report = check(mesh);
+        assert_int_equal(report->edge_count, edge_count);
+        assert_near(report->edge_length_min, lengths[0], 0);
+        assert_near(report->edge_length_max, lengths[edge_count - 1], 0);
+        assert_near(report->edge_length_median, (lengths[(edge_count - 1) / 2] + lengths[edge_count / 2]) / 2, 0);
+        assert_near(report->edge_length_mean, sum / edge_count, 1e-15);
+        pel_mesh_report_destroy(report);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 static void test_even_median(void **unused)
 {
     (void)unused;
@@ -559,6 +611,7 @@ int main(void)
         cmocka_unit_test(test_table),
         cmocka_unit_test(test_sphere_figures),
         cmocka_unit_test(test_even_median),
+        cmocka_unit_test(test_edge_figures),
         cmocka_unit_test(test_volume_far_away),
         cmocka_unit_test(test_single_issues),
         cmocka_unit_test(test_moebius_strip),

@@ -1,3 +1,4 @@
+#include "comma_locale.h"
 #include "failing_malloc.h"
 #include "sample.h"
 
@@ -158,6 +159,58 @@ static void test_grids(void **unused)
     assert_near(report->edge_length_median, 1, 1e-12);
     assert_true(report->quality_min > 0.74 && report->quality_mean > 0.98);
     pel_mesh_report_destroy(report);
+}
+
+/* edges at a vertex, the rim included */
+static int32_t count_edges(const pel_mesh *mesh, int32_t v)
+{
+    int32_t triangles = 0, before = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        for (int32_t i = 0; i < 3; i++) {
+            triangles += mesh->triangles[t][i] == v;
+            /* an edge towards v that no triangle runs the other way */
+            bool rim = mesh->triangles[t][(i + 1) % 3] == v;
+            for (int32_t u = 0; rim && u < mesh->triangle_count; u++)
+                for (int32_t k = 0; k < 3; k++)
+                    rim &= mesh->triangles[u][k] != v || mesh->triangles[u][(k + 1) % 3] != mesh->triangles[t][i];
+            before += rim;
+        }
+    return triangles + before;
+}
+
+/* diagonals meet at every second vertex: inside, eight edges there and four at the others */
+static void test_union_jack(void **unused)
+{
+    (void)unused;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GRID);
+    def.diagonals = PEL_GRID_UNION_JACK;
+    for (int32_t n = 2; n < 7; n++) {
+        def.nx = n;
+        def.ny = 9 - n;
+        pel_mesh *mesh = create(&def);
+        for (int32_t j = 1; j < def.ny; j++)
+            for (int32_t i = 1; i < def.nx; i++)
+                assert_int_equal(count_edges(mesh, j * (def.nx + 1) + i), (i + j) % 2 == 0 ? 8 : 4);
+        pel_mesh_destroy(mesh);
+    }
+}
+
+/* counts that fit a number and are too many triangles all the same are refused before memory is asked for */
+static void test_too_large(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    pel_error error;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GRID);
+    const int32_t sizes[3] = {18919, 30000, 1000000};
+    for (int32_t i = 0; i < 3; i++) {
+        def.nx = def.ny = sizes[i];
+        failing_malloc_begin(0);
+        assert_int_equal(pel_shape_create(&def, &mesh, &error), PEL_BAD_ARGUMENT);
+        assert_int_equal(failing_malloc_end().calls, 0);
+        assert_null(mesh);
+        assert_string_equal(error.remedy, "ask for at most 715827882 triangles");
+    }
 }
 
 /* error of area and volume falls by four from one def to one twice as fine */
@@ -413,6 +466,22 @@ static void test_allocation_failures(void **unused)
     }
 }
 
+/* a decimal comma of the locale changes nothing */
+static void test_locale(void **unused)
+{
+    (void)unused;
+    if (!set_comma_locale())
+        skip();
+    char text[64];
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_TORUS);
+    const pel_shape_parameter *minor = &pel_shape_info_of(PEL_SHAPE_TORUS)->parameters[1];
+    assert_string_equal(pel_shape_get(&def, minor, text, sizeof text), "0.25");
+    assert_int_equal(pel_shape_set(&def, "minor_radius", "0.375", NULL), PEL_OK);
+    assert_int_equal(pel_shape_set(&def, "minor_radius", "0,5", NULL), PEL_BAD_ARGUMENT);
+    setlocale(LC_NUMERIC, "C");
+    assert_near(def.minor_radius, 0.375, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -428,6 +497,9 @@ int main(void)
         cmocka_unit_test(test_set),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_union_jack),
+        cmocka_unit_test(test_too_large),
+        cmocka_unit_test(test_locale),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

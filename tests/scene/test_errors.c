@@ -165,6 +165,9 @@ static const bad_scene bad_scenes[] = {
     {"version: \"1\n", NULL, "a.yaml:1:11: error: this is not YAML: double-quoted scalar without closing quote"},
     {"version: 1\n\tduration: 1\n", NULL, "a.yaml:"},
     {"version: 1\nti\xffle: x\n", NULL, "a.yaml:2:3: error: this byte is not UTF-8 text. save the file as UTF-8"},
+    {"version: 1\ntitle: \xe2\x82\xac\xf0\x9f\x98\x80 \xed\xa0\x80\n", NULL,
+     "a.yaml:2:11: error: this byte is not UTF-8 text"},
+    {"version: 1\ntitle: \xf0\x9f\x98", NULL, "a.yaml:2:8: error: this byte is not UTF-8 text"},
     {"version: 1\n---\nversion: 1\n", NULL, "a.yaml:3:1: error: a second document begins"},
     {"version: !!int 1\n", NULL, "a.yaml:1:16: error: tags are not used in scenes"},
     {"version: *one\n", NULL, "a.yaml:1:10: error: the alias has no anchor before it"},
@@ -188,6 +191,10 @@ static const bad_scene bad_scenes[] = {
     {BALL, "bodies.2.name=x", "--set bodies.2.name=x: error: bodies has no element '2'. it has 1; count from 0"},
     {BALL "    name: ball\n", "bodies.bell.name=x",
      "--set bodies.bell.name=x: error: unknown element 'bell'. did you me"},
+    {BALL, "bodies.0.mesh={shape: grid, radus: 1}",
+     "--set bodies.0.mesh={shape: grid, radus: 1}: error: unknown key 'radus'. known are: shape, nx, "},
+    {BALL, "bodies.0.mesh.nz=1",
+     "--set bodies.0.mesh.nz=1: error: unknown key 'nz'. known are: shape, frequency, radius"},
     {BALL, "bodies.0.mesh=", "a.yaml:4:5: error: bodies.0 lacks 'mesh'"},
     {BALL, "duration=", "a.yaml:1:1: error: the scene lacks 'duration'"},
 };
@@ -261,6 +268,16 @@ static void test_locations(void **unused)
     (void)unused;
     check_location("solver: {alpha: 5000}\n", "a.yaml:5:17: error: alpha 5000 is unstable");
     check_location("solver: {method: explicit, integrator: forward, dt: 5}\n", "a.yaml:5:53: error: dt 5 is unstable");
+    check_location("    refine: {above: 1, budget: 30}\n",
+                   "a.yaml:4:5: error: body 'body1': refine: the budget is 30 triangles, 500 are needed");
+    check_location(
+        "    refine: {above: 1, levels: 6}\n  - {mesh: {shape: grid, nx: 1000, ny: 1000}, refine: {above: 1, "
+        "levels: 6}}\n",
+        "a.yaml:6:5: error: body 'body2': 6 levels of 2000000 triangles are more than 32 bits can number");
+    check_location(
+        "    membrane: {preset: rubber}\n  - {name: thin, mesh: {shape: grid, size_x: 1e-200, size_y: 1e-200}, "
+        "membrane: {preset: rubber}}\n",
+        "a.yaml: error: triangle 0: body 'thin': triangle has no area");
     check_location("tools:\n- {shape: sphere, radius: .5, motion: [{position: [0, 0, 9]}]}\n"
                    "- {shape: sphere, radius: .5, motion: [{position: [0, 0, 1]}]}\n",
                    "a.yaml:7:3: error: ");

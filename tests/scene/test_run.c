@@ -16,6 +16,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 /* two bodies, a tool that presses and one that grasps, a load; 60 steps, a frame every 7 steps and at the end */
@@ -128,7 +129,8 @@ typedef struct run_case {
     int64_t kill_at;    /* step, 0 = no */
     int64_t fill_at;    /* step from which on files can have file_size bytes only, 0 = no */
     rlim_t file_size;
-    const char *block; /* name in the folder that another folder takes at step 30; nullable */
+    const char *block;   /* name in the folder that another folder takes at step 30; nullable */
+    double keep_seconds; /* 0 = as by default */
     int64_t max_frames;
     int32_t threads;
     pel_run_summary summary;
@@ -174,6 +176,7 @@ static pel_status do_run(const pel_scene *scene, run_case *test)
     def.resume = test->resume != NULL ? in_folder(resume, test->run, test->resume) : NULL;
     def.max_frames = test->max_frames;
     def.thread_count = test->threads > 0 ? test->threads : thread_count;
+    def.keep_seconds = test->keep_seconds > 0 ? test->keep_seconds : def.keep_seconds;
     def.progress = watch;
     def.user = test;
     return pel_run(scene, &def, &test->summary, &test->error);
@@ -421,7 +424,10 @@ static void test_resume_after_stop(void **unused)
         check_run(scene, &test, PEL_STOPPED);
         assert_string_equal(test.summary.status, "stopped");
         assert_int_equal(test.summary.steps, stops[i]);
-        assert_non_null(strstr(test.error.remedy, "checkpoint"));
+        /* the very state at which it stopped, though older checkpoints were written on the way */
+        char kept[64];
+        snprintf(kept, sizeof kept, "the last good state, of step %d, is in ", (int)stops[i]);
+        assert_non_null(strstr(test.error.remedy, kept));
         check_contains(run, "summary.json", "\"status\": \"stopped\"");
         check_whole(run);
         run_case rest = {.run = run, .resume = "checkpoint"};
@@ -507,30 +513,185 @@ static void test_resume_from_older(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* killed at any step: everything is valid, and the run goes on from its last checkpoint */
+/* killed at a step: everything is valid, and the run goes on from its last checkpoint */
+static void check_kill(const pel_scene *scene, const run_case *whole, int64_t step, double keep_seconds)
+{
+    run_case test = {.run = "killed", .kill_at = step, .keep_seconds = keep_seconds};
+    pid_t child = fork();
+    if (child == 0) {
+        do_run(scene, &test);
+        _exit(1);
+    }
+    int ended;
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGKILL);
+    assert_false(exists("killed", "summary.json"));
+    assert_true(check_list("killed") > 0);
+    assert_true(count_rows("killed") >= check_list("killed"));
+    run_case rest = {.run = "killed", .resume = "checkpoint"};
+    check_run(scene, &rest, PEL_OK);
+    check_same_results(whole->run, "killed", whole->summary.frames);
+}
+
 static void test_kill(void **unused)
 {
     (void)unused;
     pel_scene *scene = load_scene(busy, NULL, 0);
     run_case whole = {.run = "kill-whole"};
     check_run(scene, &whole, PEL_OK);
-    for (int64_t step = 11; step < 60; step += 8) {
-        run_case test = {.run = "killed", .kill_at = step};
-        pid_t child = fork();
-        if (child == 0) {
-            do_run(scene, &test);
-            _exit(1);
-        }
-        int ended;
-        assert_int_equal(waitpid(child, &ended, 0), child);
-        assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGKILL);
-        assert_false(exists("killed", "summary.json"));
-        assert_true(check_list("killed") > 0);
-        assert_true(count_rows("killed") >= check_list("killed"));
-        run_case rest = {.run = "killed", .resume = "checkpoint"};
-        check_run(scene, &rest, PEL_OK);
-        check_same_results("kill-whole", "killed", whole.summary.frames);
+    for (int64_t step = 11; step < 60; step += 8)
+        check_kill(scene, &whole, step, 0);
+    pel_scene_destroy(scene);
+}
+
+/* a run that asks for no checkpoints keeps its state all the same, from the first step on when it may */
+static void test_kept_state(void **unused)
+{
+    (void)unused;
+    const char *const override = "output.checkpoint=0";
+    pel_scene *scene = load_scene(busy, &override, 1);
+    run_case whole = {.run = "kept-whole", .keep_seconds = 1e-9};
+    check_run(scene, &whole, PEL_OK);
+    assert_false(exists("kept-whole", "checkpoint"));
+    for (int64_t step = 2; step < 60; step += 25)
+        check_kill(scene, &whole, step, 1e-9);
+    pel_scene_destroy(scene);
+}
+
+static bool limit_for_a_while(void *user, const pel_run_progress *progress)
+{
+    (void)user;
+    if (progress->step == 0)
+        limit_files(16);
+    else if (progress->step == 5)
+        unlimit_files();
+    return true;
+}
+
+static void take_note(void *user, const char *text)
+{
+    snprintf(user, 400, "%s", text);
+}
+
+/* a state that cannot be kept is told, and the run goes on */
+static void test_state_not_kept(void **unused)
+{
+    (void)unused;
+    const char *const overrides[2] = {"output.checkpoint=0", "output.every_frame=50"};
+    pel_scene *scene = load_scene(small, overrides, 2);
+    char path[256], note[400] = "";
+    const pel_log log = {take_note, note};
+    pel_run_def def = pel_run_def_default();
+    pel_run_summary summary;
+    def.folder = in_folder(path, "not-kept", "");
+    def.keep_seconds = 1e-9;
+    def.progress = limit_for_a_while;
+    def.log = &log;
+    def.thread_count = 1;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_non_null(strstr(note, "the state of step 1 is not kept: "));
+    assert_string_equal(summary.status, "done");
+    check_whole("not-kept");
+    def.keep_seconds = -1;
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_BAD_ARGUMENT);
+    pel_scene_destroy(scene);
+}
+
+/* what is read to go on from is freed again */
+static void test_resume_leaks_nothing(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(small, NULL, 0);
+    run_case test = {.run = "leaks", .stop_at = 5};
+    check_run(scene, &test, PEL_STOPPED);
+    test = (run_case){.run = "leaks", .resume = "checkpoint", .max_frames = 8};
+    failing_malloc_begin(0);
+    pel_status status = do_run(scene, &test);
+    long live = failing_malloc_end().live;
+    assert_int_equal(status, PEL_OK);
+    assert_int_equal(live, 0);
+    pel_scene_destroy(scene);
+}
+
+/* another mesh file under the same name is another scene, also when its fields alone have changed */
+static void test_changed_mesh(void **unused)
+{
+    (void)unused;
+    static const char *const changes[4] = {"0.25", "0.75", "0.25", "0.25"},
+                             *const names[4] = {"stiff", "stiff", "soft", "stiff"},
+                             *const tips[4] = {"1", "1", "1", "2"};
+    char path[256], text[1000], mesh[400];
+    in_folder(path, "changed.ply", "");
+    snprintf(text, sizeof text, "version: 1\nduration: 0.1\nbodies: [{ mesh: { file: %s } }]\n", path);
+    run_case test = {.run = "changed", .stop_at = 3};
+    for (int i = 0; i < 4; i++) {
+        snprintf(mesh, sizeof mesh,
+                 "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+                 "property double %s\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
+                 "0 0 0 0.5\n1 0 0 0.5\n0 1 0 0.5\n0 0 %s %s\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n",
+                 names[i], tips[i], changes[i]);
+        FILE *stream = fopen(path, "w");
+        assert_non_null(stream);
+        fputs(mesh, stream);
+        fclose(stream);
+        pel_scene *scene = load_scene(text, NULL, 0);
+        check_run(scene, &test, i == 0 ? PEL_STOPPED : PEL_BAD_FORMAT);
+        assert_true(i == 0 || strstr(test.error.what, "another scene") != NULL);
+        test = (run_case){.run = "changed", .resume = "checkpoint"};
+        pel_scene_destroy(scene);
     }
+}
+
+/* one closed body is enough for a volume to stop at, wherever it stands */
+static void test_volume_of_any_body(void **unused)
+{
+    (void)unused;
+    static const char *const bodies[2] = {"{ shape: grid }", "{ shape: geodesic-sphere, frequency: 2 }"};
+    for (int i = 0; i < 4; i++) {
+        char text[400];
+        snprintf(
+            text, sizeof text,
+            "version: 1\nduration: 0.02\nbodies: [{ mesh: %s }, { mesh: %s }]\nstop: { volume_ratio_below: 0.5 }\n",
+            bodies[i / 2], bodies[i % 2]);
+        pel_scene *scene = load_scene(text, NULL, 0);
+        run_case test = {.run = "volume"};
+        check_run(scene, &test, i == 0 ? PEL_BAD_SCENE : PEL_OK);
+        pel_scene_destroy(scene);
+    }
+}
+
+/* steps a second are those of this call, and the time that is left follows from them */
+static bool watch_speed(void *user, const pel_run_progress *progress)
+{
+    double *numbers = user;
+    struct timespec pause = {.tv_nsec = 2000000};
+    nanosleep(&pause, NULL);
+    numbers[0] = progress->steps_per_second;
+    if (progress->step == 20)
+        numbers[1] = progress->remaining * progress->steps_per_second;
+    if (progress->step == 0)
+        numbers[2] = progress->remaining;
+    return true;
+}
+
+static void test_speed(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(small, NULL, 0);
+    char path[256];
+    double numbers[3] = {0, 0, 0};
+    pel_run_summary summary;
+    pel_run_def def = pel_run_def_default();
+    def.folder = in_folder(path, "speed", "");
+    def.progress = watch_speed;
+    def.user = numbers;
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
+    /* 100 steps, each with a pause of 2 ms: at most 500 a second, and not a hundredth of that */
+    assert_true(numbers[0] < 510 && numbers[0] > 5);
+    assert_near(numbers[1], 80, 1e-6);
+    assert_near(numbers[2], -1, 0);
     pel_scene_destroy(scene);
 }
 
@@ -856,6 +1017,12 @@ int main(void)
         cmocka_unit_test(test_resume_from_older),
         cmocka_unit_test(test_resume_at_end),
         cmocka_unit_test(test_kill),
+        cmocka_unit_test(test_resume_leaks_nothing),
+        cmocka_unit_test(test_changed_mesh),
+        cmocka_unit_test(test_volume_of_any_body),
+        cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_kept_state),
+        cmocka_unit_test(test_state_not_kept),
         cmocka_unit_test(test_takes_over_folder),
         cmocka_unit_test(test_refuses_checkpoints),
         cmocka_unit_test(test_bad_folders),

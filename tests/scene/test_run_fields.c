@@ -2,6 +2,8 @@
 
 #include "failing_malloc.h"
 #include "pellicle/measure.h"
+#include "pellicle/mesh_io.h"
+#include "pellicle/shape.h"
 #include "scene/run_fields.h"
 #include "scene/run_surface.h"
 
@@ -21,11 +23,19 @@ static const char text[] =
     "    membrane_energy, bending_energy, fibre_energy, pressure, contact, area, normal, mean_curvature,\n"
     "    gaussian_curvature, stress] }\n";
 
-static pel_scene *load_scene(void)
+static pel_scene *load_text(const char *scene_text)
 {
     pel_scene *scene;
-    assert_int_equal(pel_scene_parse("test.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL), PEL_OK);
+    pel_error error;
+    char message[1000];
+    if (pel_scene_parse("test.yaml", scene_text, strlen(scene_text), NULL, 0, NULL, &scene, &error) != PEL_OK)
+        fail_msg("%s", pel_error_text(&error, message, sizeof message));
     return scene;
+}
+
+static pel_scene *load_scene(void)
+{
+    return load_text(text);
 }
 
 static pel_sim *make_sim(pel_scene *scene, pel_model **model)
@@ -101,6 +111,104 @@ static void test_fields_of_a_frame(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* a body with every kind of energy: at each vertex they add up, and over all vertices each is that of the body */
+static void test_energies(void **unused)
+{
+    (void)unused;
+    static const char shell[] =
+        "version: 1\n"
+        "bodies:\n"
+        "  - { name: skin, mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 }, springs: { stiffness: 3 },\n"
+        "      volumetric: { stiffness: 2 }, membrane: { preset: rubber }, bending: { model: hinge },\n"
+        "      anisotropy: { mode: strain, energy: stvk }, pressure: { inside: 5000 } }\n"
+        "solver: { method: xpbd, dt: 0.005 }\n"
+        "duration: 1\n"
+        "output: { precision: double, fields: [energy, spring_energy, volumetric_energy, membrane_energy,\n"
+        "    bending_energy, fibre_energy] }\n";
+    static const char *const names[5] = {"spring_energy", "volumetric_energy", "membrane_energy", "bending_energy",
+                                         "fibre_energy"};
+    pel_scene *scene = load_text(shell);
+    pel_model *model;
+    pel_sim *sim = make_sim(scene, &model);
+    pel_run_surface surface;
+    pel_mesh *frame;
+    pel_sim_measures measures;
+    assert_int_equal(pel_run_surface_create(sim, &scene->output, &surface, NULL), PEL_OK);
+    for (int step = 0; step < 10; step++)
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    assert_int_equal(pel_run_surface_write_frame(&surface, sim, &scene->output, "energies.vtp", NULL), PEL_OK);
+    assert_int_equal(pel_vtp_read("energies.vtp", &frame, NULL, NULL), PEL_OK);
+    pel_sim_measure(sim, &measures);
+    const double whole[5] = {measures.spring_energy, measures.volumetric_energy, measures.membrane_energy,
+                             measures.bending_energy, measures.fibre_energy};
+    double sums[5] = {0};
+    for (int32_t v = 0; v < frame->vertex_count; v++) {
+        double sum = 0;
+        for (int e = 0; e < 5; e++) {
+            sum += values_of(frame, names[e])[v];
+            sums[e] += values_of(frame, names[e])[v];
+        }
+        assert_near(values_of(frame, "energy")[v], sum, 1e-12 * measures.elastic_energy);
+    }
+    for (int e = 0; e < 5; e++) {
+        assert_true(whole[e] > 0);
+        assert_near(sums[e] / whole[e], 1, sizeof(pel_real) == 8 ? 1e-9 : 1e-4);
+    }
+    pel_mesh_destroy(frame);
+    remove("energies.vtp");
+    pel_run_surface_destroy(&surface);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+}
+
+/* a vector field of the mesh on a body that refines: finer vertices have what mesh_vertices and mesh_weights say; one
+   that is not refined keeps its values, and one without the field has zeros */
+static void test_mesh_field_on_finer_vertices(void **unused)
+{
+    (void)unused;
+    static const char refined[] =
+        "version: 1\n"
+        "bodies:\n"
+        "  - { name: plain, mesh: { shape: grid, nx: 2, ny: 2, translate: [9, 0, 0] } }\n"
+        "  - { name: fine, mesh: { file: places.ply }, refine: { levels: 2, everywhere: true } }\n"
+        "duration: 1\n"
+        "output: { precision: double, fields: [place] }\n";
+    pel_mesh *ball, *frame;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = 2;
+    assert_int_equal(pel_shape_create(&shape, &ball, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_add_field(ball, "place", 3, ball->positions[0], NULL), PEL_OK);
+    assert_int_equal(pel_mesh_write("places.ply", PEL_FORMAT_PLY, ball, NULL, NULL), PEL_OK);
+    pel_scene *scene = load_text(refined);
+    pel_model *model;
+    pel_sim *sim = make_sim(scene, &model);
+    pel_run_surface surface;
+    assert_int_equal(pel_run_surface_create(sim, &scene->output, &surface, NULL), PEL_OK);
+    assert_int_equal(pel_run_surface_write_frame(&surface, sim, &scene->output, "places.vtp", NULL), PEL_OK);
+    assert_int_equal(pel_vtp_read("places.vtp", &frame, NULL, NULL), PEL_OK);
+    assert_int_equal(frame->vertex_count, 9 + 10 * 64 + 2);
+    const double *corners = values_of(frame, "mesh_vertices"), *weights = values_of(frame, "mesh_weights"),
+                 *places = values_of(frame, "place");
+    for (int32_t v = 0; v < frame->vertex_count; v++)
+        for (int c = 0; c < 3; c++) {
+            double expected = 0;
+            for (int k = 0; v >= 9 && k < 3; k++)
+                expected += weights[3 * v + k] * ball->positions[(int32_t)corners[3 * v + k]][c];
+            if (v >= 9 && v < 9 + ball->vertex_count)
+                assert_near(places[3 * v + c], ball->positions[v - 9][c], 0);
+            assert_near(places[3 * v + c], expected, 1e-15);
+        }
+    pel_mesh_destroy(frame);
+    pel_mesh_destroy(ball);
+    remove("places.ply");
+    remove("places.vtp");
+    pel_run_surface_destroy(&surface);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+}
+
 /* no topology where nothing is measured; names that do not exist */
 static void test_other_fields(void **unused)
 {
@@ -152,6 +260,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fields_of_a_frame),
+        cmocka_unit_test(test_energies),
+        cmocka_unit_test(test_mesh_field_on_finer_vertices),
         cmocka_unit_test(test_other_fields),
         cmocka_unit_test(test_allocation_failures),
     };

@@ -50,6 +50,7 @@ static void test_ends(void **unused)
     assert_int_equal(plan.checkpoint_steps, 50);
     assert_true(pel_run_plan_time(&plan, 7) == 70 * 0.01);
     assert_int_equal(pel_run_plan_make(&scene, 1000).frame_end, 100);
+    assert_int_equal(pel_run_plan_make(&scene, 1).frame_end, 1);
 }
 
 /* the last moment at which anything is scheduled to change */
@@ -75,6 +76,18 @@ static void test_settled(void **unused)
     assert_true(pel_run_plan_make(&scene, 0).settled_time == 6);
     tool.grasp = false;
     assert_true(pel_run_plan_make(&scene, 0).settled_time == 4);
+    /* whatever of a shell changes over time */
+    const pel_key late[3][2] = {{{0, 1}, {7, 2}}, {{0, 1}, {8, 2}}, {{0, 1}, {9, 2}}};
+    pel_anisotropy_def fibres = {.rest_length = {.keys = late[2], .key_count = 2}};
+    body.shell.pressure.outside = (pel_quantity){.keys = late[0], .key_count = 2};
+    assert_true(pel_run_plan_make(&scene, 0).settled_time == 7);
+    body.shell.pressure.target = (pel_quantity){.keys = late[1], .key_count = 2};
+    assert_true(pel_run_plan_make(&scene, 0).settled_time == 8);
+    body.shell.pressure.outside = (pel_quantity){0};
+    assert_true(pel_run_plan_make(&scene, 0).settled_time == 8);
+    body.shell.anisotropies = &fibres;
+    body.shell.anisotropy_count = 1;
+    assert_true(pel_run_plan_make(&scene, 0).settled_time == 9);
 }
 
 int main(void)

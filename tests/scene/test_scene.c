@@ -338,6 +338,42 @@ static void test_fixed_point(void **unused)
                                "{shape: grid}}\n  - {name: \"\\u2028\\u0085\\ufeff\", mesh: {shape: grid}}\n");
 }
 
+/* whatever a text is, the resolved scene says the same: words with a meaning, numbers, signs, any letters */
+static void test_texts(void **unused)
+{
+    (void)unused;
+    static const char *const texts[] = {"true",     "No",          "NULL",         "y",
+                                        "on",       "offset",      "Yes",          "nullify",
+                                        "12",       "1e5",         "0x1F",         ".5",
+                                        "~",        "-",           "- a",          "a: b",
+                                        "a #b",     "#",           "[a",           "{a}",
+                                        "&a",       "*a",          "!a",           "|",
+                                        ">",        "%a",          "@a",           "`a",
+                                        "'a'",      "\"a\"",       "a\\b",         "\\",
+                                        " a",       "a ",          "a\tb",         "a\nb",
+                                        "\n",       "\x7f",        "\x01",         "?",
+                                        "? a",      ":",           "a:",           ",",
+                                        "/a/b",     "...",         "---",          "<<",
+                                        "=",        "caf\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x98\x80",
+                                        "\xc2\x85", "\xe2\x80\xa8"};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        char override[64];
+        snprintf(override, sizeof override, "title=%s", texts[i]);
+        pel_scene *scene = load(BALL, (const char *const[]){override}, 1);
+        assert_string_equal(scene->title, texts[i]);
+        pel_scene *again = load(pel_scene_text(scene), NULL, 0);
+        assert_string_equal(again->title, texts[i]);
+        assert_string_equal(pel_scene_text(again), pel_scene_text(scene));
+        /* only what every reader of YAML takes for text stands there without quotes */
+        snprintf(override, sizeof override, "\ntitle: %s\n", texts[i]);
+        bool plain = strstr(pel_scene_text(scene), override) != NULL;
+        assert_int_equal(plain, strcmp(texts[i], "offset") == 0 || strcmp(texts[i], "nullify") == 0 ||
+                                    strcmp(texts[i], "/a/b") == 0);
+        pel_scene_destroy(again);
+        pel_scene_destroy(scene);
+    }
+}
+
 static void test_shipped_scenes(void **unused)
 {
     (void)unused;
@@ -419,12 +455,19 @@ static void test_allocation_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_defaults),    cmocka_unit_test(test_everything),
-        cmocka_unit_test(test_falloff),     cmocka_unit_test(test_scene_runs),
-        cmocka_unit_test(test_overrides),   cmocka_unit_test(test_override_replaces_alternative),
-        cmocka_unit_test(test_aliases),     cmocka_unit_test(test_json),
-        cmocka_unit_test(test_fixed_point), cmocka_unit_test(test_shipped_scenes),
-        cmocka_unit_test(test_file_mesh),   cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_everything),
+        cmocka_unit_test(test_falloff),
+        cmocka_unit_test(test_scene_runs),
+        cmocka_unit_test(test_overrides),
+        cmocka_unit_test(test_override_replaces_alternative),
+        cmocka_unit_test(test_aliases),
+        cmocka_unit_test(test_json),
+        cmocka_unit_test(test_fixed_point),
+        cmocka_unit_test(test_shipped_scenes),
+        cmocka_unit_test(test_texts),
+        cmocka_unit_test(test_file_mesh),
+        cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

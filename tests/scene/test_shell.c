@@ -2,6 +2,8 @@
 #define _XOPEN_SOURCE 700
 #include "check.h"
 
+#include "base/memory.h"
+#include "io/file.h"
 #include "pellicle/run.h"
 #include "pellicle/scene.h"
 
@@ -270,6 +272,15 @@ static void test_stops(void **unused)
     assert_string_equal(summary.stop_reason, "volume_ratio_below");
     assert_true(summary.frames == 2 && summary.steps < 500 && summary.volume_ratio_final < 0.9);
     assert_true(summary.volume_ratio_final > 0.85 && summary.volume_rises == 0);
+    /* and the list of frames has its time */
+    char *list, *end;
+    size_t size;
+    assert_int_equal(pel_file_read("shell_run/frames.pvd", &list, &size, NULL), PEL_OK);
+    const char *last = strstr(strstr(list, "timestep=\"") + 1, "timestep=\"");
+    assert_non_null(last);
+    assert_near(strtod(last + 10, &end), summary.time_simulated, 0);
+    assert_null(strstr(end, "timestep"));
+    pel_free(list);
     /* a ball that swings gains volume again */
     assert_int_equal(run(SHELL "    pressure: {outside: {keys: [[0, 5], [0.01, 0]]}}\n" STEPS, &summary, NULL), PEL_OK);
     assert_true(summary.volume_rises > 3 && summary.volume_rise_max > 1e-5);

@@ -1,5 +1,6 @@
 /* The table and what it yields: every row is documented, in the schema, on the reference page and settable. */
 #include "check.h"
+#include "comma_locale.h"
 #include "failing_malloc.h"
 
 #include "pellicle/scene.h"
@@ -99,6 +100,28 @@ static void test_schema_is_json(void **unused)
     assert_non_null(pel_scene_yaml_parse(&reader, "schema", schema, strlen(schema), true));
     pel_arena_free(&arena);
     free(schema);
+}
+
+/* in a program that has a locale with a decimal comma, too */
+static void test_locale(void **unused)
+{
+    (void)unused;
+    static const char text[] = "version: 1\nduration: 0.5\nbodies: [{mesh: {shape: torus, minor_radius: 0.375}}]\n";
+    pel_scene *scenes[2] = {NULL, NULL};
+    char *schemas[2];
+    for (int i = 0; i < 2; i++) {
+        if (i == 1 && !set_comma_locale())
+            skip();
+        schemas[i] = document(pel_scene_write_schema);
+        assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scenes[i], NULL), PEL_OK);
+    }
+    setlocale(LC_NUMERIC, "C");
+    assert_string_equal(schemas[0], schemas[1]);
+    assert_string_equal(pel_scene_text(scenes[0]), pel_scene_text(scenes[1]));
+    for (int i = 0; i < 2; i++) {
+        pel_scene_destroy(scenes[i]);
+        free(schemas[i]);
+    }
 }
 
 /* every path of the completion can be set, and every scene in scenes/ uses no other */
@@ -205,10 +228,10 @@ static void test_write_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rows_are_whole),    cmocka_unit_test(test_documents_have_every_row),
-        cmocka_unit_test(test_schema_is_json),    cmocka_unit_test(test_parameter_paths),
-        cmocka_unit_test(test_presets_are_valid), cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_write_failures),
+        cmocka_unit_test(test_rows_are_whole),  cmocka_unit_test(test_documents_have_every_row),
+        cmocka_unit_test(test_schema_is_json),  cmocka_unit_test(test_locale),
+        cmocka_unit_test(test_parameter_paths), cmocka_unit_test(test_presets_are_valid),
+        cmocka_unit_test(test_numbers),         cmocka_unit_test(test_write_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

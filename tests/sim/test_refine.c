@@ -557,6 +557,86 @@ static void test_snapshot(void **unused)
     }
 }
 
+/* the defs of a body that refines and touches, with one number changed; false when there are no more changes */
+static bool change_defs(int change, pel_body_def *body, pel_sim_def *def)
+{
+    static const int32_t other_region[2] = {3, 5};
+    pel_refine_def *refine = &body->refine;
+    pel_contact_def *contact = &def->contact;
+    int32_t *const counts[6] = {&refine->rings,  &refine->dwell,  &refine->interval,
+                                &refine->budget, &contact->limit, &contact->sweeps};
+    double *const numbers[10] = {
+        &refine->above,      &refine->below,      &refine->curvature_above, &refine->curvature_below,
+        &refine->near_tools, &contact->thickness, &contact->friction,       &def->solver.dt,
+        &def->solver.alpha,  &body->mass};
+    if (change < 6)
+        *counts[change] += 1;
+    else if (change < 15)
+        *numbers[change - 6] *= 0.875;
+    else if (change == 15)
+        refine->region = other_region;
+    else if (change == 16)
+        refine->region_levels = 1;
+    else if (change == 17)
+        refine->springs = refine->springs == PEL_REFINE_UNCHANGED ? PEL_REFINE_VAN_GELDER : PEL_REFINE_UNCHANGED;
+    else if (change == 18)
+        contact->between = false;
+    else if (change == 19)
+        contact->method = PEL_CCD_BRIDSON;
+    else if (change == 20)
+        contact->response = PEL_CONTACT_AFTER;
+    else if (change == 21)
+        def->solver.keep_velocity = true;
+    else
+        return false;
+    return true;
+}
+
+/* a snapshot goes with the very numbers it was made with, whichever of them differs */
+static void test_snapshot_of_another(void **unused)
+{
+    (void)unused;
+    static const int32_t region[2] = {3, 4};
+    void *bytes = NULL;
+    pel_error error;
+    for (int change = -1;; change++) {
+        pel_mesh *mesh = make_sphere(3);
+        pel_body_def body = ball(mesh, 2);
+        body.refine.above = 4;
+        body.refine.below = 2;
+        body.refine.curvature_above = 1;
+        body.refine.curvature_below = 0.5;
+        body.refine.near_tools = 0.1;
+        body.refine.region = region;
+        body.refine.region_count = 2;
+        body.refine.budget = 5000;
+        pel_sim_def def = pel_sim_def_default();
+        def.solver.alpha = 0.5;
+        def.contact.enabled = true;
+        def.contact.self = def.contact.between = true;
+        def.contact.thickness = 1e-3;
+        def.contact.friction = 0.5;
+        def.contact.sweeps = 10;
+        def.contact.limit = 1000;
+        bool changed = change < 0 || change_defs(change, &body, &def);
+        bench made = begin(mesh, &body, &def);
+        size_t size = pel_sim_save_size(made.sim);
+        if (change < 0) {
+            bytes = malloc(size);
+            assert_non_null(bytes);
+            pel_sim_save(made.sim, bytes);
+        }
+        pel_status status = pel_sim_load(made.sim, bytes, size, &error);
+        if (change >= 0 && changed && status != PEL_BAD_FORMAT)
+            print_error("change %d is not seen\n", change);
+        assert_int_equal(status, change < 0 || !changed ? PEL_OK : PEL_BAD_FORMAT);
+        end(&made);
+        if (!changed)
+            break;
+    }
+    free(bytes);
+}
+
 /* a body that refines beside one that does not: each as if it were alone, for any number of threads */
 static void test_two_bodies(void **unused)
 {
@@ -623,6 +703,128 @@ static void test_order(void **unused)
         end(&made);
     }
     assert_true(hashes[0] == hashes[1]);
+}
+
+/* forces of all rows; the loads alone, as the body is at rest */
+static double *forces_of(const bench *made, int32_t *count)
+{
+    *count = pel_sim_vertex_count(made->sim, 0);
+    double *forces = calloc((size_t)*count * 3, sizeof *forces);
+    assert_non_null(forces);
+    pel_sim_get_forces(made->sim, 0, forces);
+    return forces;
+}
+
+/* a load on a part of the body after any history of events is that of a sim that was refined once: vertices come into
+   the load and leave it, and their places are taken by others that it does not act on */
+static void test_loads_follow(void **unused)
+{
+    (void)unused;
+    enum { FREQUENCY = 5, COUNT = 10 * FREQUENCY * FREQUENCY + 2, ROUNDS_OF_EVENTS = 80 };
+    random_state random = {11};
+    int32_t asked[COUNT] = {0}, loaded[COUNT], count = 0;
+    double weights[COUNT];
+    pel_mesh *mesh = make_sphere(FREQUENCY);
+    for (int32_t v = 0; v < COUNT; v++)
+        if (mesh->positions[v][2] > 0.5) {
+            weights[count] = random_between(&random, -1, 1);
+            loaded[count++] = v;
+        }
+    pel_body_def body = ball(mesh, 2);
+    pel_load_def load = pel_load_def_default();
+    load.kind = PEL_LOAD_PER_VERTEX;
+    load.force[1] = 0.5;
+    load.vertices = loaded;
+    load.weights = weights;
+    load.vertex_count = count;
+    pel_sim_def def = pel_sim_def_default();
+    def.loads = &load;
+    def.load_count = 1;
+    bench made = begin(mesh, &body, &def);
+    for (int i = 0; i < ROUNDS_OF_EVENTS; i++) {
+        int32_t v = (int32_t)random_integer(&random, 0, COUNT - 1), row_count, expected_count;
+        /* half of the events give all up again, so that places become free */
+        for (int32_t u = 0; i % 2 == 1 && u < COUNT; u++)
+            if (asked[u] > 0 && random_between(&random, 0, 1) < 0.7) {
+                asked[u] = 0;
+                refine(&made, u, 0);
+            }
+        asked[v] = (int32_t)random_integer(&random, 1, 2);
+        refine(&made, v, asked[v]);
+        bench once = begin(make_sphere(FREQUENCY), &body, &def);
+        for (int32_t u = 0; u < COUNT; u++)
+            if (asked[u] > 0)
+                refine(&once, u, asked[u]);
+        double *forces = forces_of(&made, &row_count), *expected = forces_of(&once, &expected_count);
+        assert_int_equal(row_count, expected_count);
+        assert_memory_equal(forces, expected, (size_t)row_count * 3 * sizeof *forces);
+        /* what the sim steps with: each vertex once */
+        assert_int_equal(made.sim->loads[0].vertex_count, once.sim->loads[0].vertex_count);
+        free(forces);
+        free(expected);
+        end(&once);
+    }
+    end(&made);
+}
+
+/* a plane that a tool remembers stays at its point: with the triangle, or with the child that the point lies in */
+static void test_planes_follow(void **unused)
+{
+    (void)unused;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
+    shape.nx = shape.ny = 8;
+    pel_mesh *mesh;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    const pel_pose_key key = {0, {0, 0, 5}, {0, 0, 0, 1}};
+    pel_tool_def tool_def = pel_tool_def_default();
+    tool_def.name = "far";
+    tool_def.radius = 0.1;
+    tool_def.keys = &key;
+    tool_def.key_count = 1;
+    pel_body_def body = ball(mesh, 2);
+    pel_sim_def def = pel_sim_def_default();
+    def.tools = &tool_def;
+    def.tool_count = 1;
+    random_state random = {5};
+    int followed = 0;
+    for (int i = 0; i < 200; i++) {
+        pel_model *model = make_model(&body);
+        def.model = model;
+        pel_sim *sim = make_sim(&def);
+        pel_tool *tool = &sim->tools[0];
+        pel_plane plane = {.triangle = 0};
+        /* a triangle at the vertex in the middle, far from the rim: there butterfly keeps the grid */
+        int32_t middle = 4 * 9 + 4, t = 0;
+        do
+            t = (int32_t)random_integer(&random, 0, mesh->triangle_count - 1);
+        while (mesh->triangles[t][0] != middle && mesh->triangles[t][1] != middle && mesh->triangles[t][2] != middle);
+        double a = random_between(&random, 0, 1), b = random_between(&random, 0, 1), before[3] = {0, 0, 0};
+        plane.weights[0] = a + b > 1 ? 1 - a : a;
+        plane.weights[1] = a + b > 1 ? 1 - b : b;
+        plane.weights[2] = 1 - plane.weights[0] - plane.weights[1];
+        plane.triangle = sim->model->triangle_begin[0] + 2 * t;
+        for (int c = 0; c < 3; c++)
+            pel_vec3_along(before, plane.weights[c], mesh->positions[mesh->triangles[t][c]], before);
+        tool->planes[0] = plane;
+        tool->plane_count = 1;
+        assert_int_equal(pel_sim_refine(sim, 0, middle, 1 + i % 2, NULL), PEL_OK);
+        assert_true(tool->plane_count <= 1);
+        if (tool->plane_count == 1) {
+            double after[3] = {0, 0, 0}, x[3];
+            for (int c = 0; c < 3; c++) {
+                pel_vertex_position(sim->state->position, sim->model->triangles[tool->planes[0].triangle][c], x);
+                pel_vec3_along(after, tool->planes[0].weights[c], x, after);
+                assert_true(tool->planes[0].weights[c] >= -1e-12);
+            }
+            assert_near(pel_vec3_distance(before, after), 0, rounding(1e-14, 1e-6));
+            assert_true(tool->planes[0].triangle != plane.triangle);
+            followed++;
+        }
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+    }
+    assert_true(followed > 150);
+    pel_mesh_destroy(mesh);
 }
 
 /* ---- refusals ---- */
@@ -742,6 +944,9 @@ int main(void)
         cmocka_unit_test(test_two_bodies),
         cmocka_unit_test(test_tool_stays_outside),
         cmocka_unit_test(test_order),
+        cmocka_unit_test(test_loads_follow),
+        cmocka_unit_test(test_planes_follow),
+        cmocka_unit_test(test_snapshot_of_another),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_allocations),
     };

@@ -292,6 +292,45 @@ static void test_pins_gravity_and_keys(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* m g on each vertex at rest, along each axis; and one step of free fall, under both methods */
+static void test_gravity(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(1);
+    for (int axis = 0; axis < 3; axis++)
+        for (int method = 0; method < 2; method++) {
+            pel_body_def body = pel_body_def_default();
+            body.name = "ball";
+            body.mesh = mesh;
+            body.mass = 0.5;
+            body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
+            pel_model_def model_def = pel_model_def_default();
+            model_def.bodies = &body;
+            model_def.body_count = 1;
+            model_def.gravity[axis] = -0.3;
+            pel_model *model;
+            assert_int_equal(pel_model_create(&model_def, &model, NULL), PEL_OK);
+            pel_sim_def def = pel_sim_def_default();
+            def.model = model;
+            def.solver.method = method == 0 ? PEL_METHOD_QUASI_STATIC : PEL_METHOD_EXPLICIT;
+            def.solver.dt = 0.01;
+            def.solver.alpha = 7;
+            pel_sim *sim = make_sim(&def);
+            double forces[36], positions[36], step = method == 0 ? 7 * 1e-4 : 1e-4;
+            pel_sim_get_forces(sim, 0, forces);
+            run_steps(sim, 1);
+            pel_sim_get_positions(sim, 0, positions);
+            for (int i = 0; i < 36; i++) {
+                double single = sizeof(pel_real) == 8 ? 1e-15 : 1e-7;
+                assert_near(forces[i], i % 3 == axis ? -0.15 : 0, single);
+                assert_near(positions[i] - mesh->positions[i / 3][i % 3], i % 3 == axis ? -0.3 * step : 0, single);
+            }
+            pel_sim_destroy(sim);
+            pel_model_destroy(model);
+        }
+    pel_mesh_destroy(mesh);
+}
+
 static void test_same_bits_for_any_threads_and_after_resume(void **unused)
 {
     (void)unused;
@@ -403,6 +442,7 @@ int main(void)
         cmocka_unit_test(test_force_is_energy_gradient),
         cmocka_unit_test(test_zero_lengths),
         cmocka_unit_test(test_pins_gravity_and_keys),
+        cmocka_unit_test(test_gravity),
         cmocka_unit_test(test_same_bits_for_any_threads_and_after_resume),
         cmocka_unit_test(test_divergence_is_reported_and_undone),
     };

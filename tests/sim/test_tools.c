@@ -11,7 +11,8 @@ typedef struct stage {
     pel_sim *sim;
 } stage;
 
-static stage make_stage(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method)
+static stage make_stage_with(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method,
+                             const pel_load_def *load)
 {
     stage s;
     s.mesh = make_sphere(frequency);
@@ -25,8 +26,15 @@ static stage make_stage(int32_t frequency, const pel_tool_def *tools, int32_t co
     def.solver.method = method;
     def.tools = tools;
     def.tool_count = count;
+    def.loads = load;
+    def.load_count = load != NULL;
     s.sim = make_sim(&def);
     return s;
+}
+
+static stage make_stage(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method)
+{
+    return make_stage_with(frequency, tools, count, method, NULL);
 }
 
 static void end_stage(stage *s)
@@ -118,18 +126,17 @@ static void test_press(void **unused)
     check_press(sphere, 0.03, 3, PEL_METHOD_QUASI_STATIC);
 }
 
-/* after settling, the tool's force balances the forces of the volumetric springs on the whole body: the structural
-   springs only pass forces on */
-static void test_force_balances_at_rest(void **unused)
+/* after settling, the tool's force balances the forces of the volumetric springs on the whole body, and the load on it:
+   the structural springs only pass forces on */
+static void check_balance(const pel_load_def *load)
 {
-    (void)unused;
     const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.3;
     tool.keys = keys;
     tool.key_count = 2;
-    stage s = make_stage(10, &tool, 1, PEL_METHOD_QUASI_STATIC);
+    stage s = make_stage_with(10, &tool, 1, PEL_METHOD_QUASI_STATIC, load);
     run_steps(s.sim, 6000);
     pel_tool_reading reading;
     pel_sim_get_tool(s.sim, 0, &reading);
@@ -142,8 +149,74 @@ static void test_force_balances_at_rest(void **unused)
     free(x);
     assert_true(reading.force[2] > 0.01);
     for (int c = 0; c < 3; c++)
-        assert_near(reading.force[c], sum[c], 0.01 * reading.force[2]);
+        assert_near(reading.force[c], sum[c] + (load != NULL ? load->force[c] : 0), 0.01 * reading.force[2]);
     end_stage(&s);
+}
+
+static void test_force_balances_at_rest(void **unused)
+{
+    (void)unused;
+    /* all of the load is on the vertices that the tool touches */
+    pel_load_def load = pel_load_def_default();
+    load.force[2] = 0.4;
+    load.vertex_count = 1;
+    check_balance(NULL);
+    pel_mesh *mesh = make_sphere(10);
+    const int32_t top = nearest_vertex(mesh, 0, 0, 1);
+    load.vertices = &top;
+    check_balance(&load);
+    pel_mesh_destroy(mesh);
+}
+
+/* what a tool takes from a free body, step by step, is the momentum that the body gains: pressed from the side, so that
+   points within triangles and all three axes take part; a grasping tool likewise */
+static void test_momentum(void **unused)
+{
+    (void)unused;
+    for (int grasp = 0; grasp < 2; grasp++) {
+        const pel_pose_key keys[2] = {{0, {0.75, 0.6, 0.9}, {0, 0, 0, 1}}, {1, {0.25, 0.2, 0.3}, {0, 0, 0, 1}}};
+        pel_tool_def tool = pel_tool_def_default();
+        tool.name = "probe";
+        tool.radius = 0.25;
+        tool.keys = keys;
+        tool.key_count = 2;
+        tool.press = grasp == 0;
+        tool.grasp = grasp == 1;
+        tool.reach = 0.2;
+        pel_mesh *mesh = make_sphere(4);
+        pel_body_def body = pel_body_def_default();
+        body.name = "ball";
+        body.mesh = mesh;
+        body.mass = 0.3;
+        body.volumetric_stiffness.value = body.volumetric_damping.value = body.spring_damping.value = 0;
+        pel_model *model = make_model(&body);
+        pel_sim_def def = pel_sim_def_default();
+        def.model = model;
+        def.solver.method = PEL_METHOD_EXPLICIT;
+        def.solver.dt = 0.01;
+        def.tools = &tool;
+        def.tool_count = 1;
+        pel_sim *sim = make_sim(&def);
+        double *velocities = malloc(3 * sizeof *velocities * (size_t)mesh->vertex_count), taken[3] = {0, 0, 0};
+        assert_non_null(velocities);
+        for (int n = 0; n < 80; n++) {
+            pel_tool_reading reading;
+            run_steps(sim, 1);
+            pel_sim_get_tool(sim, 0, &reading);
+            pel_vec3_along(taken, def.solver.dt, reading.force, taken);
+        }
+        pel_sim_get_velocities(sim, 0, velocities);
+        double momentum[3] = {0, 0, 0};
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            pel_vec3_along(momentum, body.mass, velocities + 3 * v, momentum);
+        assert_true(pel_vec3_length(momentum) > 0.5);
+        for (int c = 0; c < 3; c++)
+            assert_near(momentum[c], -taken[c], sizeof(pel_real) == 8 ? 1e-10 : 1e-3);
+        free(velocities);
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+        pel_mesh_destroy(mesh);
+    }
 }
 
 /* a tool held still comes to rest for good, also where the press was lopsided: no contact flips */
@@ -262,6 +335,9 @@ static void test_refusals(void **unused)
     check_refused(&tool, "starts inside");
     keys[0].position[2] = 0.1;
     check_refused(&tool, "starts inside");
+    /* its centre is outside */
+    keys[0].position[2] = 1.2;
+    check_refused(&tool, "starts inside");
     keys[0].position[2] = 2;
     tool.radius = 0;
     check_refused(&tool, "radius");
@@ -302,12 +378,64 @@ static void test_driven_tool(void **unused)
     end_stage(&s);
 }
 
+/* a snapshot with any word of it overwritten is loaded or refused; nothing outside the arrays is touched afterwards */
+static void test_damaged_snapshot(void **unused)
+{
+    (void)unused;
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {0.5, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    pel_tool_def tools[2] = {pel_tool_def_default(), pel_tool_def_default()};
+    for (int t = 0; t < 2; t++) {
+        tools[t].name = t == 0 ? "probe" : "clamp";
+        tools[t].radius = 0.2;
+        tools[t].keys = keys;
+        tools[t].key_count = 2;
+        tools[t].press = t == 0;
+        tools[t].grasp = t == 1;
+        tools[t].reach = 0.3;
+    }
+    stage s = make_stage(3, tools, 2, PEL_METHOD_QUASI_STATIC);
+    run_steps(s.sim, 60);
+    size_t size = pel_sim_save_size(s.sim);
+    unsigned char *good = malloc(size), *bad = malloc(size);
+    assert_true(good != NULL && bad != NULL);
+    pel_sim_save(s.sim, good);
+    uint64_t hash = pel_sim_hash(s.sim);
+    int refused = 0;
+    const uint32_t words[4] = {UINT32_MAX, INT32_MAX, 0x01010101, 100000};
+    for (size_t at = 0; at + 4 <= size; at += 4)
+        for (int w = 0; w < 4; w++) {
+            pel_error error;
+            memcpy(bad, good, size);
+            memcpy(bad + at, &words[w], 4);
+            pel_status status = pel_sim_load(s.sim, bad, size, &error);
+            if (status == PEL_OK)
+                continue;
+            refused++;
+            assert_int_equal(status, PEL_BAD_FORMAT);
+            assert_true(error.what[0] != '\0' && error.remedy[0] != '\0');
+            /* it may be stepped all the same, if to no good end */
+            (void)pel_sim_step(s.sim, NULL);
+        }
+    assert_true(refused > 30);
+    assert_int_equal(pel_sim_load(s.sim, good, size, NULL), PEL_OK);
+    assert_true(pel_sim_hash(s.sim) == hash);
+    run_steps(s.sim, 20);
+    free(good);
+    free(bad);
+    end_stage(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_press),       cmocka_unit_test(test_force_balances_at_rest),
-        cmocka_unit_test(test_grasp),       cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_driven_tool), cmocka_unit_test(test_settles),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_force_balances_at_rest),
+        cmocka_unit_test(test_grasp),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_driven_tool),
+        cmocka_unit_test(test_settles),
+        cmocka_unit_test(test_damaged_snapshot),
+        cmocka_unit_test(test_momentum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -200,13 +200,60 @@ static void test_allocation_failure(void **unused)
     assert_int_equal(for_every_allocation_failure(create, NULL), 11);
 }
 
+/* vertices that are held stay; an end at a share of the gradient; what goes on has learnt */
+static void test_rounds(void **unused)
+{
+    (void)unused;
+    random_state random = {7};
+    problem p;
+    fill(&p, 1e3, &random);
+    pel_real inverse_mass[COUNT];
+    uint8_t held[COUNT] = {0};
+    held[2] = 1;
+    for (int v = 0; v < COUNT; v++)
+        inverse_mass[v] = 1;
+    pel_descent_problem what = {
+        .inverse_mass = inverse_mass,
+        .held = held,
+        .energy = quadratic,
+        .context = &p,
+        .longest_move = 10,
+        .tolerance = 1e-3,
+        .reduction = 0.1,
+        .iterations = 300,
+    };
+    pel_descent *descent;
+    pel_descent_result first, second, anew;
+    pel_record position[COUNT] = {{0}}, other[COUNT];
+    assert_int_equal(pel_descent_create(COUNT, &descent, NULL), PEL_OK);
+    what.iterations = 0;
+    pel_descent_run(descent, &what, position, &first);
+    double begin = first.residual;
+    what.iterations = 300;
+    pel_descent_run(descent, &what, position, &first);
+    assert_true(first.converged && first.residual <= 0.1 * begin && first.residual > 1e-3 * begin);
+    /* to the end: the curvature that the first run saw saves iterations */
+    what.reduction = 0;
+    memcpy(other, position, sizeof other);
+    what.goes_on = true;
+    pel_descent_run(descent, &what, position, &second);
+    what.goes_on = false;
+    pel_descent_run(descent, &what, other, &anew);
+    pel_descent_destroy(descent);
+    assert_true(second.converged && anew.converged && second.residual <= 1e-3);
+    assert_true(second.iterations < anew.iterations);
+    for (int v = 0; v < COUNT; v++)
+        for (int c = 0; c < 3; c++)
+            assert_near((double)position[v][c], held[v] ? 0 : p.target[v][c], 1e-3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quadratic),          cmocka_unit_test(test_conditioning),
-        cmocka_unit_test(test_curved_valley),      cmocka_unit_test(test_energy_falls),
-        cmocka_unit_test(test_longest_move),       cmocka_unit_test(test_wrong_forces),
-        cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_quadratic),    cmocka_unit_test(test_conditioning),
+        cmocka_unit_test(test_rounds),       cmocka_unit_test(test_curved_valley),
+        cmocka_unit_test(test_energy_falls), cmocka_unit_test(test_longest_move),
+        cmocka_unit_test(test_wrong_forces), cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,7 +8,7 @@
    integers. All numbers printed with 17 digits between 1e-10 and 1e27 end here.
    3. Anything else goes to strtod, as digits without a point and an exponent (so that the locale has no say). 800
    digits and a mark for whether something follows are enough: a tie between doubles has at most 767. */
-#include "io/number.h"
+#include "base/number.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Decimal text to double and back: exact, fast, and the same in every locale. */
-#ifndef PEL_IO_NUMBER_H
-#define PEL_IO_NUMBER_H
+#ifndef PEL_BASE_NUMBER_H
+#define PEL_BASE_NUMBER_H
 
 #include <stddef.h>
 

@@ -1,0 +1,103 @@
+/* Inside of the method `descent`: what touches while an energy is minimised.
+
+   A step seeks positions x of least energy E(x) with every gap c_k(x) >= 0: of triangles to round tools, of points to
+   planes of other tools, of vertices and edges to surfaces. The minimiser sees the augmented Lagrangian (Powell 1969;
+   Nocedal, Wright 2006, section 17.4)
+
+       L(x) = E(x) + sum_k max(0, load_k - stiffness_k c_k(x))^2 / (2 stiffness_k),
+
+   whose gradient is that of the Lagrangian with the loads that come next, load_k = max(0, load_k - stiffness_k c_k): a
+   minimum of L is at rest under forces that press and never pull, and round by round the gaps close as well. A tool
+   feels the sum of its loads.
+
+   Friction holds the way u of a point across the normal since the step began, in the same way: with t = drag -
+   stiffness u the energy is that of a spring, |t|^2 / (2 stiffness), up to |t| = friction load and grows in proportion
+   to |t| beyond. The load is that of the last round, so that this is a potential. */
+#ifndef PEL_SIM_DESCENT_H
+#define PEL_SIM_DESCENT_H
+
+#include "sim/sim.h"
+
+/* Where something touches, or may soon. Slack is in the gap: nothing has to be corrected after the step. */
+typedef struct pel_descent_contact {
+    int32_t vertices[4];
+    double weights[4], normal[3]; /* where it was found; the normal points out of the tool */
+    double offset;                /* m: gap = sum of weights x . normal - offset; against a round tool the slack */
+    double stiffness;             /* N/m */
+    double tolerance;             /* m, of the gap */
+    double load;                  /* N, along the normal */
+    double drag[3];               /* N, across it */
+    double drift[3];              /* m, way of the tool there since the step began */
+    double friction;
+    int32_t tool;     /* -1 = none */
+    int32_t triangle; /* whose gap to a round tool is looked up wherever it goes; -1 = a plane */
+    int32_t number;   /* planes of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
+} pel_descent_contact;
+
+struct pel_sim_descent {
+    pel_descent *minimiser;
+    pel_record *external; /* (vertex_count) forces that stay during a step */
+    double mean_edge;     /* m */
+    double stiff_force;   /* N */
+    double stiffness;     /* 1/s2, bound of that of the bodies over mass */
+    double penalty;       /* stiffness of constraints over that bound */
+    pel_descent_result result;
+
+    /* those of tools, then those of surfaces; the others are what was known when they were found anew */
+    pel_descent_contact *constraints, *others;
+    size_t capacity, other_capacity;
+    int32_t count, tool_count;
+    int32_t *constraint_of_vertex; /* (vertex_count) scratch of one tool: its number plus 1, 0 = none */
+    pel_pose *wanted;              /* (tools) poses at the end of the step */
+    size_t wanted_capacity;
+    double *shares; /* (vertex_count) scratch: of its way up to where it runs into something */
+};
+
+/* what the energy is evaluated with */
+typedef struct pel_descent_context {
+    pel_sim *sim;
+    pel_state state; /* a copy that looks at other positions */
+    double time;
+    bool is_constrained;
+} pel_descent_context;
+
+/* where a constraint stands */
+typedef struct pel_meeting {
+    double gap; /* m */
+    double weights[4], normal[3];
+} pel_meeting;
+
+static inline bool pel_descent_sees_contacts(const pel_sim *sim)
+{
+    return sim->contacts != NULL && sim->contact_in_loop;
+}
+
+/* ---- descent_contact.c ---- */
+void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+                              pel_meeting *meeting);
+/* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
+pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
+/* Adds energy [J] and forces at positions. */
+double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force);
+/* Loads and drags after a minimisation that ended at position_next. Returns the largest error of a gap over its
+   tolerance. */
+double pel_descent_contacts_update(pel_sim *sim);
+/* Loads that balance `force` (vertex_count), that of the bodies at position_next, best. Writes over it. */
+void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach);
+/* N, root of the sum of squares of what constraints do to vertices */
+double pel_descent_contacts_force(const pel_sim *sim);
+/* Constraints of surfaces from the list of contacts, after those of tools, with the loads that its keys have. */
+pel_status pel_descent_contacts_add_surfaces(pel_sim *sim, pel_error *error);
+/* Writes these loads into the keys. */
+void pel_descent_contacts_keep_loads(pel_sim *sim);
+/* Flags of the vertices of surfaces that press against each other. */
+void pel_descent_contacts_mark(const pel_sim *sim);
+
+/* ---- descent_tool.c ---- */
+/* Constraints against all tools at position_next and the present poses, in place of all that were known; those that
+   were known keep their loads. */
+pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error);
+/* What tools touch, and their reactions. */
+void pel_descent_contacts_read(pel_sim *sim);
+
+#endif

@@ -1,0 +1,283 @@
+#include "sim/descent.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+#include <string.h>
+
+enum { ESTIMATE_SWEEPS = 20 };
+
+/* of the thickness: gaps keep so much more than it, to within the tolerance */
+#define SLACK_SHARE 0.2
+#define GAP_TOLERANCE 0.15
+
+/* ---- one constraint ---- */
+
+static double mobility_of(const pel_sim *sim, int32_t v)
+{
+    return sim->held != NULL ? pel_tool_mobility(sim, v) : (double)sim->model->inverse_mass[v];
+}
+
+static void combine(const pel_descent_contact *constraint, const double weights[4], const pel_record *position,
+                    double sum[3])
+{
+    pel_vec3_set(sum, 0, 0, 0);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            sum[k] += weights[i] * (double)position[constraint->vertices[i]][k];
+}
+
+/* the nearest point of a triangle to a round tool */
+static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+                       pel_meeting *meeting)
+{
+    const pel_tool *tool = &sim->tools[constraint->tool];
+    pel_solid large = tool->press_solid;
+    double far = 4 * pel_tool_size(tool) + pel_vec3_length(tool->pose.position), normal[3];
+    large.radius += far;
+    double depth = pel_tool_triangle_depth(sim, tool, &large, position, constraint->triangle, meeting->weights, normal);
+    if (!(depth > 0)) {
+        *meeting = (pel_meeting){.gap = far};
+        return;
+    }
+    meeting->gap = far - depth - constraint->offset;
+    meeting->weights[3] = 0;
+    pel_rotate(tool->pose.rotation, normal, meeting->normal);
+}
+
+void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+                              pel_meeting *meeting)
+{
+    double point[3];
+    if (constraint->triangle >= 0) {
+        meet_round(sim, constraint, position, meeting);
+        return;
+    }
+    memcpy(meeting->weights, constraint->weights, sizeof meeting->weights);
+    pel_vec3_copy(constraint->normal, meeting->normal);
+    combine(constraint, constraint->weights, position, point);
+    meeting->gap = pel_vec3_dot(point, constraint->normal) - constraint->offset;
+}
+
+/* the drag without limit that friction answers the way since the step began with; false without friction */
+static bool find_drag(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+                      double drag[3])
+{
+    if (!(constraint->friction > 0) || !(constraint->load > 0))
+        return false;
+    double now[3], before[3], slip[3];
+    combine(constraint, constraint->weights, position, now);
+    combine(constraint, constraint->weights, sim->state->position, before);
+    pel_vec3_subtract(now, before, slip);
+    pel_vec3_subtract(slip, constraint->drift, slip);
+    pel_vec3_along(slip, -pel_vec3_dot(slip, constraint->normal), constraint->normal, slip);
+    pel_vec3_along(constraint->drag, -constraint->stiffness, slip, drag);
+    return true;
+}
+
+/* shortens a vector to a limit; returns the length that it had */
+static double limit_length(double vector[3], double limit)
+{
+    double length = pel_vec3_length(vector);
+    if (length > limit)
+        pel_vec3_scale(vector, limit / length, vector);
+    return length;
+}
+
+static void push(const pel_descent_contact *constraint, const double weights[4], const double load[3],
+                 pel_record *force)
+{
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3 && weights[i] != 0; k++)
+            force[constraint->vertices[i]][k] += (pel_real)(weights[i] * load[k]);
+}
+
+static double evaluate(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+                       pel_record *force)
+{
+    pel_meeting meeting;
+    double energy = 0, load[3], drag[3];
+    pel_descent_contact_meet(sim, constraint, position, &meeting);
+    double along = constraint->load - constraint->stiffness * meeting.gap;
+    if (along > 0) {
+        pel_vec3_scale(meeting.normal, along, load);
+        push(constraint, meeting.weights, load, force);
+        energy += along * along / (2 * constraint->stiffness);
+    }
+    if (find_drag(sim, constraint, position, drag)) {
+        double limit = constraint->friction * constraint->load, length = limit_length(drag, limit);
+        push(constraint, constraint->weights, drag, force);
+        energy += length <= limit ? length * length / (2 * constraint->stiffness)
+                                  : limit * (length - 0.5 * limit) / constraint->stiffness;
+    }
+    return energy;
+}
+
+double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force)
+{
+    const pel_sim_descent *descent = sim->descent;
+    double energy = 0;
+    for (int32_t c = 0; c < descent->count; c++)
+        energy += evaluate(sim, &descent->constraints[c], position, force);
+    return energy;
+}
+
+/* ---- all of them ---- */
+
+pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error)
+{
+    pel_sim_descent *descent = sim->descent;
+    double free = 0;
+    for (int i = 0; i < 4; i++)
+        free += mobility_of(sim, constraint->vertices[i]) * constraint->weights[i] * constraint->weights[i];
+    if (!(free > 0))
+        return PEL_OK;
+    if (!pel_reserve((void **)&descent->constraints, &descent->capacity, (size_t)descent->count + 1,
+                     sizeof *descent->constraints))
+        return pel_fail_memory(error);
+    pel_descent_contact *added = &descent->constraints[descent->count++];
+    *added = *constraint;
+    added->stiffness = descent->penalty * descent->stiffness / free;
+    pel_vec3_along(added->drag, -pel_vec3_dot(added->drag, added->normal), added->normal, added->drag);
+    return PEL_OK;
+}
+
+static double update(const pel_sim *sim, pel_descent_contact *constraint)
+{
+    const pel_record *position = sim->state->position_next;
+    pel_meeting meeting;
+    double drag[3], change = 0;
+    if (find_drag(sim, constraint, position, drag)) {
+        limit_length(drag, constraint->friction * constraint->load);
+        change = pel_vec3_distance(drag, constraint->drag);
+        pel_vec3_copy(drag, constraint->drag);
+    } else {
+        pel_vec3_set(constraint->drag, 0, 0, 0);
+    }
+    pel_descent_contact_meet(sim, constraint, position, &meeting);
+    double load = fmax(0, constraint->load - constraint->stiffness * meeting.gap);
+    change = fmax(change, fabs(load - constraint->load));
+    constraint->load = load;
+    return change / (constraint->stiffness * constraint->tolerance);
+}
+
+double pel_descent_contacts_update(pel_sim *sim)
+{
+    pel_sim_descent *descent = sim->descent;
+    double largest = 0;
+    for (int32_t c = 0; c < descent->count; c++)
+        largest = fmax(largest, update(sim, &descent->constraints[c]));
+    return largest;
+}
+
+/* the load that takes away most of what is left of the forces on its vertices */
+static void balance(const pel_sim *sim, pel_descent_contact *constraint, double reach, pel_record *force)
+{
+    pel_meeting meeting;
+    pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
+    double square = 0, left[3] = {0, 0, 0}, change[3], drag[3];
+    if (meeting.gap > reach)
+        return;
+    for (int i = 0; i < 4; i++) {
+        double weight = mobility_of(sim, constraint->vertices[i]) > 0 ? meeting.weights[i] : 0;
+        square += weight * weight;
+        for (int k = 0; k < 3; k++)
+            left[k] += weight * (double)force[constraint->vertices[i]][k];
+    }
+    if (!(square > 0))
+        return;
+    pel_vec3_scale(left, -1 / square, left);
+    double along = pel_vec3_dot(left, meeting.normal), load = fmax(0, constraint->load + along);
+    pel_vec3_along(left, -along, meeting.normal, drag);
+    pel_vec3_add(constraint->drag, drag, drag);
+    limit_length(drag, constraint->friction * load);
+    pel_vec3_subtract(drag, constraint->drag, change);
+    pel_vec3_along(change, load - constraint->load, meeting.normal, change);
+    push(constraint, meeting.weights, change, force);
+    constraint->load = load;
+    pel_vec3_copy(drag, constraint->drag);
+}
+
+void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach)
+{
+    pel_sim_descent *descent = sim->descent;
+    for (int sweep = 0; sweep < ESTIMATE_SWEEPS; sweep++)
+        for (int32_t c = 0; c < descent->count; c++)
+            balance(sim, &descent->constraints[c], reach + descent->constraints[c].tolerance, force);
+}
+
+double pel_descent_contacts_force(const pel_sim *sim)
+{
+    const pel_sim_descent *descent = sim->descent;
+    double square = 0;
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        double share = 0;
+        for (int i = 0; i < 4; i++)
+            share += constraint->weights[i] * constraint->weights[i];
+        square += share * constraint->load * constraint->load;
+    }
+    return sqrt(square);
+}
+
+/* ---- surfaces ---- */
+
+static void constraint_of(const pel_sim *sim, int32_t number, pel_descent_contact *constraint)
+{
+    const pel_contact *contact = &sim->contacts->list.contacts[number];
+    const pel_contact_key *key = &sim->contacts->keys[number];
+    double thickness = sim->contacts->thickness;
+    *constraint = (pel_descent_contact){
+        .offset = (double)contact->separation + SLACK_SHARE * thickness,
+        .tolerance = GAP_TOLERANCE * thickness,
+        .load = key->loop_push,
+        .friction = (double)contact->friction,
+        .tool = key->tool,
+        .triangle = -1,
+        .number = number,
+    };
+    for (int i = 0; i < 4; i++) {
+        constraint->vertices[i] = contact->vertices[i];
+        constraint->weights[i] = (double)contact->weights[i];
+    }
+    for (int k = 0; k < 3; k++) {
+        constraint->normal[k] = (double)contact->normal[k];
+        constraint->drift[k] = (double)contact->drift[k];
+        constraint->drag[k] = key->loop_tangential[k];
+    }
+}
+
+pel_status pel_descent_contacts_add_surfaces(pel_sim *sim, pel_error *error)
+{
+    pel_sim_descent *descent = sim->descent;
+    pel_status status = PEL_OK;
+    descent->count = descent->tool_count;
+    for (int32_t c = 0; status == PEL_OK && c < sim->contacts->list.count; c++) {
+        pel_descent_contact constraint;
+        constraint_of(sim, c, &constraint);
+        status = pel_descent_contact_add(sim, &constraint, error);
+    }
+    return status;
+}
+
+void pel_descent_contacts_keep_loads(pel_sim *sim)
+{
+    const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = descent->tool_count; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        pel_contact_key *key = &sim->contacts->keys[constraint->number];
+        key->loop_push = constraint->load;
+        pel_vec3_copy(constraint->drag, key->loop_tangential);
+    }
+}
+
+void pel_descent_contacts_mark(const pel_sim *sim)
+{
+    const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = descent->tool_count; c < descent->count; c++)
+        for (int i = 0; i < 4 && descent->constraints[c].load > 0; i++)
+            if (descent->constraints[c].weights[i] != 0)
+                sim->state->contact[descent->constraints[c].vertices[i]] = 1;
+}

@@ -1,0 +1,237 @@
+/* What the minimiser knows of tools: spheres and capsules by the nearest point of each triangle about them, wherever
+   that goes; boxes, where contact does not take them as surfaces, by planes at vertices and at the deepest points of
+   triangles, which are found anew in each round. */
+#include "sim/descent.h"
+#include "sim/tool.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <string.h>
+
+/* of the longest edge: triangles this near to a tool take part */
+#define REACH_SHARE 0.5
+/* of the depth that pressing leaves: gaps keep so much more, to within the tolerance */
+#define SLACK_SHARE 2.0
+#define GAP_TOLERANCE 1.5
+
+/* one tool at work */
+typedef struct tool_search {
+    pel_sim *sim;
+    int32_t tool;
+    double reach, slack;
+    pel_descent_contact blank;
+} tool_search;
+
+/* boxes and meshes are in the list of contacts */
+static bool is_found_here(const pel_sim *sim, const pel_tool *tool)
+{
+    return tool->press && tool->mesh == NULL && (pel_tool_is_round(tool) || !pel_descent_sees_contacts(sim));
+}
+
+/* the way of the tool at a point since the step began */
+static void find_drift(const pel_tool *tool, const double point[3], double drift[3])
+{
+    double local[3], before[3];
+    pel_pose_to_local(&tool->pose, point, local);
+    pel_pose_to_world(&tool->pose_before, local, before);
+    pel_vec3_subtract(point, before, drift);
+}
+
+/* with the loads of the one that was known before, `known` its number plus 1 */
+static pel_status add(const tool_search *search, pel_descent_contact *constraint, int32_t known, pel_error *error)
+{
+    pel_sim *sim = search->sim;
+    double point[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            point[k] += constraint->weights[i] * (double)sim->state->position_next[constraint->vertices[i]][k];
+    find_drift(&sim->tools[search->tool], point, constraint->drift);
+    if (known > 0) {
+        const pel_descent_contact *old = &sim->descent->others[known - 1];
+        constraint->load = old->load;
+        pel_vec3_copy(old->drag, constraint->drag);
+    }
+    return pel_descent_contact_add(sim, constraint, error);
+}
+
+static pel_descent_contact at_triangle(const tool_search *search, int32_t t)
+{
+    pel_descent_contact constraint = search->blank;
+    for (int i = 0; i < 4; i++)
+        constraint.vertices[i] = search->sim->model->triangles[t][i < 3 ? i : 0];
+    constraint.number = t;
+    return constraint;
+}
+
+/* ---- round tools ---- */
+
+static pel_status add_round(const tool_search *search, int32_t t, pel_error *error)
+{
+    pel_sim *sim = search->sim;
+    pel_descent_contact constraint = at_triangle(search, t);
+    pel_meeting meeting;
+    constraint.triangle = t;
+    constraint.offset = search->slack;
+    pel_descent_contact_meet(sim, &constraint, sim->state->position_next, &meeting);
+    int32_t known = sim->plane_of_triangle[t];
+    if (meeting.gap > search->reach && known == 0)
+        return PEL_OK;
+    memcpy(constraint.weights, meeting.weights, sizeof constraint.weights);
+    pel_vec3_copy(meeting.normal, constraint.normal);
+    return add(search, &constraint, known, error);
+}
+
+/* ---- boxes ---- */
+
+static void set_plane(const tool_search *search, const double local[3], double gap, pel_descent_contact *constraint)
+{
+    pel_sim *sim = search->sim;
+    double point[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            point[k] += constraint->weights[i] * (double)sim->state->position_next[constraint->vertices[i]][k];
+    pel_rotate(sim->tools[search->tool].pose.rotation, local, constraint->normal);
+    constraint->offset = pel_vec3_dot(constraint->normal, point) - gap + search->slack;
+}
+
+static pel_status add_corner(const tool_search *search, int32_t v, pel_error *error)
+{
+    pel_sim *sim = search->sim;
+    const pel_tool *tool = &sim->tools[search->tool];
+    pel_descent_contact constraint = search->blank;
+    double x[3], local[3], normal[3];
+    int32_t known = sim->descent->constraint_of_vertex[v];
+    /* found before, in this search */
+    if (known < 0)
+        return PEL_OK;
+    pel_vertex_position(sim->state->position_next, v, x);
+    pel_pose_to_local(&tool->pose, x, local);
+    double gap = pel_solid_distance(&tool->press_solid, local, normal);
+    if (gap > search->reach)
+        return PEL_OK;
+    sim->descent->constraint_of_vertex[v] = -1;
+    for (int i = 0; i < 4; i++)
+        constraint.vertices[i] = v;
+    constraint.weights[0] = 1;
+    constraint.number = -1 - v;
+    set_plane(search, normal, gap, &constraint);
+    return add(search, &constraint, known, error);
+}
+
+static pel_status add_flat(const tool_search *search, int32_t t, pel_error *error)
+{
+    pel_sim *sim = search->sim;
+    const pel_tool *tool = &sim->tools[search->tool];
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < 3; i++)
+        status = add_corner(search, sim->model->triangles[t][i], error);
+    pel_solid grown = tool->press_solid;
+    for (int k = 0; k < 3; k++)
+        grown.half_extents[k] += search->reach;
+    pel_descent_contact constraint = at_triangle(search, t);
+    double normal[3], *w = constraint.weights;
+    double depth = pel_tool_triangle_depth(sim, tool, &grown, sim->state->position_next, t, w, normal);
+    /* corners have their own */
+    if (status != PEL_OK || !(depth > 0) || fmax(w[0], fmax(w[1], w[2])) > 1 - 1e-6)
+        return status;
+    set_plane(search, normal, search->reach - depth, &constraint);
+    return add(search, &constraint, sim->plane_of_triangle[t], error);
+}
+
+/* ---- all tools ---- */
+
+/* what was known of a tool before, by triangle and vertex; or forgets all that */
+static void set_known(pel_sim *sim, int32_t tool, int32_t other_count, bool forget)
+{
+    const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = 0; c < other_count; c++) {
+        const pel_descent_contact *old = &descent->others[c];
+        if (old->tool != tool)
+            continue;
+        int32_t *known =
+            old->number < 0 ? &descent->constraint_of_vertex[-1 - old->number] : &sim->plane_of_triangle[old->number];
+        *known = forget ? 0 : c + 1;
+    }
+    for (int32_t c = 0; forget && c < descent->count; c++)
+        if (descent->constraints[c].number < 0)
+            descent->constraint_of_vertex[-1 - descent->constraints[c].number] = 0;
+}
+
+static pel_status find(pel_sim *sim, int32_t tool, double longest, pel_error *error)
+{
+    const pel_tool *t = &sim->tools[tool];
+    double free_depth = pel_tool_press_tolerance(sim, t);
+    tool_search search = {sim, tool, REACH_SHARE * longest, SLACK_SHARE * free_depth, {.triangle = -1, .tool = tool}};
+    search.blank.tolerance = GAP_TOLERANCE * free_depth;
+    search.blank.friction = pel_sim_friction(sim);
+    int32_t near_count = pel_tool_near_triangles(sim, t, sim->state->position_next, longest, search.reach);
+    pel_status status = PEL_OK;
+    for (int32_t i = 0; status == PEL_OK && i < near_count; i++) {
+        if (pel_tool_is_round(t))
+            status = add_round(&search, sim->near_triangles[i], error);
+        else
+            status = add_flat(&search, sim->near_triangles[i], error);
+    }
+    return status;
+}
+
+pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
+{
+    pel_sim_descent *descent = sim->descent;
+    pel_descent_contact *list = descent->constraints;
+    size_t capacity = descent->capacity;
+    int32_t other_count = descent->tool_count;
+    double longest = sim->tool_count > 0 ? pel_sim_longest_edge(sim) : 0;
+    descent->constraints = descent->others;
+    descent->capacity = descent->other_capacity;
+    descent->others = list;
+    descent->other_capacity = capacity;
+    descent->count = 0;
+    pel_status status = PEL_OK;
+    for (int32_t i = 0; status == PEL_OK && i < sim->tool_count; i++) {
+        if (!is_found_here(sim, &sim->tools[i]))
+            continue;
+        set_known(sim, i, other_count, false);
+        status = find(sim, i, longest, error);
+        set_known(sim, i, other_count, true);
+    }
+    descent->tool_count = descent->count;
+    return status;
+}
+
+/* ---- readings ---- */
+
+static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
+{
+    pel_tool *tool = &sim->tools[constraint->tool];
+    double point[3] = {0, 0, 0}, sum = 0, side = 0, load[3], x[3];
+    pel_meeting meeting;
+    pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
+    for (int i = 0; i < 4; i++) {
+        int32_t v = constraint->vertices[i];
+        if (meeting.weights[i] == 0)
+            continue;
+        pel_touch *touch = pel_tool_touch(tool, v);
+        pel_vec3_along(touch->push, constraint->load * meeting.weights[i], meeting.normal, touch->push);
+        pel_vertex_position(sim->state->position_next, v, x);
+        pel_vec3_along(point, fabs(meeting.weights[i]), x, point);
+        sum += fabs(meeting.weights[i]);
+        side += meeting.weights[i];
+    }
+    if (!(sum > 0))
+        return;
+    pel_vec3_scale(point, 1 / sum, point);
+    pel_vec3_along(constraint->drag, constraint->load, meeting.normal, load);
+    /* of surfaces the tool may be the first or the second one */
+    pel_vec3_scale(load, -side, load);
+    pel_tool_add_reaction(tool, point, load);
+}
+
+void pel_descent_contacts_read(pel_sim *sim)
+{
+    const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = 0; c < descent->count; c++)
+        if (descent->constraints[c].tool >= 0 && descent->constraints[c].load > 0)
+            read_constraint(sim, &descent->constraints[c]);
+}
