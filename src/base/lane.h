@@ -135,6 +135,23 @@ static inline pel_lane pel_lane_select(pel_lane_mask mask, pel_lane a, pel_lane 
 #endif
 }
 
+/* true when the mask is set in all lanes */
+static inline bool pel_lane_all(pel_lane_mask mask)
+{
+#ifdef PEL_LANE_SCALAR
+    return mask != 0;
+#elif defined(PEL_SINGLE) && defined(__AVX__)
+    return _mm256_movemask_ps((__m256)mask) == 255;
+#elif !defined(PEL_SINGLE) && defined(__AVX__)
+    return _mm256_movemask_pd((__m256d)mask) == 15;
+#else
+    pel_lane_integer all = -1;
+    for (int i = 0; i < PEL_BLOCK; i++)
+        all &= mask[i];
+    return all != 0;
+#endif
+}
+
 /* a / b, 0 where b is not above 0 */
 static inline pel_lane pel_lane_quotient(pel_lane a, pel_lane b)
 {
@@ -183,16 +200,12 @@ static inline pel_lane pel_lane_polynomial(const pel_real *c, int count, pel_lan
 }
 
 /* Angle of (x, y) in (-pi, pi]; 0 for (0, 0). The quotient of the smaller by the larger is reduced by pi/4 to at most
-   tan(pi/8), where a Chebyshev fit of atan(t)/t in t^2 has an error of 5e-20 (float: 2e-11). */
+   tan(pi/8), where a Chebyshev fit of atan(t)/t in t^2 has an error of 5e-20 (float: 2e-11). Where no lane needs it
+   the reduction is left out, which changes no bit. */
 static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
 {
     const pel_real eighth_tangent = (pel_real)0.41421356237309504880;
     const pel_lane quarter_turn = pel_lane_splat((pel_real)0.78539816339744830962), zero = pel_lane_splat(0);
-    pel_lane ax = pel_lane_abs(x), ay = pel_lane_abs(y);
-    pel_lane small = pel_lane_min(ax, ay), large = pel_lane_max(ax, ay);
-    pel_lane_mask beyond = pel_lane_above(small, pel_lane_splat(eighth_tangent) * large);
-    pel_lane top = small - pel_lane_where(beyond, large), bottom = large + pel_lane_where(beyond, small);
-    pel_lane t = pel_lane_where(pel_lane_above(large, zero), top / bottom), z = t * t;
 #ifdef PEL_SINGLE
     static const pel_real c[] = {1.0f,        -0.33333332f,  0.19999883f, -0.14281588f,
                                  0.11040489f, -0.084561928f, 0.047073481f};
@@ -211,7 +224,17 @@ static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
                                  -0.033387824501211951519,
                                  0.015113765096600924669};
 #endif
-    pel_lane angle = pel_lane_where(beyond, quarter_turn) + t * pel_lane_polynomial(c, (int)(sizeof c / sizeof *c), z);
+    const int count = (int)(sizeof c / sizeof *c);
+    pel_lane ay = pel_lane_abs(y);
+    if (pel_lane_all(pel_lane_above(pel_lane_splat(eighth_tangent) * x, ay))) {
+        pel_lane t = y / x;
+        return zero + t * pel_lane_polynomial(c, count, t * t);
+    }
+    pel_lane ax = pel_lane_abs(x), small = pel_lane_min(ax, ay), large = pel_lane_max(ax, ay);
+    pel_lane_mask beyond = pel_lane_above(small, pel_lane_splat(eighth_tangent) * large);
+    pel_lane top = small - pel_lane_where(beyond, large), bottom = large + pel_lane_where(beyond, small);
+    pel_lane t = pel_lane_where(pel_lane_above(large, zero), top / bottom);
+    pel_lane angle = pel_lane_where(beyond, quarter_turn) + t * pel_lane_polynomial(c, count, t * t);
     angle = pel_lane_select(pel_lane_above(ay, ax), quarter_turn + quarter_turn - angle, angle);
     angle = pel_lane_select(pel_lane_above(zero, x), pel_lane_splat((pel_real)3.14159265358979323846) - angle, angle);
     return pel_lane_select(pel_lane_above(zero, y), -angle, angle);
@@ -293,10 +316,9 @@ typedef struct pel_particle {
     pel_lane fourth; /* inverse mass */
 } pel_particle;
 
-/* pel_particle_move adds a way to the records of a block, from which p was loaded. In double the rows of the way are
-   transposed and added to the records in memory, so that no position has to be kept in registers: 20 % faster. In
-   float, with twice the records, it is slower than to transpose the moved positions. All records are read before any is
-   written, as lanes may repeat. */
+/* pel_particle_move adds a way to the records of a block, which are read before any is written: lanes may repeat. Where
+   p, which was loaded from them, is given, float takes the positions from there: fewer operations, but more registers.
+ */
 
 #ifdef PEL_LANE_SCALAR
 
@@ -304,16 +326,17 @@ static inline void pel_lane3_store(pel_record *records, pel_lane3 a)
 {
     *records = (pel_record){a.x, a.y, a.z, 0};
 }
-static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
+static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *steps, int32_t lane)
 {
-    const pel_record r = records[places[lane]];
+    const pel_record r = pel_record_get(records, steps[lane]);
     return (pel_particle){{r[0], r[1], r[2]}, r[3]};
 }
-static inline void pel_particle_move(pel_record *records, const int32_t *places, int32_t lane, const pel_particle *p,
+static inline void pel_particle_move(pel_record *records, const int32_t *steps, int32_t lane, const pel_particle *p,
                                      pel_lane3 way)
 {
     (void)p;
-    records[places[lane]] += (pel_record){way.x, way.y, way.z, 0};
+    pel_record r = pel_record_get(records, steps[lane]);
+    pel_record_set(records, steps[lane], r + (pel_record){way.x, way.y, way.z, 0});
 }
 
 #elif defined(PEL_SINGLE)
@@ -345,27 +368,38 @@ static inline pel_lane pel_lane_join(pel_record low, pel_record high)
 {
     return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
-static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
+static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *steps, int32_t lane)
 {
     (void)lane;
-    pel_lane a = pel_lane_join(records[places[0]], records[places[4]]);
-    pel_lane b = pel_lane_join(records[places[1]], records[places[5]]);
-    pel_lane c = pel_lane_join(records[places[2]], records[places[6]]);
-    pel_lane d = pel_lane_join(records[places[3]], records[places[7]]);
+    pel_lane a = pel_lane_join(pel_record_get(records, steps[0]), pel_record_get(records, steps[4]));
+    pel_lane b = pel_lane_join(pel_record_get(records, steps[1]), pel_record_get(records, steps[5]));
+    pel_lane c = pel_lane_join(pel_record_get(records, steps[2]), pel_record_get(records, steps[6]));
+    pel_lane d = pel_lane_join(pel_record_get(records, steps[3]), pel_record_get(records, steps[7]));
     pel_lane_transpose(&a, &b, &c, &d);
     return (pel_particle){{a, b, c}, d};
 }
-static inline void pel_particle_move(pel_record *records, const int32_t *places, int32_t lane, const pel_particle *p,
+static inline void pel_particle_move(pel_record *records, const int32_t *steps, int32_t lane, const pel_particle *p,
                                      pel_lane3 way)
 {
     (void)lane;
-    pel_lane a = p->at.x + way.x, b = p->at.y + way.y, c = p->at.z + way.z, d = p->fourth;
+    pel_lane a = way.x, b = way.y, c = way.z, d = pel_lane_splat(0);
+    if (p != NULL) {
+        a = p->at.x + a;
+        b = p->at.y + b;
+        c = p->at.z + c;
+        d = p->fourth;
+    }
     pel_lane_transpose(&a, &b, &c, &d);
     const pel_lane rows[4] = {a, b, c, d};
+    pel_record moved[8];
     for (int i = 0; i < 4; i++) {
-        records[places[i]] = __builtin_shufflevector(rows[i], rows[i], 0, 1, 2, 3);
-        records[places[i + 4]] = __builtin_shufflevector(rows[i], rows[i], 4, 5, 6, 7);
+        moved[i] = __builtin_shufflevector(rows[i], rows[i], 0, 1, 2, 3);
+        moved[i + 4] = __builtin_shufflevector(rows[i], rows[i], 4, 5, 6, 7);
     }
+    for (int i = 0; p == NULL && i < 8; i++)
+        moved[i] += pel_record_get(records, steps[i]);
+    for (int i = 0; i < 8; i++)
+        pel_record_set(records, steps[i], moved[i]);
 }
 
 #else
@@ -380,28 +414,29 @@ static inline void pel_lane3_store(pel_record *records, pel_lane3 v)
     records[2] = c;
     records[3] = d;
 }
-static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *places, int32_t lane)
+static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *steps, int32_t lane)
 {
     (void)lane;
-    pel_wide a = records[places[0]], b = records[places[1]], c = records[places[2]], d = records[places[3]];
+    pel_wide a = pel_record_get(records, steps[0]), b = pel_record_get(records, steps[1]),
+             c = pel_record_get(records, steps[2]), d = pel_record_get(records, steps[3]);
     pel_wide_transpose(&a, &b, &c, &d);
     return (pel_particle){{a, b, c}, d};
 }
-static inline void pel_particle_move(pel_record *records, const int32_t *places, int32_t lane, const pel_particle *p,
+static inline void pel_particle_move(pel_record *records, const int32_t *steps, int32_t lane, const pel_particle *p,
                                      pel_lane3 way)
 {
     (void)lane;
     (void)p;
     pel_wide a = way.x, b = way.y, c = way.z, d = pel_wide_splat(0);
     pel_wide_transpose(&a, &b, &c, &d);
-    a += records[places[0]];
-    b += records[places[1]];
-    c += records[places[2]];
-    d += records[places[3]];
-    records[places[0]] = a;
-    records[places[1]] = b;
-    records[places[2]] = c;
-    records[places[3]] = d;
+    a += pel_record_get(records, steps[0]);
+    b += pel_record_get(records, steps[1]);
+    c += pel_record_get(records, steps[2]);
+    d += pel_record_get(records, steps[3]);
+    pel_record_set(records, steps[0], a);
+    pel_record_set(records, steps[1], b);
+    pel_record_set(records, steps[2], c);
+    pel_record_set(records, steps[3], d);
 }
 
 #endif

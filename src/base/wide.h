@@ -8,6 +8,7 @@
 #include "pellicle/base.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -31,6 +32,19 @@ typedef int64_t pel_wide_mask __attribute__((vector_size(32)));
 
 /* what the hot arrays hold: a vector and one more number, aligned to its size */
 typedef pel_wide pel_record;
+
+/* Where records lie is kept in steps of 8 bytes: an address scales by 8 for nothing, and not by the size of a record.
+ */
+enum { PEL_STEP = (int)sizeof(pel_record) / 8 };
+
+static inline pel_record pel_record_get(const pel_record *records, int32_t step)
+{
+    return *(const pel_record *)(const void *)((const char *)records + (ptrdiff_t)step * 8);
+}
+static inline void pel_record_set(pel_record *records, int32_t step, pel_record record)
+{
+    *(pel_record *)(void *)((char *)records + (ptrdiff_t)step * 8) = record;
+}
 
 static inline pel_wide pel_wide_splat(pel_real a)
 {

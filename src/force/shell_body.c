@@ -118,11 +118,11 @@ static void visit_rows(pel_shell_body *own, bool list)
     const pel_shell *shell = own->shell;
     for (int32_t lane = 0; lane < 3 * shell->triangle_count; lane++) {
         int32_t row = pel_row_of(lane / 3, 3, lane % 3);
-        visit_row(own, own->triangle_places[row], (size_t)row, list);
+        visit_row(own, own->triangle_steps[row] / PEL_STEP, (size_t)row, list);
     }
     for (int32_t lane = 0; lane < 4 * shell->hinge_count; lane++) {
         int32_t row = pel_row_of(lane / 4, 4, lane % 4);
-        visit_row(own, own->hinge_places[row], own->first_hinge_row + (size_t)row, list);
+        visit_row(own, own->hinge_steps[row] / PEL_STEP, own->first_hinge_row + (size_t)row, list);
     }
 }
 
@@ -140,16 +140,16 @@ static pel_status make_rows(pel_shell_body *own, pel_error *error)
     own->energies = pel_allocate((size_t)pel_shell_chunk_count(most, PEL_SHELL_CHUNK), sizeof *own->energies);
     own->triangle_at = pel_allocate(triangles, sizeof *own->triangle_at);
     own->hinge_at = pel_allocate(hinges, sizeof *own->hinge_at);
-    own->triangle_places = pel_allocate_aligned(3 * triangles, sizeof *own->triangle_places);
+    own->triangle_steps = pel_allocate_aligned(3 * triangles, sizeof *own->triangle_steps);
     own->triangle_numbers = pel_allocate_aligned(PEL_TRIANGLE_NUMBERS * triangles, sizeof *own->triangle_numbers);
-    own->hinge_places = pel_allocate_aligned(4 * hinges, sizeof *own->hinge_places);
+    own->hinge_steps = pel_allocate_aligned(4 * hinges, sizeof *own->hinge_steps);
     own->hinge_numbers = pel_allocate_aligned(PEL_HINGE_NUMBERS * hinges, sizeof *own->hinge_numbers);
     bool normal_form = shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL;
     if (normal_form)
         own->area_vectors = pel_allocate_aligned(triangles, sizeof *own->area_vectors);
     if (own->rows == NULL || own->gather == NULL || own->gather_begin == NULL || own->sums == NULL ||
-        own->energies == NULL || own->triangle_at == NULL || own->hinge_at == NULL || own->triangle_places == NULL ||
-        own->triangle_numbers == NULL || own->hinge_places == NULL || own->hinge_numbers == NULL ||
+        own->energies == NULL || own->triangle_at == NULL || own->hinge_at == NULL || own->triangle_steps == NULL ||
+        own->triangle_numbers == NULL || own->hinge_steps == NULL || own->hinge_numbers == NULL ||
         (normal_form && own->area_vectors == NULL))
         return pel_fail_memory(error);
     return PEL_OK;
@@ -194,11 +194,11 @@ static void sort_elements(pel_shell_body *own, const int32_t *vertices, size_t s
 }
 
 /* numbers of an element as a lane; only its places when there are no numbers for it */
-static void fill_lane(int32_t *places, pel_real *numbers, int32_t lane, int arity, int count, const int32_t *vertices,
+static void fill_lane(int32_t *steps, pel_real *numbers, int32_t lane, int arity, int count, const int32_t *vertices,
                       const double *given)
 {
     for (int k = 0; k < arity; k++)
-        places[pel_row_of(lane, arity, k)] = vertices[k];
+        steps[pel_row_of(lane, arity, k)] = PEL_STEP * vertices[k];
     for (int j = 0; j < count; j++)
         numbers[pel_row_of(lane, count, j)] = given != NULL ? (pel_real)given[j] : 0;
 }
@@ -244,7 +244,7 @@ static void fill_blocks(pel_shell_body *own)
         int32_t t = own->triangle_at[lane < triangles ? lane : triangles - 1];
         double numbers[PEL_TRIANGLE_NUMBERS];
         find_triangle_numbers(own, t, numbers);
-        fill_lane(own->triangle_places, own->triangle_numbers, lane, 3, PEL_TRIANGLE_NUMBERS,
+        fill_lane(own->triangle_steps, own->triangle_numbers, lane, 3, PEL_TRIANGLE_NUMBERS,
                   shell->triangles[t].vertices, lane < triangles ? numbers : NULL);
     }
     if (hinges > 0)
@@ -253,7 +253,7 @@ static void fill_blocks(pel_shell_body *own)
         const pel_shell_hinge *hinge = &shell->hinges[own->hinge_at[lane < hinges ? lane : hinges - 1]];
         double numbers[PEL_HINGE_NUMBERS];
         find_hinge_numbers(shell, hinge, numbers);
-        fill_lane(own->hinge_places, own->hinge_numbers, lane, 4, PEL_HINGE_NUMBERS, hinge->vertices,
+        fill_lane(own->hinge_steps, own->hinge_numbers, lane, 4, PEL_HINGE_NUMBERS, hinge->vertices,
                   lane < hinges ? numbers : NULL);
     }
 }
@@ -320,9 +320,9 @@ void pel_shell_forces_destroy(pel_shell_forces *forces)
     for (int32_t i = 0; i < forces->count; i++) {
         pel_shell_body *own = &forces->bodies[i];
         void *arrays[] = {
-            own->laws,     own->fibre_begin,     own->fibres,           own->rows,         own->area_vectors,
-            own->energies, own->gather_begin,    own->gather,           own->sums,         own->triangle_at,
-            own->hinge_at, own->triangle_places, own->triangle_numbers, own->hinge_places, own->hinge_numbers};
+            own->laws,     own->fibre_begin,    own->fibres,           own->rows,        own->area_vectors,
+            own->energies, own->gather_begin,   own->gather,           own->sums,        own->triangle_at,
+            own->hinge_at, own->triangle_steps, own->triangle_numbers, own->hinge_steps, own->hinge_numbers};
         for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
             pel_free(arrays[k]);
     }

@@ -35,9 +35,9 @@ typedef struct pel_shell_body {
     int32_t *fibre_begin;   /* (triangle_count + 1); null without fibres */
     pel_triangle_fibre *fibres;
     int32_t *triangle_at, *hinge_at; /* (triangle_count, hinge_count) the element in a lane */
-    int32_t *triangle_places;        /* (triangle blocks x 3 x PEL_BLOCK) */
+    int32_t *triangle_steps;         /* (triangle blocks x 3 x PEL_BLOCK) places times PEL_STEP */
     pel_real *triangle_numbers;      /* (triangle blocks x PEL_TRIANGLE_NUMBERS x PEL_BLOCK) */
-    int32_t *hinge_places;           /* (hinge blocks x 4 x PEL_BLOCK) */
+    int32_t *hinge_steps;            /* (hinge blocks x 4 x PEL_BLOCK) places times PEL_STEP */
     pel_real *hinge_numbers;         /* (hinge blocks x PEL_HINGE_NUMBERS x PEL_BLOCK) */
     pel_record *rows;                /* (lanes of triangles x 3 + lanes of hinges x 4) forces on corners */
     size_t first_hinge_row;

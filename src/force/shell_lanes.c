@@ -9,10 +9,10 @@ static inline pel_lane number_of(const pel_real *numbers, int count, int32_t blo
     return pel_lane_load(numbers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, 0);
 }
 
-static inline pel_particle load_corner(const int32_t *places, int arity, int32_t block, int k,
+static inline pel_particle load_corner(const int32_t *steps, int arity, int32_t block, int k,
                                        const pel_record *positions)
 {
-    return pel_particle_load(positions, places + ((size_t)block * (size_t)arity + (size_t)k) * PEL_BLOCK, 0);
+    return pel_particle_load(positions, steps + ((size_t)block * (size_t)arity + (size_t)k) * PEL_BLOCK, 0);
 }
 
 static inline double sum_of_lanes(pel_lane a)
@@ -55,7 +55,7 @@ PEL_INLINE double sweep_triangles(const pel_shell_body *own, const pel_shell_swe
         pel_particle x[3];
         triangle_forces forces = {{none, none, none}};
         for (int k = 0; k < 3; k++)
-            x[k] = load_corner(own->triangle_places, 3, block, k, sweep->position);
+            x[k] = load_corner(own->triangle_steps, 3, block, k, sweep->position);
         if (membrane) {
             pel_lane i0 = number_of(numbers, PEL_TRIANGLE_NUMBERS, block, 0);
             pel_lane i1 = number_of(numbers, PEL_TRIANGLE_NUMBERS, block, 1);
@@ -99,12 +99,12 @@ double pel_shell_sweep_triangles(const pel_shell_body *own, const pel_shell_swee
 double pel_shell_sweep_volumes(const pel_shell_body *own, const pel_shell_sweep *sweep)
 {
     pel_lane volume = pel_lane_splat(0);
-    const pel_record *corner = &sweep->position[own->triangle_places[0]];
-    const pel_lane3 origin = {pel_lane_splat((*corner)[0]), pel_lane_splat((*corner)[1]), pel_lane_splat((*corner)[2])};
+    const pel_record corner = pel_record_get(sweep->position, own->triangle_steps[0]);
+    const pel_lane3 origin = {pel_lane_splat(corner[0]), pel_lane_splat(corner[1]), pel_lane_splat(corner[2])};
     for (int32_t block = sweep->begin; block < sweep->end; block++) {
         pel_lane3 x[3];
         for (int k = 0; k < 3; k++)
-            x[k] = pel_lane3_subtract(load_corner(own->triangle_places, 3, block, k, sweep->position).at, origin);
+            x[k] = pel_lane3_subtract(load_corner(own->triangle_steps, 3, block, k, sweep->position).at, origin);
         pel_lane used = number_of(own->triangle_numbers, PEL_TRIANGLE_NUMBERS, block, 6);
         volume = volume + used * pel_lane3_dot(x[0], pel_lane3_cross(x[1], x[2]));
     }
@@ -127,7 +127,7 @@ static double sweep_angles(const pel_shell_body *own, const pel_shell_sweep *swe
     for (int32_t block = sweep->begin; block < sweep->end; block++) {
         pel_particle x[4];
         for (int k = 0; k < 4; k++)
-            x[k] = load_corner(own->hinge_places, 4, block, k, sweep->position);
+            x[k] = load_corner(own->hinge_steps, 4, block, k, sweep->position);
         pel_hinge_lanes h = pel_hinge_of(x, number_of(numbers, PEL_HINGE_NUMBERS, block, 0),
                                          number_of(numbers, PEL_HINGE_NUMBERS, block, 1));
         pel_lane moment = number_of(numbers, PEL_HINGE_NUMBERS, block, 2) * h.difference;
@@ -151,7 +151,7 @@ static double sweep_isometric(const pel_shell_body *own, const pel_shell_sweep *
         pel_particle x[4];
         pel_lane weight[4];
         for (int k = 0; k < 4; k++)
-            x[k] = load_corner(own->hinge_places, 4, block, k, sweep->position);
+            x[k] = load_corner(own->hinge_steps, 4, block, k, sweep->position);
         for (int k = 1; k < 4; k++)
             weight[k] = number_of(numbers, PEL_HINGE_NUMBERS, block, k - 1);
         weight[0] = -(weight[1] + weight[2] + weight[3]);

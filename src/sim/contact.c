@@ -501,7 +501,7 @@ static void touch_tools(pel_sim *sim)
         if (contacts->keys[c].tool < 0 || !(contact->push > 0))
             continue;
         pel_tool *tool = &sim->tools[contacts->keys[c].tool];
-        double free = 0, point[3] = {0, 0, 0}, sum = 0, push[3], force[3], x[3];
+        double free = 0, point[3] = {0, 0, 0}, sum = 0, side = 0, push[3], force[3], x[3];
         for (int i = 0; i < 4; i++) {
             double weight = (double)contact->weights[i];
             if (weight == 0)
@@ -510,6 +510,7 @@ static void touch_tools(pel_sim *sim)
             pel_vertex_position(sim->state->position_next, contact->vertices[i], x);
             pel_vec3_along(point, fabs(weight), x, point);
             sum += fabs(weight);
+            side += weight;
         }
         if (!(free > 0))
             continue;
@@ -525,7 +526,8 @@ static void touch_tools(pel_sim *sim)
         if (sim->state->velocity_next == NULL)
             continue;
         pel_vec3_scale(point, 1 / sum, point);
-        pel_vec3_scale(push, -1 / (free * sim->step.dt * sim->step.dt), force);
+        /* the tool may be the first or the second one */
+        pel_vec3_scale(push, -copysign(1, side) / (free * sim->step.dt * sim->step.dt), force);
         pel_tool_add_reaction(tool, point, force);
     }
 }

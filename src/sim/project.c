@@ -49,10 +49,9 @@ static bool has_normal_pressure(const pel_sim *sim)
     return false;
 }
 
-/* loads and pressure at a time into sim->force */
+/* adds loads and pressure at a time to sim->force, which is 0: what a substep takes it leaves so */
 static void find_forces(pel_sim *sim, double time, bool normal_pressure, const pel_record *positions)
 {
-    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_loads_add(sim, time, sim->force);
     if (normal_pressure)
         pel_shell_forces_add(sim->shells, positions, time, PEL_SHELL_PRESSURE, sim->pool, sim->force);
@@ -72,10 +71,12 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
     pel_projector_begin(sim->projector, state, start);
     /* second order: forces belong to the end of a substep */
     double lead = sim->solver.second_order ? sim->projector->substep : 0;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     for (int32_t s = 0; s < sim->solver.substeps; s++) {
+        int place = (s == 0 ? PEL_SUBSTEP_FIRST : 0) | (s == sim->solver.substeps - 1 ? PEL_SUBSTEP_LAST : 0);
         find_forces(sim, start + lead + s * sim->projector->substep, normal_pressure,
                     s == 0 ? state->position : state->position_next);
-        pel_project_substep(sim->projector, state, sim->force, contacts, s == 0);
+        pel_project_substep(sim->projector, state, sim->force, contacts, (pel_substep_place)place);
     }
     result->diverged = !pel_sim_all_inside(sim);
     return PEL_OK;

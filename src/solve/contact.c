@@ -6,6 +6,14 @@
    on impulses is one on the sums of these distances, |tangential| <= friction push. */
 #include "solve/contact.h"
 
+/* a record in double whatever the preset is */
+typedef double record4 __attribute__((vector_size(32)));
+
+static inline record4 record_in_double(pel_record a)
+{
+    return __builtin_convertvector(a, record4);
+}
+
 static double mobility(const pel_contact *contact, const pel_record *positions)
 {
     double sum = 0;
@@ -17,31 +25,29 @@ static double mobility(const pel_contact *contact, const pel_record *positions)
 }
 
 /* sum of weights times positions */
-static void combine(const pel_contact *contact, const pel_record *positions, double sum[3])
+static inline record4 combine(const pel_contact *contact, const pel_record *positions)
 {
-    sum[0] = sum[1] = sum[2] = 0;
+    record4 sum = {0};
     for (int i = 0; i < 4; i++)
-        for (int k = 0; k < 3; k++)
-            sum[k] += (double)contact->weights[i] * (double)positions[contact->vertices[i]][k];
+        sum += (double)contact->weights[i] * record_in_double(positions[contact->vertices[i]]);
+    return sum;
 }
 
-/* moves the points so that the weighted sum goes by `way` */
-static void move(const pel_contact *contact, pel_record *positions, double inverse, const double way[3])
+/* moves the points so that the weighted sum goes by `way`, the fourth number of which is 0 */
+static inline void move(const pel_contact *contact, pel_record *positions, double inverse, record4 way)
 {
     for (int i = 0; i < 4; i++) {
         pel_record *x = &positions[contact->vertices[i]];
         double share = (double)(*x)[3] * (double)contact->weights[i] * inverse;
-        for (int k = 0; k < 3; k++)
-            (*x)[k] = (pel_real)((double)(*x)[k] + share * way[k]);
+        *x = __builtin_convertvector(record_in_double(*x) + share * way, pel_record);
     }
 }
 
 /* takes back as much of the way across the normal as friction can hold */
 static void rub(pel_contact *contact, pel_record *positions, const pel_record *start, double inverse)
 {
-    double now[3], before[3], slip[3], along = 0, wanted[3], square = 0;
-    combine(contact, positions, now);
-    combine(contact, start, before);
+    double slip[3], along = 0, wanted[3], square = 0;
+    record4 now = combine(contact, positions), before = combine(contact, start), way = {0};
     for (int k = 0; k < 3; k++) {
         slip[k] = now[k] - before[k] - (double)contact->drift[k];
         along += slip[k] * (double)contact->normal[k];
@@ -51,7 +57,7 @@ static void rub(pel_contact *contact, pel_record *positions, const pel_record *s
         square += wanted[k] * wanted[k];
     }
     double limit = (double)contact->friction * (double)contact->push;
-    double scale = square > limit * limit ? limit / sqrt(square) : 1, way[3];
+    double scale = square > limit * limit ? limit / sqrt(square) : 1;
     for (int k = 0; k < 3; k++) {
         way[k] = scale * wanted[k] - (double)contact->tangential[k];
         contact->tangential[k] = (pel_real)(scale * wanted[k]);
@@ -59,19 +65,22 @@ static void rub(pel_contact *contact, pel_record *positions, const pel_record *s
     move(contact, positions, inverse, way);
 }
 
+/* most contacts of a sweep neither push nor rub: they are told before anything else is found of them */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start)
 {
     double deepest = 0;
     for (int32_t c = 0; c < list->count; c++) {
         pel_contact *contact = &list->contacts[c];
-        double sum[3], gap = -(double)contact->separation, free = mobility(contact, positions);
-        combine(contact, positions, sum);
+        double gap = -(double)contact->separation;
+        record4 sum = combine(contact, positions), way = {0};
         for (int k = 0; k < 3; k++)
             gap += sum[k] * (double)contact->normal[k];
+        if (!(gap < 0) && !(contact->friction > 0 && contact->push > 0))
+            continue;
+        double free = mobility(contact, positions);
         if (!(free > 0))
             continue;
         if (gap < 0) {
-            double way[3];
             for (int k = 0; k < 3; k++)
                 way[k] = -gap * (double)contact->normal[k];
             move(contact, positions, 1 / free, way);

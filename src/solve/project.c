@@ -181,9 +181,11 @@ static void forget_multipliers(const pel_projector *projector)
 typedef struct vertex_job {
     pel_projector *projector;
     pel_state *state;
-    const pel_record *force;
+    pel_record *force;
     bool first;        /* substep of the step */
+    bool is_moving;    /* velocities are still to be taken from the substep before */
     bool second_order; /* there is a past */
+    pel_real rate;     /* of velocities by ways, drag included */
 } vertex_job;
 
 /* y and u of a vertex, see project.h */
@@ -243,22 +245,40 @@ static pel_record hold_back(const vertex_job *job, int32_t v, const double *fact
            (from->base + (pel_real)job->projector->tau * velocity + push + drag * from->base + spring * model->rest[v]);
 }
 
+/* drag or a volumetric spring of its own */
+static bool is_held(const pel_model *model, int32_t v)
+{
+    return model->damping[v] + model->rest[v][3] + model->volumetric_damping[v] > 0;
+}
+
+/* of the substep that ends at x */
+static pel_record velocity_of(const vertex_job *job, int32_t v, pel_record x)
+{
+    pel_record velocity = job->rate * (x - job->projector->base[v]);
+    velocity[3] = 0;
+    return velocity;
+}
+
 static void predict_vertex(const vertex_job *job, int32_t v, const double *factors)
 {
     const pel_model *model = job->projector->model;
     pel_state *state = job->state;
     pel_real w = model->inverse_mass[v], tau = (pel_real)job->projector->tau;
-    pel_record x = job->first ? state->position[v] : state->position_next[v];
-    pel_record speed = job->first ? state->velocity[v] : state->velocity_next[v];
+    pel_record x = job->first ? state->position[v] : state->position_next[v], speed;
+    if (job->is_moving)
+        speed = velocity_of(job, v, x);
+    else
+        speed = job->first ? state->velocity[v] : state->velocity_next[v];
     launch from = {x, speed};
     if (state->older_position != NULL)
         from = second_order_launch(job, v, x, speed);
     if (!(w > 0))
         from = (launch){x, speed - speed};
-    pel_record push = tau * tau * w * job->force[v];
+    pel_record force = job->force[v], push = tau * tau * w * force;
     pel_record next = from.base + tau * from.velocity + push;
+    job->force[v] = pel_wide_splat(0);
     bool is_dragged = w > 0 && massive_drag(job->projector) > 0;
-    if (is_dragged || model->damping[v] + model->rest[v][3] + model->volumetric_damping[v] > 0)
+    if (is_dragged || (job->projector->is_held && is_held(model, v)))
         next = hold_back(job, v, factors, x, &from, push, &w);
     next[3] = w;
     state->position_next[v] = next;
@@ -280,12 +300,8 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
     const vertex_job *job = context;
     const pel_projector *projector = job->projector;
     int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    double drag = projector->solver.drag - massive_drag(projector);
-    pel_real rate = (pel_real)(exp(-drag * projector->substep) / projector->tau);
     for (int32_t v = first; v < end && v < projector->model->vertex_count; v++) {
-        pel_record velocity = rate * (job->state->position_next[v] - projector->base[v]);
-        velocity[3] = 0;
-        job->state->velocity_next[v] = velocity;
+        job->state->velocity_next[v] = velocity_of(job, v, job->state->position_next[v]);
         job->state->position_next[v][3] = projector->model->inverse_mass[v];
     }
 }
@@ -312,6 +328,9 @@ static void forget_past(pel_projector *projector, pel_state *state, const pel_co
 
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
 {
+    projector->is_held = false;
+    for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
+        projector->is_held = is_held(projector->model, v);
     for (int32_t b = 0; b < projector->model->body_count; b++)
         pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b],
                                state->bending[b].weight, state->position, time, 1.0 / projector->solver.substeps);
@@ -324,12 +343,17 @@ static void set_time(pel_projector *projector, const pel_state *state, double ta
         pel_project_body_set_time(&projector->bodies[b], state->factors[b], tau);
 }
 
-void pel_project_substep(pel_projector *projector, pel_state *state, const pel_record *force,
-                         pel_contact_list *contacts, bool first)
+void pel_project_substep(pel_projector *projector, pel_state *state, pel_record *force, pel_contact_list *contacts,
+                         pel_substep_place place)
 {
+    bool first = place & PEL_SUBSTEP_FIRST, last = place & PEL_SUBSTEP_LAST;
+    /* the velocities of first order are taken on the way by the next substep */
+    bool lasting = last || projector->solver.second_order;
     bool has_past = projector->solver.second_order && (!first || state->older_is_known);
     set_time(projector, state, has_past ? 2 * projector->substep / 3 : projector->substep);
-    vertex_job job = {projector, state, force, first, has_past};
+    double drag = projector->solver.drag - massive_drag(projector);
+    pel_real rate = (pel_real)(exp(-drag * projector->substep) / projector->tau);
+    vertex_job job = {projector, state, force, first, !first && !projector->solver.second_order, has_past, rate};
     int32_t chunk_count = (projector->model->vertex_count + VERTEX_CHUNK - 1) / VERTEX_CHUNK;
     pel_pool_run(projector->pool, chunk_count, predict_chunk, &job);
     forget_multipliers(projector);
@@ -340,7 +364,8 @@ void pel_project_substep(pel_projector *projector, pel_state *state, const pel_r
         if (contacts != NULL)
             pel_contacts_project(contacts, state->position_next, state->position);
     }
-    pel_pool_run(projector->pool, chunk_count, measure_velocity_chunk, &job);
+    if (lasting)
+        pel_pool_run(projector->pool, chunk_count, measure_velocity_chunk, &job);
     if (contacts != NULL && projector->solver.second_order)
         forget_past(projector, state, contacts);
 }

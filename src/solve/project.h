@@ -49,6 +49,7 @@ typedef struct pel_projector {
     const pel_model *model;
     pel_solver_def solver;
     bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
+    bool is_held;                                /* a vertex has drag or a volumetric spring of its own */
     double substep, tau;                         /* s; tau of the present substep */
     pel_project_body *bodies;                    /* (model body_count) */
     pel_bundle *bundles;                         /* by phase */
@@ -73,10 +74,17 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
 /* Adds the forces of all pressures in the consistent form at a time to force (vertex_count). */
 void pel_projector_add_pressure(pel_projector *projector, const pel_record *positions, double time, pel_record *force);
 
-/* One substep from state->position and velocity (first) or from position_next and velocity_next, to position_next and
-   velocity_next. force (vertex_count): at its start. contacts: nullable. */
-void pel_project_substep(pel_projector *projector, pel_state *state, const pel_record *force,
-                         pel_contact_list *contacts, bool first);
+/* where a substep stands in its step; one may be both */
+typedef enum pel_substep_place {
+    PEL_SUBSTEP_BETWEEN = 0,
+    PEL_SUBSTEP_FIRST = 1,
+    PEL_SUBSTEP_LAST = 2
+} pel_substep_place;
+
+/* One substep from state->position and velocity (first) or from where the one before has ended, to position_next and,
+   after the last, velocity_next. force (vertex_count): at its start; left as 0. contacts: nullable. */
+void pel_project_substep(pel_projector *projector, pel_state *state, pel_record *force, pel_contact_list *contacts,
+                         pel_substep_place place);
 
 /* After a step that is accepted: what the next one has to know of this one goes to the state. */
 void pel_projector_accept(pel_projector *projector, pel_state *state);

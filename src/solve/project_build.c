@@ -150,8 +150,8 @@ static void fill_block(pel_batch *batch, const build *job, int32_t block, const 
         int32_t c = members[lane < member_count ? lane : member_count - 1];
         batch->sources[(size_t)block * PEL_BLOCK + (size_t)lane] = job->scratch->origins[c];
         for (int k = 0; k < job->arity; k++)
-            batch->vertices[((size_t)block * (size_t)job->arity + (size_t)k) * PEL_BLOCK + (size_t)lane] =
-                job->vertices[(size_t)c * (size_t)job->arity + (size_t)k];
+            batch->steps[((size_t)block * (size_t)job->arity + (size_t)k) * PEL_BLOCK + (size_t)lane] =
+                PEL_STEP * job->vertices[(size_t)c * (size_t)job->arity + (size_t)k];
     }
 }
 
@@ -163,7 +163,8 @@ static int32_t fill_bundle(pel_batch *batch, const build *job, int32_t block, in
     for (int32_t c = 0; c < color_count; c++) {
         int32_t end = from + s->counts[c];
         for (; begin < end; begin += PEL_BLOCK) {
-            int32_t left = end - begin;
+            int32_t left = end - begin, next = (left - 1) / PEL_BLOCK;
+            batch->followers[block] = (uint8_t)(next < PEL_BATCH_GROUP ? next : PEL_BATCH_GROUP - 1);
             fill_block(batch, job, block++, s->order + begin, left < PEL_BLOCK ? left : PEL_BLOCK);
         }
         begin = end;
@@ -178,14 +179,15 @@ pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_
     with_multipliers &= batch->multiplier_count > 0;
     batch->capacity = capacity;
     batch->bundle_begin = pel_allocate((size_t)bundle_count + 1, sizeof *batch->bundle_begin);
-    batch->vertices = pel_allocate_aligned(lanes * (size_t)batch->arity, sizeof *batch->vertices);
+    batch->steps = pel_allocate_aligned(lanes * (size_t)batch->arity, sizeof *batch->steps);
     batch->numbers = pel_allocate_aligned(lanes * (size_t)batch->number_count, sizeof *batch->numbers);
     batch->sources = pel_allocate(lanes, sizeof *batch->sources);
     batch->lane_counts = pel_allocate((size_t)capacity, sizeof *batch->lane_counts);
+    batch->followers = pel_allocate((size_t)capacity, sizeof *batch->followers);
     if (with_multipliers)
         batch->multipliers = pel_allocate_aligned(lanes * (size_t)batch->multiplier_count, sizeof *batch->multipliers);
-    bool room = batch->bundle_begin != NULL && batch->vertices != NULL && batch->numbers != NULL &&
-                batch->sources != NULL && batch->lane_counts != NULL &&
+    bool room = batch->bundle_begin != NULL && batch->steps != NULL && batch->numbers != NULL &&
+                batch->sources != NULL && batch->lane_counts != NULL && batch->followers != NULL &&
                 (!with_multipliers || batch->multipliers != NULL);
     return room ? PEL_OK : pel_fail_memory(error);
 }
@@ -213,7 +215,7 @@ pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32
                  place_count,       2 * body->piece_count, body,  scratch};
     int32_t *begin = scratch->bundles;
     sort_constraints(&job, begin);
-    if (batch->vertices == NULL) {
+    if (batch->steps == NULL) {
         pel_status status =
             pel_batch_reserve(batch, count_blocks(&job, begin), job.bundle_count, with_multipliers, error);
         if (status != PEL_OK)
@@ -232,8 +234,8 @@ pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32
 
 void pel_batch_destroy(pel_batch *batch)
 {
-    void *arrays[] = {batch->bundle_begin, batch->vertices, batch->numbers,
-                      batch->multipliers,  batch->sources,  batch->lane_counts};
+    void *arrays[] = {batch->bundle_begin, batch->steps,       batch->numbers,  batch->multipliers,
+                      batch->sources,      batch->lane_counts, batch->followers};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
 }

@@ -27,7 +27,12 @@
    (l + area dt^2 S): symmetric, and no less than 1 whatever the stiffness.
 
    Guards have no scale of their own: steps of the pbd membrane are bounded by the size of the triangle at rest, a
-   triangle squeezed to less than half has the gradient of half its size, quotients by zero are zero. */
+   triangle squeezed to less than half has the gradient of half its size, quotients by zero are zero.
+
+   A kernel finds the ways of the points of one block; the sweep moves them, after those of up to PEL_BATCH_GROUP blocks
+   are found. Tried and lost: transposes by 128-bit halves (as many cycles), two blocks side by side (half the gain),
+   lanes of 512 bits as two vectors (GCC 12: five times slower), approximate reciprocals (the divider is not what is
+   waited for). */
 #ifndef PEL_SOLVE_PROJECT_KERNEL_H
 #define PEL_SOLVE_PROJECT_KERNEL_H
 
@@ -37,37 +42,31 @@
 
 /* ---- access ---- */
 
-static inline const int32_t *places_of(const pel_batch *batch, int32_t block, int k)
+PEL_INLINE const int32_t *steps_of(const pel_batch *batch, int32_t block, int k)
 {
-    return batch->vertices + ((size_t)block * (size_t)batch->arity + (size_t)k) * PEL_BLOCK;
+    return batch->steps + ((size_t)block * (size_t)batch->arity + (size_t)k) * PEL_BLOCK;
 }
 
-static inline pel_lane number_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
+PEL_INLINE pel_lane number_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
 {
     return pel_lane_load(batch->numbers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, lane);
 }
 
-static inline pel_particle load_particle(const pel_batch *batch, int32_t block, int k, int32_t lane,
-                                         const pel_record *positions)
+PEL_INLINE pel_particle load_particle(const pel_batch *batch, int32_t block, int k, int32_t lane,
+                                      const pel_record *positions)
 {
-    return pel_particle_load(positions, places_of(batch, block, k), lane);
+    return pel_particle_load(positions, steps_of(batch, block, k), lane);
 }
 
-static inline void move_particle(const pel_batch *batch, int32_t block, int k, int32_t lane, pel_record *positions,
-                                 const pel_particle *p, pel_lane3 way)
-{
-    pel_particle_move(positions, places_of(batch, block, k), lane, p, way);
-}
-
-static inline pel_lane multiplier_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
+PEL_INLINE pel_lane multiplier_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
 {
     if (batch->multipliers == NULL)
         return pel_lane_splat(0);
     return pel_lane_load(batch->multipliers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, lane);
 }
 
-static inline void add_multiplier(const pel_batch *batch, int32_t block, int count, int j, int32_t lane, pel_lane old,
-                                  pel_lane change)
+PEL_INLINE void add_multiplier(const pel_batch *batch, int32_t block, int count, int j, int32_t lane, pel_lane old,
+                               pel_lane change)
 {
     if (batch->multipliers != NULL)
         pel_lane_store(batch->multipliers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, lane,
@@ -76,120 +75,138 @@ static inline void add_multiplier(const pel_batch *batch, int32_t block, int cou
 
 /* ---- springs ---- */
 
-PEL_INLINE void sweep_edges(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool compliant)
+PEL_INLINE void project_edge(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                             pel_lane3 *ways, bool compliant)
 {
     const int count = compliant ? 2 : 1;
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            pel_particle a = load_particle(batch, block, 0, lane, positions);
-            pel_particle b = load_particle(batch, block, 1, lane, positions);
-            pel_lane3 d = pel_lane3_subtract(b.at, a.at);
-            pel_lane length = pel_lane_sqrt(pel_lane3_dot(d, d));
-            pel_lane stretch = length - number_of(batch, block, count, 0, lane), mobility = a.fourth + b.fourth;
-            pel_lane change = stretch;
-            if (compliant) {
-                pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
-                pel_lane multiplier = multiplier_of(batch, block, 1, 0, lane);
-                change = (stretch + softness * multiplier) / (mobility + softness);
-                add_multiplier(batch, block, 1, 0, lane, multiplier, -change);
-                change = pel_lane_quotient(change, length);
-            } else {
-                change = pel_lane_quotient(stretch, mobility * length);
-            }
-            move_particle(batch, block, 0, lane, positions, &a, pel_lane3_scale(d, a.fourth * change));
-            move_particle(batch, block, 1, lane, positions, &b, pel_lane3_scale(d, -(b.fourth * change)));
-        }
+    pel_particle a = load_particle(batch, block, 0, lane, positions);
+    pel_particle b = load_particle(batch, block, 1, lane, positions);
+    pel_lane3 d = pel_lane3_subtract(b.at, a.at);
+    pel_lane length = pel_lane_sqrt(pel_lane3_dot(d, d));
+    pel_lane stretch = length - number_of(batch, block, count, 0, lane), mobility = a.fourth + b.fourth;
+    pel_lane change = stretch;
+    if (compliant) {
+        pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
+        pel_lane multiplier = multiplier_of(batch, block, 1, 0, lane);
+        change = (stretch + softness * multiplier) / (mobility + softness);
+        add_multiplier(batch, block, 1, 0, lane, multiplier, -change);
+        change = pel_lane_quotient(change, length);
+    } else {
+        change = pel_lane_quotient(stretch, mobility * length);
+    }
+    ways[0] = pel_lane3_scale(d, a.fourth * change);
+    ways[1] = pel_lane3_scale(d, -(b.fourth * change));
 }
 
 /* ---- membrane ---- */
 
 typedef struct triangle_lanes {
     pel_particle point[3];
-    pel_lane i0, i1, i2;
     pel_lane3 f1, f2;
+    pel_lane m00, m01, m11, m20, m21; /* w_k p_k and w_k q_k of each corner, the last with the sign turned; p_1 = 0 */
     pel_lane pp, pq, qq;
 } triangle_lanes;
 
-static inline triangle_lanes load_triangle(const pel_batch *batch, int32_t block, int32_t lane, int count,
-                                           const pel_record *positions)
+PEL_INLINE triangle_lanes load_triangle(const pel_batch *batch, int32_t block, int32_t lane, int count,
+                                        const pel_record *positions)
 {
     triangle_lanes t;
     for (int k = 0; k < 3; k++)
         t.point[k] = load_particle(batch, block, k, lane, positions);
-    t.i0 = number_of(batch, block, count, 0, lane);
-    t.i1 = number_of(batch, block, count, 1, lane);
-    t.i2 = number_of(batch, block, count, 2, lane);
+    pel_lane i0 = number_of(batch, block, count, 0, lane), i1 = number_of(batch, block, count, 1, lane);
+    pel_lane i2 = number_of(batch, block, count, 2, lane), q2 = i1 + i2;
     pel_lane3 first = pel_lane3_subtract(t.point[0].at, t.point[2].at);
     pel_lane3 second = pel_lane3_subtract(t.point[1].at, t.point[2].at);
-    t.f1 = pel_lane3_scale(first, t.i0);
-    t.f2 = pel_lane3_combine(t.i1, first, t.i2, second);
-    pel_lane w0 = t.point[0].fourth, w1 = t.point[1].fourth, w2 = t.point[2].fourth, q2 = t.i1 + t.i2;
-    t.pp = t.i0 * t.i0 * (w0 + w2);
-    t.pq = t.i0 * (w0 * t.i1 + w2 * q2);
-    t.qq = w0 * t.i1 * t.i1 + w1 * t.i2 * t.i2 + w2 * q2 * q2;
+    t.f1 = pel_lane3_scale(first, i0);
+    t.f2 = pel_lane3_combine(i1, first, i2, second);
+    t.m00 = t.point[0].fourth * i0;
+    t.m01 = t.point[0].fourth * i1;
+    t.m11 = t.point[1].fourth * i2;
+    t.m20 = t.point[2].fourth * i0;
+    t.m21 = t.point[2].fourth * q2;
+    t.pp = i0 * (t.m00 + t.m20);
+    t.pq = i0 * (t.m01 + t.m21);
+    t.qq = i1 * t.m01 + i2 * t.m11 + q2 * t.m21;
     return t;
 }
 
-/* dx_k = w_k (p_k a + q_k b) */
-static inline void move_triangle(const pel_batch *batch, int32_t block, int32_t lane, pel_record *positions,
-                                 const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
+/* dx_k = scale w_k (p_k a + q_k b) */
+PEL_INLINE void move_triangle(const triangle_lanes *t, pel_lane scale, pel_lane3 a, pel_lane3 b, pel_lane3 *ways)
 {
-    const pel_particle *p = t->point;
-    move_particle(batch, block, 0, lane, positions, &p[0],
-                  pel_lane3_combine(p[0].fourth * t->i0, a, p[0].fourth * t->i1, b));
-    move_particle(batch, block, 1, lane, positions, &p[1], pel_lane3_scale(b, p[1].fourth * t->i2));
-    move_particle(batch, block, 2, lane, positions, &p[2],
-                  pel_lane3_combine(-(p[2].fourth * t->i0), a, -(p[2].fourth * (t->i1 + t->i2)), b));
+    ways[0] = pel_lane3_combine(scale * t->m00, a, scale * t->m01, b);
+    ways[1] = pel_lane3_scale(b, scale * t->m11);
+    ways[2] = pel_lane3_combine(-scale * t->m20, a, -scale * t->m21, b);
 }
 
-/* pbd: the energy is the constraint */
-PEL_INLINE void sweep_membrane(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                               pel_membrane_kind kind)
+/* sum of w |g|^2 */
+PEL_INLINE pel_lane sum_of_squares(const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
+{
+    pel_lane mixed = t->pq * pel_lane3_dot(a, b);
+    return t->pp * pel_lane3_dot(a, a) + (mixed + mixed) + t->qq * pel_lane3_dot(b, b);
+}
+
+/* pbd: the energy is the constraint. A vertex moves by no more than (w_k / sum w (p^2 + q^2))^(1/2): half an edge of a
+   regular triangle with equal masses, and never more than a height. */
+PEL_INLINE void project_membrane(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                 pel_lane3 *ways, pel_membrane_kind kind)
 {
     pel_lane first = pel_lane_splat(batch->law.first), second = pel_lane_splat(batch->law.second);
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
-            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
-            pel_lane3 stress[2];
-            pel_lane energy;
-            if (kind == PEL_MEMBRANE_LINEAR) {
-                energy = pel_linear_stress(first, second, &s, stress);
-            } else {
-                pel_response r;
-                pel_respond(kind, first, second, &s, &r);
-                energy = r.energy;
-                stress[0] = pel_lane3_combine(r.stress.a, t.f1, r.stress.c, t.f2);
-                stress[1] = pel_lane3_combine(r.stress.c, t.f1, r.stress.b, t.f2);
-            }
-            pel_lane bottom = t.pp * pel_lane3_dot(stress[0], stress[0]) +
-                              pel_lane_splat(2) * t.pq * pel_lane3_dot(stress[0], stress[1]) +
-                              t.qq * pel_lane3_dot(stress[1], stress[1]);
-            /* no vertex moves by more than 1 / sqrt(i0^2 + i2^2), about 0.7 of an edge at rest */
-            pel_lane mobility = t.point[0].fourth + t.point[1].fourth + t.point[2].fourth;
-            bottom = pel_lane_max(bottom, energy * energy * mobility * (t.i0 * t.i0 + t.i2 * t.i2));
-            pel_lane scale = -pel_lane_quotient(energy, bottom);
-            move_triangle(batch, block, lane, positions, &t, pel_lane3_scale(stress[0], scale),
-                          pel_lane3_scale(stress[1], scale));
-        }
+    triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
+    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
+    pel_lane3 stress[2];
+    pel_lane energy;
+    if (kind == PEL_MEMBRANE_LINEAR) {
+        energy = pel_linear_stress(first, second, &s, stress);
+    } else {
+        pel_response r;
+        pel_respond(kind, first, second, &s, &r);
+        energy = r.energy;
+        stress[0] = pel_lane3_combine(r.stress.a, t.f1, r.stress.c, t.f2);
+        stress[1] = pel_lane3_combine(r.stress.c, t.f1, r.stress.b, t.f2);
+    }
+    pel_lane bottom = sum_of_squares(&t, stress[0], stress[1]);
+    bottom = pel_lane_max(bottom, energy * energy * (t.pp + t.qq));
+    move_triangle(&t, -pel_lane_quotient(energy, bottom), stress[0], stress[1], ways);
 }
 
-/* solves (m) x = right for a positive definite m; a pivot lost to rounding is taken as what rounding left of it */
-static inline void solve_symmetric(const pel_symmetric3 *m, pel_lane right[3])
+/* stvk, in units of mu / 4 for the energy and mu for the stress, which cancel: with D = C - 1 and v = lambda / (2 mu)
+   tr D the stress is S = D + v and the energy D : S */
+PEL_INLINE void project_membrane_stvk(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                      pel_lane3 *ways)
+{
+    const pel_lane one = pel_lane_splat(1), quarter = pel_lane_splat((pel_real)-0.25);
+    const pel_lane by_trace = pel_lane_splat((pel_real)0.5 * batch->law.second / batch->law.first);
+    const pel_lane sixteenth = pel_lane_splat((pel_real)0.0625);
+    triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
+    pel_lane d11 = pel_lane3_dot(t.f1, t.f1) - one, d22 = pel_lane3_dot(t.f2, t.f2) - one;
+    pel_lane d12 = pel_lane3_dot(t.f1, t.f2), volume = by_trace * (d11 + d22);
+    pel_lane s11 = d11 + volume, s22 = d22 + volume;
+    pel_lane energy = d11 * s11 + d22 * s22 + d12 * (d12 + d12);
+    pel_lane3 a = pel_lane3_combine(s11, t.f1, d12, t.f2), b = pel_lane3_combine(d12, t.f1, s22, t.f2);
+    pel_lane bottom = sum_of_squares(&t, a, b);
+    bottom = pel_lane_max(bottom, sixteenth * energy * energy * (t.pp + t.qq));
+    move_triangle(&t, quarter * pel_lane_quotient(energy, bottom), a, b, ways);
+}
+
+/* Solves (m) x = right for a positive definite m, in units of its first pivot, so that no product is out of range: the
+   first unknown by elimination, the two others by Cramer's rule, which loses no more than elimination does. A pivot
+   lost to rounding is taken as what rounding left of it. */
+PEL_INLINE void solve_symmetric(const pel_symmetric3 *m, pel_lane right[3])
 {
     const pel_lane one = pel_lane_splat(1), least = pel_lane_splat(16 * PEL_REAL_EPSILON);
-    pel_lane r1 = one / m->a11, l2 = m->a12 * r1, l3 = m->a13 * r1;
-    pel_lane d2 = pel_lane_max(m->a22 - l2 * m->a12, least * m->a22), r2 = one / d2;
-    pel_lane e3 = m->a23 - l3 * m->a12, k3 = e3 * r2;
-    pel_lane d3 = pel_lane_max(m->a33 - l3 * m->a13 - k3 * e3, least * m->a33);
-    pel_lane y2 = right[1] - l2 * right[0], y3 = right[2] - l3 * right[0] - k3 * y2;
-    right[2] = y3 / d3;
-    right[1] = y2 * r2 - k3 * right[2];
-    right[0] = right[0] * r1 - l2 * right[1] - l3 * right[2];
+    pel_lane inverse = one / m->a11, l2 = m->a12 * inverse, l3 = m->a13 * inverse;
+    pel_lane a22 = m->a22 * inverse, a33 = m->a33 * inverse;
+    pel_lane d22 = pel_lane_max(a22 - l2 * l2, least * a22), d33 = pel_lane_max(a33 - l3 * l3, least * a33);
+    pel_lane d23 = m->a23 * inverse - l2 * l3, product = d22 * d33;
+    pel_lane scale = one / pel_lane_max(product - d23 * d23, least * product);
+    pel_lane y1 = right[0] * inverse, y2 = right[1] * inverse - l2 * y1, y3 = right[2] * inverse - l3 * y1;
+    right[1] = (d33 * y2 - d23 * y3) * scale;
+    right[2] = (d22 * y3 - d23 * y2) * scale;
+    right[0] = y1 - l2 * right[1] - l3 * right[2];
 }
 
 /* G of the Green strains; a column squeezed to less than half counts as half */
-static inline pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_strain_lanes *s)
+PEL_INLINE pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_strain_lanes *s)
 {
     const pel_lane quarter = pel_lane_splat((pel_real)0.25), two = pel_lane_splat(2);
     pel_lane c11 = pel_lane_max(s->cauchy.a, quarter), c22 = pel_lane_max(s->cauchy.b, quarter), c12 = s->cauchy.c;
@@ -204,8 +221,8 @@ static inline pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_stra
 }
 
 /* (G + D^-1 / (area dt^2)) dl = -(c + ...) for a quadratic energy; softness: 1 / (area young thickness dt^2) */
-static inline void solve_quadratic(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric3 g,
-                                   const pel_lane strain[3], pel_lane softness, pel_lane change[3])
+PEL_INLINE void solve_quadratic(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric3 g,
+                                const pel_lane strain[3], pel_lane softness, pel_lane change[3])
 {
     pel_lane poisson = pel_lane_splat(batch->law.second), across = poisson * softness;
     pel_lane shear = pel_lane_splat(2) * (softness + across), old[3];
@@ -223,48 +240,43 @@ static inline void solve_quadratic(const pel_batch *batch, int32_t block, int32_
         add_multiplier(batch, block, 3, i, lane, old[i], change[i]);
 }
 
-PEL_INLINE void sweep_strain_stvk(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
+PEL_INLINE void project_strain_stvk(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                    pel_lane3 *ways)
 {
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
-            const pel_lane strain[3] = {s.green.a, s.green.b, s.cauchy.c};
-            pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
-            pel_lane change[3];
-            solve_quadratic(batch, block, lane, mobility_of(&t, &s), strain, softness, change);
-            move_triangle(batch, block, lane, positions, &t, pel_lane3_combine(change[0], t.f1, change[2], t.f2),
-                          pel_lane3_combine(change[2], t.f1, change[1], t.f2));
-        }
+    triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
+    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
+    const pel_lane strain[3] = {s.green.a, s.green.b, s.cauchy.c};
+    pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
+    pel_lane change[3];
+    solve_quadratic(batch, block, lane, mobility_of(&t, &s), strain, softness, change);
+    move_triangle(&t, pel_lane_splat(1), pel_lane3_combine(change[0], t.f1, change[2], t.f2),
+                  pel_lane3_combine(change[2], t.f1, change[1], t.f2), ways);
 }
 
 /* strains a - 1, c - 1, b of the triangle factor, with the rows (t1, 0), (-b/a t2, t2), (c/a t2, t1) */
-PEL_INLINE void sweep_strain_linear(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
+PEL_INLINE void project_strain_linear(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                      pel_lane3 *ways)
 {
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2);
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
-            pel_factor_lanes f = pel_factor_of(&s);
-            const pel_lane strain[3] = {f.a - one, f.c - one, f.b};
-            pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
-            pel_lane by_b = f.b * f.inverse, by_c = f.c * f.inverse, change[3];
-            pel_symmetric3 g = {t.pp,
-                                pel_lane_splat(0),
-                                t.pq,
-                                t.pp * by_b * by_b - two * t.pq * by_b + t.qq,
-                                t.pq * by_c - t.pp * by_b * by_c,
-                                t.pp * by_c * by_c + t.qq};
-            solve_quadratic(batch, block, lane, g, strain, softness, change);
-            move_triangle(batch, block, lane, positions, &t,
-                          pel_lane3_combine(change[0], f.t1, by_c * change[2] - by_b * change[1], f.t2),
-                          pel_lane3_combine(change[2], f.t1, change[1], f.t2));
-        }
+    triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
+    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
+    pel_factor_lanes f = pel_factor_of(&s);
+    const pel_lane strain[3] = {f.a - one, f.c - one, f.b};
+    pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
+    pel_lane by_b = f.b * f.inverse, by_c = f.c * f.inverse, change[3];
+    pel_symmetric3 g = {t.pp,
+                        pel_lane_splat(0),
+                        t.pq,
+                        t.pp * by_b * by_b - two * t.pq * by_b + t.qq,
+                        t.pq * by_c - t.pp * by_b * by_c,
+                        t.pp * by_c * by_c + t.qq};
+    solve_quadratic(batch, block, lane, g, strain, softness, change);
+    move_triangle(&t, one, pel_lane3_combine(change[0], f.t1, by_c * change[2] - by_b * change[1], f.t2),
+                  pel_lane3_combine(change[2], f.t1, change[1], f.t2), ways);
 }
 
 /* dl = -L (1 + L^T G L)^-1 L^-1 right with B = L L^T; the result replaces right */
-static inline void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g, pel_lane right[3])
+PEL_INLINE void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g, pel_lane right[3])
 {
     const pel_lane one = pel_lane_splat(1);
     /* a collapsed triangle may have a tangent of rank one, or none */
@@ -293,125 +305,108 @@ static inline void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g
     right[2] = -(l31 * y[0] + l32 * y[1] + l33 * y[2]);
 }
 
-/* factor on a step with the gradients p_k a + q_k b so that no vertex moves by more than 1 / sqrt(i0^2 + i2^2), about
-   0.7 of an edge at rest: barriers of collapsed triangles are steep */
-static inline pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
+/* factor on a step with the gradients p_k a + q_k b so that no vertex moves further than in sweep_membrane: barriers of
+   collapsed triangles are steep */
+PEL_INLINE pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
 {
-    pel_lane square =
-        t->pp * pel_lane3_dot(a, a) + pel_lane_splat(2) * t->pq * pel_lane3_dot(a, b) + t->qq * pel_lane3_dot(b, b);
-    pel_lane mobility = t->point[0].fourth + t->point[1].fourth + t->point[2].fourth;
-    pel_lane share = pel_lane_quotient(pel_lane_splat(1), square * mobility * (t->i0 * t->i0 + t->i2 * t->i2));
+    pel_lane share = pel_lane_quotient(pel_lane_splat(1), sum_of_squares(t, a, b) * (t->pp + t->qq));
     return pel_lane_sqrt(pel_lane_min(share, pel_lane_splat(1)));
 }
 
-PEL_INLINE void sweep_strain_newton(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                                    pel_membrane_kind kind)
+PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                      pel_lane3 *ways, pel_membrane_kind kind)
 {
     pel_lane law_first = pel_lane_splat(batch->law.first), law_second = pel_lane_splat(batch->law.second);
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-            pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
-            pel_response r;
-            pel_respond(kind, law_first, law_second, &s, &r);
-            pel_lane k = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.square_time), old[3];
-            for (int i = 0; i < 3; i++)
-                old[i] = multiplier_of(batch, block, 3, i, lane);
-            pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
-            const pel_symmetric3 *h = &r.tangent;
-            pel_symmetric3 g = mobility_of(&t, &s);
-            pel_symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
-            solve_newton(&b, &g, change);
-            pel_lane3 first = pel_lane3_combine(change[0], t.f1, change[2], t.f2);
-            pel_lane3 second = pel_lane3_combine(change[2], t.f1, change[1], t.f2);
-            pel_lane limit = step_limit(&t, first, second);
-            for (int i = 0; i < 3; i++)
-                add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
-            move_triangle(batch, block, lane, positions, &t, pel_lane3_scale(first, limit),
-                          pel_lane3_scale(second, limit));
-        }
+    triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
+    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
+    pel_response r;
+    pel_respond(kind, law_first, law_second, &s, &r);
+    pel_lane k = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.square_time), old[3];
+    for (int i = 0; i < 3; i++)
+        old[i] = multiplier_of(batch, block, 3, i, lane);
+    pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
+    const pel_symmetric3 *h = &r.tangent;
+    pel_symmetric3 g = mobility_of(&t, &s);
+    pel_symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
+    solve_newton(&b, &g, change);
+    pel_lane3 first = pel_lane3_combine(change[0], t.f1, change[2], t.f2);
+    pel_lane3 second = pel_lane3_combine(change[2], t.f1, change[1], t.f2);
+    pel_lane limit = step_limit(&t, first, second);
+    for (int i = 0; i < 3; i++)
+        add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
+    move_triangle(&t, limit, first, second, ways);
 }
 
 /* ---- bending ---- */
 
 /* u = K x has the gradient K_a on each component: rank one, four numbers instead of a 4 x 4 matrix */
-PEL_INLINE void sweep_isometric(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions,
-                                bool compliant)
+PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                  pel_particle p[4], pel_lane3 *ways, bool compliant)
 {
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            pel_particle p[4];
-            for (int a = 0; a < 4; a++)
-                p[a] = load_particle(batch, block, a, lane, positions);
-            pel_lane k[4], number = number_of(batch, block, 4, 3, lane);
-            for (int a = 1; a < 4; a++)
-                k[a] = number_of(batch, block, 4, a - 1, lane);
-            k[0] = -(k[1] + k[2] + k[3]);
-            pel_lane3 u = pel_lane3_combine(k[1], pel_lane3_subtract(p[1].at, p[0].at), k[2],
-                                            pel_lane3_subtract(p[2].at, p[0].at));
-            u = pel_lane3_add(u, pel_lane3_scale(pel_lane3_subtract(p[3].at, p[0].at), k[3]));
-            pel_lane mobility = p[0].fourth * k[0] * k[0] + p[1].fourth * k[1] * k[1] + p[2].fourth * k[2] * k[2] +
-                                p[3].fourth * k[3] * k[3];
-            pel_lane3 change;
-            if (compliant) {
-                pel_lane softness = number * pel_lane_splat(batch->law.inverse_square);
-                pel_lane factor = pel_lane_splat(1) / (mobility + softness);
-                pel_lane3 old = {multiplier_of(batch, block, 3, 0, lane), multiplier_of(batch, block, 3, 1, lane),
-                                 multiplier_of(batch, block, 3, 2, lane)};
-                change = pel_lane3_combine(-factor, u, -(factor * softness), old);
-                add_multiplier(batch, block, 3, 0, lane, old.x, change.x);
-                add_multiplier(batch, block, 3, 1, lane, old.y, change.y);
-                add_multiplier(batch, block, 3, 2, lane, old.z, change.z);
-            } else {
-                pel_lane square = pel_lane3_dot(u, u);
-                pel_lane bottom = pel_lane_max(square, number * pel_lane_splat((pel_real)0.25)) * mobility;
-                pel_lane top = pel_lane_splat((pel_real)-0.5 * batch->law.weight) * (square - number);
-                change = pel_lane3_scale(u, pel_lane_quotient(top, bottom));
-            }
-            for (int a = 0; a < 4; a++)
-                move_particle(batch, block, a, lane, positions, &p[a], pel_lane3_scale(change, p[a].fourth * k[a]));
-        }
+    for (int a = 0; a < 4; a++)
+        p[a] = load_particle(batch, block, a, lane, positions);
+    pel_lane k[4], number = number_of(batch, block, 4, 3, lane);
+    for (int a = 1; a < 4; a++)
+        k[a] = number_of(batch, block, 4, a - 1, lane);
+    k[0] = -(k[1] + k[2] + k[3]);
+    pel_lane3 u =
+        pel_lane3_combine(k[1], pel_lane3_subtract(p[1].at, p[0].at), k[2], pel_lane3_subtract(p[2].at, p[0].at));
+    u = pel_lane3_add(u, pel_lane3_scale(pel_lane3_subtract(p[3].at, p[0].at), k[3]));
+    pel_lane m[4], mobility;
+    for (int a = 0; a < 4; a++)
+        m[a] = p[a].fourth * k[a];
+    mobility = m[0] * k[0] + m[1] * k[1] + (m[2] * k[2] + m[3] * k[3]);
+    pel_lane3 change;
+    if (compliant) {
+        pel_lane softness = number * pel_lane_splat(batch->law.inverse_square);
+        pel_lane factor = pel_lane_splat(1) / (mobility + softness);
+        pel_lane3 old = {multiplier_of(batch, block, 3, 0, lane), multiplier_of(batch, block, 3, 1, lane),
+                         multiplier_of(batch, block, 3, 2, lane)};
+        change = pel_lane3_combine(-factor, u, -(factor * softness), old);
+        add_multiplier(batch, block, 3, 0, lane, old.x, change.x);
+        add_multiplier(batch, block, 3, 1, lane, old.y, change.y);
+        add_multiplier(batch, block, 3, 2, lane, old.z, change.z);
+    } else {
+        pel_lane square = pel_lane3_dot(u, u);
+        pel_lane bottom = pel_lane_max(square, number * pel_lane_splat((pel_real)0.25)) * mobility;
+        pel_lane top = pel_lane_splat((pel_real)-0.5 * batch->law.weight) * (square - number);
+        change = pel_lane3_scale(u, pel_lane_quotient(top, bottom));
+    }
+    for (int a = 0; a < 4; a++)
+        ways[a] = pel_lane3_scale(change, m[a]);
 }
 
 /* the dihedral angle and its gradients g2, g3 on the tips; on the ends they are -(1 - t2) g2 - (1 - t3) g3 and
    -t2 g2 - t3 g3 (element/bending.c) */
-PEL_INLINE void sweep_angle(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool compliant)
+PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                              pel_particle p[4], pel_lane3 *ways, bool compliant)
 {
-    const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2), zero = pel_lane_splat(0);
+    const pel_lane one = pel_lane_splat(1);
     const int count = compliant ? 3 : 2;
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            pel_particle p[4];
-            for (int a = 0; a < 4; a++)
-                p[a] = load_particle(batch, block, a, lane, positions);
-            pel_lane rest_cosine = number_of(batch, block, count, 0, lane);
-            pel_lane rest_sine = number_of(batch, block, count, 1, lane);
-            pel_hinge_lanes h = pel_hinge_of(p, rest_cosine, rest_sine);
-            pel_lane t2 = h.t2, t3 = h.t3;
-            pel_lane g22 = h.square * h.r2, g33 = h.square * h.r3, g23 = g22 * (h.r3 * h.cosine);
-            pel_lane s2 = one - t2, s3 = one - t3;
-            pel_lane mobility = p[2].fourth * g22 + p[3].fourth * g33 +
-                                p[0].fourth * (s2 * s2 * g22 + two * s2 * s3 * g23 + s3 * s3 * g33) +
-                                p[1].fourth * (t2 * t2 * g22 + two * t2 * t3 * g23 + t3 * t3 * g33);
-            pel_lane change;
-            if (compliant) {
-                pel_lane softness = number_of(batch, block, count, 2, lane) * pel_lane_splat(batch->law.inverse_square);
-                pel_lane old = multiplier_of(batch, block, 1, 0, lane);
-                change = -((h.difference + softness * old) / (mobility + softness));
-                add_multiplier(batch, block, 1, 0, lane, old, change);
-            } else {
-                change = pel_lane_quotient(pel_lane_splat((pel_real)-0.5 * batch->law.weight) * h.difference, mobility);
-            }
-            pel_lane3 g2 = pel_lane3_scale(h.n2, -(h.length * h.r2 * change));
-            pel_lane3 g3 = pel_lane3_scale(h.n3, -(h.length * h.r3 * change));
-            pel_lane w0 = p[0].fourth, w1 = p[1].fourth;
-            move_particle(batch, block, 0, lane, positions, &p[0],
-                          pel_lane3_combine(zero - w0 * s2, g2, zero - w0 * s3, g3));
-            move_particle(batch, block, 1, lane, positions, &p[1],
-                          pel_lane3_combine(zero - w1 * t2, g2, zero - w1 * t3, g3));
-            move_particle(batch, block, 2, lane, positions, &p[2], pel_lane3_scale(g2, p[2].fourth));
-            move_particle(batch, block, 3, lane, positions, &p[3], pel_lane3_scale(g3, p[3].fourth));
-        }
+    for (int k = 0; k < 4; k++)
+        p[k] = load_particle(batch, block, k, lane, positions);
+    pel_hinge_lanes h =
+        pel_hinge_of(p, number_of(batch, block, count, 0, lane), number_of(batch, block, count, 1, lane));
+    pel_lane s2 = one - h.t2, s3 = one - h.t3;
+    pel_lane m02 = p[0].fourth * s2, m03 = p[0].fourth * s3, m12 = p[1].fourth * h.t2, m13 = p[1].fourth * h.t3;
+    pel_lane across = h.r2 * h.cosine * h.r3 * (m02 * s3 + m12 * h.t3);
+    pel_lane mobility = h.square * (h.r2 * (p[2].fourth + m02 * s2 + m12 * h.t2) +
+                                    h.r3 * (p[3].fourth + m03 * s3 + m13 * h.t3) + (across + across));
+    pel_lane change;
+    if (compliant) {
+        pel_lane softness = number_of(batch, block, count, 2, lane) * pel_lane_splat(batch->law.inverse_square);
+        pel_lane old = multiplier_of(batch, block, 1, 0, lane), inverse = one / (mobility + softness);
+        change = inverse * (h.difference + softness * old);
+        add_multiplier(batch, block, 1, 0, lane, old, -change);
+    } else {
+        change = pel_lane_quotient(pel_lane_splat((pel_real)0.5 * batch->law.weight) * h.difference, mobility);
+    }
+    change = h.length * change;
+    pel_lane3 g2 = pel_lane3_scale(h.n2, h.r2 * change), g3 = pel_lane3_scale(h.n3, h.r3 * change);
+    ways[0] = pel_lane3_combine(-m02, g2, -m03, g3);
+    ways[1] = pel_lane3_combine(-m12, g2, -m13, g3);
+    ways[2] = pel_lane3_scale(g2, p[2].fourth);
+    ways[3] = pel_lane3_scale(g3, p[3].fourth);
 }
 
 /* ---- fibres ---- */
@@ -424,7 +419,7 @@ typedef struct fibre_lanes {
     pel_lane square, mobility;
 } fibre_lanes;
 
-static inline fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions)
+PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions)
 {
     fibre_lanes f;
     for (int k = 0; k < 3; k++)
@@ -440,111 +435,159 @@ static inline fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int3
     return f;
 }
 
-PEL_INLINE void sweep_fibres(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool squared,
-                             bool compliant)
+PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                              pel_lane3 *ways, bool squared, bool compliant)
 {
     const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5);
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            fibre_lanes f = load_fibre(batch, block, lane, positions);
-            pel_lane length = pel_lane_sqrt(f.square);
-            pel_lane value = squared ? f.square - one : length - pel_lane_splat(batch->law.rest_length);
-            /* gradient c_k times this times the image */
-            pel_lane slope = squared ? pel_lane_splat(2) : pel_lane_quotient(one, length);
-            pel_lane mobility = f.mobility;
-            if (squared)
-                mobility = pel_lane_splat(4) * mobility * pel_lane_max(f.square, pel_lane_splat((pel_real)0.25));
-            pel_lane change;
-            if (compliant) {
-                pel_lane softness = f.number * pel_lane_splat(batch->law.inverse_square);
-                pel_lane old = multiplier_of(batch, block, 1, 0, lane);
-                change = -((value + softness * old) / (mobility + softness));
-                add_multiplier(batch, block, 1, 0, lane, old, change);
-            } else {
-                change = pel_lane_quotient(-(half * f.number * value), mobility);
-            }
-            pel_lane3 way = pel_lane3_scale(f.image, slope * change);
-            const pel_particle *p = f.point;
-            move_particle(batch, block, 0, lane, positions, &p[0], pel_lane3_scale(way, p[0].fourth * f.c0));
-            move_particle(batch, block, 1, lane, positions, &p[1], pel_lane3_scale(way, p[1].fourth * f.c1));
-            move_particle(batch, block, 2, lane, positions, &p[2],
-                          pel_lane3_scale(way, -(p[2].fourth * (f.c0 + f.c1))));
-        }
+    fibre_lanes f = load_fibre(batch, block, lane, positions);
+    pel_lane length = pel_lane_sqrt(f.square);
+    pel_lane value = squared ? f.square - one : length - pel_lane_splat(batch->law.rest_length);
+    /* gradient c_k times this times the image */
+    pel_lane slope = squared ? pel_lane_splat(2) : pel_lane_quotient(one, length);
+    pel_lane mobility = f.mobility;
+    if (squared)
+        mobility = pel_lane_splat(4) * mobility * pel_lane_max(f.square, pel_lane_splat((pel_real)0.25));
+    pel_lane change;
+    if (compliant) {
+        pel_lane softness = f.number * pel_lane_splat(batch->law.inverse_square);
+        pel_lane old = multiplier_of(batch, block, 1, 0, lane);
+        change = -((value + softness * old) / (mobility + softness));
+        add_multiplier(batch, block, 1, 0, lane, old, change);
+    } else {
+        change = pel_lane_quotient(-(half * f.number * value), mobility);
+    }
+    pel_lane3 way = pel_lane3_scale(f.image, slope * change);
+    const pel_particle *p = f.point;
+    ways[0] = pel_lane3_scale(way, p[0].fourth * f.c0);
+    ways[1] = pel_lane3_scale(way, p[1].fourth * f.c1);
+    ways[2] = pel_lane3_scale(way, -(p[2].fourth * (f.c0 + f.c1)));
 }
 
 /* paper B: the gradient of the fibre's energy replaced by the normal, so that a stretched triangle goes inward; for
    equal masses by strength times the energy density over the stiffness */
-PEL_INLINE void sweep_cave(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions, bool squared)
+PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                             pel_lane3 *ways, bool squared)
 {
     const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5);
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
-            fibre_lanes f = load_fibre(batch, block, lane, positions);
-            const pel_particle *p = f.point;
-            pel_lane strain = squared ? f.square - one : pel_lane_sqrt(f.square) - one;
-            pel_lane depth = pel_lane_min(pel_lane_splat(batch->law.strength) * half * strain * strain,
-                                          pel_lane_splat(batch->law.max_step));
-            pel_lane3 normal =
-                pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at), pel_lane3_subtract(p[2].at, p[0].at));
-            pel_lane size = pel_lane_sqrt(pel_lane3_dot(normal, normal));
-            pel_lane mass = p[0].fourth + p[1].fourth + p[2].fourth;
-            pel_lane scale = pel_lane_quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
-            for (int k = 0; k < 3; k++)
-                move_particle(batch, block, k, lane, positions, &p[k], pel_lane3_scale(normal, scale * p[k].fourth));
-        }
+    fibre_lanes f = load_fibre(batch, block, lane, positions);
+    const pel_particle *p = f.point;
+    pel_lane strain = squared ? f.square - one : pel_lane_sqrt(f.square) - one;
+    pel_lane depth =
+        pel_lane_min(pel_lane_splat(batch->law.strength) * half * strain * strain, pel_lane_splat(batch->law.max_step));
+    pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at), pel_lane3_subtract(p[2].at, p[0].at));
+    pel_lane size = pel_lane_sqrt(pel_lane3_dot(normal, normal));
+    pel_lane mass = p[0].fourth + p[1].fourth + p[2].fourth;
+    pel_lane scale = pel_lane_quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
+    for (int k = 0; k < 3; k++)
+        ways[k] = pel_lane3_scale(normal, scale * p[k].fourth);
 }
 
 /* ---- pressure ---- */
 
 /* a third of pressure times area along the normal on each corner (element/triangle.c) */
-PEL_INLINE void sweep_pressure(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)
+static void add_pressure(const pel_batch *given, int32_t begin, int32_t end, pel_record *positions)
 {
-    for (int32_t block = begin; block < end; block++)
-        for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {
+    pel_batch own = *given, *batch = &own;
+    own.arity = 3;
+    for (int32_t block = begin; block < end; block++) {
+        pel_record forces[PEL_BLOCK], sums[PEL_BLOCK];
+        for (int32_t lane = 0; lane < pel_lane_passes(PEL_BLOCK); lane++) {
             pel_particle a = load_particle(batch, block, 0, lane, positions);
             pel_particle b = load_particle(batch, block, 1, lane, positions);
             pel_particle c = load_particle(batch, block, 2, lane, positions);
             pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(b.at, a.at), pel_lane3_subtract(c.at, a.at));
-            pel_lane3 force =
-                pel_lane3_scale(normal, pel_lane_splat(batch->law.strength) * number_of(batch, block, 1, 0, lane));
-            for (int k = 0; k < 3; k++) {
-                pel_particle sum = load_particle(batch, block, k, lane, batch->target);
-                move_particle(batch, block, k, lane, batch->target, &sum, force);
-            }
+            pel_lane scale = pel_lane_splat(batch->law.strength) * number_of(batch, block, 1, 0, lane);
+            pel_lane3_store(forces + lane, pel_lane3_scale(normal, scale));
         }
+        for (int k = 0; k < 3; k++) {
+            /* all are read before any is written, as lanes may repeat */
+            const int32_t *steps = steps_of(batch, block, k);
+            for (int32_t lane = 0; lane < PEL_BLOCK; lane++)
+                sums[lane] = pel_record_get(batch->target, steps[lane]) + forces[lane];
+            for (int32_t lane = 0; lane < PEL_BLOCK; lane++)
+                pel_record_set(batch->target, steps[lane], sums[lane]);
+        }
+    }
 }
 
-/* ---- the table ---- */
+/* ---- sweeps ---- */
 
-#define PEL_PROJECT_SWEEP(name, call)                                                                                  \
-    static void name(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions)                        \
+/* float has twice the records for its registers: four points are moved at once while they are there */
+PEL_INLINE bool is_staged(int arity)
+{
+    return sizeof(pel_real) == 8 || arity < 4;
+}
+
+/* the blocks from .. are of one colour and share no vertex: all of them find the ways of their points before any goes
+ */
+PEL_INLINE int32_t group_end(const pel_batch *batch, int32_t from)
+{
+    return from + 1 + (is_staged(batch->arity) ? batch->followers[from] : 0);
+}
+
+PEL_INLINE void move_points(const pel_batch *batch, int32_t block, int32_t lane, const pel_particle *points,
+                            const pel_lane3 *ways, pel_record *positions)
+{
+    for (int k = 0; k < batch->arity; k++)
+        pel_particle_move(positions, steps_of(batch, block, k), lane, is_staged(batch->arity) ? NULL : &points[k],
+                          ways[k]);
+}
+
+#ifdef PEL_LANE_SCALAR
+enum { IS_WIDE = 0 };
+#else
+enum { IS_WIDE = 1 };
+#endif
+
+/* The sweep of a kind: call finds the ways of a block's points. The batch is copied: what is stored cannot change a
+   local, so its fields stay in registers. */
+#define PEL_PROJECT_SWEEP(name, corners, call)                                                                         \
+    static void name(const pel_batch *given, int32_t begin, int32_t end, pel_record *positions)                        \
     {                                                                                                                  \
-        call;                                                                                                          \
+        pel_batch own = *given, *batch = &own;                                                                         \
+        pel_lane3 staged[PEL_BATCH_GROUP][corners];                                                                    \
+        pel_particle points[4];                                                                                        \
+        own.arity = corners;                                                                                           \
+        for (int32_t from = begin, to; from < end; from = to) {                                                        \
+            to = group_end(batch, from);                                                                               \
+            for (int32_t block = from; block < to; block++)                                                            \
+                for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {                    \
+                    pel_lane3 *ways = staged[block - from];                                                            \
+                    call;                                                                                              \
+                    if (!IS_WIDE)                                                                                      \
+                        move_points(batch, block, lane, points, ways, positions);                                      \
+                }                                                                                                      \
+            for (int32_t block = from; IS_WIDE && block < to; block++)                                                 \
+                move_points(batch, block, 0, points, staged[block - from], positions);                                 \
+        }                                                                                                              \
+        (void)points;                                                                                                  \
     }
 
-PEL_PROJECT_SWEEP(sweep_distance, sweep_edges(batch, begin, end, positions, false))
-PEL_PROJECT_SWEEP(sweep_spring, sweep_edges(batch, begin, end, positions, true))
-PEL_PROJECT_SWEEP(sweep_stvk, sweep_membrane(batch, begin, end, positions, PEL_MEMBRANE_STVK))
-PEL_PROJECT_SWEEP(sweep_corotated, sweep_membrane(batch, begin, end, positions, PEL_MEMBRANE_COROTATED))
-PEL_PROJECT_SWEEP(sweep_linear, sweep_membrane(batch, begin, end, positions, PEL_MEMBRANE_LINEAR))
-PEL_PROJECT_SWEEP(sweep_mooney, sweep_membrane(batch, begin, end, positions, PEL_MEMBRANE_MOONEY_RIVLIN))
-PEL_PROJECT_SWEEP(sweep_neo, sweep_membrane(batch, begin, end, positions, PEL_MEMBRANE_NEO_HOOKEAN))
-PEL_PROJECT_SWEEP(sweep_soft_stvk, sweep_strain_stvk(batch, begin, end, positions))
-PEL_PROJECT_SWEEP(sweep_soft_linear, sweep_strain_linear(batch, begin, end, positions))
-PEL_PROJECT_SWEEP(sweep_soft_corotated, sweep_strain_newton(batch, begin, end, positions, PEL_MEMBRANE_COROTATED))
-PEL_PROJECT_SWEEP(sweep_soft_mooney, sweep_strain_newton(batch, begin, end, positions, PEL_MEMBRANE_MOONEY_RIVLIN))
-PEL_PROJECT_SWEEP(sweep_soft_neo, sweep_strain_newton(batch, begin, end, positions, PEL_MEMBRANE_NEO_HOOKEAN))
-PEL_PROJECT_SWEEP(sweep_bending, sweep_isometric(batch, begin, end, positions, false))
-PEL_PROJECT_SWEEP(sweep_soft_bending, sweep_isometric(batch, begin, end, positions, true))
-PEL_PROJECT_SWEEP(sweep_hinge, sweep_angle(batch, begin, end, positions, false))
-PEL_PROJECT_SWEEP(sweep_soft_hinge, sweep_angle(batch, begin, end, positions, true))
-PEL_PROJECT_SWEEP(sweep_fibre, sweep_fibres(batch, begin, end, positions, false, false))
-PEL_PROJECT_SWEEP(sweep_fibre_square, sweep_fibres(batch, begin, end, positions, true, false))
-PEL_PROJECT_SWEEP(sweep_soft_fibre, sweep_fibres(batch, begin, end, positions, false, true))
-PEL_PROJECT_SWEEP(sweep_soft_fibre_square, sweep_fibres(batch, begin, end, positions, true, true))
-PEL_PROJECT_SWEEP(sweep_cave_length, sweep_cave(batch, begin, end, positions, false))
-PEL_PROJECT_SWEEP(sweep_cave_square, sweep_cave(batch, begin, end, positions, true))
-PEL_PROJECT_SWEEP(add_pressure, sweep_pressure(batch, begin, end, positions))
+PEL_PROJECT_SWEEP(sweep_distance, 2, project_edge(batch, block, lane, positions, ways, false))
+PEL_PROJECT_SWEEP(sweep_spring, 2, project_edge(batch, block, lane, positions, ways, true))
+PEL_PROJECT_SWEEP(sweep_stvk, 3, project_membrane_stvk(batch, block, lane, positions, ways))
+PEL_PROJECT_SWEEP(sweep_corotated, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_COROTATED))
+PEL_PROJECT_SWEEP(sweep_linear, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_LINEAR))
+PEL_PROJECT_SWEEP(sweep_mooney, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_MOONEY_RIVLIN))
+PEL_PROJECT_SWEEP(sweep_neo, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_NEO_HOOKEAN))
+PEL_PROJECT_SWEEP(sweep_soft_stvk, 3, project_strain_stvk(batch, block, lane, positions, ways))
+PEL_PROJECT_SWEEP(sweep_soft_linear, 3, project_strain_linear(batch, block, lane, positions, ways))
+PEL_PROJECT_SWEEP(sweep_soft_corotated, 3,
+                  project_strain_newton(batch, block, lane, positions, ways, PEL_MEMBRANE_COROTATED))
+PEL_PROJECT_SWEEP(sweep_soft_mooney, 3,
+                  project_strain_newton(batch, block, lane, positions, ways, PEL_MEMBRANE_MOONEY_RIVLIN))
+PEL_PROJECT_SWEEP(sweep_soft_neo, 3,
+                  project_strain_newton(batch, block, lane, positions, ways, PEL_MEMBRANE_NEO_HOOKEAN))
+PEL_PROJECT_SWEEP(sweep_bending, 4, project_isometric(batch, block, lane, positions, points, ways, false))
+PEL_PROJECT_SWEEP(sweep_soft_bending, 4, project_isometric(batch, block, lane, positions, points, ways, true))
+PEL_PROJECT_SWEEP(sweep_hinge, 4, project_angle(batch, block, lane, positions, points, ways, false))
+PEL_PROJECT_SWEEP(sweep_soft_hinge, 4, project_angle(batch, block, lane, positions, points, ways, true))
+PEL_PROJECT_SWEEP(sweep_fibre, 3, project_fibre(batch, block, lane, positions, ways, false, false))
+PEL_PROJECT_SWEEP(sweep_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, false))
+PEL_PROJECT_SWEEP(sweep_soft_fibre, 3, project_fibre(batch, block, lane, positions, ways, false, true))
+PEL_PROJECT_SWEEP(sweep_soft_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, true))
+PEL_PROJECT_SWEEP(sweep_cave_length, 3, project_cave(batch, block, lane, positions, ways, false))
+PEL_PROJECT_SWEEP(sweep_cave_square, 3, project_cave(batch, block, lane, positions, ways, true))
 
 #define PEL_PROJECT_TABLE                                                                                              \
     {                                                                                                                  \

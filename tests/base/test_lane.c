@@ -81,13 +81,13 @@ static void test_particles_round_trip(void **unused)
 {
     (void)unused;
     pel_record records[2 * PEL_BLOCK];
-    int32_t places[PEL_BLOCK];
+    int32_t places[PEL_BLOCK], steps[PEL_BLOCK];
     for (int i = 0; i < 2 * PEL_BLOCK; i++)
         records[i] =
             (pel_record){(pel_real)(4 * i), (pel_real)(4 * i + 1), (pel_real)(4 * i + 2), (pel_real)(4 * i + 3)};
     for (int i = 0; i < PEL_BLOCK; i++)
-        places[i] = (5 * i + 3) % (2 * PEL_BLOCK);
-    pel_particle p = pel_particle_load(records, places, 0);
+        steps[i] = PEL_STEP * (places[i] = (5 * i + 3) % (2 * PEL_BLOCK));
+    pel_particle p = pel_particle_load(records, steps, 0);
     for (int i = 0; i < PEL_BLOCK; i++) {
         assert_near((double)p.at.x[i], 4 * places[i], 0);
         assert_near((double)p.at.y[i], 4 * places[i] + 1, 0);
@@ -96,11 +96,19 @@ static void test_particles_round_trip(void **unused)
     }
     const pel_lane3 way = {pel_lane_splat((pel_real)0.5), pel_lane_splat(0), pel_lane_splat(-1)};
     places[1] = places[0]; /* repeated as in a block that is not full: it moves once */
-    p = pel_particle_load(records, places, 0);
-    pel_particle_move(records, places, 0, &p, way);
-    for (int i = 0; i < PEL_BLOCK; i++)
-        for (int c = 0; c < 4; c++)
-            assert_near((double)records[places[i]][c], 4 * places[i] + c + (c == 0 ? 0.5 : c == 2 ? -1 : 0), 0);
+    steps[1] = steps[0];
+    p = pel_particle_load(records, steps, 0);
+    for (int turn = 1; turn <= 2; turn++) {
+        pel_particle_move(records, steps, 0, turn == 1 ? &p : NULL, way);
+        for (int i = 0; i < PEL_BLOCK; i++)
+            for (int c = 0; c < 4; c++)
+                assert_near((double)records[places[i]][c],
+                            4 * places[i] + c +
+                                turn * (c == 0   ? 0.5
+                                        : c == 2 ? -1
+                                                 : 0),
+                            0);
+    }
 }
 
 /* three components of each lane as records side by side */

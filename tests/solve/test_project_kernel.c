@@ -17,10 +17,10 @@ static const double tolerance = sizeof(pel_real) == 8 ? 1e-12 : 2e-4;
 /* one block with points of its own for each lane */
 typedef struct sample {
     pel_batch batch;
-    int32_t vertices[4 * PEL_BLOCK], sources[PEL_BLOCK], bundle_begin[2];
+    int32_t steps[4 * PEL_BLOCK], sources[PEL_BLOCK], bundle_begin[2];
     _Alignas(64) pel_real numbers[4 * PEL_BLOCK];
     _Alignas(64) pel_real multipliers[3 * PEL_BLOCK];
-    uint8_t lanes[1];
+    uint8_t lanes[1], followers[1];
     double rest[PEL_BLOCK][4][3];
     pel_record x[POINTS], before[POINTS];
 } sample;
@@ -59,15 +59,17 @@ static void make_batch(sample *s, pel_constraint kind, int arity, int number_cou
         .capacity = 1,
         .block_count = 1,
         .bundle_begin = s->bundle_begin,
-        .vertices = s->vertices,
+        .steps = s->steps,
         .numbers = s->numbers,
         .sources = s->sources,
         .lane_counts = s->lanes,
+        .followers = s->followers,
     };
     s->lanes[0] = PEL_BLOCK;
+    s->followers[0] = 0;
     for (int k = 0; k < arity; k++)
         for (int lane = 0; lane < PEL_BLOCK; lane++)
-            s->vertices[k * PEL_BLOCK + lane] = k * PEL_BLOCK + lane;
+            s->steps[k * PEL_BLOCK + lane] = PEL_STEP * (k * PEL_BLOCK + lane);
 }
 
 /* runs the wide kernel, and checks that the plain one gives the same bits */
