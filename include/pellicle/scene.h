@@ -35,7 +35,9 @@ typedef struct pel_scene {
     bool stop_at_contact;      /* a run ends when a body touches itself or another */
     int64_t frame_limit;       /* steps after which a run ends; 0 = no limit */
     double time_limit;         /* s, likewise */
-    void *inner;               /* storage */
+    const char *const *mesh_files; /* (mesh_file_count) absolute paths of the meshes that were read */
+    int32_t mesh_file_count;
+    void *inner; /* storage */
 } pel_scene;
 
 /* Reads a scene file (YAML 1.2 or JSON) and its meshes; paths are relative to the scene. overrides (override_count,

@@ -13,7 +13,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { RUN_COOKIE = 0x72756e21 };
@@ -50,19 +49,23 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
     return PEL_OK;
 }
 
-/* a run from the beginning must not overwrite the file it is described by */
-static pel_status check_scene_file(const pel_scene *scene, const pel_run_def *def, pel_error *error)
+/* a run must not take away what it is described by */
+static pel_status check_input(const pel_run_def *def, const char *path, const char *what, pel_error *error)
 {
-    char path[PEL_RUN_FILE_SIZE];
-    struct stat input, output;
-    if (def->resume != NULL || scene->path == NULL || stat(scene->path, &input) != 0 ||
-        stat(pel_run_path(path, def->folder, "scene.yaml"), &output) != 0 || input.st_dev != output.st_dev ||
-        input.st_ino != output.st_ino)
+    if (path == NULL || !pel_run_folder_takes(def->folder, path, def->resume != NULL))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_FILE, "the run would overwrite its own scene");
+    pel_fail(error, PEL_BAD_FILE, "the run would overwrite its own %s", what);
     pel_fail_remedy(error, "choose another output folder");
-    pel_fail_place(error, scene->path, 0, 0);
+    pel_fail_place(error, path, 0, 0);
     return PEL_BAD_FILE;
+}
+
+static pel_status check_inputs(const pel_scene *scene, const pel_run_def *def, pel_error *error)
+{
+    pel_status status = check_input(def, scene->path, "scene", error);
+    for (int32_t i = 0; status == PEL_OK && i < scene->mesh_file_count; i++)
+        status = check_input(def, scene->mesh_files[i], "mesh", error);
+    return status;
 }
 
 static uint64_t hash_mesh(uint64_t hash, const pel_mesh *mesh)
@@ -453,7 +456,7 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
     *summary = (pel_run_summary){.status = ""};
     pel_status status = check_def(def, cause);
     if (status == PEL_OK)
-        status = check_scene_file(scene, def, cause);
+        status = check_inputs(scene, def, cause);
     if (status != PEL_OK)
         return status;
     pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock()};

@@ -1,3 +1,4 @@
+#define _XOPEN_SOURCE 700 /* realpath */
 #include "scene/run_folder.h"
 
 #include "base/status.h"
@@ -6,7 +7,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -139,6 +142,18 @@ pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool re
     if (status == PEL_OK)
         status = clear_folder(pel_run_path(path, folder, "frames"), true, first_frame, resume, removed, error);
     return status;
+}
+
+bool pel_run_folder_takes(const char *folder, const char *path, bool resume)
+{
+    char file[PATH_MAX];
+    struct stat there, here;
+    if (realpath(path, file) == NULL)
+        return false;
+    char *slash = strrchr(file, '/');
+    *slash = '\0';
+    return is_stale(slash + 1, false, 0, resume) && stat(slash > file ? file : "/", &there) == 0 &&
+           stat(folder, &here) == 0 && there.st_dev == here.st_dev && there.st_ino == here.st_ino;
 }
 
 /* a name that pel_run_folder_clear takes for a left-over */

@@ -22,6 +22,9 @@ pel_status pel_run_folder_open(const char *folder, pel_error *error);
    files of a run; of these only summary.json and final.ply with `resume`. *removed tells whether there were any. */
 pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool resume, bool *removed, pel_error *error);
 
+/* Whether such a run writes over a file that is there, or removes it. */
+bool pel_run_folder_takes(const char *folder, const char *path, bool resume);
+
 /* Sets space on the disk aside (false when there is not enough), and gives it back, so that the last files of a run can
    be written after frames have filled the disk. */
 bool pel_run_folder_reserve(const char *folder, size_t size);

@@ -78,6 +78,25 @@ static pel_scene_value *read_tree(pel_scene_reader *reader, const scene_source *
     return pel_scene_check(reader, root) == PEL_OK ? root : NULL;
 }
 
+/* paths of the meshes of bodies and tools, absolute since the meshes were read */
+static pel_status list_mesh_files(pel_scene_reader *reader, const pel_scene_value *root, int32_t most, pel_scene *scene)
+{
+    static const char *const lists[] = {"bodies", "tools"};
+    const char **files = pel_arena_take(reader->arena, (size_t)most, sizeof *files);
+    if (files == NULL)
+        return pel_fail_memory(reader->error);
+    for (size_t l = 0; l < sizeof lists / sizeof *lists; l++) {
+        const pel_scene_value *list = pel_scene_value_entry(root, lists[l]);
+        for (const pel_scene_value *value = list != NULL ? list->first : NULL; value != NULL; value = value->next) {
+            const pel_scene_value *file = pel_scene_value_at(value, "mesh.file");
+            if (file != NULL)
+                files[scene->mesh_file_count++] = file->text;
+        }
+    }
+    scene->mesh_files = files;
+    return PEL_OK;
+}
+
 static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const char *folder, pel_scene *scene)
 {
     scene_storage *storage = scene->inner;
@@ -89,6 +108,9 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     pel_status status = pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
     if (status == PEL_OK)
         status = pel_scene_build_sim(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
+    if (status != PEL_OK)
+        return status;
+    status = list_mesh_files(reader, root, body_count + tool_count, scene);
     if (status != PEL_OK)
         return status;
     /* names that were left out are in the tree now: put them into order */

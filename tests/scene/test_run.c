@@ -263,6 +263,30 @@ static void test_own_scene(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* nor are its meshes, however they are named; a run that goes on keeps its scene and would take final.ply away */
+static void test_own_mesh(void **unused)
+{
+    (void)unused;
+    char file[300], path[256];
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    run_case first = {.run = "before"}, test = {.run = "before"};
+    check_run(scene, &first, PEL_OK);
+    pel_scene_destroy(scene);
+    const char *const overrides[] = {file};
+    snprintf(file, sizeof file, "bodies.0.mesh.file=%s", in_folder(path, "before/frames/..", "final.ply"));
+    scene = load_scene(busy, overrides, 1);
+    assert_int_equal(scene->mesh_file_count, 1);
+    check_run(scene, &test, PEL_BAD_FILE);
+    assert_string_equal(test.error.file, scene->mesh_files[0]);
+    assert_true(exists("before", "final.ply") && exists("before", "summary.json"));
+    test.resume = "nothing";
+    check_run(scene, &test, PEL_BAD_FILE);
+    assert_non_null(strstr(test.error.what, "its own mesh"));
+    run_case other = {.run = "beside"};
+    check_run(scene, &other, PEL_OK);
+    pel_scene_destroy(scene);
+}
+
 static void test_divergence(void **unused)
 {
     (void)unused;
@@ -438,6 +462,7 @@ int main(void)
         cmocka_unit_test(test_bad_folders),
         cmocka_unit_test(test_nothing_written),
         cmocka_unit_test(test_own_scene),
+        cmocka_unit_test(test_own_mesh),
         cmocka_unit_test(test_divergence),
         cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_full_disk_at_frame),
