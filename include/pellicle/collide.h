@@ -45,10 +45,11 @@ typedef struct pel_collision_query {
     const double *start, *end; /* (vertex_count x 3), finite; the same array: a surface at rest */
     double min_separation;     /* m, >= 0: nearer than this is a collision */
     double tolerance;          /* m, >= 0, see pellicle/geometry.h; beyond min_separation */
+    double near;               /* m, >= 0, see pel_ccd_batch */
     pel_ccd_method method;
 } pel_collision_query;
 
-/* Separation 0, tolerance 0, PEL_CCD_CONSERVATIVE. */
+/* Separation 0, tolerance 0, near 0, PEL_CCD_CONSERVATIVE. */
 pel_collision_query pel_collision_query_default(void);
 
 /* What may touch: all pairs without a common vertex whose boxes around their ways, grown by min_separation + tolerance,

@@ -51,7 +51,8 @@ double pel_closest_segment_triangle(const double a[3], const double b[3], const 
 /* The first time at which freedom could not be proved any longer. */
 typedef struct pel_ccd_hit {
     double time_of_impact; /* never later than the true one: until then the features are more than min_separation apart.
-                              At this time they are at most min_separation + tolerance apart, rounding as above */
+                              At this time they are at most min_separation + tolerance apart, rounding as above, or
+                              0 where the pair starts near enough (pel_ccd_batch) */
     double weight[4];      /* of the four points at the closest place: 1, then minus the barycentric coordinates
                               (vertex-face), or (1-s), s, -(1-u), -u (edge-edge): their sum is 0, and
                               sum weight[i] x[i] is the vector from the face (edge 2,3) to the vertex (edge 0,1) */
@@ -92,13 +93,17 @@ typedef struct pel_ccd_batch {
     pel_ccd_method method; /* of pel_ccd_solve_batch */
     double min_separation; /* as above */
     double tolerance;
+    double near; /* length: of a query that is not proved free, and starts within this with its closest points inside
+                    both features, the time is not looked for: it hits at time 0, at that place. Up to
+                    min_separation, as 0: none but what is too near already. Not for PEL_CCD_BRIDSON */
 } pel_ccd_batch;
 
 /* How far queries got: each number counts those that passed a stage. Functions add to it. */
 typedef struct pel_ccd_statistics {
     int64_t queries;
     int64_t passed_filter; /* not ruled out by the non-penetration filter */
-    int64_t passed_hull;   /* nor by separating axes of the swept hull: for these the cubic was solved */
+    int64_t passed_hull;   /* nor by separating axes of the swept hull */
+    int64_t cubics;        /* of these, the cubic was solved; the others were near at the start */
     int64_t hits;
     int64_t intervals;  /* time intervals looked at for them */
     int64_t fall_backs; /* hits because the budget of intervals was used up */

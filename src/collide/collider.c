@@ -178,6 +178,8 @@ static pel_status check_query(const pel_collision_query *query, pel_error *error
         return pel_fail(error, PEL_BAD_ARGUMENT, "min_separation must be at least 0, not %g", query->min_separation);
     if (!(query->tolerance >= 0 && isfinite(query->tolerance)))
         return pel_fail(error, PEL_BAD_ARGUMENT, "tolerance must be at least 0, not %g", query->tolerance);
+    if (!(query->near >= 0))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "near must be at least 0, not %g", query->near);
     return PEL_OK;
 }
 
@@ -247,7 +249,8 @@ static pel_status solve_block(const narrow *n, const pel_pair *pairs, int32_t co
                                  .edge_edge = n->edge_edge,
                                  .method = n->query->method,
                                  .min_separation = n->query->min_separation,
-                                 .tolerance = n->query->tolerance};
+                                 .tolerance = n->query->tolerance,
+                                 .near = n->query->near};
     int32_t hit_count = pel_ccd_solve_batch(&batch, queries, hits, &p->statistics);
     collision_list *list = &p->list;
     if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)hit_count,

@@ -88,13 +88,14 @@ static void scale_pair(ccd_pair *pair, double scale)
         }
 }
 
-bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, ccd_query *query)
+bool ccd_query_set(const ccd_points *points, bool edge_edge, const ccd_lengths *lengths, ccd_query *query)
 {
     double ordered[4][3];
     query->edge_edge = edge_edge;
     query->scale = 1;
-    query->min_separation = min_separation > 0 ? min_separation : 0;
-    query->tolerance = tolerance > 0 ? tolerance : 0;
+    query->min_separation = lengths->min_separation > 0 ? lengths->min_separation : 0;
+    query->tolerance = lengths->tolerance > 0 ? lengths->tolerance : 0;
+    query->near = lengths->near > query->min_separation ? lengths->near : query->min_separation;
     sort_points(points, edge_edge, query->order);
     for (int time = 0; time < 2; time++) {
         for (int i = 0; i < 4; i++)
@@ -102,7 +103,7 @@ bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separati
         ccd_pair_set(&query->pair, time, ordered, edge_edge);
     }
     query->error = ccd_pair_error(&query->pair);
-    if (!isfinite(query->error) || !isfinite(min_separation))
+    if (!isfinite(query->error) || !isfinite(lengths->min_separation))
         return false;
     /* products of three lengths neither overflow nor underflow between these */
     if (query->error < 0x1p-200 || query->error > 0x1p200) {
@@ -113,6 +114,7 @@ bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separati
         scale_pair(&query->pair, query->scale);
         query->min_separation *= query->scale;
         query->tolerance *= query->scale;
+        query->near *= query->scale;
         query->error = ccd_pair_error(&query->pair);
     }
     return isfinite(query->error);
@@ -167,8 +169,9 @@ static void straighten(const double edge[3], double vector[3])
 }
 
 /* The direction of the vector between the closest points, from the features they lie on: the vector itself turns with
-   its rounding errors when it is short, and an edge is long. */
-static void closest_axis(const double offset[3], const double edge1[3], const double edge2[3], bool edge_edge,
+   its rounding errors when it is short, and an edge is long. True when they lie inside both features, so that the
+   direction is the normal. */
+static bool closest_axis(const double offset[3], const double edge1[3], const double edge2[3], bool edge_edge,
                          double vector[3], double axis[3])
 {
     double s, u, normal[3], edge3[3];
@@ -177,7 +180,8 @@ static void closest_axis(const double offset[3], const double edge1[3], const do
     bool along1 = edge_edge ? s > 0 && s < 1 : s > 0 && s + u < 1;
     bool along2 = edge_edge ? u > 0 && u < 1 : u > 0 && s + u < 1;
     bool along3 = !edge_edge && s > 0 && u > 0;
-    if (along1 + along2 + along3 > 1) {
+    const bool inside = along1 + along2 + along3 > 1;
+    if (inside) {
         pel_vec3_cross(edge1, edge2, normal);
         double along = pel_vec3_dot(normal, axis), length2 = pel_vec3_dot(normal, normal);
         if (length2 > 0)
@@ -191,6 +195,7 @@ static void closest_axis(const double offset[3], const double edge1[3], const do
         pel_vec3_subtract(edge1, edge2, edge3);
         straighten(edge3, axis);
     }
+    return inside;
 }
 
 void ccd_closest(const ccd_query *query, double time, double *s, double *u, double vector[3])
@@ -383,8 +388,10 @@ WIDE4_INLINE step_state look_for_axes(const ccd_query *query, bool edge_edge)
     set_quarters(query, edge_edge, &q);
     if (wide4_all(q.margin > 0))
         return STEP_IS_FREE;
-    closest_axis(query->pair.offset[0], query->pair.edge1[0], query->pair.edge2[0], edge_edge, vector, axis);
-    if (pel_vec3_dot(vector, vector) <= query->min_separation * query->min_separation)
+    const bool inside =
+        closest_axis(query->pair.offset[0], query->pair.edge1[0], query->pair.edge2[0], edge_edge, vector, axis);
+    const double square = pel_vec3_dot(vector, vector);
+    if (square <= query->min_separation * query->min_separation)
         return STEP_STARTS_NEAR;
     wide4 direction[3] = {wide4_set(axis[0]), wide4_set(axis[1]), wide4_set(axis[2])};
     wide4 margin = wide_ccd_axis_margin(q.corners, count, direction, error, query->min_separation);
@@ -392,17 +399,19 @@ WIDE4_INLINE step_state look_for_axes(const ccd_query *query, bool edge_edge)
     if (wide4_all(q.margin > 0))
         return STEP_IS_FREE;
     margin = wide_ccd_descent_margin(q.corners, count, error, query->min_separation);
-    return wide4_all(wide4_max(margin, q.margin) > 0) ? STEP_IS_FREE : STEP_IS_UNKNOWN;
+    if (wide4_all(wide4_max(margin, q.margin) > 0))
+        return STEP_IS_FREE;
+    return inside && square <= query->near * query->near ? STEP_STARTS_NEAR : STEP_IS_UNKNOWN;
 }
 
-bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, pel_ccd_hit *hit,
+bool ccd_solve(const ccd_points *points, bool edge_edge, const ccd_lengths *lengths, pel_ccd_hit *hit,
                ccd_counts *counts)
 {
     ccd_query query;
     ccd_cubic cubic;
     double time = 0;
     *counts = (ccd_counts){0};
-    if (!ccd_query_set(points, edge_edge, min_separation, tolerance, &query)) {
+    if (!ccd_query_set(points, edge_edge, lengths, &query)) {
         ccd_hit_unknown(edge_edge, hit);
         return true;
     }
@@ -497,7 +506,7 @@ bool pel_ccd_vertex_face(const double start[4][3], const double end[4][3], doubl
 {
     ccd_counts counts;
     ccd_points points = points_of(start, end);
-    return ccd_solve(&points, false, min_separation, tolerance, hit, &counts);
+    return ccd_solve(&points, false, &(ccd_lengths){min_separation, tolerance, 0}, hit, &counts);
 }
 
 bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
@@ -505,7 +514,7 @@ bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double 
 {
     ccd_counts counts;
     ccd_points points = points_of(start, end);
-    return ccd_solve(&points, true, min_separation, tolerance, hit, &counts);
+    return ccd_solve(&points, true, &(ccd_lengths){min_separation, tolerance, 0}, hit, &counts);
 }
 
 bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation)
@@ -513,7 +522,7 @@ bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_
     ccd_query query;
     ccd_cubic cubic;
     ccd_points points = points_of(start, end);
-    if (!ccd_query_set(&points, edge_edge, min_separation, 0, &query))
+    if (!ccd_query_set(&points, edge_edge, &(ccd_lengths){.min_separation = min_separation}, &query))
         return true;
     ccd_pair_cubic(&query.pair, query.min_separation, &cubic);
     return !(ccd_cubic_margin(cubic.coefficient, cubic.band) > 0);

@@ -10,13 +10,18 @@ typedef struct ccd_query {
     ccd_pair pair;
     bool edge_edge;
     double scale; /* scaled = scale * given */
-    double min_separation, tolerance;
+    double min_separation, tolerance, near;
     double error; /* of a corner's coordinate */
     int order[4]; /* order[i] = given number of the point that is point i here */
 } ccd_query;
 
+/* lengths of a query, as in pel_ccd_batch */
+typedef struct ccd_lengths {
+    double min_separation, tolerance, near;
+} ccd_lengths;
+
 typedef struct ccd_counts {
-    int intervals; /* 0 = no cubic was needed: an axis separates the whole step, or it starts too near */
+    int intervals; /* 0 = no cubic was needed: axes separate the step, or it starts near */
     bool fall_back;
 } ccd_counts;
 
@@ -26,10 +31,10 @@ typedef struct ccd_points {
 } ccd_points;
 
 /* False when nothing can be computed from the numbers (NaN, infinite or too large). */
-bool ccd_query_set(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, ccd_query *query);
+bool ccd_query_set(const ccd_points *points, bool edge_edge, const ccd_lengths *lengths, ccd_query *query);
 
 /* Filter, axes and time of impact of one query in its own order of points. */
-bool ccd_solve(const ccd_points *points, bool edge_edge, double min_separation, double tolerance, pel_ccd_hit *hit,
+bool ccd_solve(const ccd_points *points, bool edge_edge, const ccd_lengths *lengths, pel_ccd_hit *hit,
                ccd_counts *counts);
 
 /* The plain cubic. */
@@ -47,6 +52,7 @@ static inline void pel_ccd_statistics_add(pel_ccd_statistics *sum, const pel_ccd
     sum->queries += more->queries;
     sum->passed_filter += more->passed_filter;
     sum->passed_hull += more->passed_hull;
+    sum->cubics += more->cubics;
     sum->hits += more->hits;
     sum->intervals += more->intervals;
     sum->fall_backs += more->fall_backs;

@@ -135,13 +135,16 @@ static bool solve_one(const pel_ccd_batch *batch, int32_t query, pel_ccd_hit *hi
 {
     ccd_points points;
     ccd_counts counts = {0};
+    const ccd_lengths lengths = {batch->min_separation, batch->tolerance, batch->near};
     query_points(batch, query, &points);
     bool hits;
     if (batch->method == PEL_CCD_BRIDSON)
         hits = ccd_solve_bridson(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit);
     else
-        hits = ccd_solve(&points, batch->edge_edge, batch->min_separation, batch->tolerance, hit, &counts);
-    statistics->passed_hull += hits || batch->method == PEL_CCD_BRIDSON || counts.intervals > 0;
+        hits = ccd_solve(&points, batch->edge_edge, &lengths, hit, &counts);
+    const bool is_solved = batch->method == PEL_CCD_BRIDSON || counts.intervals > 0;
+    statistics->passed_hull += hits || is_solved;
+    statistics->cubics += is_solved;
     statistics->intervals += counts.intervals;
     statistics->fall_backs += counts.fall_back;
     statistics->hits += hits;

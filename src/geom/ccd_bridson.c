@@ -80,7 +80,7 @@ bool ccd_solve_bridson(const ccd_points *points, bool edge_edge, double min_sepa
     ccd_query query;
     ccd_cubic cubic;
     double times[6], s, u, vector[3];
-    if (!ccd_query_set(points, edge_edge, min_separation, tolerance, &query)) {
+    if (!ccd_query_set(points, edge_edge, &(ccd_lengths){min_separation, tolerance, 0}, &query)) {
         ccd_hit_unknown(edge_edge, hit);
         return true;
     }

@@ -205,10 +205,10 @@ static pel_status read_head(vtp_reader *reader)
 static pel_status take_bytes(vtp_reader *reader, const vtp_array *array, int64_t tuple_count, unsigned char **bytes)
 {
     size_t size = (size_t)tuple_count * (size_t)array->component_count * type_sizes[array->type], used = 0;
-    const unsigned char *at = reader->data + array->offset;
     *bytes = NULL;
     if (array->offset >= reader->data_size)
         return fail_at(reader, reader->data, "an array lies outside the appended section");
+    const unsigned char *at = reader->data + array->offset;
     size_t available = reader->data_size - array->offset;
     if (reader->packed)
         used = pel_blocks_check(at, available, reader->word_size, size);

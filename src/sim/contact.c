@@ -16,6 +16,11 @@ enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 8 };
    fastest way beyond that */
 #define REACH_SHARE 0.5
 #define MOTION_SHARE 0.5
+/* what starts this much beyond the thickness, of the shortest edge, is near for the features that it is of, and becomes
+   a contact where it starts; tried and lost: also where the closest points lie on the border of a feature (such normals
+   lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
+ */
+#define NEAR_SHARE 0.5
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2
 
@@ -97,6 +102,7 @@ static pel_status choose_thickness(pel_sim *sim, pel_error *error)
     }
     contacts->thickness = thickness;
     contacts->guarded = GUARDED_SHARE * thickness;
+    contacts->near = thickness + NEAR_SHARE * shortest;
     return PEL_OK;
 }
 
@@ -268,9 +274,9 @@ static void exchange_lists(pel_sim_contacts *contacts, int32_t count)
 /* what was found on its way into the list */
 typedef struct merger {
     pel_sim *sim;
-    const pel_ccd_hit *impacts; /* of conflicts among what was found; null = not looked for */
-    double tool_reach;          /* m, tools that are farther away at the start count only by their faces */
-    int32_t old, count;         /* contacts of the list that were taken over, contacts of the merged list */
+    const pel_impact *impacts; /* of conflicts among what was found; null = not looked for */
+    double tool_reach;         /* m, tools that are farther away at the start count only by their faces */
+    int32_t old, count;        /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
 
 /* takes over what comes before a key, all when it is null; true when the next one has this key */
@@ -299,14 +305,14 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
     pel_sim_contacts *contacts = m->sim->contacts;
     pel_contact_key key = make_key(m->sim, pair);
-    key.is_impact = m->impacts != NULL && m->impacts[number].time_of_impact <= 1;
+    key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     if (key.tool >= 0 && !is_before_face(pair) && pel_contact_start_distance(contacts, pair) > m->tool_reach)
         return;
     bool known = take_over(m, &key);
     pel_contact contact, *old = known ? &contacts->list.contacts[m->old] : NULL;
     if (known && contacts->keys[m->old].is_impact && !key.is_impact)
         return;
-    if (!make_contact(m->sim, pair, key.is_impact ? &m->impacts[number] : &pair->hit, &contact))
+    if (!make_contact(m->sim, pair, key.is_impact ? &m->impacts[number].hit : &pair->hit, &contact))
         return;
     if (known) {
         contact.push = old->push;
@@ -323,7 +329,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
 }
 
 /* puts what was found into the list */
-static pel_status merge(pel_sim *sim, const pel_collision_result *found, const pel_ccd_hit *impacts, double tool_reach,
+static pel_status merge(pel_sim *sim, const pel_collision_result *found, const pel_impact *impacts, double tool_reach,
                         pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
@@ -348,18 +354,16 @@ static double seconds_now(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static void count_search(pel_contact_statistics *sum, const pel_collision_result *found)
+void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found)
 {
+    pel_contact_statistics *sum = &contacts->statistics;
     const pel_ccd_statistics *kinds[] = {&found->vertex_face, &found->edge_edge};
     for (int i = 0; i < 2; i++) {
         sum->candidates += kinds[i]->queries;
         sum->passed_filter += kinds[i]->passed_filter;
         sum->passed_hull += kinds[i]->passed_hull;
-        sum->cubics += kinds[i]->passed_hull;
+        sum->cubics += kinds[i]->cubics;
     }
-    /* what is too near at the start already needs none */
-    for (int64_t i = 0; i < found->collision_count; i++)
-        sum->cubics -= found->collisions[i].hit.time_of_impact <= 0;
 }
 
 /* what comes within the distance between start and end */
@@ -372,9 +376,10 @@ static pel_status search(pel_sim *sim, double distance, pel_collision_result *fo
     query.end = (const double *)contacts->end;
     query.min_separation = distance;
     query.tolerance = 1e-2 * contacts->thickness;
+    query.near = contacts->near;
     query.method = contacts->def.method;
     pel_status status = pel_collider_detect(contacts->collider, &query, found, error);
-    count_search(&contacts->statistics, found);
+    pel_contact_count_search(contacts, found);
     contacts->statistics.find_seconds += seconds_now() - began;
     return status;
 }
@@ -496,7 +501,7 @@ static void touch_tools(pel_sim *sim)
         if (contacts->keys[c].tool < 0 || !(contact->push > 0))
             continue;
         pel_tool *tool = &sim->tools[contacts->keys[c].tool];
-        double free = 0, point[3] = {0, 0, 0}, sum = 0, push[3], force[3], x[3];
+        double free = 0, point[3] = {0, 0, 0}, sum = 0, side = 0, push[3], force[3], x[3];
         for (int i = 0; i < 4; i++) {
             double weight = (double)contact->weights[i];
             if (weight == 0)
@@ -505,6 +510,7 @@ static void touch_tools(pel_sim *sim)
             pel_vertex_position(sim->state->position_next, contact->vertices[i], x);
             pel_vec3_along(point, fabs(weight), x, point);
             sum += fabs(weight);
+            side += weight;
         }
         if (!(free > 0))
             continue;
@@ -520,7 +526,8 @@ static void touch_tools(pel_sim *sim)
         if (sim->state->velocity_next == NULL)
             continue;
         pel_vec3_scale(point, 1 / sum, point);
-        pel_vec3_scale(push, -1 / (free * sim->step.dt * sim->step.dt), force);
+        /* the tool may be the first or the second one */
+        pel_vec3_scale(push, -copysign(1, side) / (free * sim->step.dt * sim->step.dt), force);
         pel_tool_add_reaction(tool, point, force);
     }
 }

@@ -31,6 +31,12 @@ typedef struct pel_conflict {
     double time;       /* of impact, as part of the way */
 } pel_conflict;
 
+/* where a pair that was found is a conflict */
+typedef struct pel_impact {
+    pel_ccd_hit hit; /* time of impact above 1 = it is none */
+    bool is_solved;  /* by a cubic */
+} pel_impact;
+
 /* What goes as one in the guard: a vertex or tool at first. Numbers of a zone stand at its root, but for is_stopped. */
 typedef struct pel_zone {
     int32_t parent;     /* of a forest; itself = root */
@@ -65,6 +71,7 @@ struct pel_sim_contacts {
     pel_contact_def def;
     double thickness; /* m */
     double guarded;   /* m, distance that the guard keeps */
+    double near;      /* m, what starts within it needs no time of impact (pel_ccd_batch) */
 
     /* the surface */
     pel_collider *collider;
@@ -87,7 +94,7 @@ struct pel_sim_contacts {
     /* the guard */
     pel_conflict *conflicts; /* of the last look */
     size_t conflict_count, conflict_capacity;
-    pel_ccd_hit *impacts; /* (collisions of the last look) where they are conflicts; time above 1 = they are not */
+    pel_impact *impacts; /* (collisions of the last look) */
     size_t impact_capacity;
     double (*solved)[3]; /* (place_count) end positions before anything was stepped back */
     pel_zone *zones;     /* (place_count + tool_count) */
@@ -118,6 +125,9 @@ void pel_contact_set_velocity(pel_sim *sim, int32_t place);
 void pel_contacts_mark(const pel_sim *sim);
 /* Before the step: brings the surface after refinement, and what is known of tangled pairs after a snapshot. */
 pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
+
+/* Adds what a search went through to the statistics. */
+void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found);
 
 /* ---- contact_surface.c ---- */
 pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error);

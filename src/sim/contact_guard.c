@@ -51,37 +51,38 @@ double pel_contact_start_distance(const pel_sim_contacts *contacts, const pel_co
 }
 
 /* the most that the points of both sides can come nearer to each other */
-static double longest_approach(const double start[4][3], const double end[4][3], bool edge_edge)
+static double longest_approach(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
     double side[2] = {0, 0};
     for (int i = 0; i < 4; i++) {
-        double *longest = &side[i >= (edge_edge ? 2 : 1)];
-        *longest = fmax(*longest, pel_vec3_distance(start[i], end[i]));
+        int32_t point = hit->vertices[i];
+        double *longest = &side[i >= (hit->edge_edge ? 2 : 1)];
+        *longest = fmax(*longest, pel_vec3_distance(contacts->start[point], contacts->end[point]));
     }
     return side[0] + side[1];
 }
 
-/* impact of what the guard minds; time NO_IMPACT when there is none */
-static pel_ccd_hit find_impact(const pel_sim_contacts *contacts, const pel_collision *hit)
+/* impact of what the guard minds */
+static pel_impact find_impact(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
-    pel_ccd_hit impact = {.time_of_impact = NO_IMPACT};
-    double start[4][3], end[4][3], distance = pel_contact_start_distance(contacts, hit);
-    for (int i = 0; i < 4; i++) {
-        pel_vec3_copy(contacts->start[hit->vertices[i]], start[i]);
-        pel_vec3_copy(contacts->end[hit->vertices[i]], end[i]);
-    }
-    double approach = longest_approach((const double(*)[3])start, (const double(*)[3])end, hit->edge_edge);
+    pel_impact impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
+    double distance = pel_contact_start_distance(contacts, hit), approach = longest_approach(contacts, hit);
     double separation = fmin(contacts->guarded, APPROACH * distance);
     /* twice, to be far from rounding */
     if (approach == 0 || distance - 2 * approach > separation)
         return impact;
-    double tolerance = 1e-3 * separation;
-    bool hits =
-        hit->edge_edge
-            ? pel_ccd_edge_edge((const double(*)[3])start, (const double(*)[3])end, separation, tolerance, &impact)
-            : pel_ccd_vertex_face((const double(*)[3])start, (const double(*)[3])end, separation, tolerance, &impact);
-    if (!hits)
-        impact.time_of_impact = NO_IMPACT;
+    const pel_ccd_batch batch = {.start = contacts->start[0],
+                                 .end = contacts->end[0],
+                                 .points = hit->vertices,
+                                 .query_count = 1,
+                                 .edge_edge = hit->edge_edge,
+                                 .min_separation = separation,
+                                 .tolerance = 1e-3 * separation};
+    pel_ccd_statistics statistics = {0};
+    int32_t number;
+    if (pel_ccd_solve_batch(&batch, &number, &found.hit, &statistics) > 0)
+        impact = found;
+    impact.is_solved = statistics.cubics > 0;
     return impact;
 }
 
@@ -125,9 +126,11 @@ pel_status pel_contact_find_conflicts(pel_sim *sim, const pel_collision_result *
     pel_status status = PEL_OK;
     for (int64_t i = 0; status == PEL_OK && i < found->collision_count; i++) {
         const pel_collision *hit = &found->collisions[i];
-        if (contacts->impacts[i].time_of_impact > 1 || (contacts->tangles.count > 0 && pel_tangles_have(contacts, hit)))
+        const pel_impact *impact = &contacts->impacts[i];
+        contacts->statistics.cubics += impact->is_solved;
+        if (impact->hit.time_of_impact > 1 || (contacts->tangles.count > 0 && pel_tangles_have(contacts, hit)))
             continue;
-        status = add_hit(sim, hit, contacts->impacts[i].time_of_impact, error);
+        status = add_hit(sim, hit, impact->hit.time_of_impact, error);
     }
     return status == PEL_OK ? pel_contact_round_conflicts(sim, error) : status;
 }
@@ -329,8 +332,10 @@ pel_status pel_contact_look(pel_sim *sim, pel_error *error)
     query.start = (const double *)contacts->start;
     query.end = (const double *)contacts->end;
     query.min_separation = contacts->guarded;
+    query.near = contacts->near;
     pel_collision_result found;
     pel_status status = pel_collider_detect(contacts->collider, &query, &found, error);
+    pel_contact_count_search(contacts, &found);
     return status == PEL_OK ? pel_contact_find_conflicts(sim, &found, error) : status;
 }
 

@@ -31,7 +31,7 @@ enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 /* of the mean edge that a vertex goes in one iteration at most */
 #define MOVE_SHARE 0.3
 
-/* what a round leaves of the gradient that it begins with */
+/* what a round leaves of the gradient that it begins with; the first one, and one after something went back */
 #define FIRST_REDUCTION 1e-3
 #define REDUCTION 0.1
 /* the stiffness of constraints, of the bound of that of the bodies: stiffer where a round closes gaps by less than this
@@ -239,7 +239,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
     for (int n = 0; status == PEL_OK && !sum->converged && n < ROUND_LIMIT; n++) {
         bool again, had_any = descent->count > 0;
         problem.tolerance = tolerance_of(sim, loads);
-        problem.reduction = !had_any || closed ? 0 : n == 0 ? FIRST_REDUCTION : REDUCTION;
+        problem.reduction = !had_any || closed ? 0 : problem.goes_on ? REDUCTION : FIRST_REDUCTION;
         pel_descent_run(descent->minimiser, &problem, sim->state->position_next, &round);
         sum->iterations += round.iterations;
         sum->evaluations += round.evaluations;

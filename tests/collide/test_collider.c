@@ -288,6 +288,9 @@ static void test_refusals(void **unused)
     query.tolerance = nan("");
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     query = make_query(&m, 0);
+    query.near = nan("");
+    assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
+    query = make_query(&m, 0);
     query.end = NULL;
     assert_int_equal(pel_collider_detect(collider, &query, &result, &error), PEL_BAD_ARGUMENT);
     m.end[5][0] = HUGE_VAL;

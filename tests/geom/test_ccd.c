@@ -466,6 +466,73 @@ static void test_batches(void **unused)
     }
 }
 
+/* with times that are not looked for every hit is found still; what starts far away, or on a border, has its bits */
+static void check_near(const pel_ccd_batch *batch, double near)
+{
+    enum { LIMIT = 1000 };
+    static int32_t all[LIMIT], found[LIMIT];
+    static pel_ccd_hit all_hits[LIMIT], hits[LIMIT];
+    pel_ccd_batch with = *batch;
+    pel_ccd_statistics statistics = {0}, with_statistics = {0};
+    with.near = near;
+    int32_t count = pel_ccd_solve_batch(batch, all, all_hits, &statistics), next = 0, untimed = 0;
+    int32_t found_count = pel_ccd_solve_batch(&with, found, hits, &with_statistics);
+    for (int32_t i = 0; i < found_count; i++) {
+        const pel_ccd_hit *hit = &hits[i];
+        bool known = next < count && all[next] == found[i];
+        if (known && memcmp(hit, &all_hits[next], sizeof *hit) == 0) {
+            next++;
+            continue;
+        }
+        query q = {.edge_edge = batch->edge_edge};
+        memcpy(q.start, batch->start + 12 * (ptrdiff_t)found[i], sizeof q.start);
+        memcpy(q.end, batch->end + 12 * (ptrdiff_t)found[i], sizeof q.end);
+        double distance = distance_at(&q, 0), vector[3] = {0, 0, 0};
+        assert_true(distance > batch->min_separation && distance <= near);
+        assert_near(hit->time_of_impact, 0, 0);
+        for (int p = 0; p < 4; p++) {
+            assert_true(hit->weight[p] != 0);
+            for (int k = 0; k < 3; k++)
+                vector[k] += hit->weight[p] * q.start[p][k];
+        }
+        for (int k = 0; k < 3; k++)
+            assert_near(vector[k], distance * hit->normal[k], 1e-9);
+        next += known;
+        untimed++;
+    }
+    assert_int_equal(next, count);
+    assert_true(untimed > 10);
+    assert_int_equal(with_statistics.cubics, statistics.cubics - untimed);
+    assert_int_equal(with_statistics.passed_hull, statistics.passed_hull);
+    assert_int_equal(with_statistics.hits, found_count);
+}
+
+static void test_near(void **unused)
+{
+    (void)unused;
+    enum { COUNT = 1000 };
+    static double start[12 * COUNT], end[12 * COUNT];
+    random_state random = {11};
+    for (int kind = 0; kind < 2; kind++) {
+        for (int i = 0; i < COUNT;) {
+            query q;
+            random_query(&random, 0.5, &q);
+            if (q.edge_edge != kind)
+                continue;
+            memcpy(start + 12 * (ptrdiff_t)i, q.start, sizeof q.start);
+            memcpy(end + 12 * (ptrdiff_t)i++, q.end, sizeof q.end);
+        }
+        const pel_ccd_batch batch = {.start = start,
+                                     .end = end,
+                                     .query_count = COUNT,
+                                     .edge_edge = kind,
+                                     .min_separation = 0.01,
+                                     .tolerance = 1e-6};
+        check_near(&batch, 0.3);
+        check_near(&batch, HUGE_VAL);
+    }
+}
+
 /* ---- the kernel ---- */
 
 /* four lanes have the bits of four single computations */
@@ -657,13 +724,21 @@ static void test_plain_batches(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact_contacts),   cmocka_unit_test(test_exact_gaps),
-        cmocka_unit_test(test_rounded_contacts), cmocka_unit_test(test_against_sampling),
-        cmocka_unit_test(test_known_times),      cmocka_unit_test(test_touching_start),
-        cmocka_unit_test(test_bad_input),        cmocka_unit_test(test_hard_motions),
-        cmocka_unit_test(test_batches),          cmocka_unit_test(test_wide_is_scalar),
-        cmocka_unit_test(test_axes_are_true),    cmocka_unit_test(test_no_contraction),
-        cmocka_unit_test(test_plain_cubic),      cmocka_unit_test(test_plain_cubic_known),
+        cmocka_unit_test(test_exact_contacts),
+        cmocka_unit_test(test_exact_gaps),
+        cmocka_unit_test(test_rounded_contacts),
+        cmocka_unit_test(test_against_sampling),
+        cmocka_unit_test(test_known_times),
+        cmocka_unit_test(test_touching_start),
+        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_hard_motions),
+        cmocka_unit_test(test_batches),
+        cmocka_unit_test(test_wide_is_scalar),
+        cmocka_unit_test(test_near),
+        cmocka_unit_test(test_axes_are_true),
+        cmocka_unit_test(test_no_contraction),
+        cmocka_unit_test(test_plain_cubic),
+        cmocka_unit_test(test_plain_cubic_known),
         cmocka_unit_test(test_plain_batches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

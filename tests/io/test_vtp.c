@@ -256,6 +256,74 @@ static void test_lying_head(void **unused)
     unlink(PATH);
 }
 
+/* one word of the head is another: each is refused with its reason, at its place */
+static void test_bad_heads(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *word, *other, *what;
+    } cases[] = {
+        {"type=\"PolyData\"", "type=\"ImageData\"", "no VTK PolyData file"},
+        {"LittleEndian", "BigEndian", "the byte order is not that of this machine"},
+        {"vtkZLibDataCompressor", "vtkLZ4DataCompressor", "not packed by zlib"},
+        {"<VTKFile", "<VTKfile", "no VTK file"},
+        {"NumberOfPoints=\"", "NumberOfPoints=\"-", "the number of points or polygons is missing or out of range"},
+        {"NumberOfPoints=\"", "NumberOfPoints=\"99", "an array has not the size that its head tells"},
+        {"NumberOfPolys=\"", "NumberOfPolys=\"99", "an array has not the size that its head tells"},
+        {"NumberOfPolys=\"", "NumberOfPolys=\"0\" a=\"", "the number of points or polygons is missing"},
+        {"<Piece ", "<Piece NumberOfLines=\"1\" ", "vertices, lines or strips beside"},
+        {"<Piece ", "<Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"/><Piece ", "more than one piece"},
+        {"NumberOfComponents=\"3\"", "NumberOfComponents=\"0\"", "no components or very many"},
+        {"NumberOfComponents=\"3\"", "NumberOfComponents=\"32768\"", "no components or very many"},
+        {"NumberOfComponents=\"3\"", "NumberOfComponents=\"4\"", "an array has not the size that its head tells"},
+        {"type=\"Float64\" Name=\"energy\"", "type=\"Float65\" Name=\"energy\"", "an array has an unknown type"},
+        {"Name=\"energy\"", "Name=\"\"", "an array has no name"},
+        {"Name=\"connectivity\"", "Name=\"connections\"", "the polygons are missing"},
+        {"Name=\"offsets\"", "Name=\"offset\"", "the polygons are missing"},
+        {"<Points>", "<Pointz>", "the points are missing"},
+        {"format=\"appended\"", "format=\"ascii\"", "an array is not in the appended section"},
+        {"offset=\"0\"", "offset=\"999999999999999999\"", "an array lies outside the appended section"},
+        {"encoding=\"raw\"", "encoding=\"base64\"", "the appended section is not raw"},
+        {"</VTKFile>", "", "the file is cut off"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        for (int compress = 0; compress < 2; compress++) {
+            sample_data sample;
+            make_sample(&sample, 1);
+            sample.vtp.compress = compress != 0;
+            sample.vtp.float64 = true;
+            char *bytes;
+            size_t size;
+            pel_mesh *mesh;
+            pel_error error;
+            assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+            assert_int_equal(pel_file_read(PATH, &bytes, &size, NULL), PEL_OK);
+            const char *word = cases[i].word, *place = bytes;
+            while (place + strlen(word) <= bytes + size && memcmp(place, word, strlen(word)) != 0)
+                place++;
+            if (place + strlen(word) <= bytes + size) {
+                FILE *stream = fopen(PATH, "wb");
+                assert_non_null(stream);
+                fwrite(bytes, 1, (size_t)(place - bytes), stream);
+                fputs(cases[i].other, stream);
+                place += strlen(word);
+                fwrite(place, 1, size - (size_t)(place - bytes), stream);
+                fclose(stream);
+                assert_int_equal(pel_vtp_read(PATH, &mesh, NULL, &error), PEL_BAD_FORMAT);
+                assert_null(mesh);
+                if (strstr(error.what, cases[i].what) == NULL)
+                    fail_msg("%s instead of %s: %s", cases[i].other, word, error.what);
+                assert_true(error.byte_offset >= 0 && error.remedy[0] != '\0');
+            } else {
+                /* only packed files name what packed them */
+                assert_true(compress == 0 && strcmp(word, "vtkZLibDataCompressor") == 0);
+            }
+            pel_free(bytes);
+            free_sample(&sample);
+        }
+    unlink(PATH);
+}
+
 /* arrays that claim the same bytes could ask for far more memory than the file has */
 static void test_shared_bytes(void **unused)
 {
@@ -404,17 +472,12 @@ static void test_blocks(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_cut_off),
-        cmocka_unit_test(test_corpus),
-        cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_lying_head),
-        cmocka_unit_test(test_shared_bytes),
-        cmocka_unit_test(test_series),
-        cmocka_unit_test(test_refuses),
-        cmocka_unit_test(test_allocation_failures),
-        cmocka_unit_test(test_other_reader),
-        cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_cut_off),
+        cmocka_unit_test(test_corpus),       cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_shared_bytes),
+        cmocka_unit_test(test_bad_heads),    cmocka_unit_test(test_series),
+        cmocka_unit_test(test_refuses),      cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

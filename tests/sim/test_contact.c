@@ -612,9 +612,39 @@ static void test_steps_do_not_allocate(void **unused)
     scene_end(&scene, sim);
 }
 
+/* the edge of a box that comes down feels what it presses from below, whichever of the two edges a contact names first
+ */
+static void test_edge_reaction(void **unused)
+{
+    (void)unused;
+    static const double turned[4] = {0, 0.38268343236508977, 0, 0.92387953251128674};
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_XPBD);
+    scene_body(&scene, make_sphere(4));
+    scene.bodies[0].volumetric_stiffness.value = 10;
+    pel_tool_def *tool = scene_tool(&scene, PEL_TOOL_BOX);
+    tool->half_extents[0] = tool->half_extents[2] = 0.3;
+    tool->half_extents[1] = 2;
+    scene_move(&scene, 0, 0.02, 0, 1.43, 1.3, 0.1);
+    for (int k = 0; k < 2; k++)
+        memcpy(scene.keys[0][k].rotation, turned, sizeof turned);
+    pel_sim *sim = scene_create(&scene);
+    int touching = 0;
+    for (int n = 0; n < 20; n++) {
+        run_steps(sim, 1);
+        pel_tool_reading reading;
+        pel_sim_get_tool(sim, 0, &reading);
+        touching += reading.force[2] != 0;
+        assert_true(reading.force[2] >= 0);
+    }
+    assert_true(touching > 5);
+    scene_end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_edge_reaction),
         cmocka_unit_test(test_folded_sheet),
         cmocka_unit_test(test_pressed_flat),
         cmocka_unit_test(test_held_tools),

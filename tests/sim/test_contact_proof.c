@@ -98,6 +98,7 @@ static void contract(const char *name, pel_mesh *mesh, pel_method method)
                   name, method == PEL_METHOD_PBD ? "pbd" : "xpbd", frames, measures.volume_ratio, (long long)s.cubics,
                   (long long)s.candidates, (long long)s.fall_backs);
     assert_true(measures.volume_ratio <= 0.2);
+    assert_true(20 * s.cubics < s.candidates);
     frame_total += frames;
     scene_end(&scene, sim);
 }
