@@ -8,8 +8,8 @@
 #include "pellicle/base.h"
 
 /* The ways of the points of so many blocks of a colour are found before any is gone. A processor looks ahead of what
-   waits for a division by some hundred operations only: this gives it the next blocks to work at (15 % faster; 2, 8 and
-   16: no better). */
+   waits for a division by some hundred operations only: this gives it the next blocks to work at (8 and 16: no better).
+ */
 enum { PEL_BATCH_GROUP = 4 };
 
 /* what a batch asks for, with its numbers per constraint; "compliant" ones are those of xpbd */
