@@ -73,6 +73,8 @@ typedef struct pel_tool {
     int32_t *held;        /* (held_count) vertices held */
     double (*anchors)[3]; /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
+    bool is_on_its_way, blocked_before; /* in a step, which may fail: what there was before it */
+    double force_before[3], torque_before[3];
     int32_t contact_count;
 
     /* contacts of this step and of the one before, up to PEL_PLANE_LIMIT each */
@@ -296,7 +298,7 @@ void pel_tools_destroy(pel_sim *sim);
 void pel_tools_move(pel_sim *sim, double time);
 /* What they hold goes to where they are. */
 void pel_tools_carry(pel_sim *sim);
-/* They go back to where the step began. */
+/* They become what they were when the step began; nothing where they have not moved yet. */
 void pel_tools_return(pel_sim *sim);
 /* Moves the new positions out of the tools, or of spheres and capsules only. longest: spring length bound. */
 void pel_tools_press(pel_sim *sim, double longest, bool only_round);

@@ -374,6 +374,10 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     for (int32_t i = 0; i < tool->touch_count; i++)
         tool->touch_of_vertex[tool->touches[i].vertex] = 0;
     tool->touch_count = 0;
+    tool->is_on_its_way = true;
+    tool->blocked_before = tool->blocked;
+    pel_vec3_copy(tool->force, tool->force_before);
+    pel_vec3_copy(tool->torque, tool->torque_before);
     pel_vec3_set(tool->force, 0, 0, 0);
     pel_vec3_set(tool->torque, 0, 0, 0);
     pel_plane *oldest = tool->planes_before;
@@ -401,8 +405,20 @@ void pel_tools_carry(pel_sim *sim)
 
 void pel_tools_return(pel_sim *sim)
 {
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        sim->tools[i].pose = sim->tools[i].pose_before;
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        pel_tool *tool = &sim->tools[i];
+        if (!tool->is_on_its_way)
+            continue;
+        tool->is_on_its_way = false;
+        tool->pose = tool->pose_before;
+        tool->blocked = tool->blocked_before;
+        pel_vec3_copy(tool->force_before, tool->force);
+        pel_vec3_copy(tool->torque_before, tool->torque);
+        pel_plane *newest = tool->planes;
+        tool->planes = tool->planes_before;
+        tool->plane_count = tool->plane_before_count;
+        tool->planes_before = newest;
+    }
 }
 
 static bool presses(const pel_tool *tool, bool only_round)
@@ -433,8 +449,10 @@ void pel_tools_read(pel_sim *sim, double time)
         for (int32_t i = 0; i < sim->tool_count; i++)
             read_forces(sim, &sim->tools[i]);
     }
-    for (int32_t i = 0; i < sim->tool_count; i++)
+    for (int32_t i = 0; i < sim->tool_count; i++) {
         sim->tools[i].contact_count = sim->tools[i].touch_count;
+        sim->tools[i].is_on_its_way = false;
+    }
 }
 
 /* ---- refinement ---- */
