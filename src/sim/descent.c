@@ -34,6 +34,8 @@ enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 /* what a round leaves of the gradient that it begins with; the first one, and one after something went back */
 #define FIRST_REDUCTION 1e-3
 #define REDUCTION 0.1
+/* and no more than this share of the tolerance: loads that come from places far from rest are worth nothing */
+#define ROUGH_SHARE 1e3
 /* the stiffness of constraints, of the bound of that of the bodies: stiffer where a round closes gaps by less than this
  */
 #define PENALTY 0.1
@@ -239,6 +241,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
     for (int n = 0; status == PEL_OK && !sum->converged && n < ROUND_LIMIT; n++) {
         bool again, had_any = descent->count > 0;
         problem.tolerance = tolerance_of(sim, loads);
+        problem.enough = ROUGH_SHARE * problem.tolerance;
         problem.reduction = !had_any || closed ? 0 : problem.goes_on ? REDUCTION : FIRST_REDUCTION;
         pel_descent_run(descent->minimiser, &problem, sim->state->position_next, &round);
         sum->iterations += round.iterations;

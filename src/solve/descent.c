@@ -100,6 +100,16 @@ static double evaluate(pel_descent *descent, const pel_descent_problem *problem,
 
 static void keep_pair(pel_descent *descent)
 {
+    double step_square = 0, change_square = 0, product = 0;
+    for (size_t i = 0; i < descent->size; i++) {
+        double s = descent->trial[i] - descent->x[i], y = descent->trial_gradient[i] - descent->gradient[i];
+        step_square += s * s;
+        change_square += y * y;
+        product += s * y;
+    }
+    /* only what curves upward keeps the direction downhill */
+    if (!(product > 1e-12 * sqrt(step_square * change_square)))
+        return;
     int32_t at = (descent->newest + 1) % PAIR_COUNT;
     double *s = descent->step_pairs + (size_t)at * descent->size;
     double *y = descent->gradient_pairs + (size_t)at * descent->size;
@@ -107,10 +117,6 @@ static void keep_pair(pel_descent *descent)
         s[i] = descent->trial[i] - descent->x[i];
         y[i] = descent->trial_gradient[i] - descent->gradient[i];
     }
-    double product = dot(descent->size, s, y);
-    /* only what curves upward keeps the direction downhill */
-    if (!(product > 1e-12 * sqrt(dot(descent->size, s, s) * dot(descent->size, y, y))))
-        return;
     descent->inverse_products[at] = 1 / product;
     descent->newest = at;
     descent->pair_count += descent->pair_count < PAIR_COUNT;
@@ -236,7 +242,7 @@ static void accept_trial(pel_descent *descent)
 
 static void iterate(pel_descent *descent, const pel_descent_problem *problem, pel_descent_result *result)
 {
-    double tolerance = fmax(problem->tolerance, problem->reduction * result->residual);
+    double tolerance = fmax(problem->tolerance, fmin(problem->reduction * result->residual, problem->enough));
     descent_point at = {0, result->energy, 0};
     while (!result->converged && !result->stuck && result->iterations < problem->iterations) {
         find_direction(descent);

@@ -17,6 +17,7 @@ typedef struct pel_descent_problem {
     double longest_move; /* m, no vertex goes farther in one iteration */
     double tolerance;    /* N, root of the sum of squares of all forces at which it has converged */
     double reduction;    /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double enough;       /* N, when it is no more than this */
     int32_t iterations;  /* at most */
     bool gradient_only;
     bool goes_on; /* nearly the energy of the last run, from where that ended: what it learnt of the curvature stays */

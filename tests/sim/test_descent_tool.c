@@ -143,6 +143,29 @@ static void test_press_and_release(void **unused)
     press_end(&scene, sim);
 }
 
+/* the edges of a small box press into triangles: their forces lean, but all in all it is pushed straight up, the more
+ * so the deeper it goes */
+static void test_edges_of_box(void **unused)
+{
+    (void)unused;
+    press_scene scene;
+    press_begin(&scene, 8, 0);
+    scene.tool.shape = PEL_TOOL_BOX;
+    pel_vec3_set(scene.tool.half_extents, 0.4, 0.4, 0.2);
+    press_move(&scene, 1.2, 0.2);
+    scene.def.solver.dt = 0.05;
+    pel_sim *sim = press_create(&scene);
+    double before = 0;
+    for (int n = 1; n <= ROUNDS(20, 14); n++) {
+        run_steps(sim, 1);
+        pel_tool_reading reading = reading_of(sim, 0);
+        assert_true(reading.force[2] > before);
+        assert_true(hypot(reading.force[0], reading.force[1]) < 0.1 * reading.force[2]);
+        before = reading.force[2];
+    }
+    press_end(&scene, sim);
+}
+
 /* held vertices go before the others are minimised: the body is at rest around them */
 static void test_grasp(void **unused)
 {
@@ -252,6 +275,61 @@ static void test_allocation(void **unused)
     press_end(&scene, sim);
 }
 
+static void save(const pel_sim *sim, unsigned char **bytes, size_t *size)
+{
+    *size = pel_sim_save_size(sim);
+    *bytes = calloc(1, *size);
+    pel_sim_save(sim, *bytes);
+}
+
+/* a step for which there was no memory leaves everything as it was, and done again gives the same bits */
+static void check_step_again(pel_tool_shape shape)
+{
+    long failed = 1;
+    unsigned char *wanted = NULL;
+    for (long n = 0; failed > 0 || n == 1; n++) {
+        press_scene scene;
+        press_begin(&scene, 4, 0);
+        scene.tool.shape = shape;
+        pel_vec3_set(scene.tool.half_extents, 1.5, 1.5, 0.5);
+        press_move(&scene, 1.5, 0.2);
+        scene.def.solver.iterations = 5;
+        pel_sim *sim = press_create(&scene);
+        unsigned char *before, *after;
+        size_t size;
+        /* the list that the first step made is too short for the next one */
+        run_steps(sim, 1);
+        save(sim, &before, &size);
+        failing_malloc_begin(n);
+        pel_status status = pel_sim_step(sim, NULL);
+        failed = failing_malloc_end().failed;
+        assert_int_equal(status, failed > 0 ? PEL_OUT_OF_MEMORY : PEL_OK);
+        save(sim, &after, &size);
+        if (failed > 0) {
+            assert_memory_equal(before, after, size);
+            assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+        }
+        run_steps(sim, 2);
+        free(after);
+        save(sim, &after, &size);
+        if (n == 0)
+            wanted = calloc(1, size), memcpy(wanted, after, size);
+        else
+            assert_memory_equal(wanted, after, size);
+        free(before);
+        free(after);
+        press_end(&scene, sim);
+    }
+    free(wanted);
+}
+
+static void test_step_again(void **unused)
+{
+    (void)unused;
+    check_step_again(PEL_TOOL_BOX);
+    check_step_again(PEL_TOOL_SPHERE);
+}
+
 static pel_status press_once(const void *def, pel_error *error)
 {
     pel_sim *sim;
@@ -296,11 +374,13 @@ int main(void)
         cmocka_unit_test(test_gradient_descent),
         cmocka_unit_test(test_plate),
         cmocka_unit_test(test_press_and_release),
+        cmocka_unit_test(test_edges_of_box),
         cmocka_unit_test(test_grasp),
         cmocka_unit_test(test_fast_tool),
         cmocka_unit_test(test_far_tool),
         cmocka_unit_test(test_bits),
         cmocka_unit_test(test_allocation),
+        cmocka_unit_test(test_step_again),
         cmocka_unit_test(test_every_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -220,6 +220,7 @@ static void test_rounds(void **unused)
         .longest_move = 10,
         .tolerance = 1e-3,
         .reduction = 0.1,
+        .enough = HUGE_VAL,
         .iterations = 300,
     };
     pel_descent *descent;
