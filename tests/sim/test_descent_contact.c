@@ -196,11 +196,32 @@ static void test_after(void **unused)
     scene_end(&scene, sim);
 }
 
+/* the correction keeps a mesh out too, which then feels what the body does where it touches */
+static void test_mesh_after(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_DESCENT);
+    scene_body(&scene, make_sphere(4));
+    scene.def.contact.response = PEL_CONTACT_AFTER;
+    pel_mesh *ball = make_sphere(2);
+    scene_tool(&scene, PEL_TOOL_MESH)->mesh = ball;
+    scene_move(&scene, 0, 0, 0, 2.05, 1.9, 1);
+    pel_sim *sim = scene_create(&scene);
+    pel_tool_reading reading;
+    run_free(sim, 100);
+    pel_sim_get_tool(sim, 0, &reading);
+    assert_true(reading.contact_count > 0);
+    assert_true(reading.force[2] > 0);
+    scene_end(&scene, sim);
+    pel_mesh_destroy(ball);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_collapse),   cmocka_unit_test(test_plates), cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_standstill), cmocka_unit_test(test_after),
+        cmocka_unit_test(test_standstill), cmocka_unit_test(test_after),  cmocka_unit_test(test_mesh_after),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
