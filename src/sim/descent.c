@@ -45,7 +45,8 @@ enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 /* of half the thickness of a tool, that it goes in one part of a step; of the way up to an impact, that is gone */
 #define PART_SHARE 0.5
 #define SAFE_SHARE 0.9
-/* of the mean edge: what is so near takes part from the begin; what went so far beyond an impact begins anew there */
+/* of the mean edge: what is so near takes part from the begin (of that on the finest level); what went so far beyond an
+   impact begins anew there */
 #define NEAR_SHARE 0.2
 #define BEYOND_SHARE 0.1
 
@@ -274,6 +275,18 @@ static double plain_energy(pel_descent_context *context, pel_record *force)
     return energy;
 }
 
+/* in proportion to the finest edges that there may be: with coarse ones every pair of a fine surface would be near */
+static double near_distance(const pel_sim *sim)
+{
+    int32_t levels = 0;
+    for (int32_t b = 0; b < sim->given->body_count; b++) {
+        const pel_body *body = &sim->given->bodies[b];
+        if (body->detail != NULL && body->detail->def.levels > levels)
+            levels = body->detail->def.levels;
+    }
+    return NEAR_SHARE * ldexp(sim->descent->mean_edge, -levels);
+}
+
 static pel_status minimise_under_constraints(pel_descent_context *context, double loads, pel_error *error)
 {
     pel_sim *sim = context->sim;
@@ -282,8 +295,7 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].pose_before = sim->tools[i].pose;
     /* before the tools move: it asks from where they come */
-    pel_status status =
-        pel_descent_sees_contacts(sim) ? pel_contacts_find(sim, NEAR_SHARE * sim->descent->mean_edge, error) : PEL_OK;
+    pel_status status = pel_descent_sees_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
     if (status == PEL_OK)
         status = begin_tools(sim, context->time, error);
     if (status != PEL_OK)

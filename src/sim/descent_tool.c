@@ -1,6 +1,6 @@
 /* What the minimiser knows of tools: spheres and capsules by the nearest point of each triangle about them, wherever
    that goes; boxes, where contact does not take them as surfaces, by planes at vertices and at the deepest points of
-   triangles, which are found anew in each round. */
+   triangles, along separating axes, which are found anew in each round. */
 #include "sim/descent.h"
 #include "sim/tool.h"
 

@@ -196,6 +196,26 @@ static void test_after(void **unused)
     scene_end(&scene, sim);
 }
 
+/* what is near goes by the edges of the level that the surface is on: there is room for all of it */
+static void test_refined(void **unused)
+{
+    (void)unused;
+    enum { REGION = 4 };
+    static const int32_t region[REGION] = {0, 1, 2, 3};
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_DESCENT);
+    scene_body(&scene, make_sphere(4));
+    scene.bodies[0].refine.levels = 3;
+    scene.bodies[0].refine.region = region;
+    scene.bodies[0].refine.region_count = REGION;
+    scene.bodies[0].refine.rings = 3;
+    pel_sim *sim = scene_create(&scene);
+    assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    assert_int_equal(statistics_of(sim).dropped, 0);
+    assert_true(statistics_of(sim).passed_hull < pel_sim_vertex_count(sim, 0));
+    scene_end(&scene, sim);
+}
+
 /* the correction keeps a mesh out too, which then feels what the body does where it touches */
 static void test_mesh_after(void **unused)
 {
@@ -221,7 +241,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_collapse),   cmocka_unit_test(test_plates), cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_standstill), cmocka_unit_test(test_after),  cmocka_unit_test(test_mesh_after),
+        cmocka_unit_test(test_standstill), cmocka_unit_test(test_after),  cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_mesh_after),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
