@@ -334,8 +334,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
         const pel_touch *touch = &tool->touches[i];
         double force[3], x[3];
         /* of the rest the minimisation knows the loads, but of meshes that only a correction after it keeps out */
-        if (sim->descent != NULL && !sim->held[touch->vertex] &&
-            (tool->mesh == NULL || pel_descent_sees_contacts(sim)))
+        if (sim->descent != NULL && !sim->held[touch->vertex] && (tool->mesh == NULL || pel_descent_sees_contacts(sim)))
             continue;
         static_force(sim, touch->vertex, force);
         if (!sim->held[touch->vertex])
