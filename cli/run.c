@@ -117,6 +117,8 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
     printf("  volume at end          %.6g of that at rest\n", s->volume_ratio_final);
     if (s->self_intersections_final >= 0)
         printf("  self-intersections     %lld pairs of triangles at end\n", (long long)s->self_intersections_final);
+    if (s->unconverged_steps > 0)
+        printf("  steps not converged    %lld (see solver.iterations)\n", (long long)s->unconverged_steps);
     if (s->alpha > 0.0)
         printf("  alpha                  %.6g (stable below %.6g)\n", s->alpha, s->alpha_limit);
     print_files(folder);

@@ -77,6 +77,7 @@ typedef struct pel_run_summary {
     double alpha, alpha_limit;
     int32_t threads;
     pel_solver_reading solver; /* of the last step */
+    int64_t unconverged_steps; /* of the method descent, that ended before forces and gaps were as they should be */
     const char *stop_reason; /* what ended the run: "duration", "max_frames" or a key of the scene's `stop`; "" when it
                               was stopped or failed; lives forever */
     int64_t volume_rises;    /* frames whose volume is more than that of the frame before */

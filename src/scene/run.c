@@ -353,6 +353,13 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
     return PEL_OK;
 }
 
+static void note_solver(pel_run_state *run)
+{
+    pel_solver_reading reading;
+    pel_sim_get_solver(run->sim, &reading);
+    run->totals.unconverged_steps += run->scene->sim.solver.method == PEL_METHOD_DESCENT && !reading.converged;
+}
+
 /* one step and what belongs to it */
 static pel_status advance(pel_run_state *run, pel_error *error)
 {
@@ -364,6 +371,7 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
+    note_solver(run);
     status = write_due(run, error);
     return status == PEL_OK && !run->settled ? keep_state(run, error) : status;
 }

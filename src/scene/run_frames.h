@@ -21,6 +21,7 @@ typedef struct pel_run_totals {
     double volume_ratio;            /* of the last frame */
     int64_t rise_count;             /* frames whose volume is more than that of the frame before */
     double rise_sum, rise_max;      /* of the volume ratio in these */
+    int64_t unconverged_steps;      /* of the method descent */
     pel_contact_statistics contact; /* at the last frame */
 } pel_run_totals;
 

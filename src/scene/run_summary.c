@@ -58,6 +58,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .volume_rises = totals->rise_count,
         .volume_rise_sum = totals->rise_sum,
         .volume_rise_max = totals->rise_max,
+        .unconverged_steps = totals->unconverged_steps,
     };
     pel_sim_get_solver(sim, &summary->solver);
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
@@ -185,6 +186,7 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
         number_entry(writer, "solver_residual", s->solver.residual);
         begin(writer, "solver_converged");
         pel_file_writer_printf(writer, s->solver.converged ? "true" : "false");
+        count_entry(writer, "solver_unconverged_steps", s->unconverged_steps);
     }
     if (pel_sim_contact_thickness(run->sim) > 0)
         write_contact(writer, run->sim);
