@@ -103,7 +103,7 @@ typedef struct pel_ccd_statistics {
     int64_t queries;
     int64_t passed_filter; /* not ruled out by the non-penetration filter */
     int64_t passed_hull;   /* nor by separating axes of the swept hull */
-    int64_t cubics;        /* of these, the cubic was solved; the others were near at the start */
+    int64_t cubics;        /* of these, the cubic was solved; the others start near, or are no finite numbers */
     int64_t hits;
     int64_t intervals;  /* time intervals looked at for them */
     int64_t fall_backs; /* hits because the budget of intervals was used up */

@@ -15,11 +15,6 @@ typedef struct round_tool {
 /* numbers of the corners of a triangle's edges */
 static const int edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
 
-static bool is_round(const pel_tool *tool)
-{
-    return tool->press && tool->mesh == NULL && tool->solid.kind != PEL_SOLID_BOX;
-}
-
 static void set_round(const pel_sim *sim, int32_t tool, round_tool *round)
 {
     const pel_tool *t = &sim->tools[tool];
@@ -137,7 +132,7 @@ pel_status pel_contact_round_conflicts(pel_sim *sim, pel_error *error)
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < sim->tool_count; i++) {
         round_tool round;
-        if (!is_round(&sim->tools[i]))
+        if (!sim->tools[i].press || !pel_tool_is_round(&sim->tools[i]))
             continue;
         set_round(sim, i, &round);
         status = find_conflicts(sim, &round, error);

@@ -109,7 +109,7 @@ static pel_descent_problem make_problem(pel_descent_context *context)
     const pel_sim *sim = context->sim;
     return (pel_descent_problem){
         .inverse_mass = sim->model->inverse_mass,
-        .held = sim->tool_count > 0 ? sim->held : NULL,
+        .held = sim->held,
         .energy = energy_of,
         .context = context,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
@@ -162,7 +162,7 @@ static bool go_back_to(pel_sim *sim, int32_t v, double share)
 {
     const double *start = sim->contacts->start[v], *end = sim->contacts->end[v];
     double beyond = (1 - share) * pel_vec3_distance(start, end);
-    if (beyond < BEYOND_SHARE * sim->descent->mean_edge || (sim->tool_count > 0 && sim->held[v]))
+    if (beyond < BEYOND_SHARE * sim->descent->mean_edge || (sim->held != NULL && sim->held[v]))
         return false;
     for (int k = 0; k < 3; k++)
         sim->state->position_next[v][k] = (pel_real)(start[k] + share * (end[k] - start[k]));
@@ -313,6 +313,8 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
             pel_descent_contacts_estimate(sim, sim->force, way / part_count);
         }
         status = minimise_in_rounds(context, loads, part == part_count, error);
+        if (!pel_sim_all_inside(sim))
+            return status;
     }
     sim->descent->result.energy = plain_energy(context, sim->force);
     return status;

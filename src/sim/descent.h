@@ -73,6 +73,8 @@ static inline bool pel_descent_sees_contacts(const pel_sim *sim)
 }
 
 /* ---- descent_contact.c ---- */
+/* the weighted sum of its points: where it is, against a surface the way between both sides */
+void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_record *position, double point[3]);
 void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
                               pel_meeting *meeting);
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */

@@ -20,13 +20,12 @@ static double mobility_of(const pel_sim *sim, int32_t v)
     return sim->held != NULL ? pel_tool_mobility(sim, v) : (double)sim->model->inverse_mass[v];
 }
 
-static void combine(const pel_descent_contact *constraint, const double weights[4], const pel_record *position,
-                    double sum[3])
+void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_record *position, double point[3])
 {
-    pel_vec3_set(sum, 0, 0, 0);
+    pel_vec3_set(point, 0, 0, 0);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
-            sum[k] += weights[i] * (double)position[constraint->vertices[i]][k];
+            point[k] += constraint->weights[i] * (double)position[constraint->vertices[i]][k];
 }
 
 /* the nearest point of a triangle to a round tool */
@@ -57,7 +56,7 @@ void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *con
     }
     memcpy(meeting->weights, constraint->weights, sizeof meeting->weights);
     pel_vec3_copy(constraint->normal, meeting->normal);
-    combine(constraint, constraint->weights, position, point);
+    pel_descent_contact_point(constraint, position, point);
     meeting->gap = pel_vec3_dot(point, constraint->normal) - constraint->offset;
 }
 
@@ -68,8 +67,8 @@ static bool find_drag(const pel_sim *sim, const pel_descent_contact *constraint,
     if (!(constraint->friction > 0) || !(constraint->load > 0))
         return false;
     double now[3], before[3], slip[3];
-    combine(constraint, constraint->weights, position, now);
-    combine(constraint, constraint->weights, sim->state->position, before);
+    pel_descent_contact_point(constraint, position, now);
+    pel_descent_contact_point(constraint, sim->state->position, before);
     pel_vec3_subtract(now, before, slip);
     pel_vec3_subtract(slip, constraint->drift, slip);
     pel_vec3_along(slip, -pel_vec3_dot(slip, constraint->normal), constraint->normal, slip);

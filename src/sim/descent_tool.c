@@ -42,10 +42,8 @@ static void find_drift(const pel_tool *tool, const double point[3], double drift
 static pel_status add(const tool_search *search, pel_descent_contact *constraint, int32_t known, pel_error *error)
 {
     pel_sim *sim = search->sim;
-    double point[3] = {0, 0, 0};
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            point[k] += constraint->weights[i] * (double)sim->state->position_next[constraint->vertices[i]][k];
+    double point[3];
+    pel_descent_contact_point(constraint, sim->state->position_next, point);
     find_drift(&sim->tools[search->tool], point, constraint->drift);
     if (known > 0) {
         const pel_descent_contact *old = &sim->descent->others[known - 1];
@@ -87,10 +85,8 @@ static pel_status add_round(const tool_search *search, int32_t t, pel_error *err
 static void set_plane(const tool_search *search, const double local[3], double gap, pel_descent_contact *constraint)
 {
     pel_sim *sim = search->sim;
-    double point[3] = {0, 0, 0};
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            point[k] += constraint->weights[i] * (double)sim->state->position_next[constraint->vertices[i]][k];
+    double point[3];
+    pel_descent_contact_point(constraint, sim->state->position_next, point);
     pel_rotate(sim->tools[search->tool].pose.rotation, local, constraint->normal);
     constraint->offset = pel_vec3_dot(constraint->normal, point) - gap + search->slack;
 }
