@@ -305,6 +305,8 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
 void pel_tools_destroy(pel_sim *sim);
 /* Begins a step: poses wanted at `time`, what tools grasp and release. The tools stand at their wanted poses. */
 void pel_tools_begin(pel_sim *sim, double time);
+/* Before the substeps of a step are done anew. */
+void pel_tools_forget_step(pel_sim *sim);
 /* Moves the tools to the end of a substep, at a share of their motion in this step, and finds where held vertices go.
  */
 void pel_tools_place(pel_sim *sim, double share);

@@ -469,17 +469,30 @@ pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt)
     return tool->blocked ? catch_up(tool, time, dt) : pel_tool_pose_at(tool, time);
 }
 
-static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
+static void forget_touches(pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->touch_count; i++)
         tool->touch_of_vertex[tool->touches[i].vertex] = 0;
     tool->touch_count = 0;
+    pel_vec3_set(tool->force, 0, 0, 0);
+    pel_vec3_set(tool->torque, 0, 0, 0);
+}
+
+void pel_tools_forget_step(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        forget_touches(&sim->tools[i]);
+        sim->tools[i].pose = sim->tools[i].pose_before;
+    }
+}
+
+static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
+{
     tool->is_on_its_way = true;
     tool->blocked_before = tool->blocked;
     pel_vec3_copy(tool->force, tool->force_before);
     pel_vec3_copy(tool->torque, tool->torque_before);
-    pel_vec3_set(tool->force, 0, 0, 0);
-    pel_vec3_set(tool->torque, 0, 0, 0);
+    forget_touches(tool);
     pel_plane *oldest = tool->planes_before;
     tool->planes_before = tool->planes;
     tool->plane_before_count = tool->plane_count;

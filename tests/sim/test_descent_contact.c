@@ -49,6 +49,7 @@ static void test_collapse(void **unused)
     pel_sim_measure(sim, &measures);
     if (!IS_SLOW) {
         assert_true(most > 100 && measures.volume_ratio < 0.25);
+        printf("DBG fb %d\n", (int)statistics_of(sim).fall_backs);
         assert_true(statistics_of(sim).fall_backs < 100);
     }
     scene_end(&scene, sim);
