@@ -65,13 +65,8 @@ static double penetration(const stage *s, const pel_solid *solid, int32_t tool)
 
 #define DOWN_UP(start, low)                                                                                            \
     {                                                                                                                  \
-        {0, {0, 0, start}, {0, 0, 0, 1}}, {1, {0, 0, low}, {0, 0, 0, 1}}, {2, {0, 0, low}, {0, 0, 0, 1}},              \
-        {                                                                                                              \
-            3, {0, 0, start},                                                                                          \
-            {                                                                                                          \
-                0, 0, 0, 1                                                                                             \
-            }                                                                                                          \
-        }                                                                                                              \
+        {0, {0, 0, start}, {0, 0, 0, 1}, {0}}, {1, {0, 0, low}, {0, 0, 0, 1}, {0}},                                    \
+            {2, {0, 0, low}, {0, 0, 0, 1}, {0}}, {3, {0, 0, start}, {0, 0, 0, 1}, {0}},                                \
     }
 
 /* a tool pressed 0.3 into the sphere, held, and withdrawn; coarse and fine meshes, both methods */
@@ -130,7 +125,7 @@ static void test_press(void **unused)
    the structural springs only pass forces on */
 static void check_balance(const pel_load_def *load)
 {
-    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.3;
@@ -174,7 +169,8 @@ static void test_momentum(void **unused)
 {
     (void)unused;
     for (int grasp = 0; grasp < 2; grasp++) {
-        const pel_pose_key keys[2] = {{0, {0.75, 0.6, 0.9}, {0, 0, 0, 1}}, {1, {0.25, 0.2, 0.3}, {0, 0, 0, 1}}};
+        const pel_pose_key keys[2] = {{0, {0.75, 0.6, 0.9}, {0, 0, 0, 1}, {0}},
+                                      {1, {0.25, 0.2, 0.3}, {0, 0, 0, 1}, {0}}};
         pel_tool_def tool = pel_tool_def_default();
         tool.name = "probe";
         tool.radius = 0.25;
@@ -223,8 +219,8 @@ static void test_momentum(void **unused)
 static void test_settles(void **unused)
 {
     (void)unused;
-    const pel_pose_key press_keys[2] = {{0, {0, 0, 1.35}, {0, 0, 0, 1}}, {0.3, {0, 0, 1.1}, {0, 0, 0, 1}}};
-    const pel_pose_key pull_keys[2] = {{0, {0, -1.2, 0}, {0, 0, 0, 1}}, {0.6, {0, -1.4, 0}, {0, 0, 0, 1}}};
+    const pel_pose_key press_keys[2] = {{0, {0, 0, 1.35}, {0, 0, 0, 1}, {0}}, {0.3, {0, 0, 1.1}, {0, 0, 0, 1}, {0}}};
+    const pel_pose_key pull_keys[2] = {{0, {0, -1.2, 0}, {0, 0, 0, 1}, {0}}, {0.6, {0, -1.4, 0}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tools[2] = {pel_tool_def_default(), pel_tool_def_default()};
     tools[0].name = "probe";
     tools[0].radius = 0.3;
@@ -326,7 +322,7 @@ static void check_refused(const pel_tool_def *tool, const char *word)
 static void test_refusals(void **unused)
 {
     (void)unused;
-    pel_pose_key keys[2] = {{0, {0, 0, 0.8}, {0, 0, 0, 1}}, {1, {0, 0, 2}, {0, 0, 0, 1}}};
+    pel_pose_key keys[2] = {{0, {0, 0, 0.8}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 2}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.3;
@@ -356,7 +352,7 @@ static void test_refusals(void **unused)
 static void test_driven_tool(void **unused)
 {
     (void)unused;
-    const pel_pose_key key = {0, {0, 0, 3}, {0, 0, 0, 1}};
+    const pel_pose_key key = {0, {0, 0, 3}, {0, 0, 0, 1}, {0}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "stylus";
     tool.radius = 0.2;
@@ -382,7 +378,7 @@ static void test_driven_tool(void **unused)
 static void test_damaged_snapshot(void **unused)
 {
     (void)unused;
-    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {0.5, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}, {0}}, {0.5, {0, 0, 1.1}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tools[2] = {pel_tool_def_default(), pel_tool_def_default()};
     for (int t = 0; t < 2; t++) {
         tools[t].name = t == 0 ? "probe" : "clamp";
