@@ -299,17 +299,19 @@ static const pel_scene_row rows[] = {
 
     {"<anisotropy>", MAP, .doc = "a region with fibres"},
     {"<anisotropy>.mode", WORD("cave", "strain", "active", "curl"), ALTERNATIVE, .preset = "cave",
-     .doc =
-         "cave: paper B's, vertices go inward where fibres are strained (pbd); strain: fibres resist strain; active: "
-         "they shrink like a muscle; curl: the region wants another curvature"},
+     .doc = "cave: paper B's, triangles go inward where fibres are shorter than at rest (pbd, xpbd); strain: fibres "
+            "resist strain; active: "
+            "they shrink like a muscle; curl: the region wants another curvature"},
     {"<anisotropy>.energy", WORD("arap", "stvk", "sqrt"), .preset = "arap",
      .doc = "cave, strain: energy of the fibres"},
     {"<anisotropy>.stiffness", NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
      .doc = "of the fibres; auto is young times thickness of the membrane"},
     {"<anisotropy>.strength", NUMBER, .unit = "m", POSITIVE, .needs = "mode", .needs_word = "cave", REQUIRED,
-     .doc = "how far a projection moves a vertex inward where the energy per area equals the stiffness"},
-    {"<anisotropy>.max_step", NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave", .preset = "0.1",
-     .doc = "share of the mean edge that one projection may move a vertex"},
+     .doc =
+         "how far a step moves a triangle inward where its fibre is shorter than at rest by 5 %; in proportion to the "
+         "square"},
+    {"<anisotropy>.max_step", NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave", .preset = "0.05",
+     .doc = "share of its edge that a triangle may go inward in a step, whatever the iterations and substeps"},
     {"<anisotropy>.rest_length", QUANTITY, AT_LEAST(0), .needs = "mode", .needs_word = "active", REQUIRED,
      .doc = "length at which the fibres are at rest, over that of the rest shape"},
     {"<anisotropy>.curvature", NUMBER, .needs = "mode", .needs_word = "curl", .preset = "-1",

@@ -146,7 +146,7 @@ static void test_pressures(void **unused)
 {
     (void)unused;
     static const pel_method methods[] = {PEL_METHOD_XPBD, PEL_METHOD_PBD, PEL_METHOD_EXPLICIT};
-    for (int kind = 0; kind < 5; kind++)
+    for (int kind = 0; kind < 6; kind++)
         for (int m = 0; m < 3; m++) {
             pel_shell_def shell = pel_shell_def_default();
             shell.membrane.on = true;
