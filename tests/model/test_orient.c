@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* balls of these radii about points on the x axis as one mesh; inward ones are turned */
+/* balls of these radii about points (x, x, x) as one mesh; inward ones are turned */
 typedef struct ball {
     double x, radius;
     bool inward, open;
@@ -29,7 +29,8 @@ static pel_mesh *make_balls(const ball *balls, int32_t count, int32_t frequency)
     for (int32_t b = 0; b < count; b++) {
         for (int32_t v = 0; v < n; v++) {
             pel_vec3_scale(one->positions[v], balls[b].radius, positions[b * n + v]);
-            positions[b * n + v][0] += balls[b].x;
+            for (int c = 0; c < 3; c++)
+                positions[b * n + v][c] += balls[b].x;
         }
         for (int32_t t = 0; t < m - balls[b].open; t++, last++)
             for (int i = 0; i < 3; i++)
@@ -85,7 +86,7 @@ static void test_parts(void **unused)
         {{{0, 0.5, false, false}, {0, 1, false, false}}, 2, 0, 1.125},
         {{{0, 0.5, true, false}, {0, 1, true, false}}, 2, 2, 1.125},
         /* within the box of another, not within it */
-        {{{0, 1, false, false}, {0.9, 0.05, true, false}, {0, 0.1, true, false}}, 3, 0, 1 - 0.000125 - 0.001},
+        {{{0, 1, false, false}, {0.9, 0.05, true, false}, {0, 0.1, true, false}}, 3, 1, 1 + 0.000125 - 0.001},
         /* what is open has no inside */
         {{{0, 1, true, true}}, 1, 0, -1},
     };

@@ -193,14 +193,14 @@ static void test_set_pose(void **unused)
     tool.key_count = 2;
     stage s = make_stage(&tool, 0.001);
     run_steps(s.sim, 100);
-    const double rotation[4] = {sin(pi / 6), 0, 0, cos(pi / 6)};
+    const double rotation[4] = {0, 0, sin(pi / 6), cos(pi / 6)};
     assert_int_equal(pel_sim_set_tool_pose(s.sim, 0, (double[3]){0}, rotation, NULL), PEL_OK);
     pel_pose wanted = pel_tool_pose_at(&s.sim->tools[0], 1), half;
     assert_near(pel_tool_way(&s.sim->tools[0], &s.sim->tools[0].pose, &wanted), pi / 3 * 1.5, 1e-9);
     pel_tool_pose_between(&s.sim->tools[0].pose, &wanted, 0.5, &half);
     double x[3];
     pel_rotate(half.rotation, (double[3]){1, 2, 3}, x);
-    expect_turn(x, (double[3]){1, 0, 0}, 30);
+    expect_turn(x, (double[3]){0, 0, 1}, 30);
     end_stage(&s);
 }
 
