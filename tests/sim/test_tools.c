@@ -297,6 +297,8 @@ static void test_grasp(void **unused)
     check_grasp(PEL_METHOD_EXPLICIT);
 }
 
+static double depth_told;
+
 static void check_refused(const pel_tool_def *tool, const char *word)
 {
     stage s;
@@ -316,6 +318,8 @@ static void check_refused(const pel_tool_def *tool, const char *word)
         print_error("'%s' lacks '%s'\n", error.what, word);
     assert_non_null(strstr(error.what, word));
     assert_true(error.remedy[0] != '\0');
+    const char *by = strstr(error.what, "(by ");
+    depth_told = by != NULL ? strtod(by + 4, NULL) : -1;
     end_stage(&s);
 }
 
@@ -328,12 +332,22 @@ static void test_refusals(void **unused)
     tool.radius = 0.3;
     tool.keys = keys;
     tool.key_count = 2;
+    /* the ball's radius is 1, its triangles lie up to 0.1 within: what the tool has to go so that it is out */
     check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.3 + 0.2, 0.12);
     keys[0].position[2] = 0.1;
     check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.3 + 0.9, 0.12);
+    tool.shape = PEL_TOOL_BOX;
+    pel_vec3_set(tool.half_extents, 0.05, 0.05, 0.2);
+    keys[0].position[2] = 0.6;
+    check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.2 + 0.4, 0.12);
+    tool.shape = PEL_TOOL_SPHERE;
     /* its centre is outside */
     keys[0].position[2] = 1.2;
     check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.1, 0.1);
     keys[0].position[2] = 2;
     tool.radius = 0;
     check_refused(&tool, "radius");
