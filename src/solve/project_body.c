@@ -523,7 +523,9 @@ void pel_project_body_mark_fixed(pel_project_body *own, const uint8_t *is_fixed)
 {
     for (int32_t i = 0; i < own->batch_count; i++) {
         const pel_batch *batch = &own->batches[i];
+        /* caving in has no reaction */
+        bool reacts = batch->kind != PEL_CONSTRAINT_CAVE;
         for (int32_t block = 0; block < batch->block_count; block++)
-            batch->has_fixed[block] = has_fixed(batch, block, is_fixed);
+            batch->has_fixed[block] = reacts && has_fixed(batch, block, is_fixed);
     }
 }
