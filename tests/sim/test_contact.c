@@ -112,6 +112,46 @@ static void test_two_bodies(void **unused)
     }
 }
 
+/* two free shells run into each other, fast enough that the guard has to act too: momentum stays under every method,
+   and no energy appears */
+static void test_momentum_of_shells(void **unused)
+{
+    (void)unused;
+    static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_PBD, PEL_METHOD_XPBD, PEL_METHOD_XPBD};
+    for (int i = 0; i < 8; i += ROUNDS(1, 3)) {
+        contact_scene scene;
+        scene_begin(&scene, methods[i / 2]);
+        scene_body(&scene, make_sphere(5));
+        scene_body(&scene, make_moved_sphere(4, 2.05, 0.3, 0.1));
+        for (int b = 0; b < 2; b++) {
+            pel_body_def *body = &scene.bodies[b];
+            body->spring_stiffness.value = 0;
+            body->spring_damping.value = body->volumetric_damping.value = 0;
+            body->shell.membrane.on = true;
+            body->shell.membrane.young.value = 2e4;
+            body->shell.membrane.poisson = 0.3;
+            body->shell.membrane.thickness.value = 0.01;
+        }
+        scene.def.solver.second_order = i / 2 == 3;
+        scene.def.contact.friction = i % 2 == 0 ? 0 : 0.5;
+        pel_sim *sim = scene_create(&scene);
+        shoot(sim, 0, 4, 0, 0);
+        shoot(sim, 1, -4, 0, 0);
+        double before = momentum_of(sim, 2), scale = 4 * 0.01 * scene.meshes[0]->vertex_count, most_energy = 0;
+        pel_sim_measures measures;
+        pel_sim_measure(sim, &measures);
+        double energy = measures.kinetic_energy;
+        for (int n = 0; n < 60; n++) {
+            run_free(sim, 1);
+            pel_sim_measure(sim, &measures);
+            most_energy = fmax(most_energy, measures.kinetic_energy + measures.elastic_energy);
+        }
+        assert_true(fabs(momentum_of(sim, 2) - before) < (sizeof(pel_real) == 8 ? 1e-9 : 1e-4) * scale);
+        assert_true(most_energy < 1.05 * energy);
+        scene_end(&scene, sim);
+    }
+}
+
 /* a ring is pushed through a ball, which is held by nothing but its own inertia and another tool */
 static void test_mesh_tool(void **unused)
 {
@@ -236,25 +276,21 @@ static double slide(pel_tool_shape shape, pel_method method, double friction, do
 }
 
 /* Coulomb's law on a slope of tangent 1/2: above it what lies there stays, below it slides with g (sin - friction cos),
-   whatever the floor is made of; the floor feels weight and friction. Contacts of edges near their ends are a little
-   oblique, which slows what slides over the edges of a floor */
+   whatever the floor is made of; the floor feels weight and friction */
 static void test_friction_on_slope(void **unused)
 {
     (void)unused;
     static const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_MESH};
     static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD};
-    /* a soft sheet that is dragged over the edges of a mesh without friction buckles under xpbd: not there */
-    /* in float it buckles under xpbd on any floor: explicit on solids alone */
-    const bool is_double = sizeof(pel_real) == 8;
-    const double rounding = is_double ? 1 : 2;
-    for (int i = 0; i < (is_double ? 7 : 6); i += is_double ? ROUNDS(1, 3) : 2) {
+    const double rounding = sizeof(pel_real) == 8 ? 1 : 2;
+    for (int i = 0; i < 8; i += ROUNDS(1, 3)) {
         double force[3], time = 0.5, free_way = 0.5 * 4 * time * time;
-        assert_true(fabs(slide(shapes[i / 2], methods[i % 2], 0.6, time, force)) < 1e-4);
+        /* on a capsule few points carry, and change from substep to substep */
+        assert_true(fabs(slide(shapes[i / 2], methods[i % 2], 0.6, time, force)) < 2e-4);
         assert_near(force[0], 4, 0.04 * rounding);
         assert_near(force[2], -8, 0.08 * rounding);
         double smooth = slide(shapes[i / 2], methods[i % 2], 0, time, force);
-        bool over_edges = i % 2 == 1 || shapes[i / 2] == PEL_TOOL_MESH;
-        double loss = over_edges ? 0.06 : 0.011, slides = slide(shapes[i / 2], methods[i % 2], 0.3, time, force);
+        double loss = 0.011, slides = slide(shapes[i / 2], methods[i % 2], 0.3, time, force);
         assert_near(smooth, free_way, loss * free_way);
         assert_near(slides, 0.4 * free_way, loss * 0.4 * free_way);
         assert_near(force[0], 0.3 * 8, 0.03 * rounding);
@@ -650,6 +686,7 @@ int main(void)
         cmocka_unit_test(test_held_tools),
         cmocka_unit_test(test_ring),
         cmocka_unit_test(test_two_bodies),
+        cmocka_unit_test(test_momentum_of_shells),
         cmocka_unit_test(test_mesh_tool),
         cmocka_unit_test(test_fast_round_tools),
         cmocka_unit_test(test_friction_on_slope),
