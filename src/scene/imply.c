@@ -102,8 +102,6 @@ static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membran
 
 static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
 {
-    /* in the order of pel_membrane_kind */
-    static const char *const kinds[] = {"stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean"};
     const struct {
         const char *key;
         double number;
@@ -114,7 +112,7 @@ static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *memb
     if (find(membrane, "material") == NULL && preset->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN)
         status = set_number(reader, membrane, "mooney_ratio", preset->material.mooney_ratio);
     if (status == PEL_OK)
-        status = set_text(reader, membrane, "material", kinds[preset->material.kind]);
+        status = set_text(reader, membrane, "material", pel_membrane_kind_name(preset->material.kind));
     for (int i = 0; status == PEL_OK && i < 3; i++)
         status = set_number(reader, membrane, numbers[i].key, numbers[i].number);
     return status;

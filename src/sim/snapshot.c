@@ -49,11 +49,12 @@ static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
 {
     const pel_membrane_material *material = &shell->material;
     const pel_pressure_def *pressure = &shell->pressure;
-    const double numbers[] = {
-        shell->has_membrane,     (double)material->kind, material->young,        material->poisson,
-        material->thickness,     material->mooney_ratio, (double)shell->bending, shell->bending_weight,
-        (double)pressure->kind,  (double)pressure->form, pressure->value,        pressure->gamma,
-        pressure->outside.value, pressure->target.value, pressure->bulk,         (double)shell->hinge_count};
+    const double numbers[] = {shell->has_membrane,       (double)material->kind, material->young,
+                              material->poisson,         material->thickness,    material->mooney_ratio,
+                              material->extension_limit, material->stiffening,   (double)shell->bending,
+                              shell->bending_weight,     (double)pressure->kind, (double)pressure->form,
+                              pressure->value,           pressure->gamma,        pressure->outside.value,
+                              pressure->target.value,    pressure->bulk,         (double)shell->hinge_count};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         hash = hash_double(hash, numbers[i]);
     for (int32_t h = 0; h < shell->hinge_count; h++)

@@ -210,7 +210,6 @@ static void test_pressurised_sphere(void **unused)
     for (int i = 0; i < 40 && !reading.converged; i++) {
         run_steps(sim, 1);
         pel_sim_get_solver(sim, &reading);
-        printf("DBG it %d ev %d res %g\n", reading.iterations, reading.evaluations, reading.residual);
     }
     assert_true(reading.converged);
     double *positions = calloc(3 * (size_t)mesh->vertex_count, sizeof *positions), mean = 0;
@@ -314,7 +313,6 @@ static double cantilever(pel_grid_diagonals diagonals, double gamma)
     for (int i = 0; i < 8 && !reading.converged; i++) {
         run_steps(sim, 1);
         pel_sim_get_solver(sim, &reading);
-        printf("DBG it %d ev %d res %g\n", reading.iterations, reading.evaluations, reading.residual);
     }
     assert_true(reading.converged);
     int32_t tip = nearest_vertex(mesh, 0.5 * nx * cell, 0, 0);
