@@ -417,9 +417,13 @@ void pel_sim_descent_destroy(pel_sim *sim)
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 {
     *reading = (pel_solver_reading){0};
+    pel_substeps_read(sim, reading);
     if (sim->descent == NULL)
         return;
     const pel_descent_result *result = &sim->descent->result;
-    *reading = (pel_solver_reading){result->iterations, result->evaluations, result->energy, result->residual,
-                                    result->converged};
+    reading->iterations = result->iterations;
+    reading->evaluations = result->evaluations;
+    reading->energy = result->energy;
+    reading->residual = result->residual;
+    reading->converged = result->converged;
 }
