@@ -38,15 +38,15 @@ typedef struct pel_solver_def {
     double alpha;       /* quasi-static: size of a step; 0 = a safe value for this mesh */
     bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
-    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 50. descent with tools or
-                           contact: in each of up to 12 rounds of a step */
+    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 500. descent with tools or
+                           contact: in each of up to 12 rounds of a step; 0 = 50 */
     int32_t substeps;   /* pbd, xpbd: a step of dt is done in this many. 0 = 1 for pbd; for xpbd as many as keep stretch
                            within 5 % of the material's, chosen anew while running (pel_sim_softness) */
     int32_t max_substeps;    /* xpbd: automatic substeps, at most; 0 = 200 */
     pel_choice second_order; /* xpbd: second order in time (BDF2), not for bodies that touch. PEL_AUTO: without tools,
                                 contact, gas and target volumes */
-    double drag;        /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
-    bool gradient_only; /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
+    double drag;             /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
+    bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
 } pel_solver_def;
 
 /* What a load's force means. */
@@ -271,7 +271,7 @@ typedef struct pel_solver_reading {
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
     bool converged;      /* it is 1e-6 of that of loads, pressure and contacts at most, and what touches keeps its
                             distance */
-    int32_t substeps;       /* of the last step; of the next one before the first step */
+    int32_t substeps;    /* of the last step; of the next one before the first step */
     int32_t least_substeps, most_substeps; /* of all steps so far */
     int32_t needed_substeps;               /* xpbd: what automatic substeps would be without max_substeps */
     bool second_order;                     /* xpbd: in use */

@@ -228,13 +228,14 @@ static const pel_scene_row rows[] = {
      .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
     {"solver.iterations", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
      .doc = "pbd, xpbd: sweeps in a substep; descent: iterations in a step, with tools or contact in each "
-            "of up to 12 rounds; auto is 5, 1 and 50"},
+            "of up to 12 rounds; auto is 5, 1 and 500 (50 in a round)"},
     {"solver.substeps", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
      .doc = "pbd, xpbd: parts of a step; auto is 1 for pbd and, for xpbd, as many as keep stretch within 5 % of the "
             "material's, chosen anew while running"},
     {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
-     .doc = "xpbd: automatic substeps, at most; a scene without `method` that needs more is run by descent where it has "
-            "a state of rest"},
+     .doc =
+         "xpbd: automatic substeps, at most; a scene without `method` that needs more is run by descent where it has "
+         "a state of rest"},
     {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
      .doc = "xpbd: second order in time (BDF2) instead of first, not for bodies that touch; auto: on without tools, "
             "contact, gas and target volumes"},

@@ -17,7 +17,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
+enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 
 /* forces are balanced when what is left of them is this share of the loads, or of what it takes to move every vertex by
    an edge */
@@ -107,13 +107,14 @@ static double find_external(pel_sim *sim, double time)
 static pel_descent_problem make_problem(pel_descent_context *context)
 {
     const pel_sim *sim = context->sim;
+    int32_t iterations = context->is_constrained ? DEFAULT_ROUND_ITERATIONS : DEFAULT_ITERATIONS;
     return (pel_descent_problem){
         .inverse_mass = sim->model->inverse_mass,
         .held = sim->held,
         .energy = energy_of,
         .context = context,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
-        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : DEFAULT_ITERATIONS,
+        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
         .gradient_only = sim->solver.gradient_only,
     };
 }

@@ -334,7 +334,9 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
     pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
              (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
     pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
-    if (pel_sim_is_projected(sim))
+    if (pel_sim_softness(sim) > 1)
+        pel_substeps_remedy(sim, error);
+    else if (pel_sim_is_projected(sim))
         pel_fail_remedy(error, "make solver dt (%g) smaller, or use more substeps, or smaller loads", sim->step.dt);
     else if (pel_sim_is_explicit(sim))
         pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);

@@ -130,6 +130,7 @@ typedef struct pel_substeps_now {
 
 typedef struct pel_sim_substeps {
     bool is_automatic;
+    int32_t least;      /* of automatic ones */
     pel_softness found; /* at the last look */
     pel_softness_scratch scratch;
     pel_substeps_now now;
@@ -233,6 +234,8 @@ void pel_substeps_destroy(pel_sim *sim);
 void pel_substeps_follow(pel_sim *sim);
 /* After a snapshot was loaded; false when its numbers are out of range. */
 bool pel_substeps_restore(pel_sim *sim);
+/* the remedy of a run that diverged because xpbd is too soft */
+void pel_substeps_remedy(const pel_sim *sim, pel_error *error);
 void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading);
 
 /* ---- contact_event.c ---- */

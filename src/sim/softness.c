@@ -12,14 +12,14 @@
 /* fewer substeps are taken only below this share of the present ones: each change costs accuracy in time */
 #define KEEP_SHARE 0.75
 
-enum { LEAST_SUBSTEPS = 4, DEFAULT_MOST = 200, INTERVAL = 8, XPBD_ITERATIONS = 1, PBD_ITERATIONS = 5 };
+/* where something touches, substeps also bound how far it moves before it is met */
+enum { LEAST_FREE = 4, LEAST_TOUCHING = 16, DEFAULT_MOST = 200, INTERVAL = 8, XPBD_ITERATIONS = 1, PBD_ITERATIONS = 5 };
 
 static bool has_stiff_pressure(const pel_model *model)
 {
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_shell *shell = model->bodies[b].shell;
-        if (shell != NULL &&
-            (shell->pressure.kind == PEL_PRESSURE_GAS || shell->pressure.kind == PEL_PRESSURE_VOLUME))
+        if (shell != NULL && (shell->pressure.kind == PEL_PRESSURE_GAS || shell->pressure.kind == PEL_PRESSURE_VOLUME))
             return true;
     }
     return false;
@@ -38,12 +38,11 @@ void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
         solver->substeps = 1;
     if (solver->max_substeps == 0)
         solver->max_substeps = DEFAULT_MOST;
+    bool touches = def->tool_count > 0 || def->contact.enabled;
+    sim->substeps.least = touches ? LEAST_TOUCHING : LEAST_FREE;
     /* a force held over a substep that stiffens the body feeds oscillations of second order */
     if (solver->second_order == PEL_AUTO)
-        solver->second_order = compliant && def->tool_count == 0 && !def->contact.enabled &&
-                                       !has_stiff_pressure(def->model)
-                                   ? PEL_YES
-                                   : PEL_NO;
+        solver->second_order = compliant && !touches && !has_stiff_pressure(def->model) ? PEL_YES : PEL_NO;
 }
 
 static double longest_substep(const pel_sim *sim)
@@ -58,7 +57,7 @@ static double longest_substep(const pel_sim *sim)
 static int32_t needed_substeps(const pel_sim *sim)
 {
     double count = ceil(sim->step.dt / longest_substep(sim));
-    return (int32_t)fmin(fmax(count, LEAST_SUBSTEPS), INT32_MAX);
+    return (int32_t)fmin(fmax(count, sim->substeps.least), INT32_MAX);
 }
 
 static void find_softness(pel_sim *sim)
@@ -167,6 +166,12 @@ double pel_sim_softness(const pel_sim *sim)
         return 0;
     double tau = sim->step.dt / sim->solver.substeps * (sim->solver.second_order ? 2.0 / 3 : 1);
     return pel_softness_after(0.5 * tau * tau * sim->substeps.found.rate, sim->solver.iterations);
+}
+
+void pel_substeps_remedy(const pel_sim *sim, pel_error *error)
+{
+    pel_fail_remedy(error, "use %s >= %d, or method descent for states of rest",
+                    sim->substeps.is_automatic ? "max_substeps" : "substeps", (int)needed_substeps(sim));
 }
 
 void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading)

@@ -203,8 +203,7 @@ static void find_mobility(const pel_model *model, const pel_shell_triangle *tria
                           double g[STRAIN_COUNT][STRAIN_COUNT])
 {
     const double *inverse = triangle->rest.inverse;
-    const double shapes[3][2] = {
-        {inverse[0], inverse[1]}, {0, inverse[2]}, {-inverse[0], -inverse[1] - inverse[2]}};
+    const double shapes[3][2] = {{inverse[0], inverse[1]}, {0, inverse[2]}, {-inverse[0], -inverse[1] - inverse[2]}};
     double xx = 0, xy = 0, yy = 0;
     for (int k = 0; k < 3; k++) {
         double w = (double)model->inverse_mass[triangle->vertices[k]];

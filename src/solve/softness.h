@@ -1,8 +1,8 @@
 /* How much softer xpbd is than the material.
 
-   One sweep in a substep solves (D + a) dl = -(C + g u0 + L dl) for the multipliers l, with A = g^T M^-1 g = L + D + L^T,
-   a = 1 / (k tau^2) and u0 the displacement by external forces. At rest the displacements of a substep cancel,
-   g u0 = -A l, and D with them:
+   One sweep in a substep solves (D + a) dl = -(C + g u0 + L dl) for the multipliers l, with A = g^T M^-1 g = L + D +
+   L^T, a = 1 / (k tau^2) and u0 the displacement by external forces. At rest the displacements of a substep cancel, g
+   u0 = -A l, and D with them:
 
        (a - L^T) l = -C      instead of the material's      a l = -C
 
