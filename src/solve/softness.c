@@ -24,13 +24,18 @@ pel_status pel_softness_create(const pel_model *model, pel_softness_scratch *scr
 {
     scratch->energy = pel_allocate((size_t)model->vertex_count, sizeof *scratch->energy);
     scratch->excess = pel_allocate((size_t)model->vertex_count, sizeof *scratch->excess);
-    return scratch->energy != NULL && scratch->excess != NULL ? PEL_OK : pel_fail_memory(error);
+    scratch->mean = pel_allocate((size_t)model->vertex_count, sizeof *scratch->mean);
+    scratch->sum = pel_allocate((size_t)model->vertex_count, sizeof *scratch->sum);
+    bool made = scratch->energy != NULL && scratch->excess != NULL && scratch->mean != NULL && scratch->sum != NULL;
+    return made ? PEL_OK : pel_fail_memory(error);
 }
 
 void pel_softness_destroy(pel_softness_scratch *scratch)
 {
     pel_free(scratch->energy);
     pel_free(scratch->excess);
+    pel_free(scratch->mean);
+    pel_free(scratch->sum);
 }
 
 /* ---- means over the elements at a vertex ---- */
@@ -63,10 +68,24 @@ static void add_element(const pel_softness_scratch *scratch, const int32_t *vert
     }
 }
 
-/* mean rate of the elements at a vertex, 0 where there are none */
-static double mean_at(const pel_softness_scratch *scratch, int32_t v)
+/* mean rate of the elements at each vertex and its neighbours by triangles, 0 where there are none */
+static void find_means(const pel_model *model, int32_t body, const pel_softness_scratch *scratch)
 {
-    return scratch->energy[v] > 0 ? scratch->excess[v] / scratch->energy[v] : 0;
+    const pel_shell *shell = model->bodies[body].shell;
+    int32_t first = model->bodies[body].slice_begin * PEL_WIDTH, end = pel_body_place_end(model, body);
+    for (int32_t v = first; v < end; v++) {
+        scratch->sum[v] = scratch->energy[v];
+        scratch->mean[v] = scratch->excess[v];
+    }
+    for (int32_t t = 0; shell != NULL && t < shell->triangle_count; t++) {
+        const int32_t *v = shell->triangles[t].vertices;
+        for (int k = 0; k < 3; k++) {
+            scratch->sum[v[k]] += scratch->energy[v[(k + 1) % 3]] + scratch->energy[v[(k + 2) % 3]];
+            scratch->mean[v[k]] += scratch->excess[v[(k + 1) % 3]] + scratch->excess[v[(k + 2) % 3]];
+        }
+    }
+    for (int32_t v = first; v < end; v++)
+        scratch->mean[v] = scratch->energy[v] > 0 ? scratch->mean[v] / scratch->sum[v] : 0;
 }
 
 /* eighths of an octave below `largest`; the last bin takes all that is smaller */
@@ -92,9 +111,9 @@ static double level_rate(const pel_model *model, int32_t body, int32_t level, co
     double largest = 0, sum = 0, energies[BIN_COUNT] = {0};
     for (int32_t v = first; v < end; v++)
         if (level_of(model, body, v) == level)
-            largest = fmax(largest, mean_at(scratch, v));
+            largest = fmax(largest, scratch->mean[v]);
     for (int32_t v = first; v < end && largest > 0; v++) {
-        double rate = mean_at(scratch, v);
+        double rate = scratch->mean[v];
         if (!(rate > 0) || level_of(model, body, v) != level)
             continue;
         energies[bin_of(rate, largest)] += scratch->energy[v];
@@ -112,6 +131,7 @@ static double worst_rate(const pel_model *model, int32_t body, const pel_softnes
 {
     const pel_front *front = model->bodies[body].front;
     double rate = 0;
+    find_means(model, body, scratch);
     for (int32_t level = 0; level <= (front != NULL ? front->forest->depth : 0); level++)
         rate = fmax(rate, level_rate(model, body, level, scratch));
     return rate;

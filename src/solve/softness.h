@@ -12,9 +12,9 @@
 
    with D the mobility of an element, sum |gradient|^2 / m over its vertices. The second sum vanishes in smooth fields.
    What remains is the mean of D k over the elements, weighted with energy. The rate here takes the worst strain of each
-   element and means over the elements around each vertex; all but 5 % of the energy of a level of detail lie below it,
-   in every kind of element. So a stiff or fine region counts, also a refined one of few vertices; the few smallest
-   triangles of a scan do not. tau is the substep in first order, two thirds of it in second order.
+   element and means over the two rings of triangles around each vertex; all but 5 % of the energy of a level of detail
+   lie below it, in every kind of element. So a stiff or fine region counts, also a refined one of few vertices; the few
+   smallest triangles of a scan do not. tau is the substep in first order, two thirds of it in second order.
 
    More sweeps solve for the same l with the iteration matrix s / (1 + s): the softness after n sweeps is
    1 / (1 - (s / (1 + s))^n) - 1, which is s at n = 1 and about s / n where s is large. Measured: docs/shells.md. */
@@ -31,7 +31,9 @@ typedef struct pel_softness {
 
 /* Room for pel_softness_find on a model, refined ones included. */
 typedef struct pel_softness_scratch {
-    double *energy, *excess; /* (vertex_count) */
+    double *energy, *excess; /* (vertex_count) of the elements at a vertex; excess: energy times rate */
+    double *mean;            /* (vertex_count) of the rate, around a vertex */
+    double *sum;             /* (vertex_count) */
 } pel_softness_scratch;
 
 pel_status pel_softness_create(const pel_model *model, pel_softness_scratch *scratch, pel_error *error);
