@@ -260,7 +260,7 @@ pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error)
 
 /* xpbd: how much further springs and shells stretch than their material, as a share (0.1 = 10 %), because one sweep in
    a substep does not converge. It goes with the square of the substep (docs/shells.md: derivation and measurements), at
-   the state of the last look: at the start, every 8 steps, after refinement. 0 for other methods. */
+   the state of the last look: at the start, every 8 to 32 steps, after refinement. 0 for other methods. */
 double pel_sim_softness(const pel_sim *sim);
 
 /* How the last step of PEL_METHOD_DESCENT went, and the substeps of position-based methods; zero for others. */

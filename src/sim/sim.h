@@ -128,14 +128,16 @@ typedef struct pel_sim_solids pel_sim_solids;
 /* Substeps of xpbd at present and so far; in snapshots. */
 typedef struct pel_substeps_now {
     int32_t count, least, most;
-    int32_t is_stale; /* the surface or the state has changed: choose anew before the next step */
-    double softness;  /* the largest so far */
+    int32_t is_stale;   /* the surface or the state has changed: choose anew before the next step */
+    int32_t interval;   /* steps from the last look to the next one */
+    int64_t next;       /* the step before which the next look is due */
+    double softness;    /* the largest so far */
+    pel_softness found; /* at the last look */
 } pel_substeps_now;
 
 typedef struct pel_sim_substeps {
     bool is_automatic;
-    int32_t least;      /* of automatic ones */
-    pel_softness found; /* at the last look */
+    int32_t least; /* of automatic ones */
     pel_softness_scratch scratch;
     pel_substeps_now now;
 } pel_sim_substeps;

@@ -1,5 +1,5 @@
 /* Substeps of xpbd: as many as keep it from being softer than the material (solve/softness.h), chosen at the start and
-   anew every few steps and after refinement. */
+   anew every 8 to 32 steps and after refinement. */
 #include "base/status.h"
 #include "sim/sim.h"
 
@@ -11,9 +11,20 @@
 #define PRESSURE_SQUARE 1.0
 /* fewer substeps are taken only below this share of the present ones: each change costs accuracy in time */
 #define KEEP_SHARE 0.75
+/* a rate that changed by less than this between two looks is looked at half as often (a look costs about a sweep over
+   each vertex's elements in double, some substeps) */
+#define CALM_CHANGE 0.05
 
 /* where something touches, substeps also bound how far it moves before it is met */
-enum { LEAST_FREE = 4, LEAST_TOUCHING = 16, DEFAULT_MOST = 200, INTERVAL = 8, XPBD_ITERATIONS = 1, PBD_ITERATIONS = 5 };
+enum {
+    LEAST_FREE = 4,
+    LEAST_TOUCHING = 16,
+    DEFAULT_MOST = 200,
+    INTERVAL = 8,
+    LONGEST_INTERVAL = 32,
+    XPBD_ITERATIONS = 1,
+    PBD_ITERATIONS = 5
+};
 
 static bool has_stiff_pressure(const pel_model *model)
 {
@@ -47,7 +58,7 @@ void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
 
 static double longest_substep(const pel_sim *sim)
 {
-    const pel_softness *found = &sim->substeps.found;
+    const pel_softness *found = &sim->substeps.now.found;
     double share = pel_softness_share(MOST_SOFTNESS, sim->solver.iterations);
     double tau = found->rate > 0 ? sqrt(2 * share / found->rate) : HUGE_VAL;
     double pressure = found->pressure > 0 ? sqrt(PRESSURE_SQUARE / found->pressure) : HUGE_VAL;
@@ -62,7 +73,7 @@ static int32_t needed_substeps(const pel_sim *sim)
 
 static void find_softness(pel_sim *sim)
 {
-    sim->substeps.found =
+    sim->substeps.now.found =
         pel_softness_find(sim->model, sim->state, sim->state->position, pel_sim_time(sim), &sim->substeps.scratch);
 }
 
@@ -80,6 +91,32 @@ static int32_t clamp_substeps(const pel_sim *sim, int32_t count)
     return count < sim->solver.max_substeps ? count : sim->solver.max_substeps;
 }
 
+/* springs or pressure may change at any time */
+static bool has_keys(const pel_model *model)
+{
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_shell *shell = model->bodies[b].shell;
+        if (model->bodies[b].curves[PEL_SPRING_STIFFNESS].key_count > 0 ||
+            (shell != NULL && shell->outside.key_count + shell->target.key_count > 0))
+            return true;
+    }
+    return false;
+}
+
+/* looks again, and says when the next look is due */
+static void look(pel_sim *sim)
+{
+    pel_substeps_now *now = &sim->substeps.now;
+    double before = sim->substeps.now.found.rate;
+    find_softness(sim);
+    bool is_calm =
+        !now->is_stale && !has_keys(sim->model) && fabs(sim->substeps.now.found.rate - before) <= CALM_CHANGE * before;
+    now->interval = is_calm && now->interval > 0 ? 2 * now->interval : INTERVAL;
+    now->interval = now->interval < LONGEST_INTERVAL ? now->interval : LONGEST_INTERVAL;
+    now->next = sim->state->step + now->interval;
+    now->is_stale = false;
+}
+
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
 {
     if (sim->solver.method != PEL_METHOD_XPBD)
@@ -87,7 +124,7 @@ pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
     pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
     if (status != PEL_OK)
         return status;
-    find_softness(sim);
+    look(sim);
     if (sim->substeps.is_automatic)
         sim->solver.substeps = clamp_substeps(sim, needed_substeps(sim));
     note(sim);
@@ -102,10 +139,9 @@ void pel_substeps_destroy(pel_sim *sim)
 void pel_substeps_follow(pel_sim *sim)
 {
     pel_sim_substeps *substeps = &sim->substeps;
-    if (sim->solver.method != PEL_METHOD_XPBD || (!substeps->now.is_stale && sim->state->step % INTERVAL != 0))
+    if (sim->solver.method != PEL_METHOD_XPBD || (!substeps->now.is_stale && sim->state->step < substeps->now.next))
         return;
-    substeps->now.is_stale = false;
-    find_softness(sim);
+    look(sim);
     int32_t count = clamp_substeps(sim, needed_substeps(sim)), present = sim->solver.substeps;
     if (substeps->is_automatic && (count > present || count < KEEP_SHARE * present)) {
         pel_projector_set_substeps(sim->projector, sim->state, count);
@@ -117,13 +153,13 @@ void pel_substeps_follow(pel_sim *sim)
 bool pel_substeps_restore(pel_sim *sim)
 {
     const pel_substeps_now *now = &sim->substeps.now;
-    bool is_whole = now->count > 0 && (sim->substeps.is_automatic ? now->count <= sim->solver.max_substeps
-                                                                  : now->count == sim->solver.substeps);
+    bool is_whole =
+        now->count > 0 && now->interval > 0 &&
+        (sim->substeps.is_automatic ? now->count <= sim->solver.max_substeps : now->count == sim->solver.substeps);
     if (!is_whole)
         return false;
     sim->solver.substeps = now->count;
     pel_projector_set_substeps(sim->projector, NULL, now->count);
-    find_softness(sim);
     return true;
 }
 
@@ -165,7 +201,7 @@ double pel_sim_softness(const pel_sim *sim)
     if (sim->solver.method != PEL_METHOD_XPBD)
         return 0;
     double tau = sim->step.dt / sim->solver.substeps * (sim->solver.second_order ? 2.0 / 3 : 1);
-    return pel_softness_after(0.5 * tau * tau * sim->substeps.found.rate, sim->solver.iterations);
+    return pel_softness_after(0.5 * tau * tau * sim->substeps.now.found.rate, sim->solver.iterations);
 }
 
 void pel_substeps_remedy(const pel_sim *sim, pel_error *error)
