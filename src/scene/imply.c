@@ -45,6 +45,7 @@ static pel_status set_text(pel_scene_reader *reader, pel_scene_value *map, const
     pel_scene_value *value = add(reader, map, key, PEL_SCENE_SCALAR);
     if (value == NULL)
         return PEL_OUT_OF_MEMORY;
+    value->is_implied = true;
     value->text = pel_arena_text(reader->arena, text, strlen(text));
     return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
 }
@@ -180,6 +181,7 @@ static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
     pel_scene_value *solver = find(root, "solver");
     if (solver == NULL && (solver = add(reader, root, "solver", PEL_SCENE_MAP)) == NULL)
         return PEL_OUT_OF_MEMORY;
+    /* method.c may choose another one once the meshes are known */
     return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
 }
 

@@ -10,6 +10,7 @@
 #define NUMBER .forms = PEL_FORM_NUMBER
 #define INTEGER .forms = PEL_FORM_INTEGER
 #define BOOLEAN .forms = PEL_FORM_BOOLEAN
+#define BOOLEAN_OR(...) .forms = PEL_FORM_BOOLEAN | PEL_FORM_WORD, WORDS(__VA_ARGS__)
 #define TEXT .forms = PEL_FORM_TEXT
 #define VECTOR .forms = PEL_FORM_VECTOR
 #define LIST .forms = PEL_FORM_LIST
@@ -243,11 +244,17 @@ static const pel_scene_row rows[] = {
      .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
     {"solver.iterations", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
      .doc = "pbd, xpbd: sweeps in a substep; descent: iterations in a step, with tools or contact in each "
-            "of up to 12 rounds; auto is 5, 1 and 50"},
+            "of up to 12 rounds; auto is 5, 1 and 500 (50 in a round)"},
     {"solver.substeps", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
-     .doc = "pbd, xpbd: a step is done in so many; auto is 1 and 16"},
-    {"solver.second_order", BOOLEAN, .preset = "false",
-     .doc = "xpbd: second order in time (BDF2) instead of first; not for bodies that touch"},
+     .doc = "pbd, xpbd: parts of a step; auto is 1 for pbd and, for xpbd, as many as keep stretch within 5 % of the "
+            "material's, chosen anew while running"},
+    {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
+     .doc =
+         "xpbd: automatic substeps, at most; a scene without `method` that needs more is run by descent where it has "
+         "a state of rest"},
+    {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
+     .doc = "xpbd: second order in time (BDF2) instead of first, not for bodies that touch; auto: on without tools, "
+            "contact, gas and target volumes"},
     {"solver.drag", NUMBER, .unit = "1/s", AT_LEAST(0), .preset = "0",
      .doc = "explicit, pbd, xpbd: velocities fall by exp(-drag t)"},
     {"solver.descent", WORD("lbfgs", "gradient"), .preset = "lbfgs",
