@@ -266,12 +266,13 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
-    double volume_ratio;      /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
-    double area_ratio;        /* area over area at rest */
-    double kinetic_energy;    /* J */
-    double elastic_energy;    /* J, the sum of the five that follow */
-    double spring_energy;     /* J */
-    double volumetric_energy; /* J */
+    double volume_ratio;       /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
+    double least_volume_ratio; /* the same of the body where it is least; at most 0 where a body is inside out */
+    double area_ratio;         /* area over area at rest */
+    double kinetic_energy;     /* J, at the time of the positions (the leapfrog keeps velocities half a step before) */
+    double elastic_energy;     /* J, the sum of the five that follow */
+    double spring_energy;      /* J */
+    double volumetric_energy;  /* J */
     double membrane_energy, bending_energy, fibre_energy; /* J, of shells */
     double max_displacement;                              /* m, from the rest position */
     double max_force;                                     /* N, largest vertex force as in pel_sim_get_forces */
@@ -282,6 +283,32 @@ void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
 double pel_sim_volume_ratio(const pel_sim *sim);
 /* true when any body is a shell (membrane, bending, fibres or pressure) */
 bool pel_sim_has_shells(const pel_sim *sim);
+
+/* Energy balance since the start, in J: what went in, what is there, what damping took, and what is left over.
+
+     energy_error - dissipated_solver = elastic + kinetic - elastic_start - kinetic_start
+                                        - work_tools - ... - work_setters + dissipated_drag
+
+   A left-over below 0 is dissipation that nothing else accounts for: friction, contact, and the numerical damping of
+   implicit, quasi-static and position-based methods. Above 0 energy appears: the step is too long, the method does not
+   follow the material, or contact and tools put energy in. docs/measures.md has the rule of each work. */
+typedef struct pel_sim_ledger {
+    double work_tools;    /* by tools on bodies, grasps included: from their readings and motions */
+    double work_loads;    /* mean force times displacement */
+    double work_pressure; /* of the given pressure, enclosed gas or target volume */
+    double work_gravity;
+    double work_material; /* of numbers that change in time: keyed stiffness of springs, active fibres */
+    double work_setters; /* change of energy by pel_sim_set_positions and pel_sim_set_velocities after the first step */
+    double elastic, kinetic;             /* at present; kinetic is 0 for methods without velocities */
+    double elastic_start, kinetic_start; /* before the first step */
+    double dissipated_drag;              /* by drag of the solver and damping of vertices */
+    double dissipated_solver;            /* the left-over below 0, as a number above 0 */
+    double energy_error;                 /* the left-over above 0 */
+    double supplied;  /* largest sum by now of the energies at the start and the sizes of all works */
+    double tolerance; /* an energy_error beyond it is worth an alarm: 5 % of supplied, and rounding */
+} pel_sim_ledger;
+/* Works of all steps are summed up as the steps go; the energies are evaluated here. */
+void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);
 
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
 uint64_t pel_sim_hash(const pel_sim *sim);

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 2 };
+enum { SNAPSHOT_VERSION = 3 };
 
 typedef struct header {
     char magic[8];
@@ -271,6 +271,10 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)
         transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
+    /* the cursor writes to the sim only while it loads */
+    pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
+    transfer(at, &ledger->sums, sizeof ledger->sums);
+    transfer(at, &ledger->is_started, sizeof ledger->is_started);
 }
 
 static void transfer_fronts(cursor *at, const pel_sim *sim)
@@ -344,6 +348,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     sim->state->step = head.step;
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
+    pel_ledger_follow(sim);
     return restore_tools(sim)
                ? PEL_OK
                : refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);
