@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "model/shell.h"
 #include "sim/contact.h"
+#include "sim/descent.h"
 
 #include <string.h>
 
@@ -271,6 +272,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)
         transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
+    if (sim->descent != NULL)
+        transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
     /* the cursor writes to the sim only while it loads */
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
     transfer(at, &ledger->sums, sizeof ledger->sums);

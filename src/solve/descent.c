@@ -240,9 +240,22 @@ static void accept_trial(pel_descent *descent)
     descent->trial_gradient = gradient;
 }
 
+/* forces at the accepted point, which is the one that was evaluated last */
+static void find_residual(pel_descent *descent, const pel_descent_problem *problem, pel_descent_result *result)
+{
+    double square = 0;
+    for (int32_t v = 0; problem->held != NULL && v < descent->vertex_count; v++)
+        for (int c = 0; problem->held[v] && c < 3; c++)
+            square += (double)descent->force[v][c] * (double)descent->force[v][c];
+    result->held_force = sqrt(square);
+    result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));
+    double held = problem->held_share * result->held_force;
+    result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held);
+}
+
 static void iterate(pel_descent *descent, const pel_descent_problem *problem, pel_descent_result *result)
 {
-    double tolerance = fmax(problem->tolerance, fmin(problem->reduction * result->residual, problem->enough));
+    double rough = fmin(problem->reduction * result->residual, problem->enough);
     descent_point at = {0, result->energy, 0};
     while (!result->converged && !result->stuck && result->iterations < problem->iterations) {
         find_direction(descent);
@@ -262,8 +275,8 @@ static void iterate(pel_descent *descent, const pel_descent_problem *problem, pe
         accept_trial(descent);
         result->iterations++;
         result->energy = at.energy;
-        result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));
-        result->converged = result->residual <= tolerance;
+        find_residual(descent, problem, result);
+        result->converged |= result->residual <= rough;
     }
 }
 
@@ -286,8 +299,8 @@ void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, p
     }
     *result = (pel_descent_result){.evaluations = 1};
     result->energy = evaluate(descent, problem, descent->x, descent->gradient);
-    result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));
-    result->converged = result->residual <= problem->tolerance;
+    find_residual(descent, problem, result);
+    result->first_residual = result->residual;
     iterate(descent, problem, result);
     for (int32_t i = 0; i < descent->movable_count; i++)
         for (int c = 0; c < 3; c++)
