@@ -17,10 +17,6 @@
 
 enum { RUN_COOKIE = 0x72756e21 };
 
-/* of xpbd, beyond which a note is worth it; and the substeps of a scene that leaves them to the method */
-#define SOFTNESS_TOLD 0.25
-enum { DEFAULT_SUBSTEPS = 16 };
-
 /* s of wall time between states that are kept, and the share of the time that this may take */
 #define KEEP_SECONDS 10
 #define KEEP_SHARE 0.02
@@ -121,29 +117,13 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
     return PEL_BAD_SCENE;
 }
 
-/* xpbd is as stiff as the material only when its substeps are short */
-static void note_softness(const pel_run_state *run)
-{
-    double softness = pel_sim_softness(run->sim);
-    const pel_solver_def *solver = &run->scene->sim.solver;
-    if (!(softness > SOFTNESS_TOLD))
-        return;
-    int32_t substeps = solver->substeps > 0 ? solver->substeps : DEFAULT_SUBSTEPS;
-    double needed = substeps * sqrt(softness / SOFTNESS_TOLD);
-    pel_log_line(
-        run->def->log,
-        "xpbd with %d substeps is softer than the material (about %.3g times its stretch); %.0f substeps would "
-        "bring that below %.0f %%, as would the methods explicit and descent",
-        (int)substeps, 1 + softness, ceil(needed), 100 * SOFTNESS_TOLD);
-}
-
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
     if (status == PEL_OK)
         status = check_stop(run, error);
     if (status == PEL_OK)
-        note_softness(run);
+        status = pel_warnings_check_scene(run, error);
     if (status != PEL_OK)
         return status;
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
@@ -343,21 +323,11 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
     pel_status status = settle_frames(run, error);
     if (status != PEL_OK)
         return status;
-    pel_error failure;
-    char text[1200];
-    if (pel_run_checkpoint_write(run, false, &failure) != PEL_OK)
-        pel_log_line(run->def->log, "the state of step %" PRId64 " is not kept: %s", pel_sim_step_count(run->sim),
-                     pel_error_text(&failure, text, sizeof text));
+    if (pel_run_checkpoint_write(run, false, NULL) != PEL_OK)
+        pel_warn(&run->totals.warnings, PEL_WARN_NOT_KEPT, run->totals.frame_count, 1);
     double end = pel_run_clock();
     run->keep_at = end + fmax(run->def->keep_seconds, (end - now) / KEEP_SHARE);
     return PEL_OK;
-}
-
-static void note_solver(pel_run_state *run)
-{
-    pel_solver_reading reading;
-    pel_sim_get_solver(run->sim, &reading);
-    run->totals.unconverged_steps += run->scene->sim.solver.method == PEL_METHOD_DESCENT && !reading.converged;
 }
 
 /* one step and what belongs to it */
@@ -371,7 +341,7 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
-    note_solver(run);
+    pel_warnings_check_step(run);
     status = write_due(run, error);
     return status == PEL_OK && !run->settled ? keep_state(run, error) : status;
 }
@@ -439,6 +409,7 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     status = later != PEL_OK ? later : status;
     pel_run_folder_release(run->def->folder);
     pel_sim_measure(run->sim, &run->measures);
+    pel_sim_get_ledger(run->sim, &run->ledger);
     later = write_results(run, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;
     later = pel_run_surface_intersections(&run->frames.surface, run->sim, &run->intersection_count,
@@ -451,6 +422,7 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     if (status != PEL_OK)
         name_checkpoint(run, error);
     pel_run_summary_fill(run, status, summary);
+    pel_warnings_tell(run, true);
     later = pel_run_summary_write(run, summary, status != PEL_OK ? error : NULL, status == PEL_OK ? error : NULL);
     if (status == PEL_OK && later != PEL_OK)
         summary->status = "failed";
@@ -476,6 +448,8 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         pel_scene_locate(scene, cause);
     if (status == PEL_OK)
         status = open_folder(&run, cause);
+    if (status == PEL_OK)
+        pel_warnings_tell(&run, false);
     if (status == PEL_OK)
         status = finish(&run, simulate(&run, cause), summary, cause);
     release(&run);
