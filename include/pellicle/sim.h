@@ -259,8 +259,8 @@ typedef struct pel_solver_reading {
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
-    bool converged;      /* it is 1e-6 of that of loads, pressure and contacts at most, and what touches keeps its
-                            distance */
+    bool converged; /* every gap is within tolerance, and residual is at most 1e-6 (1e-3 in float) of the forces that
+                       act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
 } pel_solver_reading;
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 
@@ -291,7 +291,7 @@ bool pel_sim_has_shells(const pel_sim *sim);
 
    A left-over below 0 is dissipation that nothing else accounts for: friction, contact, and the numerical damping of
    implicit, quasi-static and position-based methods. Above 0 energy appears: the step is too long, the method does not
-   follow the material, or contact and tools put energy in. docs/measures.md has the rule of each work. */
+   follow the material, or contact and tools put energy in. docs/results.md has the rule of each work. */
 typedef struct pel_sim_ledger {
     double work_tools;    /* by tools on bodies, grasps included: from their readings and motions */
     double work_loads;    /* mean force times displacement */

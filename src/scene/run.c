@@ -323,8 +323,11 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
     pel_status status = settle_frames(run, error);
     if (status != PEL_OK)
         return status;
-    if (pel_run_checkpoint_write(run, false, NULL) != PEL_OK)
-        pel_warn(&run->totals.warnings, PEL_WARN_NOT_KEPT, run->totals.frame_count, 1);
+    pel_error failure;
+    char text[1200];
+    if (pel_run_checkpoint_write(run, false, &failure) != PEL_OK)
+        pel_log_line(run->def->log, "the state of step %" PRId64 " is not kept: %s", pel_sim_step_count(run->sim),
+                     pel_error_text(&failure, text, sizeof text));
     double end = pel_run_clock();
     run->keep_at = end + fmax(run->def->keep_seconds, (end - now) / KEEP_SHARE);
     return PEL_OK;

@@ -30,7 +30,6 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
     [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
     [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
-    [PEL_WARN_NOT_KEPT] = "state-not-kept",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -336,14 +335,6 @@ static void tell_grasp(const text_context *at)
              at->tally->worst);
 }
 
-static void tell_not_kept(const text_context *at)
-{
-    snprintf(at->text, at->size,
-             "the state could not be kept %" PRId64 " times: a killed run cannot go on from there. free some disk "
-             "space in %.100s",
-             at->tally->count, at->run->def->folder);
-}
-
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
@@ -355,7 +346,6 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_JAMMED] = tell_jam,
     [PEL_WARN_TOOL_HELD] = tell_tool,
     [PEL_WARN_GRASP_LOST] = tell_grasp,
-    [PEL_WARN_NOT_KEPT] = tell_not_kept,
 };
 
 /* energy that appears is measured against all that the run supplied in the end */

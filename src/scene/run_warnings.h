@@ -15,7 +15,6 @@ typedef enum pel_warning_kind {
     PEL_WARN_JAMMED,
     PEL_WARN_TOOL_HELD,
     PEL_WARN_GRASP_LOST,
-    PEL_WARN_NOT_KEPT,
     PEL_WARN_COUNT
 } pel_warning_kind;
 
