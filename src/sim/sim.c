@@ -6,6 +6,7 @@
 #include "sim/contact.h"
 #include "sim/descent.h"
 #include "sim/tool.h"
+#include "sim/tool_solid.h"
 #include "solve/shell_stability.h"
 
 #include <stdio.h>
@@ -250,6 +251,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
+        status = pel_solids_create(sim, error);
+    if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
@@ -281,6 +284,7 @@ void pel_sim_destroy(pel_sim *sim)
         return;
     pel_ledger_destroy(sim);
     pel_contacts_destroy(sim);
+    pel_solids_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
@@ -426,7 +430,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
             return ready;
     }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
-    bool descends = sim->solver.method == PEL_METHOD_DESCENT;
+    bool descends = sim->solver.method == PEL_METHOD_DESCENT, tools_moved = descends || pel_sim_is_projected(sim);
     update_factors(sim, descends ? next : time);
     pel_step_result result = {0};
     pel_status status = solve(sim, &result, error);
@@ -435,15 +439,15 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     /* a surface that never cuts itself cannot turn inside out */
     if (status == PEL_OK && !pel_sim_has_self_contact(sim))
         status = pel_shells_check_volume(sim, error);
-    /* they moved before the solver */
-    if (status != PEL_OK && descends)
+    /* they moved before or in the solver */
+    if (status != PEL_OK && tools_moved)
         pel_tools_return(sim);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
         return status;
     if (sim->contacts == NULL && sim->tool_count > 0) {
-        if (!descends)
+        if (!tools_moved)
             pel_tools_move(sim, next);
         pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
