@@ -227,6 +227,10 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
             begin_interval(totals, sim, tool_force);
     }
     totals->max_displacement = fmax(totals->max_displacement, frames->max_displacement);
-    pel_warnings_merge(&totals->warnings, &frames->warnings);
+    /* after a failure the totals are set back each time, and what was counted before the failure is added again */
+    pel_warning_tallies counted = frames->warnings;
+    pel_warnings_merge(&totals->warnings, &counted);
+    if (status == PEL_OK)
+        frames->warnings = counted;
     return status;
 }

@@ -24,7 +24,7 @@ enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 #ifdef PEL_SINGLE
 #define LOAD_SHARE 1e-3
 #else
-#define LOAD_SHARE 1e-6
+#define LOAD_SHARE 1e-6 /* X */
 #endif
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32
