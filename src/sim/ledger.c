@@ -1,6 +1,6 @@
 /* The energy ledger. Work of a step from x0 (time t0) to x1 (t1):
 
-     gravity   sum m g . (x1 - x0), exact
+     gravity   sum m g . (x1 - x0), exact; over several steps at once where masses stay
      loads     mean force times displacement, sum (f(t0) + f(t1)) / 2 . (x1 - x0)
      pressure  with a potential U(V, t): the mean of U(V0, t) - U(V1, t) at t0 and t1; else the mean of the forces at
                both ends times the displacement
@@ -25,6 +25,8 @@
 
 /* share of the energy that was supplied, from which an excess counts */
 #define EXCESS_SHARE 0.05
+/* steps after which the work of gravity is booked */
+enum { GRAVITY_INTERVAL = 8 };
 /* rounding errors of a position, in units of the last place */
 #define ROUNDING_ERRORS 8
 
@@ -32,8 +34,9 @@
 
 typedef struct vertex_sums {
     const pel_sim *sim;
-    double drag_gain; /* of m v1^2 (explicit) or m (v0^2 + v1^2) (substeps), in half */
-    bool has_weight, has_drag, has_damping;
+    const pel_record *from, *to; /* of moments */
+    double drag_gain;            /* of m v1^2 (explicit) or m (v0^2 + v1^2) (substeps), in half */
+    bool damps;                  /* dissipation; else moments */
 } vertex_sums;
 
 static double sum_of(pel_record a)
@@ -41,97 +44,165 @@ static double sum_of(pel_record a)
     return (double)a[0] + (double)a[1] + (double)a[2];
 }
 
-static void add_weight(const pel_sim *sim, int32_t first, int32_t end, pel_ledger_chunk *chunk)
+static void sum_moments(const vertex_sums *sums, int32_t first, int32_t end, pel_ledger_chunk *chunk)
 {
-    const pel_state *state = sim->state;
     pel_record shift = pel_wide_splat(0);
     for (int32_t v = first; v < end; v++)
-        shift += sim->model->mass[v] * (state->position_next[v] - state->position[v]);
+        shift += sums->sim->model->mass[v] * (sums->to[v] - sums->from[v]);
     for (int c = 0; c < 3; c++)
-        chunk->weight_shift[c] = (double)shift[c];
+        chunk->moment[c] = (double)shift[c];
 }
 
-/* drag of the solver, the same for all vertices */
-static double drag_sum(const pel_sim *sim, int32_t first, int32_t end)
+/* drag of the solver, the same for all vertices, under substeps */
+static double drag_sum(const vertex_sums *sums, int32_t first, int32_t end)
 {
-    const pel_state *state = sim->state;
-    const pel_real older = pel_sim_is_explicit(sim) ? 0 : 1;
+    const pel_state *state = sums->sim->state;
     pel_record square = pel_wide_splat(0);
     for (int32_t v = first; v < end; v++) {
         pel_record before = state->velocity[v], after = state->velocity_next[v];
-        square += sim->model->mass[v] * (after * after + older * (before * before));
+        square += sums->sim->model->mass[v] * (after * after + before * before);
     }
-    return sum_of(square);
+    return 0.5 * sums->drag_gain * sum_of(square);
 }
 
-/* damping rate [1/s] along the volumetric spring */
-static double radial_rate(const pel_sim *sim, int32_t v, const double *factors, double *along_square)
+typedef struct slice_motion {
+    pel_wide3 before, after; /* velocities */
+} slice_motion;
+
+/* damping along the volumetric springs of a slice, with the mean velocity, over the step [J] */
+static pel_wide radial_loss(const pel_sim *sim, int32_t slice, const double *factors, const slice_motion *motion)
 {
-    const pel_model *model = sim->model;
-    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
-    pel_record offset = sim->state->position[v] - model->rest[v], mean = sim->state->velocity_next[v];
-    mean += sim->state->velocity[v];
-    double along = sum_of(offset * mean) / 2, square = sum_of(offset * offset);
-    *along_square = radial > 0 && square > 0 ? along * along / square : 0;
-    return radial;
+    const pel_wide *radial = (const pel_wide *)sim->model->volumetric_damping;
+    const pel_wide3 *v = &motion->before, *w = &motion->after;
+    pel_wide3 x = pel_slice_load(sim->state->position, slice).position;
+    pel_wide3 rest = pel_slice_load(sim->model->rest, slice).position;
+    pel_wide3 e = {x.x - rest.x, x.y - rest.y, x.z - rest.z}, twice = {v->x + w->x, v->y + w->y, v->z + w->z};
+    pel_wide along = pel_wide3_dot(e, twice), square = pel_wide3_dot(e, e) + pel_wide_splat(PEL_REAL_TINY);
+    double gain = 0.25 * sim->step.dt * factors[PEL_VOLUMETRIC_DAMPING];
+    return pel_wide_splat((pel_real)gain) * radial[slice] * along * along / square;
 }
 
-/* damping of single vertices, with that of the solver where substeps act on both */
-static double damping_of(const vertex_sums *sums, int32_t v, const double *factors)
+/* leapfrog: drag and damping of the vertices of a slice, but for that along volumetric springs */
+static pel_wide leapfrog_loss(const vertex_sums *sums, int32_t slice, const double *factors, const slice_motion *motion)
 {
     const pel_sim *sim = sums->sim;
-    const pel_state *state = sim->state;
-    pel_record before = state->velocity[v], after = state->velocity_next[v];
-    double dt = sim->step.dt, mass = (double)sim->model->mass[v], along_square;
+    const pel_wide *mass = (const pel_wide *)sim->model->mass, *damping = (const pel_wide *)sim->model->damping;
+    pel_wide before = damping[slice] * pel_wide_splat((pel_real)(0.5 * sim->step.dt * factors[PEL_SPRING_DAMPING]));
+    pel_wide after = before + mass[slice] * pel_wide_splat((pel_real)(0.5 * sums->drag_gain));
+    return after * pel_wide3_dot(motion->after, motion->after) + before * pel_wide3_dot(motion->after, motion->before);
+}
+
+/* substeps: damping of a vertex beyond the drag of the solver */
+static double substep_loss(const vertex_sums *sums, int32_t v, const double *factors)
+{
+    const pel_sim *sim = sums->sim;
+    pel_record before = sim->state->velocity[v], after = sim->state->velocity_next[v];
+    double mass = (double)sim->model->mass[v];
     double damping = factors[PEL_SPRING_DAMPING] * (double)sim->model->damping[v];
-    double radial = dt * radial_rate(sim, v, factors, &along_square) * along_square;
-    if (pel_sim_is_explicit(sim))
-        return 0.5 * dt * damping * sum_of(after * (before + after)) + radial;
-    double rate = sim->solver.drag + damping / mass, plain = sums->drag_gain;
+    if (!(damping > 0) || !(mass > 0))
+        return 0;
     double kinetic = 0.5 * mass * sum_of(before * before + after * after);
-    return kinetic * (tanh(rate * dt) - plain) + radial;
+    return kinetic * (tanh((sim->solver.drag + damping / mass) * sim->step.dt) - sums->drag_gain);
+}
+
+static double damping_sum(const vertex_sums *sums, int32_t slice_begin, int32_t slice_end)
+{
+    const pel_sim *sim = sums->sim;
+    bool is_explicit = pel_sim_is_explicit(sim), has_damping = sim->ledger.has_damping;
+    bool is_radial = sim->ledger.has_radial_damping;
+    pel_wide sum = pel_wide_splat(0);
+    double loss = 0;
+    for (int32_t slice = slice_begin; slice < slice_end && (is_explicit || has_damping || is_radial); slice++) {
+        const double *factors = sim->state->factors[sim->model->body_of_slice[slice]];
+        slice_motion motion = {pel_slice_load(sim->state->velocity, slice).position,
+                               pel_slice_load(sim->state->velocity_next, slice).position};
+        if (is_explicit)
+            sum += leapfrog_loss(sums, slice, factors, &motion);
+        if (is_radial)
+            sum += radial_loss(sim, slice, factors, &motion);
+        for (int32_t lane = 0; !is_explicit && has_damping && lane < PEL_WIDTH; lane++)
+            loss += substep_loss(sums, slice * PEL_WIDTH + lane, factors);
+    }
+    return (double)sum[0] + (double)sum[1] + (double)sum[2] + (double)sum[3] + loss;
 }
 
 static void sum_chunk(void *context, int32_t index)
 {
     const vertex_sums *sums = context;
     const pel_sim *sim = sums->sim;
-    const pel_model *model = sim->model;
-    int32_t chunk_size = PEL_SLICE_CHUNK * PEL_WIDTH, first = index * chunk_size, end = first + chunk_size;
-    end = end < model->vertex_count ? end : model->vertex_count;
+    int32_t begin = index * PEL_SLICE_CHUNK, end = begin + PEL_SLICE_CHUNK;
+    end = end < sim->model->slice_count ? end : sim->model->slice_count;
     pel_ledger_chunk chunk = {0};
-    if (sums->has_weight)
-        add_weight(sim, first, end, &chunk);
-    if (sums->has_drag)
-        chunk.damping = 0.5 * sums->drag_gain * drag_sum(sim, first, end);
-    for (int32_t v = first; sums->has_damping && v < end; v++)
-        if (model->inverse_mass[v] > 0)
-            chunk.damping += damping_of(sums, v, sim->state->factors[model->body_of_slice[v / PEL_WIDTH]]);
+    if (!sums->damps)
+        sum_moments(sums, begin * PEL_WIDTH, end * PEL_WIDTH, &chunk);
+    else if (!pel_sim_is_explicit(sim) && sums->drag_gain > 0)
+        chunk.damping = drag_sum(sums, begin * PEL_WIDTH, end * PEL_WIDTH);
+    if (sums->damps)
+        chunk.damping += damping_sum(sums, begin, end);
     sim->ledger.chunks[index] = chunk;
 }
 
-static void add_vertices(pel_sim *sim)
+/* the sum over all chunks, in their order */
+static pel_ledger_chunk sum_vertices(pel_sim *sim, vertex_sums *sums)
 {
-    const double *gravity = sim->model->gravity;
-    bool moves = pel_sim_has_velocity(sim);
-    double drag = sim->solver.drag * sim->step.dt;
-    vertex_sums sums = {
-        .sim = sim,
-        .has_weight = gravity[0] != 0 || gravity[1] != 0 || gravity[2] != 0,
-        .has_drag = moves && drag > 0,
-        .has_damping = moves && sim->ledger.has_damping,
-        /* half of the drag acts before the velocity in the middle of the step, half behind it */
-        .drag_gain = pel_sim_is_explicit(sim) ? exp(drag) - exp(-drag) : tanh(drag),
-    };
     int32_t chunk_count = pel_slice_chunk_count(0, sim->model->slice_count);
-    if (!sums.has_weight && !sums.has_drag && !sums.has_damping)
-        return;
-    pel_pool_run(sim->pool, chunk_count, sum_chunk, &sums);
+    pel_ledger_chunk sum = {0};
+    pel_pool_run(sim->pool, chunk_count, sum_chunk, sums);
     for (int32_t i = 0; i < chunk_count; i++) {
-        const pel_ledger_chunk *chunk = &sim->ledger.chunks[i];
-        sim->ledger.sums.work_gravity += pel_vec3_dot(gravity, chunk->weight_shift);
-        sim->ledger.sums.dissipated_drag += chunk->damping;
+        sum.damping += sim->ledger.chunks[i].damping;
+        pel_vec3_add(sum.moment, sim->ledger.chunks[i].moment, sum.moment);
     }
+    return sum;
+}
+
+static void add_dissipation(pel_sim *sim)
+{
+    double drag = sim->solver.drag * sim->step.dt;
+    if (!pel_sim_has_velocity(sim) || !(drag > 0 || sim->ledger.has_damping || sim->ledger.has_radial_damping))
+        return;
+    /* half of the drag acts before the velocity in the middle of the step, half behind it */
+    double gain = pel_sim_is_explicit(sim) ? exp(drag) - exp(-drag) : tanh(drag);
+    vertex_sums sums = {.sim = sim, .drag_gain = gain, .damps = true};
+    sim->ledger.sums.dissipated_drag += sum_vertices(sim, &sums).damping;
+}
+
+/* ---- gravity ---- */
+
+static bool has_gravity(const pel_sim *sim)
+{
+    const double *g = sim->model->gravity;
+    return g[0] != 0 || g[1] != 0 || g[2] != 0;
+}
+
+/* work of gravity from some positions to others, with the present masses */
+static double gravity_work(pel_sim *sim, const pel_record *from, const pel_record *to)
+{
+    if (!has_gravity(sim))
+        return 0;
+    vertex_sums sums = {.sim = sim, .from = from, .to = to};
+    return pel_vec3_dot(sim->model->gravity, sum_vertices(sim, &sums).moment);
+}
+
+/* Work since it was last booked. Where masses stay with their vertices this is a difference of potentials, and need not
+   be asked for in every step; where a body refines each step is booked by itself. */
+static double unbooked_gravity(pel_sim *sim, const pel_record *position)
+{
+    return sim->active == NULL ? gravity_work(sim, sim->model->rest, position) - sim->ledger.gravity_level : 0;
+}
+
+static void book_gravity(pel_sim *sim, const pel_record *position)
+{
+    double work = unbooked_gravity(sim, position);
+    sim->ledger.sums.work_gravity += work;
+    sim->ledger.gravity_level += work;
+}
+
+static void add_gravity(pel_sim *sim)
+{
+    if (sim->active != NULL)
+        sim->ledger.sums.work_gravity += gravity_work(sim, sim->state->position, sim->state->position_next);
+    else if (sim->state->step % GRAVITY_INTERVAL == GRAVITY_INTERVAL - 1)
+        book_gravity(sim, sim->state->position_next);
 }
 
 /* ---- pressure ---- */
@@ -143,7 +214,10 @@ static double potential_work(pel_sim *sim, int32_t b, double time, double next)
     /* an event of refinement changes the volume between two steps */
     double before =
         isnan(*known) || body->front != NULL ? pel_body_volume(sim->model, b, sim->state->position) : *known;
-    double after = pel_body_volume(sim->model, b, sim->state->position_next), work = 0;
+    bool is_moved = sim->contacts != NULL || sim->tool_count > 0;
+    double checked = sim->ledger.checked_volumes[b], work = 0;
+    double after = is_moved || isnan(checked) ? pel_body_volume(sim->model, b, sim->state->position_next) : checked;
+    sim->ledger.checked_volumes[b] = (double)NAN;
     *known = after;
     const double times[2] = {time, next};
     for (int i = 0; i < 2; i++)
@@ -284,7 +358,8 @@ static void follow_supply(pel_sim_ledger *sums)
 void pel_ledger_step(pel_sim *sim, double next)
 {
     double time = pel_sim_time(sim);
-    add_vertices(sim);
+    add_gravity(sim);
+    add_dissipation(sim);
     sim->ledger.sums.work_loads += pel_loads_work(sim, time, next);
     add_pressure(sim, time, next);
     add_material(sim, time, next);
@@ -306,6 +381,7 @@ void pel_ledger_start(pel_sim *sim)
     pel_sim_sum_energies(sim, &now);
     sim->ledger.sums.elastic_start = now.elastic_energy;
     sim->ledger.sums.kinetic_start = kinetic_energy(sim, &now);
+    sim->ledger.gravity_level = gravity_work(sim, sim->model->rest, sim->state->position);
     follow_supply(&sim->ledger.sums);
 }
 
@@ -314,6 +390,7 @@ double pel_ledger_energy(pel_sim *sim)
     pel_sim_measures now = {0};
     if (!sim->ledger.is_started)
         return 0;
+    book_gravity(sim, sim->state->position);
     pel_sim_sum_energies(sim, &now);
     return now.elastic_energy + kinetic_energy(sim, &now);
 }
@@ -324,6 +401,8 @@ void pel_ledger_book_change(pel_sim *sim, double energy_before)
         sim->ledger.volumes[b] = (double)NAN;
     if (!sim->ledger.is_started)
         return;
+    /* the caller lifts a body for nothing: gravity goes on from the new place */
+    sim->ledger.gravity_level = gravity_work(sim, sim->model->rest, sim->state->position);
     sim->ledger.sums.work_setters += pel_ledger_energy(sim) - energy_before;
     follow_supply(&sim->ledger.sums);
 }
@@ -335,7 +414,10 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
     pel_sim_sum_energies(sim, &now);
     ledger->elastic = now.elastic_energy;
     ledger->kinetic = kinetic_energy(sim, &now);
-    if (!sim->ledger.is_started) {
+    if (sim->ledger.is_started) {
+        ledger->work_gravity += unbooked_gravity(sim, sim->state->position);
+        follow_supply(ledger);
+    } else {
         ledger->elastic_start = ledger->elastic;
         ledger->kinetic_start = ledger->kinetic;
     }
@@ -367,10 +449,10 @@ static double rounding_of(const pel_sim *sim)
     return 0.5 * mass * stability.stiffness_bound * shift * shift;
 }
 
-static bool has_damping(const pel_model *model)
+static bool has_any(const pel_real *numbers, int32_t count)
 {
-    for (int32_t v = 0; v < model->vertex_count; v++)
-        if (model->damping[v] > 0 || model->volumetric_damping[v] > 0)
+    for (int32_t v = 0; v < count; v++)
+        if (numbers[v] > 0)
             return true;
     return false;
 }
@@ -381,7 +463,7 @@ void pel_ledger_follow(pel_sim *sim)
         pel_sim_get_tool(sim, t, &sim->ledger.tools[t]);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         memcpy(sim->ledger.factors[b], sim->state->factors[b], sizeof *sim->ledger.factors);
-        sim->ledger.volumes[b] = (double)NAN;
+        sim->ledger.volumes[b] = sim->ledger.checked_volumes[b] = (double)NAN;
     }
 }
 
@@ -392,10 +474,13 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
     ledger->tools = pel_allocate((size_t)sim->tool_count, sizeof *ledger->tools);
     ledger->factors = pel_allocate(body_count, sizeof *ledger->factors);
     ledger->volumes = pel_allocate(body_count, sizeof *ledger->volumes);
+    ledger->checked_volumes = pel_allocate(body_count, sizeof *ledger->checked_volumes);
     ledger->chunks = pel_allocate((size_t)pel_slice_chunk_count(0, sim->model->slice_count), sizeof *ledger->chunks);
-    if (ledger->tools == NULL || ledger->factors == NULL || ledger->volumes == NULL || ledger->chunks == NULL)
+    if (ledger->tools == NULL || ledger->factors == NULL || ledger->volumes == NULL ||
+        ledger->checked_volumes == NULL || ledger->chunks == NULL)
         return pel_fail_memory(error);
-    ledger->has_damping = has_damping(sim->given);
+    ledger->has_damping = has_any(sim->given->damping, sim->given->vertex_count);
+    ledger->has_radial_damping = has_any(sim->given->volumetric_damping, sim->given->vertex_count);
     ledger->rounding = rounding_of(sim);
     pel_ledger_follow(sim);
     return PEL_OK;
@@ -406,5 +491,6 @@ void pel_ledger_destroy(pel_sim *sim)
     pel_free(sim->ledger.tools);
     pel_free(sim->ledger.factors);
     pel_free(sim->ledger.volumes);
+    pel_free(sim->ledger.checked_volumes);
     pel_free(sim->ledger.chunks);
 }

@@ -7,19 +7,21 @@
 #include "pellicle/sim.h"
 
 typedef struct pel_ledger_chunk {
-    double weight_shift[3]; /* kg m: sum of mass times displacement */
-    double damping;         /* J */
+    double moment[3]; /* kg m: sum of mass times displacement */
+    double damping;   /* J */
 } pel_ledger_chunk;
 
 typedef struct pel_ledger {
     pel_sim_ledger sums;                    /* over all steps; members of the present state stay 0 */
+    double gravity_level;                   /* J, work of gravity from the rest shape to where it was booked last */
     uint8_t is_started;                     /* the energies at the start are known */
-    bool has_damping;                       /* any vertex has damping of its own */
+    bool has_damping, has_radial_damping;   /* any vertex has one of its own, along its volumetric spring */
     double rounding;                        /* J, energy that rounding of positions alone can show */
     pel_tool_reading *tools;                /* (tool_count) at the start of the step */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters, in the step before */
     double *volumes;                        /* (body_count) m3, at the start of the step; NAN = unknown */
-    pel_ledger_chunk *chunks;               /* scratch of the sums over vertices */
+    double *checked_volumes;  /* (body_count) m3, of the new positions where the check of the step found it; else NAN */
+    pel_ledger_chunk *chunks; /* scratch of the sums over vertices */
 } pel_ledger;
 
 /* Allocates the ledger; tools must exist already. PEL_OUT_OF_MEMORY. */

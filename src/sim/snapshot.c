@@ -277,6 +277,7 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     /* the cursor writes to the sim only while it loads */
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
     transfer(at, &ledger->sums, sizeof ledger->sums);
+    transfer(at, &ledger->gravity_level, sizeof ledger->gravity_level);
     transfer(at, &ledger->is_started, sizeof ledger->is_started);
 }
 
