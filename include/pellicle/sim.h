@@ -259,7 +259,7 @@ typedef struct pel_solver_reading {
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
-    bool converged; /* every gap is within tolerance, and residual is at most 1e-6 (1e-3 in float) of the forces that
+    bool converged; /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
                        act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
 } pel_solver_reading;
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);

@@ -22,7 +22,7 @@ enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 
 /* forces are balanced when the residual is this share of the forces that act */
 #ifdef PEL_SINGLE
-#define LOAD_SHARE 1e-3
+#define LOAD_SHARE 2e-3
 #else
 #define LOAD_SHARE 1e-6 /* X */
 #endif

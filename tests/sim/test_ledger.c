@@ -171,7 +171,8 @@ static void test_free_fall(void **unused)
         def.model = model;
         if (i == 1) {
             def.solver.method = PEL_METHOD_XPBD;
-            def.solver.substeps = 200;
+            /* in float short substeps lose small motions (docs/solvers.md) */
+            def.solver.substeps = IN_FLOAT(200, 1);
         }
         pel_sim *sim = make_sim(&def);
         if (i == 2)
@@ -179,8 +180,9 @@ static void test_free_fall(void **unused)
         run_steps(sim, 500);
         pel_sim_ledger ledger = ledger_of(sim);
         double height = 0.5 * 9.81 * 0.25;
-        assert_near(ledger.work_gravity, 9.81 * height, (i == 1 ? 2e-4 : 1e-2) * 9.81 * height);
-        assert_near(left_over(&ledger), 0, IN_FLOAT(1e-4, 1e-3) * ledger.work_gravity);
+        assert_near(ledger.work_gravity, 9.81 * height, (i == 1 ? IN_FLOAT(2e-4, 1e-2) : 1e-2) * 9.81 * height);
+        /* one substep takes half a step's fall more than the motion has */
+        assert_near(left_over(&ledger), 0, IN_FLOAT(1e-4, i == 1 ? 5e-3 : 1e-3) * ledger.work_gravity);
         assert_near(ledger.kinetic, ledger.work_gravity, 1e-2 * ledger.work_gravity);
         pel_sim_destroy(sim);
         pel_model_destroy(model);
@@ -202,6 +204,7 @@ static void test_drag_alone(void **unused)
         def.model = model;
         def.solver.method = methods[i];
         def.solver.drag = 3;
+        def.solver.substeps = IN_FLOAT(0, 1);
         pel_sim *sim = make_sim(&def);
         double *velocities = calloc(3 * (size_t)mesh->vertex_count, sizeof *velocities);
         for (int32_t v = 0; v < mesh->vertex_count; v++)
@@ -233,7 +236,7 @@ static void test_pressure_ramp(void **unused)
     pel_sim_def def = explicit_def(0.01);
     def.model = model;
     def.solver.method = PEL_METHOD_XPBD;
-    def.solver.substeps = 100;
+    def.solver.substeps = IN_FLOAT(100, 10);
     def.solver.drag = 5;
     pel_sim *sim = make_sim(&def);
     run_steps(sim, 200);
