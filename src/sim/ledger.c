@@ -425,8 +425,9 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
                   ledger->work_material + ledger->work_setters;
     double gained = ledger->elastic + ledger->kinetic - ledger->elastic_start - ledger->kinetic_start;
     double left = gained - work + ledger->dissipated_drag;
-    ledger->dissipated_solver = fmax(-left, 0);
-    ledger->energy_error = fmax(left, 0);
+    /* not fmax: the sign of a zero is up to the compiler there */
+    ledger->dissipated_solver = left < 0 ? -left : 0;
+    ledger->energy_error = left > 0 ? left : 0;
     ledger->tolerance = EXCESS_SHARE * ledger->supplied + sim->ledger.rounding;
 }
 
