@@ -2,7 +2,6 @@
 
 #include "base/status.h"
 #include "math/vec3.h"
-#include "pellicle/measure.h"
 #include "pellicle/topology.h"
 #include "scene/run_state.h"
 
@@ -159,13 +158,12 @@ static void check_size(pel_run_state *run, int32_t b)
         flag_body(run, PEL_WARN_MILLIMETRES, b, size, LARGE_BODY);
 }
 
+/* the model turned what was inside out, so that pressure and volume have their usual sign */
 static void check_orientation(pel_run_state *run, int32_t b)
 {
-    const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
-    double volume = pel_surface_volume((const double *)mesh->positions, (const int32_t *)mesh->triangles,
-                                       mesh->triangle_count, NULL);
-    if (pel_model_is_closed(run->model, b) && volume < 0)
-        flag_body(run, PEL_WARN_INVERTED_MESH, b, volume, 0);
+    int32_t turned = pel_model_turned_count(run->model, b);
+    if (turned > 0)
+        flag_body(run, PEL_WARN_INVERTED_MESH, b, turned, 0);
 }
 
 pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
@@ -265,7 +263,8 @@ static void tell_inverted_mesh(const text_context *at)
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_INVERTED_MESH, &name);
     snprintf(at->text, at->size,
-             "the triangles of body '%s' point inward: its volume is %.4g m3. turn them with pellicle check --fix",
+             "the mesh of body '%s' is inside out: %.0f triangles were turned outward. turn them in the file with "
+             "pellicle check --fix",
              name, flagged->value);
 }
 

@@ -215,6 +215,16 @@ static void check_impact(const pel_sim *sim, double x[4][3], pel_contact_key *ke
         contact->separation = (pel_real)-HUGE_VAL;
 }
 
+/* what went so far beyond an impact is left to the guard */
+static bool is_far_through(const pel_sim_contacts *contacts, double x[4][3], const pel_contact_key *key,
+                           const pel_contact *contact)
+{
+    double normal[3];
+    for (int k = 0; k < 3; k++)
+        normal[k] = (double)contact->normal[k];
+    return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * contacts->mean_edge;
+}
+
 static void refresh_pair(const refresh_job *job, int32_t c)
 {
     pel_sim *sim = job->sim;
@@ -227,7 +237,10 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     for (int i = 0; i < 4; i++)
         load_point(sim, key->points[i], x[i]);
     if (key->is_impact) {
-        check_impact(sim, x, key, contact);
+        if (contacts->minds_sides)
+            check_impact(sim, x, key, contact);
+        if (is_far_through(contacts, x, key, contact))
+            contact->separation = (pel_real)-HUGE_VAL;
         return;
     }
     if (key->edge_edge)

@@ -24,7 +24,7 @@ enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 #ifdef PEL_SINGLE
 #define LOAD_SHARE 2e-3
 #else
-#define LOAD_SHARE 1e-6 /* X */
+#define LOAD_SHARE 1e-6
 #endif
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32
@@ -378,7 +378,9 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
     pel_descent_context context = {.sim = sim, .state = *state, .time = (double)(state->step + 1) * sim->step.dt};
     pel_shell_forces_follow(sim->shells, state->position);
     double loads = find_external(sim, context.time);
-    pel_status status = PEL_OK;
+    pel_status status = pel_descent_check_held(sim, sim->descent->external, context.time, error);
+    if (status != PEL_OK)
+        return status;
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
     sim->descent->result = (pel_descent_result){0};
     sim->descent->count = sim->descent->tool_count = 0;

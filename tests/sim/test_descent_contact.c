@@ -106,9 +106,9 @@ static double rub(pel_tool_shape shape, double friction, double sideways, double
     tool->radius = 1;
     double touching = shape == PEL_TOOL_BOX ? 1.1 : 2;
     pel_pose_key *keys = scene.keys[0];
-    keys[0] = (pel_pose_key){0, {0, 0, touching + 1e-3}, {0, 0, 0, 1}};
-    keys[1] = (pel_pose_key){1, {0, 0, touching - 0.05}, {0, 0, 0, 1}};
-    keys[2] = (pel_pose_key){2, {sideways, 0, touching - 0.05}, {0, 0, 0, 1}};
+    keys[0] = (pel_pose_key){0, {0, 0, touching + 1e-3}, {0, 0, 0, 1}, {0}};
+    keys[1] = (pel_pose_key){1, {0, 0, touching - 0.05}, {0, 0, 0, 1}, {0}};
+    keys[2] = (pel_pose_key){2, {sideways, 0, touching - 0.05}, {0, 0, 0, 1}, {0}};
     scene.tools[0].key_count = 3;
     scene.def.contact.friction = friction;
     scene.def.solver.dt = 0.1;

@@ -355,8 +355,8 @@ static double press_between_plates(double gap, double forces[2])
     pel_pose_key keys[2][2];
     for (int i = 0; i < 2; i++) {
         double side = i == 0 ? 1 : -1;
-        keys[i][0] = (pel_pose_key){0, {0, 0, 1.2 * side}, {0, 0, 0, 1}};
-        keys[i][1] = (pel_pose_key){0.5, {0, 0, (0.1 + 0.5 * gap) * side}, {0, 0, 0, 1}};
+        keys[i][0] = (pel_pose_key){0, {0, 0, 1.2 * side}, {0, 0, 0, 1}, {0}};
+        keys[i][1] = (pel_pose_key){0.5, {0, 0, (0.1 + 0.5 * gap) * side}, {0, 0, 0, 1}, {0}};
         tools[i] = pel_tool_def_default();
         tools[i].name = i == 0 ? "upper" : "lower";
         tools[i].shape = PEL_TOOL_BOX;
