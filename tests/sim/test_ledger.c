@@ -260,7 +260,8 @@ static void test_work_of_a_grasp(void **unused)
     body.pinned = pinned;
     body.pinned_count = low_vertices(mesh, -0.7, pinned);
     pel_model *model = make_model(&body);
-    const pel_pose_key keys[] = {{0, {0, 0, 1.05}, {0, 0, 0, 1}}, {1, {0.01, 0, 1.08}, {0, 0, sin(0.15), cos(0.15)}}};
+    const pel_pose_key keys[] = {{0, {0, 0, 1.05}, {0, 0, 0, 1}, {0}},
+                                 {1, {0.01, 0, 1.08}, {0, 0, sin(0.15), cos(0.15)}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "grip";
     tool.radius = 0.3;
@@ -359,7 +360,7 @@ static void test_resumes(void **unused)
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
     body.shell.pressure.outside = (pel_quantity){.keys = keys, .key_count = 2};
     pel_model *model = make_model(&body);
-    const pel_pose_key pose[] = {{0, {0, 0, 1.6}, {0, 0, 0, 1}}, {0.2, {0, 0, 1.3}, {0, 0, 0, 1}}};
+    const pel_pose_key pose[] = {{0, {0, 0, 1.6}, {0, 0, 0, 1}, {0}}, {0.2, {0, 0, 1.3}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.5;
