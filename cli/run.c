@@ -61,6 +61,13 @@ static bool show_progress(void *user, const pel_run_progress *progress)
     return stop_asked == 0;
 }
 
+/* warnings come before and after the steps; the progress line gives way to them */
+static void write_warning(void *user, const char *text)
+{
+    const display *d = user;
+    fprintf(stderr, "%swarning: %s\n", d->shown && d->last > 0.0 ? "\r\033[K" : "", text);
+}
+
 /* -o, else the folder of the checkpoint to go on from, else results/ and the scene's name */
 static bool choose_folder(const cli_call *call, char folder[PEL_RUN_PATH_SIZE])
 {
@@ -117,8 +124,6 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
     printf("  volume at end          %.6g of that at rest\n", s->volume_ratio_final);
     if (s->self_intersections_final >= 0)
         printf("  self-intersections     %lld pairs of triangles at end\n", (long long)s->self_intersections_final);
-    if (s->unconverged_steps > 0)
-        printf("  steps not converged    %lld (see solver.iterations)\n", (long long)s->unconverged_steps);
     if (s->alpha > 0.0)
         printf("  alpha                  %.6g (stable below %.6g)\n", s->alpha, s->alpha_limit);
     print_files(folder);
@@ -162,6 +167,7 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
 {
     bool as_json = cli_has(call, "json"), quiet = as_json || cli_has(call, "quiet");
     display d = {.shown = !quiet && isatty(STDERR_FILENO) != 0};
+    const pel_log warnings = {.write = write_warning, .user = &d};
     pel_run_def def = pel_run_def_default();
     def.folder = folder;
     def.max_frames = cli_count(call, "frames");
@@ -170,6 +176,7 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
     def.progress = show_progress;
     def.user = &d;
     def.log = quiet ? NULL : &cli_notes;
+    def.warnings = &warnings;
     on_terminal = d.shown;
     catch_signal(SIGINT);
     catch_signal(SIGTERM);
@@ -187,7 +194,9 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
         write_refusal(&error);
     else if (started && !quiet)
         print_summary(call, scene, folder, &summary);
-    return status == PEL_OK ? CLI_DONE : started || status == PEL_OUT_OF_MEMORY ? CLI_FAILED : CLI_BAD_INPUT;
+    if (status == PEL_OK)
+        return cli_has(call, "strict") && summary.warning_count > 0 ? CLI_FAILED : CLI_DONE;
+    return started || status == PEL_OUT_OF_MEMORY ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
 static int load_and_run(const cli_call *call, const char *const *settings, int setting_count, const char *folder)

@@ -35,7 +35,10 @@ static const cli_command commands[] = {
                 "Ctrl-C stops after the current step with everything written so far whole, and leaves a checkpoint "
                 "from which --resume continues with the same bits. A second Ctrl-C ends at once; what is in the folder "
                 "is whole then too, and so is the state that a run keeps every 10 s in its file `checkpoint`. A run "
-                "that diverges says where, keeps its last good checkpoint and exits with status 1.",
+                "that diverges says where, keeps its last good checkpoint and exits with status 1.\n\n"
+                "What makes the numbers doubtful is a line 'warning: ...' on standard error, and stands with its code "
+                "in summary.json: a method that is softer than the material, steps that did not converge, energy that "
+                "appears, contact that jams, a mesh that is too coarse. docs/results.md lists the codes.",
         .slots = {{.name = "SCENE", .kind = CLI_SCENE}},
         .options = {{.name = "output",
                      .letter = 'o',
@@ -63,7 +66,10 @@ static const cli_command commands[] = {
                      .kind = CLI_FILE,
                      .value = "FILE",
                      .doc = "continue from this checkpoint of an earlier run of the same scene"},
-                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
+                    {.name = "strict",
+                     .kind = CLI_FLAG,
+                     .doc = "exit with status 1 when the run ends with any warning; the results stay"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors and warnings only"},
                     JSON_OPTION},
         .examples = "pellicle run scenes/sphere-press.yaml\n"
                     "pellicle run scenes/sphere-press.yaml -o /tmp/soft --set bodies.0.springs.stiffness=1\n"

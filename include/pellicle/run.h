@@ -50,12 +50,25 @@ typedef struct pel_run_def {
     /* s of wall time after which the state is kept in `checkpoint`, so that a killed run can go on from there; later
        when that would take more than 2 % of the time. 0 = never. A state that cannot be kept is a note in the log. */
     double keep_seconds;
-    const pel_log *log; /* notes; nullable */
-    uint32_t cookie;    /* set by pel_run_def_default */
+    const pel_log *log;      /* notes; nullable */
+    const pel_log *warnings; /* each warning of the summary, once: those of the scene before the first step, the others
+                                at the end; nullable */
+    uint32_t cookie;         /* set by pel_run_def_default */
 } pel_run_def;
 
 /* No folder yet, the state is kept every 10 s, everything else off. */
 pel_run_def pel_run_def_default(void);
+
+/* Warnings of a run at most: one of each code. */
+enum { PEL_RUN_WARNING_LIMIT = 12 };
+
+/* What makes the numbers of a run doubtful. docs/results.md lists the codes with their thresholds. */
+typedef struct pel_run_warning {
+    const char *code;    /* such as "unconverged"; lives forever */
+    int64_t first_frame; /* in which it was seen first; 0 = before the first step */
+    int64_t count;       /* of steps, frames or bodies in which it was seen */
+    char text[400];      /* what is wrong, with its value, and the remedy */
+} pel_run_warning;
 
 /* How a run ended; the same as in summary.json. */
 typedef struct pel_run_summary {
@@ -77,12 +90,15 @@ typedef struct pel_run_summary {
     double alpha, alpha_limit;
     int32_t threads;
     pel_solver_reading solver; /* of the last step */
-    int64_t unconverged_steps; /* of the method descent, that ended before forces and gaps were as they should be */
+    int64_t unconverged_steps; /* of the method descent: steps whose forces or gaps are not within tolerance */
     const char *stop_reason; /* what ended the run: "duration", "max_frames" or a key of the scene's `stop`; "" when it
                               was stopped or failed; lives forever */
     int64_t volume_rises;    /* frames whose volume is more than that of the frame before */
     double volume_rise_sum, volume_rise_max; /* of volume over that at rest, in these */
-    char checkpoint[PEL_RUN_PATH_SIZE + 64]; /* path of the last good state, empty when none was written */
+    pel_sim_ledger ledger;                   /* at the end */
+    int32_t warning_count;
+    pel_run_warning warnings[PEL_RUN_WARNING_LIMIT]; /* (warning_count) */
+    char checkpoint[PEL_RUN_PATH_SIZE + 64];         /* path of the last good state, empty when none was written */
 } pel_run_summary;
 
 /* Runs a scene. With `resume` the series is cut back to the checkpoint and continued with the same bits: all files are

@@ -278,9 +278,9 @@ typedef struct pel_solver_reading {
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
-    bool converged;      /* it is 1e-6 of that of loads, pressure and contacts at most, and what touches keeps its
-                            distance */
-    int32_t substeps;    /* of the last step; of the next one before the first step */
+    bool converged;   /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
+                         act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
+    int32_t substeps; /* of the last step; of the next one before the first step */
     int32_t least_substeps, most_substeps; /* of all steps so far */
     int32_t needed_substeps;               /* xpbd: what automatic substeps would be without max_substeps */
     bool second_order;                     /* xpbd: in use */
@@ -290,12 +290,13 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
-    double volume_ratio;      /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
-    double area_ratio;        /* area over area at rest */
-    double kinetic_energy;    /* J */
-    double elastic_energy;    /* J, the sum of the five that follow */
-    double spring_energy;     /* J */
-    double volumetric_energy; /* J */
+    double volume_ratio;       /* enclosed volume of closed bodies over that at rest; 1 when none is closed */
+    double least_volume_ratio; /* the same of the body where it is least; at most 0 where a body is inside out */
+    double area_ratio;         /* area over area at rest */
+    double kinetic_energy;     /* J, at the time of the positions (the leapfrog keeps velocities half a step before) */
+    double elastic_energy;     /* J, the sum of the five that follow */
+    double spring_energy;      /* J */
+    double volumetric_energy;  /* J */
     double membrane_energy, bending_energy, fibre_energy; /* J, of shells */
     double max_displacement;                              /* m, from the rest position */
     double max_force;                                     /* N, largest vertex force as in pel_sim_get_forces */
@@ -306,6 +307,32 @@ void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
 double pel_sim_volume_ratio(const pel_sim *sim);
 /* true when any body is a shell (membrane, bending, fibres or pressure) */
 bool pel_sim_has_shells(const pel_sim *sim);
+
+/* Energy balance since the start, in J: what went in, what is there, what damping took, and what is left over.
+
+     energy_error - dissipated_solver = elastic + kinetic - elastic_start - kinetic_start
+                                        - work_tools - ... - work_setters + dissipated_drag
+
+   A left-over below 0 is dissipation that nothing else accounts for: friction, contact, and the numerical damping of
+   implicit, quasi-static and position-based methods. Above 0 energy appears: the step is too long, the method does not
+   follow the material, or contact and tools put energy in. docs/results.md has the rule of each work. */
+typedef struct pel_sim_ledger {
+    double work_tools;    /* by tools on bodies, grasps included: from their readings and motions */
+    double work_loads;    /* mean force times displacement */
+    double work_pressure; /* of the given pressure, enclosed gas or target volume */
+    double work_gravity;
+    double work_material; /* of numbers that change in time: keyed stiffness of springs, active fibres */
+    double work_setters; /* change of energy by pel_sim_set_positions and pel_sim_set_velocities after the first step */
+    double elastic, kinetic;             /* at present; kinetic is 0 for methods without velocities */
+    double elastic_start, kinetic_start; /* before the first step */
+    double dissipated_drag;              /* by drag of the solver and damping of vertices */
+    double dissipated_solver;            /* the left-over below 0, as a number above 0 */
+    double energy_error;                 /* the left-over above 0 */
+    double supplied;  /* largest sum by now of the energies at the start and the sizes of all works */
+    double tolerance; /* an energy_error beyond it is worth an alarm: 5 % of supplied, and rounding */
+} pel_sim_ledger;
+/* Works of all steps are summed up as the steps go; the energies are evaluated here. */
+void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);
 
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
 uint64_t pel_sim_hash(const pel_sim *sim);

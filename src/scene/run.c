@@ -18,8 +18,7 @@
 
 enum { RUN_COOKIE = 0x72756e21 };
 
-/* softness of xpbd that is told; and from which on the first step is tried before anything is written */
-#define SOFTNESS_TOLD 0.05
+/* softness of xpbd from which on the first step is tried before anything is written */
 #define SOFTNESS_TRIED 1
 
 /* s of wall time between states that are kept, and the share of the time that this may take */
@@ -132,32 +131,6 @@ static void print_remedy(const pel_run_state *run, char *text, size_t size)
              solver->substeps > 0 ? "substeps" : "max_substeps", (int)reading.needed_substeps);
 }
 
-/* before the first step: xpbd is as stiff as the material only when its substeps are short */
-static void note_softness(const pel_run_state *run)
-{
-    double softness = pel_sim_softness(run->sim);
-    char remedy[200];
-    pel_solver_reading reading;
-    pel_sim_get_solver(run->sim, &reading);
-    if (!(softness > SOFTNESS_TOLD))
-        return;
-    print_remedy(run, remedy, sizeof remedy);
-    pel_log_line(run->def->log, "warning: xpbd with %d substeps stretches up to %.3g times as far as the material; %s",
-                 (int)reading.substeps, 1 + softness, remedy);
-}
-
-/* after the last step: what changed while running */
-static void note_largest_softness(const pel_run_state *run, double at_start)
-{
-    pel_solver_reading reading;
-    pel_sim_get_solver(run->sim, &reading);
-    if (reading.most_softness > fmax(SOFTNESS_TOLD, 1.5 * at_start))
-        pel_log_line(run->def->log,
-                     "warning: xpbd stretched up to %.3g times as far as the material during the run (%d to %d "
-                     "substeps); raise max_substeps or use method descent",
-                     1 + reading.most_softness, (int)reading.least_substeps, (int)reading.most_substeps);
-}
-
 /* A run that is far too soft is tried for a step: one that fails at once is refused, as nothing is written yet. */
 static pel_status try_step(const pel_run_state *run, pel_error *error)
 {
@@ -183,30 +156,17 @@ static pel_status try_step(const pel_run_state *run, pel_error *error)
     return status;
 }
 
-/* what was turned over so that pressure and volume have their usual sign */
-static void note_turned(const pel_run_state *run)
-{
-    const pel_model *model = run->model;
-    for (int32_t b = 0; b < pel_model_body_count(model); b++)
-        if (pel_model_turned_count(model, b) > 0)
-            pel_log_line(run->def->log,
-                         "the mesh of body '%s' is inside out: %d triangles were turned outward (`pellicle "
-                         "check --fix` turns them in the file)",
-                         pel_model_body_name(model, b), (int)pel_model_turned_count(model, b));
-}
-
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
     if (status == PEL_OK)
         status = check_stop(run, error);
-    if (status == PEL_OK) {
-        note_turned(run);
+    if (status == PEL_OK)
         status = try_step(run, error);
-    }
+    if (status == PEL_OK)
+        status = pel_warnings_check_scene(run, error);
     if (status != PEL_OK)
         return status;
-    note_softness(run);
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
     if (run->tool_force == NULL)
         return pel_fail_memory(error);
@@ -414,13 +374,6 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
     return PEL_OK;
 }
 
-static void note_solver(pel_run_state *run)
-{
-    pel_solver_reading reading;
-    pel_sim_get_solver(run->sim, &reading);
-    run->totals.unconverged_steps += run->scene->sim.solver.method == PEL_METHOD_DESCENT && !reading.converged;
-}
-
 /* one step and what belongs to it */
 static pel_status advance(pel_run_state *run, pel_error *error)
 {
@@ -432,7 +385,7 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
-    note_solver(run);
+    pel_warnings_check_step(run);
     status = write_due(run, error);
     return status == PEL_OK && !run->settled ? keep_state(run, error) : status;
 }
@@ -500,6 +453,7 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     status = later != PEL_OK ? later : status;
     pel_run_folder_release(run->def->folder);
     pel_sim_measure(run->sim, &run->measures);
+    pel_sim_get_ledger(run->sim, &run->ledger);
     later = write_results(run, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;
     later = pel_run_surface_intersections(&run->frames.surface, run->sim, &run->intersection_count,
@@ -512,6 +466,7 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     if (status != PEL_OK)
         name_checkpoint(run, error);
     pel_run_summary_fill(run, status, summary);
+    pel_warnings_tell(run, true);
     later = pel_run_summary_write(run, summary, status != PEL_OK ? error : NULL, status == PEL_OK ? error : NULL);
     if (status == PEL_OK && later != PEL_OK)
         summary->status = "failed";
@@ -537,11 +492,10 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         pel_scene_locate(scene, cause);
     if (status == PEL_OK)
         status = open_folder(&run, cause);
-    if (status == PEL_OK) {
-        double softness = pel_sim_softness(run.sim);
+    if (status == PEL_OK)
+        pel_warnings_tell(&run, false);
+    if (status == PEL_OK)
         status = finish(&run, simulate(&run, cause), summary, cause);
-        note_largest_softness(&run, softness);
-    }
     release(&run);
     return status;
 }

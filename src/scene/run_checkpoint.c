@@ -18,7 +18,7 @@ typedef struct checkpoint_header {
     pel_run_totals totals;
 } checkpoint_header;
 
-static const char magic[8] = "PELRUN1";
+static const char magic[8] = "PELRUN2";
 
 static size_t tool_bytes(const pel_run_state *run)
 {
@@ -126,6 +126,7 @@ pel_status pel_run_checkpoint_read(pel_run_state *run, const char *path, pel_err
         memcpy(run->tool_force, bytes + sizeof header, tool_bytes(run));
         status = pel_sim_load(run->sim, snapshot, pel_sim_save_size(run->sim), error);
         run->totals = header.totals;
+        pel_sim_get_contact_statistics(run->sim, &run->contact_before);
         remember(run, path);
     }
     pel_free(bytes);

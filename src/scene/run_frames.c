@@ -75,6 +75,7 @@ static pel_status write_frame(pel_run_frames *frames, pel_sim *sim, const pel_ru
         .tool_force_max = tool_force,
     };
     pel_sim_measure(sim, &row.measures);
+    pel_sim_get_ledger(sim, &row.ledger);
     pel_sim_get_contact_statistics(sim, &row.contact);
     row.contact_before = totals->contact;
     pel_run_frame_path(path, frames->folder, row.frame);
@@ -89,6 +90,7 @@ static pel_status write_frame(pel_run_frames *frames, pel_sim *sim, const pel_ru
     frames->frame_count = row.frame + 1;
     frames->last_time = pel_sim_time(sim);
     frames->max_displacement = fmax(frames->max_displacement, row.measures.max_displacement);
+    pel_warnings_check_frame(&frames->warnings, row.frame, &row.measures, &row.ledger);
     atomic_store(&frames->max_force, row.measures.max_force);
     return list_is_due(frames) ? pel_run_frames_list(frames, error) : PEL_OK;
 }
@@ -225,5 +227,10 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
             begin_interval(totals, sim, tool_force);
     }
     totals->max_displacement = fmax(totals->max_displacement, frames->max_displacement);
+    /* after a failure the totals are set back each time, and what was counted before the failure is added again */
+    pel_warning_tallies counted = frames->warnings;
+    pel_warnings_merge(&totals->warnings, &counted);
+    if (status == PEL_OK)
+        frames->warnings = counted;
     return status;
 }

@@ -9,19 +9,20 @@
 #include "scene/run_plan.h"
 #include "scene/run_series.h"
 #include "scene/run_surface.h"
+#include "scene/run_warnings.h"
 
 /* What is summed up on the way; goes into checkpoints as it stands. */
 typedef struct pel_run_totals {
-    int64_t frame_count;            /* frames written */
-    int64_t frame_step;             /* step of the last one */
-    double frame_seconds;           /* wall time of the steps since then */
-    double step_seconds;            /* wall time of all steps */
-    double wall_seconds;            /* of the calls of pel_run before this one */
-    double max_displacement;        /* m, over the frames */
-    double volume_ratio;            /* of the last frame */
-    int64_t rise_count;             /* frames whose volume is more than that of the frame before */
-    double rise_sum, rise_max;      /* of the volume ratio in these */
-    int64_t unconverged_steps;      /* of the method descent */
+    int64_t frame_count;       /* frames written */
+    int64_t frame_step;        /* step of the last one */
+    double frame_seconds;      /* wall time of the steps since then */
+    double step_seconds;       /* wall time of all steps */
+    double wall_seconds;       /* of the calls of pel_run before this one */
+    double max_displacement;   /* m, over the frames */
+    double volume_ratio;       /* of the last frame */
+    int64_t rise_count;        /* frames whose volume is more than that of the frame before */
+    double rise_sum, rise_max; /* of the volume ratio in these */
+    pel_warning_tallies warnings;
     pel_contact_statistics contact; /* at the last frame */
 } pel_run_totals;
 
@@ -42,17 +43,18 @@ typedef struct pel_run_frames {
     pel_run_surface surface;
     pel_run_series series;
     char series_path[PEL_RUN_FILE_SIZE];
-    int64_t frame_count;       /* written */
-    int64_t listed_count;      /* of them in frames.pvd */
-    double listed_at;          /* wall clock when it was written */
-    double max_displacement;   /* m, over the frames of this call */
-    double last_time;          /* s, of the last frame written; 0 = none by this call */
-    _Atomic(double) max_force; /* N, at the last frame written; may be read at any time */
-    _Atomic(bool) failed;      /* may be read at any time */
-    int32_t failed_slot;       /* of the frame that could not be written */
-    pel_error error;           /* why */
-    pel_worker *worker;        /* null = one thread does everything */
-    pel_sim *sim;              /* the worker's, to look at snapshots; null as well */
+    int64_t frame_count;          /* written */
+    int64_t listed_count;         /* of them in frames.pvd */
+    double listed_at;             /* wall clock when it was written */
+    double max_displacement;      /* m, over the frames of this call */
+    pel_warning_tallies warnings; /* of the frames since the last settlement */
+    double last_time;             /* s, of the last frame written; 0 = none by this call */
+    _Atomic(double) max_force;    /* N, at the last frame written; may be read at any time */
+    _Atomic(bool) failed;         /* may be read at any time */
+    int32_t failed_slot;          /* of the frame that could not be written */
+    pel_error error;              /* why */
+    pel_worker *worker;           /* null = one thread does everything */
+    pel_sim *sim;                 /* the worker's, to look at snapshots; null as well */
     size_t snapshot_size;
     pel_run_frame slots[PEL_RUN_FRAME_SLOTS];
 } pel_run_frames;

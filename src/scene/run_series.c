@@ -69,6 +69,10 @@ static void put_tool_column(pel_run_series *series, const char *tool, const char
 static const char *const shell_columns[] = {"membrane_energy", "bending_energy", "fibre_energy"};
 enum { SHELL_COLUMN_COUNT = sizeof shell_columns / sizeof shell_columns[0] };
 
+static const char *const ledger_columns[] = {"work_tools",    "work_loads",      "work_pressure",     "work_gravity",
+                                             "work_material", "dissipated_drag", "dissipated_solver", "energy_error"};
+enum { LEDGER_COLUMN_COUNT = sizeof ledger_columns / sizeof ledger_columns[0] };
+
 static const char *const contact_columns[] = {
     "contact_candidates", "contact_passed_filter", "contact_passed_hull", "contact_cubics",     "contact_pairs",
     "contact_dropped",    "contact_rounds",        "contact_fall_backs",  "contact_tools_held", "contact_tangled",
@@ -90,6 +94,10 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
         put_text(series, ",");
         put_text(series, shell_columns[c]);
     }
+    for (int c = 0; c < LEDGER_COLUMN_COUNT; c++) {
+        put_text(series, ",");
+        put_text(series, ledger_columns[c]);
+    }
     for (int c = 0; has_contact(sim) && c < CONTACT_COLUMN_COUNT; c++) {
         put_text(series, ",");
         put_text(series, contact_columns[c]);
@@ -109,6 +117,15 @@ static void put_tool(pel_run_series *series, const pel_sim *sim, int32_t tool, d
     for (int i = 0; i < 3; i++)
         put_number(series, reading.position[i]);
     put_number(series, force_max);
+}
+
+static void put_ledger(pel_run_series *series, const pel_sim_ledger *ledger)
+{
+    const double energies[LEDGER_COLUMN_COUNT] = {
+        ledger->work_tools,    ledger->work_loads,      ledger->work_pressure,     ledger->work_gravity,
+        ledger->work_material, ledger->dissipated_drag, ledger->dissipated_solver, ledger->energy_error};
+    for (int c = 0; c < LEDGER_COLUMN_COUNT; c++)
+        put_number(series, energies[c]);
 }
 
 /* sums over the steps since the last frame */
@@ -139,9 +156,10 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
 {
     size_t tool_room = TOOL_COLUMN_COUNT * (2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE);
     *series = (pel_run_series){.descriptor = -1, .path = path};
-    series->room = sizeof first_columns +
-                   (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + CONTACT_COLUMN_COUNT) * PEL_NUMBER_SIZE +
-                   (size_t)pel_sim_tool_count(sim) * tool_room;
+    series->room =
+        sizeof first_columns +
+        (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT) * PEL_NUMBER_SIZE +
+        (size_t)pel_sim_tool_count(sim) * tool_room;
     series->line = pel_allocate(series->room, 1);
     return series->line != NULL ? PEL_OK : pel_fail_memory(error);
 }
@@ -244,6 +262,7 @@ pel_status pel_run_series_add(pel_run_series *series, const pel_sim *sim, const 
     const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++)
         put_number(series, energies[c]);
+    put_ledger(series, &row->ledger);
     if (has_contact(sim))
         put_contact(series, row);
     put_text(series, "\n");

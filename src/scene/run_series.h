@@ -17,6 +17,7 @@ typedef struct pel_run_row {
     int64_t frame;
     double step_ms; /* mean wall time of a step since the last frame */
     pel_sim_measures measures;
+    pel_sim_ledger ledger;
     pel_contact_statistics contact, contact_before; /* sums now and at the last frame; the row has the difference */
     const double *tool_force_max;                   /* (tool count) N, largest since the last frame */
 } pel_run_row;

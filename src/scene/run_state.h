@@ -20,12 +20,16 @@ typedef struct pel_run_state {
     size_t checkpoint_size;
     char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
     int64_t checkpoint_step;
-    double start;               /* wall clock at the beginning of this call */
-    double keep_at;             /* wall clock at which the state is kept again */
-    int64_t start_step;         /* step at the beginning of this call */
-    bool settled;               /* a rule of the scene's `stop` ended the run */
-    const char *stop_reason;    /* which one; null = none */
-    pel_sim_measures measures;  /* of the end */
+    double start;                          /* wall clock at the beginning of this call */
+    double keep_at;                        /* wall clock at which the state is kept again */
+    int64_t start_step;                    /* step at the beginning of this call */
+    bool settled;                          /* a rule of the scene's `stop` ended the run */
+    const char *stop_reason;               /* which one; null = none */
+    pel_sim_measures measures;             /* of the end */
+    pel_sim_ledger ledger;                 /* the same */
+    pel_contact_statistics contact_before; /* before the last step */
+    pel_flagged_body flagged[PEL_WARN_COUNT];
+    bool told[PEL_WARN_COUNT];  /* to the log */
     int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
 } pel_run_state;
 

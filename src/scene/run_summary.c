@@ -59,8 +59,10 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .volume_rises = totals->rise_count,
         .volume_rise_sum = totals->rise_sum,
         .volume_rise_max = totals->rise_max,
-        .unconverged_steps = totals->unconverged_steps,
+        .unconverged_steps = totals->warnings.of[PEL_WARN_UNCONVERGED].count,
+        .ledger = run->ledger,
     };
+    summary->warning_count = pel_warnings_list(run, summary->warnings);
     pel_sim_get_solver(sim, &summary->solver);
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
@@ -179,6 +181,47 @@ static void write_solver(pel_file_writer *writer, const pel_run_state *run, cons
     number_entry(writer, "softness_max", s->solver.most_softness);
 }
 
+static void write_ledger(pel_file_writer *writer, const pel_sim_ledger *ledger)
+{
+    const struct {
+        const char *name;
+        double value;
+    } entries[] = {{"elastic_start", ledger->elastic_start},
+                   {"kinetic_start", ledger->kinetic_start},
+                   {"elastic", ledger->elastic},
+                   {"kinetic", ledger->kinetic},
+                   {"work_tools", ledger->work_tools},
+                   {"work_loads", ledger->work_loads},
+                   {"work_pressure", ledger->work_pressure},
+                   {"work_gravity", ledger->work_gravity},
+                   {"work_material", ledger->work_material},
+                   {"dissipated_drag", ledger->dissipated_drag},
+                   {"dissipated_solver", ledger->dissipated_solver},
+                   {"energy_error", ledger->energy_error},
+                   {"supplied", ledger->supplied}};
+    begin(writer, "energy");
+    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++) {
+        pel_file_writer_printf(writer, "%s\"%s\": ", i == 0 ? "{" : ", ", entries[i].name);
+        write_number(writer, entries[i].value);
+    }
+    pel_file_writer_printf(writer, "}");
+}
+
+static void write_warnings(pel_file_writer *writer, const pel_run_summary *summary)
+{
+    begin(writer, "warnings");
+    pel_file_writer_printf(writer, "[");
+    for (int32_t i = 0; i < summary->warning_count; i++) {
+        const pel_run_warning *warning = &summary->warnings[i];
+        pel_file_writer_printf(
+            writer, "%s\n    {\"code\": \"%s\", \"first_frame\": %" PRId64 ", \"count\": %" PRId64 ", \"text\": ",
+            i > 0 ? "," : "", warning->code, warning->first_frame, warning->count);
+        write_text(writer, warning->text);
+        pel_file_writer_printf(writer, "}");
+    }
+    pel_file_writer_printf(writer, summary->warning_count > 0 ? "\n  ]" : "]");
+}
+
 static void write_entries(pel_file_writer *writer, const pel_run_state *run, const pel_run_summary *s)
 {
     count_entry(writer, "frames", s->frames);
@@ -208,6 +251,8 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
     write_solver(writer, run, s);
     if (pel_sim_contact_thickness(run->sim) > 0)
         write_contact(writer, run->sim);
+    write_ledger(writer, &s->ledger);
+    write_warnings(writer, s);
     text_entry(writer, "stop_reason", s->stop_reason);
     count_entry(writer, "volume_rises", s->volume_rises);
     number_entry(writer, "volume_rise_sum", s->volume_rise_sum);

@@ -124,6 +124,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
         status = check_values(positions, pel_row_count(sim, body), "position", error);
     if (status != PEL_OK)
         return status;
+    double energy_before = pel_ledger_energy(sim);
     sim->force_is_present = false;
     sim->state->older_is_known = false;
     sim->substeps.now.is_stale = true;
@@ -138,6 +139,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
     /* what intersects now is left alone until it is apart */
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
+    pel_ledger_book_change(sim, energy_before);
     return PEL_OK;
 }
 
@@ -149,6 +151,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
     if (status != PEL_OK)
         return status;
     pel_state *state = sim->state;
+    double energy_before = pel_ledger_energy(sim);
     sim->force_is_present = false;
     int32_t count = pel_row_count(sim, body);
     for (int32_t v = 0; v < count; v++)
@@ -160,6 +163,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
             else
                 state->position_before[i][c] = (pel_real)((double)state->position[i][c] - sim->step.dt * value);
         }
+    pel_ledger_book_change(sim, energy_before);
     return PEL_OK;
 }
 
@@ -237,6 +241,7 @@ static void measure_surface(const pel_sim *sim, const pel_record *records, int32
 static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
 {
     double area = 0, rest_area = 0, volume = 0, rest_volume = 0;
+    measures->least_volume_ratio = HUGE_VAL;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         double body_area, body_volume, body_rest_area = body->rest_area, body_rest_volume = body->rest_volume;
@@ -247,11 +252,14 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
         rest_area += body_rest_area;
         volume += body->closed ? body_volume : 0;
         rest_volume += body->closed ? body_rest_volume : 0;
+        if (body->closed)
+            measures->least_volume_ratio = fmin(measures->least_volume_ratio, body_volume / body_rest_volume);
         measures->vertex_count += pel_sim_vertex_count(sim, b);
         measures->triangle_count += pel_sim_triangle_count(sim, b);
     }
     measures->area_ratio = area / rest_area;
     measures->volume_ratio = rest_volume != 0 ? volume / rest_volume : 1;
+    measures->least_volume_ratio = isfinite(measures->least_volume_ratio) ? measures->least_volume_ratio : 1;
 }
 
 double pel_sim_volume_ratio(const pel_sim *sim)
@@ -261,40 +269,76 @@ double pel_sim_volume_ratio(const pel_sim *sim)
     return measures.volume_ratio;
 }
 
-void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
+/* Velocity at the time of the positions. That of the leapfrog belongs to the middle of the last step: half a kick of
+   the present forces is missing, but where a tool or contact takes it, or where the first step is still to come. */
+static void present_velocity(const pel_sim *sim, int32_t i, double velocity[3])
 {
-    *measures = (pel_sim_measures){0};
-    measure_surfaces(sim, measures);
-    compute_forces(sim);
+    const pel_state *state = sim->state;
+    bool is_held = state->contact[i] || (sim->held != NULL && sim->held[i]);
+    bool is_first = state->step == 0 && sim->shells != NULL;
+    vertex_velocity(sim, i, velocity);
+    if (!pel_sim_is_explicit(sim) || !sim->solver.symplectic || is_held || is_first)
+        return;
+    double dt = sim->step.dt, kept = exp(-0.5 * sim->solver.drag * dt);
+    double gain = 0.5 * dt * (double)sim->model->inverse_mass[i];
+    for (int c = 0; c < 3; c++)
+        velocity[c] = kept * velocity[c] + gain * (double)sim->force[i][c];
+}
+
+void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
+{
     const pel_model *model = sim->model;
-    double largest_offset = 0, largest_force = 0; /* squares */
+    double spring_sum = 0, volumetric_sum = 0, kinetic_sum = 0;
+    compute_forces(sim);
     for (int32_t slice = 0; slice < model->slice_count; slice++) {
         pel_wide spring, volumetric;
         pel_slice_energy(model, sim->state, slice, &spring, &volumetric);
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
             int32_t i = slice * PEL_WIDTH + lane;
+            double velocity[3];
             if (model->mesh_vertex[i] < 0)
                 continue;
-            double velocity[3], offset[3], force[3];
-            vertex_velocity(sim, i, velocity);
-            for (int c = 0; c < 3; c++) {
-                offset[c] = (double)sim->state->position[i][c] - (double)model->rest[i][c];
-                force[c] = (double)sim->force[i][c];
-            }
-            measures->spring_energy += (double)spring[lane];
-            measures->volumetric_energy += (double)volumetric[lane];
-            measures->kinetic_energy += 0.5 * (double)model->mass[i] * pel_vec3_squared_length(velocity);
-            double offset_square = pel_vec3_squared_length(offset), force_square = pel_vec3_squared_length(force);
-            largest_offset = offset_square > largest_offset ? offset_square : largest_offset;
-            largest_force = force_square > largest_force ? force_square : largest_force;
-            measures->contact_count += sim->state->contact[i];
+            present_velocity(sim, i, velocity);
+            spring_sum += (double)spring[lane];
+            volumetric_sum += (double)volumetric[lane];
+            kinetic_sum += 0.5 * (double)model->mass[i] * pel_vec3_squared_length(velocity);
         }
     }
-    measures->max_displacement = sqrt(largest_offset);
-    measures->max_force = sqrt(largest_force);
+    measures->spring_energy = spring_sum;
+    measures->volumetric_energy = volumetric_sum;
+    measures->kinetic_energy = kinetic_sum;
     measures->membrane_energy = sim->shell_energy.membrane;
     measures->bending_energy = sim->shell_energy.bending;
     measures->fibre_energy = sim->shell_energy.fibres;
-    measures->elastic_energy = measures->spring_energy + measures->volumetric_energy + measures->membrane_energy +
-                               measures->bending_energy + measures->fibre_energy;
+    measures->elastic_energy =
+        spring_sum + volumetric_sum + measures->membrane_energy + measures->bending_energy + measures->fibre_energy;
+}
+
+/* largest displacement and force, and the number of vertices in contact */
+static void measure_vertices(const pel_sim *sim, pel_sim_measures *measures)
+{
+    const pel_model *model = sim->model;
+    double largest_offset = 0, largest_force = 0; /* squares */
+    for (int32_t i = 0; i < model->vertex_count; i++) {
+        double offset[3], force[3];
+        if (model->mesh_vertex[i] < 0)
+            continue;
+        for (int c = 0; c < 3; c++) {
+            offset[c] = (double)sim->state->position[i][c] - (double)model->rest[i][c];
+            force[c] = (double)sim->force[i][c];
+        }
+        largest_offset = fmax(largest_offset, pel_vec3_squared_length(offset));
+        largest_force = fmax(largest_force, pel_vec3_squared_length(force));
+        measures->contact_count += sim->state->contact[i];
+    }
+    measures->max_displacement = sqrt(largest_offset);
+    measures->max_force = sqrt(largest_force);
+}
+
+void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
+{
+    *measures = (pel_sim_measures){0};
+    measure_surfaces(sim, measures);
+    pel_sim_sum_energies(sim, measures);
+    measure_vertices(sim, measures);
 }

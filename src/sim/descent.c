@@ -8,6 +8,7 @@
    forces at its begin. */
 #include "sim/descent.h"
 
+#include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
@@ -19,15 +20,14 @@
 
 enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 
-/* forces are balanced when what is left of them is this share of the loads, or of what it takes to move every vertex by
-   an edge */
+/* forces are balanced when the residual is this share of the forces that act */
 #ifdef PEL_SINGLE
-#define LOAD_SHARE 1e-3
-#define STIFFNESS_SHARE 1e-6
+#define LOAD_SHARE 2e-3
 #else
 #define LOAD_SHARE 1e-6
-#define STIFFNESS_SHARE 1e-11
 #endif
+/* units of the last place that rounding leaves of the forces of a body at rest */
+#define ROUNDING_ERRORS 32
 /* of the mean edge that a vertex goes in one iteration at most */
 #define MOVE_SHARE 0.3
 
@@ -87,6 +87,21 @@ static double energy_of(void *context, pel_record *position, pel_record *force)
     return at->is_constrained ? energy + pel_descent_contacts_evaluate(sim, position, force) : energy;
 }
 
+/* N, what rounding of the volume makes of the forces of an enclosed gas or a target volume */
+static double pressure_noise(const pel_sim *sim)
+{
+    double sum = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->shell == NULL)
+            continue;
+        const pel_pressure_def *pressure = &body->shell->pressure;
+        if (pressure->kind == PEL_PRESSURE_GAS || pressure->kind == PEL_PRESSURE_VOLUME)
+            sum += body->rest_area * (pressure->kind == PEL_PRESSURE_GAS ? fabs(pressure->value) : pressure->bulk);
+    }
+    return ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sum;
+}
+
 /* the forces that stay; returns the root of the sum of squares of all that is not elastic */
 static double find_external(pel_sim *sim, double time)
 {
@@ -101,7 +116,7 @@ static double find_external(pel_sim *sim, double time)
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++)
             square += sim->model->inverse_mass[v] > 0 ? (double)force[v][c] * (double)force[v][c] : 0;
-    return sqrt(square);
+    return sqrt(square) > pressure_noise(sim) ? sqrt(square) : 0;
 }
 
 static pel_descent_problem make_problem(pel_descent_context *context)
@@ -113,6 +128,7 @@ static pel_descent_problem make_problem(pel_descent_context *context)
         .held = sim->held,
         .energy = energy_of,
         .context = context,
+        .held_share = LOAD_SHARE,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
         .gradient_only = sim->solver.gradient_only,
@@ -223,10 +239,31 @@ static double deepest_gap(const pel_sim *sim)
     return deepest;
 }
 
+/* N, loads, contacts and grasps */
+static double acting_force(const pel_sim *sim, double loads)
+{
+    double contact = pel_descent_contacts_force(sim), held = sim->descent->result.held_force;
+    return sqrt(loads * loads + contact * contact + held * held);
+}
+
+/* Relative to the forces that act. Where none acts at present, a body comes back from those that did; where none ever
+   did, it is at rest, to the rounding of its forces. */
 static double tolerance_of(const pel_sim *sim, double loads)
 {
-    double contact = pel_descent_contacts_force(sim);
-    return LOAD_SHARE * sqrt(loads * loads + contact * contact) + STIFFNESS_SHARE * sim->descent->stiff_force;
+    const pel_sim_descent *descent = sim->descent;
+    double acting = acting_force(sim, loads);
+    if (acting == 0)
+        acting = descent->acted;
+    return acting > 0 ? LOAD_SHARE * acting : ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * descent->stiff_force;
+}
+
+/* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */
+static void remember_acting(pel_sim *sim, double loads, double first_residual)
+{
+    pel_sim_descent *descent = sim->descent;
+    bool is_stressed = descent->acted == 0 && first_residual > tolerance_of(sim, loads);
+    double acting = acting_force(sim, loads);
+    descent->acted = fmax(descent->acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
 /* rounds until gaps are closed and forces balanced; the last part of a step looks for surfaces as well */
@@ -249,6 +286,9 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         sum->iterations += round.iterations;
         sum->evaluations += round.evaluations;
         sum->residual = round.residual;
+        sum->held_force = round.held_force;
+        if (n == 0)
+            remember_acting(sim, loads, round.first_residual);
         if (!pel_sim_all_inside(sim))
             return PEL_OK;
         double error_of_gaps = pel_descent_contacts_update(sim);
@@ -327,8 +367,10 @@ static void minimise_alone(pel_descent_context *context, double loads)
 {
     pel_sim_descent *descent = context->sim->descent;
     pel_descent_problem problem = make_problem(context);
-    problem.tolerance = LOAD_SHARE * loads + STIFFNESS_SHARE * descent->stiff_force;
+    problem.tolerance = tolerance_of(context->sim, loads);
     pel_descent_run(descent->minimiser, &problem, context->sim->state->position_next, &descent->result);
+    remember_acting(context->sim, loads, descent->result.first_residual);
+    descent->result.converged |= descent->result.residual <= tolerance_of(context->sim, loads);
 }
 
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)

@@ -38,7 +38,8 @@ struct pel_sim_descent {
     pel_descent *minimiser;
     pel_record *external; /* (vertex_count) forces that stay during a step */
     double mean_edge;     /* m */
-    double stiff_force;   /* N */
+    double stiff_force;   /* N, moves every vertex by an edge, by the bound of the stiffness */
+    double acted;         /* N, largest force that has acted since the start */
     double stiffness;     /* 1/s2, bound of that of the bodies over mass */
     double penalty;       /* stiffness of constraints over that bound */
     pel_descent_result result;

@@ -288,3 +288,31 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
             force[v] += sim->model->mass[v] * gravity;
     }
 }
+
+/* Mean factor of a load over a step. The leapfrog kicks at both ends; the other methods look at one instant whether the
+   load acts at all. */
+static double mean_factor(const pel_sim *sim, const pel_load *load, double from, double to)
+{
+    bool at_from = from >= load->from && from < load->until, at_to = to >= load->from && to < load->until;
+    if (!pel_sim_is_explicit(sim))
+        at_from = at_to = sim->descent != NULL ? at_to : at_from;
+    return 0.5 * ((at_from ? pel_curve_value(load->keys, load->key_count, from) : 0) +
+                  (at_to ? pel_curve_value(load->keys, load->key_count, to) : 0));
+}
+
+double pel_loads_work(const pel_sim *sim, double from, double to)
+{
+    const pel_state *state = sim->state;
+    double work = 0;
+    for (int32_t l = 0; l < sim->load_count; l++) {
+        const pel_load *load = &sim->loads[l];
+        double factor = mean_factor(sim, load, from, to), shift[3] = {0};
+        for (int32_t i = 0; factor != 0 && i < load->vertex_count; i++) {
+            int32_t v = load->vertices[i];
+            for (int c = 0; c < 3; c++)
+                shift[c] += load->weights[i] * ((double)state->position_next[v][c] - (double)state->position[v][c]);
+        }
+        work += factor * pel_vec3_dot(load->force, shift);
+    }
+    return work;
+}

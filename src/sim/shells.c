@@ -100,7 +100,8 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
         const pel_body *body = &sim->model->bodies[b];
         if (body->shell == NULL || !body->closed || body->shell->pressure.kind == PEL_PRESSURE_NONE)
             continue;
-        double ratio = pel_body_volume(sim->model, b, sim->state->position_next) / body->rest_volume;
+        double volume = pel_body_volume(sim->model, b, sim->state->position_next), ratio = volume / body->rest_volume;
+        sim->ledger.checked_volumes[b] = volume;
         if (ratio > 0)
             continue;
         int64_t step = sim->state->step + 1;

@@ -260,6 +260,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK && sim->descent != NULL)
         status = pel_descent_check_start(sim, error);
     if (status == PEL_OK)
+        status = pel_ledger_create(sim, error);
+    if (status == PEL_OK)
         sim->fingerprint = pel_sim_fingerprint(sim);
     return status;
 }
@@ -285,6 +287,7 @@ void pel_sim_destroy(pel_sim *sim)
 {
     if (sim == NULL)
         return;
+    pel_ledger_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
     pel_tools_destroy(sim);
@@ -424,6 +427,7 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
+    pel_ledger_start(sim);
     sim->force_is_present = false;
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
@@ -457,6 +461,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_tools_read(sim, next);
     }
     mark_contacts(sim);
+    pel_ledger_step(sim, next);
     accept(state);
     pel_weights_follow(sim);
     if (sim->projector != NULL)

@@ -8,6 +8,7 @@
 #include "model/active.h"
 #include "model/boundary.h"
 #include "pellicle/sim.h"
+#include "sim/ledger.h"
 #include "solve/descent.h"
 #include "solve/project.h"
 #include "solve/softness.h"
@@ -186,6 +187,7 @@ struct pel_sim {
     double (*held_targets)[3];  /* (vertex_count) likewise */
     bool held_is_listed;        /* the boundary is that of the tools */
     pel_sim_solids *solids;     /* (tool_solid.h) methods with substeps; null = no tool presses */
+    pel_ledger ledger;
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
@@ -266,10 +268,17 @@ bool pel_loads_apply(pel_sim *sim);
 /* Adds the loads at a time, gravity included, to force (vertex_count). */
 void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 
+/* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. */
+double pel_loads_work(const pel_sim *sim, double from, double to);
+
 /* Brings the loads on a body after the last event. */
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- access.c ---- */
+/* Fills the energies of the present state; other members stay as they are. */
+void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures);
 
 /* ---- descent.c ---- */
 pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error);

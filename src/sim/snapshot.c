@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "model/shell.h"
 #include "sim/contact.h"
+#include "sim/descent.h"
 
 #include <string.h>
 
@@ -275,6 +276,13 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)
         transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
+    if (sim->descent != NULL)
+        transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
+    /* the cursor writes to the sim only while it loads */
+    pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
+    transfer(at, &ledger->sums, sizeof ledger->sums);
+    transfer(at, &ledger->gravity_level, sizeof ledger->gravity_level);
+    transfer(at, &ledger->is_started, sizeof ledger->is_started);
 }
 
 static void transfer_fronts(cursor *at, const pel_sim *sim)
@@ -348,6 +356,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     sim->state->step = head.step;
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
+    pel_ledger_follow(sim);
     if (sim->solver.method == PEL_METHOD_XPBD && !pel_substeps_restore(sim))
         return refuse(error, "snapshot is damaged: its number of substeps is out of range", damage_remedy);
     return restore_tools(sim)

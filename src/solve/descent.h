@@ -16,6 +16,7 @@ typedef struct pel_descent_problem {
     void *context;
     double longest_move; /* m, no vertex goes farther in one iteration */
     double tolerance;    /* N, root of the sum of squares of all forces at which it has converged */
+    double held_share;   /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
     double reduction;    /* it has converged as well at this share of what there was at the begin; 0 = no such end */
     double enough;       /* N, when it is no more than this */
     int32_t iterations;  /* at most */
@@ -25,8 +26,10 @@ typedef struct pel_descent_problem {
 
 typedef struct pel_descent_result {
     int32_t iterations, evaluations;
-    double energy;   /* J, at the end */
-    double residual; /* N, root of the sum of squares of all forces */
+    double energy;         /* J, at the end */
+    double residual;       /* N, root of the sum of squares of all forces */
+    double first_residual; /* N, that at the start */
+    double held_force;     /* N, root of the sum of squares of the forces on the vertices that are held */
     bool converged;
     bool stuck; /* no step downhill could be found: as near as rounding allows, or the energy is not smooth */
 } pel_descent_result;

@@ -370,7 +370,7 @@ static void test_series(void **unused)
     FILE *file = fopen("shell_run/series.csv", "r");
     assert_non_null(file);
     assert_non_null(fgets(header, sizeof header, file));
-    assert_non_null(strstr(header, ",step_ms,membrane_energy,bending_energy,fibre_energy\n"));
+    assert_non_null(strstr(header, ",step_ms,membrane_energy,bending_energy,fibre_energy,work_tools,"));
     fclose(file);
     assert_int_equal(run(BALL "output: {every_frame: 10}\nstop: {frames: 10}\n", &(pel_run_summary){0}, NULL), PEL_OK);
     file = fopen("shell_run/series.csv", "r");

@@ -109,13 +109,123 @@ static void test_reading(void **unused)
     }
 }
 
+/* a strip of steel, clamped at one end */
+static pel_mesh *make_strip(void)
+{
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GRID);
+    def.nx = 48;
+    def.ny = 6;
+    def.size_x = 1;
+    def.size_y = 0.125;
+    pel_mesh *mesh;
+    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+    return mesh;
+}
+
+static pel_model *make_steel(const pel_mesh *mesh, double gravity)
+{
+    int32_t clamped[40];
+    pel_body_def body = pel_body_def_default();
+    body.name = "strip";
+    body.mesh = mesh;
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.mass = 7800;
+    body.thickness.value = body.shell.membrane.thickness.value = 1e-3;
+    body.spring_stiffness.value = body.spring_damping.value = 0;
+    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
+    body.shell.membrane.on = true;
+    body.shell.membrane.young.value = 2e11;
+    body.shell.bending.model = PEL_BENDING_HINGE;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        if (mesh->positions[v][0] < -0.47)
+            clamped[body.pinned_count++] = v;
+    body.pinned = clamped;
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    def.gravity[2] = gravity;
+    pel_model *model;
+    assert_int_equal(pel_model_create(&def, &model, NULL), PEL_OK);
+    return model;
+}
+
+static pel_sim *make_still(const pel_model *model, int32_t iterations)
+{
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    def.solver.method = PEL_METHOD_DESCENT;
+    def.solver.iterations = iterations;
+    return make_sim(&def);
+}
+
+/* a step that says it converged has balanced the weight, however stiff the body is; one that stalls says so */
+static void test_convergence_is_relative(void **unused)
+{
+    (void)unused;
+    const double share = sizeof(pel_real) == 4 ? 2e-3 : 1e-6;
+    pel_mesh *mesh = make_strip();
+    pel_model *model = make_steel(mesh, -9.81);
+    pel_sim *sim = make_still(model, 50);
+    /* of the weights of the vertices, root of the sum of squares: no more than all of the weight */
+    const double weight = 9.81 * 7800 * 1e-3 * 0.125;
+    for (int n = 0; n < 5; n++) {
+        run_steps(sim, 1);
+        pel_solver_reading reading = solver_of(sim);
+        /* in float the rounding of the forces at rest is a hundred times the weight: no direction goes down */
+        assert_true(reading.iterations > 0 || sizeof(pel_real) == 4);
+        assert_true(!reading.converged || reading.residual <= share * weight);
+    }
+    assert_false(solver_of(sim).converged);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+/* nothing acts on a body at rest: it has converged at once, and stays where it is */
+static void test_rest_has_converged(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_strip();
+    pel_model *model = make_steel(mesh, 0);
+    pel_sim *sim = make_still(model, 50);
+    run_steps(sim, 2);
+    assert_true(solver_of(sim).converged);
+    assert_int_equal(solver_of(sim).iterations, 0);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+/* without loads a body that comes back is measured by what held it before, also after a snapshot */
+static void test_release_converges(void **unused)
+{
+    (void)unused;
+    press_scene scene;
+    press_begin(&scene, 4, 0);
+    scene.def.tool_count = 0;
+    scene.def.solver.iterations = 2000;
+    pel_load_def load = pel_load_def_default();
+    load.force[2] = -0.5;
+    load.until = 0.35;
+    scene.def.loads = &load;
+    scene.def.load_count = 1;
+    pel_sim *sim = press_create(&scene);
+    for (int n = 0; n < 8; n++) {
+        run_steps(sim, 1);
+        assert_true(solver_of(sim).converged);
+        if (n == 2 || n == 4)
+            sim = resume_sim(sim, &scene.def);
+    }
+    press_end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shell_against_leapfrog),
-        cmocka_unit_test(test_shell_against_xpbd),
-        cmocka_unit_test(test_springs_against_leapfrog),
-        cmocka_unit_test(test_reading),
+        cmocka_unit_test(test_shell_against_leapfrog),   cmocka_unit_test(test_shell_against_xpbd),
+        cmocka_unit_test(test_springs_against_leapfrog), cmocka_unit_test(test_reading),
+        cmocka_unit_test(test_convergence_is_relative),  cmocka_unit_test(test_rest_has_converged),
+        cmocka_unit_test(test_release_converges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

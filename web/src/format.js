@@ -50,6 +50,7 @@ export function formatVector(values) {
 // the unit of a field or column by its name; empty when it has none or none is known
 const units = [
     [/(_ratio|level|body|contact|contacts|vertices|triangles|count|frame|quality)$/, ""],
+    [/^(work_(tools|loads|pressure|gravity|material)|dissipated_(drag|solver)|energy_error)$/, "J"],
     [/energy$/, "J"],
     [/force(_max|_x|_y|_z)?$/, "N"],
     [/(displacement|thickness|distance|radius)$/, "m"],
