@@ -199,9 +199,8 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
 
 static pel_status start_refinement(pel_sim *sim, pel_error *error)
 {
-    double dt = sim->step.dt, factor = pel_sim_has_velocity(sim) ? 0 : sim->step.alpha * dt * dt;
-    sim->active->relaxation = (pel_relaxation){factor, dt, sim->solver.keep_velocity};
-    return pel_refine_start(sim, error);
+    pel_status status = pel_sim_relax_create(sim, error);
+    return status == PEL_OK ? pel_refine_start(sim, error) : status;
 }
 
 static pel_status prepare_method(pel_sim *sim, pel_error *error)
@@ -282,6 +281,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
     pel_sim_descent_destroy(sim);
+    pel_relax_destroy(sim->relax);
     pel_projector_destroy(sim->projector);
     pel_shells_destroy(sim);
     pel_active_destroy(sim->active);
@@ -406,6 +406,7 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
         pel_step_quasi_static(sim->model, sim->state, &sim->step, result);
     result->diverged |= !pel_loads_apply(sim);
     result->diverged |= !pel_shells_apply(sim);
+    result->diverged |= !pel_sim_relax(sim);
     return PEL_OK;
 }
 

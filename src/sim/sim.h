@@ -9,6 +9,7 @@
 #include "pellicle/sim.h"
 #include "solve/descent.h"
 #include "solve/project.h"
+#include "solve/relax.h"
 #include "solve/stability.h"
 
 typedef struct pel_load {
@@ -134,9 +135,11 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
-    pel_projector *projector;      /* position-based methods, else null */
-    pel_shell_forces *shells;      /* null = no body is a shell */
-    pel_sim_descent *descent;      /* null = another method */
+    pel_projector *projector; /* position-based methods, else null */
+    pel_shell_forces *shells; /* null = no body is a shell */
+    pel_sim_descent *descent; /* null = another method */
+    pel_relax *relax;         /* quasi-static method on bodies that refine, else null */
+    double relax_shell_rate;
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
     uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
@@ -231,6 +234,12 @@ void pel_sim_descent_destroy(pel_sim *sim);
 /* New positions of least energy, loads included, under what contacts and tools allow; the tools move. Errors of
    pel_contacts_find. */
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+
+/* ---- relax.c ---- */
+/* On the base, before anything is refined: sets the relaxation of the active model. */
+pel_status pel_sim_relax_create(pel_sim *sim, pel_error *error);
+/* New positions of fine vertices, after those of all others. False when a vertex leaves the bound. */
+bool pel_sim_relax(pel_sim *sim);
 
 /* ---- weight.c ---- */
 /* the weights at the start */
