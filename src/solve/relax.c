@@ -78,7 +78,8 @@ static void list_border(pel_relax *relax)
         for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
             for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
                 int32_t v = model->neighbours[slot][lane];
-                if (active->is_fine[v] || relax->is_border[v])
+                bool is_filler = v == slice * PEL_WIDTH + lane;
+                if (is_filler || active->is_fine[v] || relax->is_border[v])
                     continue;
                 relax->is_border[v] = 1;
                 relax->border[relax->border_count++] = v;
