@@ -9,7 +9,7 @@ typedef struct force_loop {
 
 static void force_slice(const force_loop *loop, int32_t slice)
 {
-    pel_body_force body = pel_body_force_of(loop->model, loop->state, loop->model->body_of_slice[slice]);
+    pel_body_force body = pel_slice_force_of(loop->model, loop->state, slice);
     pel_slice own = pel_slice_load(loop->state->position, slice);
     pel_wide longest = pel_wide_splat(0);
     pel_wide3 sum = pel_elastic_force(loop->model, loop->state->position, slice, &own.position, &body, &longest);
@@ -39,7 +39,7 @@ pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, 
                                 int32_t vertex)
 {
     int32_t slice = vertex / PEL_WIDTH, lane = vertex % PEL_WIDTH;
-    pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
+    pel_body_force body = pel_slice_force_of(model, state, slice);
     pel_slice own = pel_slice_load(position, slice);
     pel_wide longest = pel_wide_splat(0);
     pel_wide3 sum = pel_elastic_force(model, position, slice, &own.position, &body, &longest);
@@ -49,7 +49,7 @@ pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, 
 void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t slice, pel_wide *spring,
                       pel_wide *volumetric)
 {
-    pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
+    pel_body_force body = pel_slice_force_of(model, state, slice);
     pel_slice own = pel_slice_load(state->position, slice);
     pel_wide half = pel_wide_splat((pel_real)0.5), sum = pel_wide_splat(0);
     for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {

@@ -125,6 +125,19 @@ static inline pel_body_force pel_body_force_of(const pel_model *model, const pel
     };
 }
 
+/* the same in one slice: where no vertex is off the base, springs need not be read */
+static inline pel_body_force pel_slice_force_of(const pel_model *model, const pel_state *state, int32_t slice)
+{
+    int32_t body = model->body_of_slice[slice];
+    pel_body_force numbers = pel_body_force_of(model, state, body);
+    double spring = model->bodies[body].plain_spring;
+    if (!numbers.uniform && spring >= 0 && model->plain_slices != NULL && model->plain_slices[slice]) {
+        numbers.uniform = true;
+        numbers.stiffness = (pel_real)(spring * state->factors[body][PEL_SPRING_STIFFNESS]);
+    }
+    return numbers;
+}
+
 /* makes structural springs over the common factor the whole elastic force: adds the volumetric springs */
 static inline void pel_add_volumetric(const pel_model *model, int32_t slice, const pel_wide3 *own,
                                       const pel_body_force *body, pel_wide3 *force)

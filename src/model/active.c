@@ -106,10 +106,16 @@ static bool allocate_places(pel_active *active)
     active->is_fine = pel_allocate(count, sizeof *active->is_fine);
     active->rates = pel_allocate(count, sizeof *active->rates);
     active->fine_counts = pel_allocate((size_t)active->model.slice_count, sizeof *active->fine_counts);
+    active->mixed_counts = pel_allocate((size_t)active->model.slice_count, sizeof *active->mixed_counts);
+    active->model.plain_slices = pel_allocate((size_t)active->model.slice_count, sizeof *active->model.plain_slices);
+    if (active->is_base == NULL || active->model.plain_slices == NULL)
+        return false;
+    memset(active->is_base, 1, count);
+    memset(active->model.plain_slices, 1, (size_t)active->model.slice_count);
     active->is_dirty = pel_allocate(count, sizeof *active->is_dirty);
     active->dirty = pel_allocate(count, sizeof *active->dirty);
     active->released = pel_allocate(count, sizeof *active->released);
-    return active->valence != NULL && active->change != NULL && active->areas != NULL && active->is_base != NULL &&
+    return active->valence != NULL && active->change != NULL && active->areas != NULL && active->mixed_counts != NULL &&
            active->is_fine != NULL && active->rates != NULL && active->fine_counts != NULL &&
            active->is_dirty != NULL && active->dirty != NULL && active->released != NULL;
 }
@@ -372,6 +378,14 @@ static void set_fine(pel_active *active, int32_t place, bool fine, pel_state *st
         state->position[place][3] = fine ? 0 : active->model.inverse_mass[place];
 }
 
+static void set_base(pel_active *active, int32_t place, bool base)
+{
+    int32_t slice = place / PEL_WIDTH;
+    active->mixed_counts[slice] = (uint8_t)(active->mixed_counts[slice] + active->is_base[place] - base);
+    active->is_base[place] = base;
+    active->model.plain_slices[slice] = active->mixed_counts[slice] == 0;
+}
+
 /* notes the rate of a vertex off the base by its row (Gershgorin's bound), and whether it is fine */
 static void judge_row(pel_active *active, int32_t body, int32_t place, int32_t count, pel_state *state)
 {
@@ -420,7 +434,7 @@ static void rebuild_vertex(pel_active *active, int32_t body, int32_t v, pel_stat
     else
         set_shared(active, body, v, place, area);
     active->areas[place] = area;
-    active->is_base[place] = base;
+    set_base(active, place, base);
     int32_t count = collect_row(active, detail, own->front, v, fan_count);
     judge_row(active, body, place, count, state);
     write_row(active, own, place, count);
@@ -463,6 +477,7 @@ static void clear_place(pel_active *active, int32_t place, pel_state *state)
     model->mesh_vertex[place] = -1;
     write_row(active, NULL, place, 0);
     set_fine(active, place, false, state);
+    set_base(active, place, true);
     if (state == NULL)
         return;
     state->position_before[place] = state->position_next[place] = state->position[place];
@@ -725,9 +740,10 @@ void pel_active_destroy(pel_active *active)
         pel_free(model->bodies[b].slot_of_vertex);
     }
     pel_model_free_arrays(model);
-    void *arrays[] = {model->bodies,  active->bodies,   active->areas,   active->is_base,  active->valence,
-                      active->change, active->is_dirty, active->dirty,   active->released, active->fan,
-                      active->row,    active->around,   active->is_fine, active->rates,    active->fine_counts};
+    void *arrays[] = {model->bodies,    active->bodies, active->areas,       active->is_base,
+                      active->valence,  active->change, active->is_dirty,    active->dirty,
+                      active->released, active->fan,    active->row,         active->around,
+                      active->is_fine,  active->rates,  active->fine_counts, active->mixed_counts};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(active);

@@ -52,7 +52,7 @@ typedef struct pel_active {
     /* by place */
     int32_t *valence;    /* springs in its row */
     double *areas;       /* of the triangles around, three times its share [m2]; bodies that refine only */
-    uint8_t *is_base;    /* 1 = all these triangles are of the base */
+    uint8_t *is_base;    /* 1 = all these triangles are of the base, or the place is not in use */
     uint8_t *is_fine;    /* 1 = one step of relaxation is unstable here; the state's inverse mass is then 0 */
     double *rates;       /* of fine vertices: bound of the eigenvalues of K / m in its row [1/s2] */
     double (*change)[3]; /* scratch: change of momentum */
@@ -65,8 +65,8 @@ typedef struct pel_active {
     struct pel_row_spring *row;
     struct pel_row_triangle *around;
     int32_t fan_limit;
-    uint8_t *fine_counts; /* (slice_count) fine vertices in a slice */
-    int64_t revision;     /* counts what changed the rows or the fine vertices */
+    uint8_t *fine_counts, *mixed_counts; /* (slice_count) vertices in a slice that are fine, or off the base */
+    int64_t revision;                    /* counts what changed the rows or the fine vertices */
 } pel_active;
 
 /* True when any body refines. */

@@ -170,6 +170,7 @@ static void commit(pel_sim *sim, int32_t body)
         refine->rest_curvatures[own->place_of_vertex[active->dirty[d]] - first] = (double)NAN;
     pel_loads_update(sim, body);
     pel_tools_update(sim, body);
+    pel_tool_search_update(sim->tool_search, body);
     pel_project_follow(sim, body);
 }
 
@@ -376,10 +377,10 @@ static void step_body(pel_sim *sim, int32_t body)
     pel_refine_body *refine = &sim->refine[body];
     if (b->detail == NULL || !pel_criterion_is_used(&b->detail->def))
         return;
-    pel_body_force numbers = pel_body_force_of(sim->model, sim->state, body);
     /* every interval-th slice: what lies near a tool stands together */
     for (int32_t slice = b->slice_begin + refine->part; slice < b->slice_end; slice += b->detail->def.interval) {
         pel_verdict verdicts[PEL_WIDTH];
+        pel_body_force numbers = pel_slice_force_of(sim->model, sim->state, slice);
         pel_criterion_slice(sim, body, slice, &numbers, verdicts);
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
             if (sim->model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)

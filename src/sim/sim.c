@@ -414,6 +414,8 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     pel_state *state = sim->state;
     sim->force_is_present = false;
+    if (sim->tool_search != NULL)
+        sim->tool_search->is_fitted = false;
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
         pel_refine_step(sim);

@@ -7,6 +7,7 @@
 #include "geom/solid.h"
 #include "model/active.h"
 #include "pellicle/sim.h"
+#include "sim/tool_search.h"
 #include "solve/descent.h"
 #include "solve/project.h"
 #include "solve/relax.h"
@@ -146,18 +147,18 @@ struct pel_sim {
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_sim_contacts *contacts; /* (contact.h) null = none */
-    bool contact_in_loop;       /* the solver sweeps over them too */
-    bool self_contact;          /* no body can cut itself */
-    pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
-    bool force_is_present;      /* it holds the forces of the present state */
-    int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
-    int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
-    uint8_t *triangle_marks;    /* (triangle_count) */
-    int64_t *looked_at;         /* (triangle_count) by place in near_triangles: pushes when it was looked at */
-    int64_t *moved_at;          /* (vertex_count) push that moved it last */
-    int64_t push_count;         /* of all steps */
-    uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
+    pel_sim_contacts *contacts;   /* (contact.h) null = none */
+    bool contact_in_loop;         /* the solver sweeps over them too */
+    bool self_contact;            /* no body can cut itself */
+    pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;        /* it holds the forces of the present state */
+    pel_tool_search *tool_search; /* null without tools */
+    int32_t *near_triangles;      /* (triangle_count) scratch of the tools; null without tools */
+    int32_t *plane_of_triangle;   /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
+    int64_t *looked_at;           /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;            /* (vertex_count) push that moved it last */
+    int64_t push_count;           /* of all steps */
+    uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
