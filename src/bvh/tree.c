@@ -19,11 +19,14 @@ static pel_status find_edges(pel_tree *tree)
     tree->edge_count = table.edge_count;
     tree->edges = pel_allocate((size_t)table.edge_count, sizeof *tree->edges);
     tree->triangle_edges = pel_allocate((size_t)tree->triangle_count, sizeof *tree->triangle_edges);
-    bool made = tree->edges != NULL && tree->triangle_edges != NULL;
+    tree->opposite = pel_allocate((size_t)table.edge_count, sizeof *tree->opposite);
+    bool made = tree->edges != NULL && tree->triangle_edges != NULL && tree->opposite != NULL;
     if (made) {
         memcpy(tree->triangle_edges, table.edge_of_half_edge, (size_t)tree->triangle_count * sizeof(int32_t[3]));
         for (int32_t e = 0; e < table.edge_count; e++) {
-            int32_t h = table.half_edge_of_edge[e];
+            int32_t h = table.half_edge_of_edge[e], next = table.next_in_edge[h];
+            tree->opposite[e][0] = tree->triangles[h / 3][(h + 2) % 3];
+            tree->opposite[e][1] = next >= 0 ? tree->triangles[next / 3][(next + 2) % 3] : -1;
             tree->edges[e][0] = tree->triangles[h / 3][h % 3];
             tree->edges[e][1] = tree->triangles[h / 3][(h + 1) % 3];
         }
@@ -89,6 +92,7 @@ void pel_tree_destroy(pel_tree *tree)
     pel_free(tree->triangles);
     pel_free(tree->edges);
     pel_free(tree->triangle_edges);
+    pel_free(tree->opposite);
     pel_free(tree->nodes);
     pel_free(tree->leaves);
     pel_free(tree->groups);

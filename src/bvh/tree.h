@@ -34,7 +34,8 @@ typedef struct pel_tree {
     int32_t vertex_count, triangle_count, edge_count;
     int32_t (*triangles)[3];      /* (triangle_count x 3) a copy */
     int32_t (*edges)[2];          /* (edge_count x 2) vertices; none when only triangles are asked for */
-    int32_t (*triangle_edges)[3]; /* (triangle_count x 3) */
+    int32_t (*triangle_edges)[3]; /* (triangle_count x 3) edge i joins corners i and i + 1 */
+    int32_t (*opposite)[2]; /* (edge_count x 2) vertices across from an edge in its first two triangles, -1 = none */
 
     int32_t leaf_count, node_count;
     pel_box *nodes;            /* (node_count) */

@@ -168,6 +168,11 @@ void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups 
     collider->candidates->groups = *groups;
 }
 
+const pel_tree *pel_collider_tree(const pel_collider *collider)
+{
+    return collider->candidates->tree;
+}
+
 /* ---- broad phase ---- */
 
 static pel_status check_query(const pel_collision_query *query, pel_error *error)

@@ -12,6 +12,10 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool);
 /* Only pairs of these groups are found from now on. The arrays stay the caller's and have to live on. */
 void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups);
 
+/* The tree over the present surface, which owns it: numbers of edges and triangles in results are those of this tree.
+ */
+const pel_tree *pel_collider_tree(const pel_collider *collider);
+
 /* Another surface, valid as for pel_collider_create; limits and groups stay. Allocates. On failure
    (PEL_OUT_OF_MEMORY) the old surface stays. */
 pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,

@@ -1,5 +1,7 @@
 #include "force/body_force.h"
 
+#include <math.h>
+
 typedef struct force_loop {
     const pel_model *model;
     const pel_state *state;
@@ -33,6 +35,43 @@ void pel_body_forces(const pel_model *model, const pel_state *state, const pel_r
 {
     force_loop loop = {model, state, velocity, force};
     pel_pool_run(pool, pel_slice_chunk_count(0, model->slice_count), force_chunk, &loop);
+}
+
+typedef struct length_loop {
+    const pel_model *model;
+    const pel_record *position;
+    int32_t slice_begin, slice_end;
+    double *longest;
+} length_loop;
+
+static void length_chunk(void *context, int32_t chunk)
+{
+    const length_loop *loop = context;
+    const pel_model *model = loop->model;
+    int32_t first = loop->slice_begin + chunk * PEL_SLICE_CHUNK;
+    pel_wide longest = pel_wide_splat(0);
+    for (int32_t slice = first; slice < loop->slice_end && slice < first + PEL_SLICE_CHUNK; slice++) {
+        pel_slice own = pel_slice_load(loop->position, slice);
+        for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+            pel_wide3 d = pel_slot_offset(model, loop->position, slot, &own.position);
+            longest = pel_wide_max(pel_wide3_dot(d, d), longest);
+        }
+    }
+    loop->longest[chunk] = sqrt((double)pel_wide_largest(longest));
+}
+
+double pel_longest_spring(const pel_model *model, const pel_record *position, pel_pool *pool, double *longest)
+{
+    double most = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b];
+        length_loop loop = {model, position, body->slice_begin, body->slice_end, longest};
+        int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
+        pel_pool_run(pool, chunk_count, length_chunk, &loop);
+        for (int32_t chunk = 0; chunk < chunk_count; chunk++)
+            most = fmax(most, longest[chunk]);
+    }
+    return most;
 }
 
 pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, const pel_record *position,

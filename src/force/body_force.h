@@ -178,6 +178,9 @@ static inline void pel_add_damping(const pel_model *model, int32_t slice, const 
 void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, pel_pool *pool,
                      pel_record *force);
 
+/* Length of the longest spring, which stands on the longest edge. longest: (chunks of the largest body) scratch. */
+double pel_longest_spring(const pel_model *model, const pel_record *position, pel_pool *pool, double *longest);
+
 /* Elastic force on one vertex: the same bits as in the loop over all. */
 pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, const pel_record *position,
                                 int32_t vertex);

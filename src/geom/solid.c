@@ -163,6 +163,53 @@ static int is_feasible(const constraint constraints[9], const double x[3], doubl
     return 1;
 }
 
+/* the axis along which they are farthest apart so far */
+typedef struct separation {
+    const double *half; /* of the box */
+    const double (*triangle)[3];
+    double axis[3], gap, support;
+} separation;
+
+static void try_axis(separation *best, const double direction[3])
+{
+    double axis[3], low = HUGE_VAL, high = -HUGE_VAL, support = 0;
+    pel_vec3_copy(direction, axis);
+    if (!(pel_vec3_normalize(axis) > 0))
+        return;
+    for (int i = 0; i < 3; i++) {
+        double along = pel_vec3_dot(axis, best->triangle[i]);
+        low = fmin(low, along);
+        high = fmax(high, along);
+        support += best->half[i] * fabs(axis[i]);
+    }
+    double gap = fmax(low, -high) - support;
+    if (!(gap > best->gap + 1e-9 * support))
+        return;
+    best->gap = gap;
+    best->support = support;
+    pel_vec3_scale(axis, low > -high ? 1 : -1, best->axis);
+}
+
+double pel_box_separation(const double half[3], const double triangle[3][3], double result[3])
+{
+    static const double faces[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    separation best = {.half = half, .triangle = triangle, .gap = -HUGE_VAL};
+    double side[3][3], axis[3];
+    for (int i = 0; i < 3; i++) {
+        pel_vec3_subtract(triangle[(i + 1) % 3], triangle[i], side[i]);
+        try_axis(&best, faces[i]);
+    }
+    pel_vec3_cross(side[0], side[1], axis);
+    try_axis(&best, axis);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            pel_vec3_cross(side[i], faces[k], axis);
+            try_axis(&best, axis);
+        }
+    pel_vec3_copy(best.axis, result);
+    return best.support;
+}
+
 static double box_depth(const double half[3], const double a[3], const double b[3], const double c[3],
                         double weights[3], double normal[3])
 {
@@ -188,10 +235,9 @@ static double box_depth(const double half[3], const double a[3], const double b[
     double point[3];
     for (int i = 0; i < 3; i++)
         point[i] = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i];
-    int axis = nearest_face(half, point);
-    pel_vec3_set(normal, 0, 0, 0);
-    normal[axis] = copysign(1, point[axis]);
-    return best[2];
+    const double triangle[3][3] = {{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {c[0], c[1], c[2]}};
+    double support = pel_box_separation(half, triangle, normal);
+    return support - pel_vec3_dot(normal, point);
 }
 
 double pel_solid_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],

@@ -21,8 +21,9 @@ typedef struct pel_contact {
     pel_real separation;    /* m */
     pel_real friction;      /* Coulomb's coefficient */
     pel_real push;          /* m: sum of the corrections along the normal so far, for friction and for reports */
-    pel_real drift[3];      /* m: motion of the tool's share of the sum since the start of the step; else 0 */
+    pel_real drift[3];      /* m: motion of the tool's share of the sum since the start of the (sub)step; else 0 */
     pel_real tangential[3]; /* m: sum of the corrections across the normal */
+    pel_real stopped[3];    /* m/s: sum of the changes of velocity by pel_contacts_stop */
 } pel_contact;
 
 /* what a solver sweeps over */

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 8 };
+enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 8, VELOCITY_SWEEPS = 4 };
 
 /* distance that the guard keeps, of the thickness */
 #define GUARDED_SHARE 0.3
@@ -186,13 +186,12 @@ void pel_contacts_destroy(pel_sim *sim)
     if (contacts == NULL)
         return;
     pel_collider_destroy(contacts->collider);
-    void *arrays[] = {contacts->triangles,    contacts->group_of_point, contacts->may_meet,
-                      contacts->revisions,    contacts->tools,          contacts->start,
-                      contacts->end,          contacts->list.contacts,  contacts->keys,
-                      contacts->other_keys,   contacts->other_contacts, contacts->conflicts,
-                      contacts->impacts,      contacts->solved,         contacts->zones,
-                      contacts->rings,        contacts->wanted,         contacts->tangles.pairs,
-                      contacts->tangles.keys, contacts->before_event};
+    void *arrays[] = {contacts->triangles,      contacts->group_of_point, contacts->may_meet, contacts->revisions,
+                      contacts->tools,          contacts->start,          contacts->end,      contacts->substep_start,
+                      contacts->substep_end,    contacts->list.contacts,  contacts->keys,     contacts->other_keys,
+                      contacts->other_contacts, contacts->conflicts,      contacts->impacts,  contacts->solved,
+                      contacts->zones,          contacts->rings,          contacts->wanted,   contacts->tangles.pairs,
+                      contacts->tangles.keys,   contacts->before_event};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(contacts);
@@ -232,6 +231,8 @@ static bool make_contact(const pel_sim *sim, const pel_collision *pair, const pe
 static pel_contact_key make_key(const pel_sim *sim, const pel_collision *hit)
 {
     pel_contact_key key = {.edge_edge = hit->edge_edge, .first = hit->first, .second = hit->second, .tool = -1};
+    memcpy(key.points, hit->vertices, sizeof key.points);
+    memcpy(key.place, hit->hit.weight, sizeof key.place);
     for (int i = 0; i < 4 && key.tool < 0; i++)
         key.tool = pel_contact_tool_of(sim, hit->vertices[i]);
     return key;
@@ -276,6 +277,7 @@ typedef struct merger {
     pel_sim *sim;
     const pel_impact *impacts; /* of conflicts among what was found; null = not looked for */
     double tool_reach;         /* m, tools that are farther away at the start count only by their faces */
+    bool is_for_substeps;      /* found at the start of a step with substeps */
     int32_t old, count;        /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
 
@@ -306,7 +308,12 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     pel_sim_contacts *contacts = m->sim->contacts;
     pel_contact_key key = make_key(m->sim, pair);
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
+    if (key.is_impact)
+        memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
     if (key.tool >= 0 && !is_before_face(pair) && pel_contact_start_distance(contacts, pair) > m->tool_reach)
+        return;
+    /* the substeps see boxes as solids (tool_solid.h) */
+    if (key.tool >= 0 && m->is_for_substeps && m->sim->tools[key.tool].mesh == NULL)
         return;
     bool known = take_over(m, &key);
     pel_contact contact, *old = known ? &contacts->list.contacts[m->old] : NULL;
@@ -315,10 +322,13 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (!make_contact(m->sim, pair, key.is_impact ? &m->impacts[number].hit : &pair->hit, &contact))
         return;
     if (known) {
+        const pel_contact_key *own = &contacts->keys[m->old];
         contact.push = old->push;
         memcpy(contact.tangential, old->tangential, sizeof contact.tangential);
-        key.loop_push = contacts->keys[m->old].loop_push;
-        memcpy(key.loop_tangential, contacts->keys[m->old].loop_tangential, sizeof key.loop_tangential);
+        memcpy(contact.stopped, old->stopped, sizeof contact.stopped);
+        key.has_pushed = own->has_pushed;
+        key.load = own->load;
+        pel_vec3_copy(own->drag, key.drag);
         m->old++;
     } else if (contacts->list.count - m->old + m->count >= contacts->limit) {
         contacts->statistics.dropped++;
@@ -334,6 +344,7 @@ static pel_status merge(pel_sim *sim, const pel_collision_result *found, const p
 {
     pel_sim_contacts *contacts = sim->contacts;
     merger m = {.sim = sim, .impacts = impacts, .tool_reach = tool_reach};
+    m.is_for_substeps = impacts == NULL && pel_sim_is_projected(sim);
     pel_status status = make_room(contacts, (size_t)contacts->list.count + (size_t)found->collision_count, error);
     if (status != PEL_OK)
         return status;
@@ -396,31 +407,50 @@ static double longest_way(const pel_sim_contacts *contacts)
     return sqrt(square);
 }
 
-/* tools where they are and where they will want to be */
+/* tools where they are and where they will want to be; the substeps have moved them already */
 static void expect_tools(pel_sim *sim)
 {
     double next = (double)(sim->state->step + 1) * sim->step.dt;
+    bool began = pel_sim_is_projected(sim);
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_contact_tool *own = &sim->contacts->tools[i];
         pel_tool *tool = &sim->tools[i];
-        pel_pose wanted = pel_tool_next_pose(tool, next, sim->step.dt);
-        pel_contact_tool_points(own, &tool->pose, sim->contacts->start);
+        pel_pose wanted = began ? tool->pose_wanted : pel_tool_next_pose(tool, next, sim->step.dt);
+        pel_contact_tool_points(own, began ? &tool->pose_before : &tool->pose, sim->contacts->start);
         pel_contact_tool_points(own, &wanted, sim->contacts->end);
     }
+}
+
+/* where vertices go by their velocity and the loads; held ones on their path */
+static void expect_vertices(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    const pel_state *state = sim->state;
+    const pel_boundary *boundary = &sim->boundary;
+    double dt = sim->step.dt;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    if (state->velocity != NULL)
+        pel_loads_add(sim, pel_sim_time(sim), sim->force);
+    for (int32_t p = 0; p < contacts->place_count; p++)
+        for (int k = 0; k < 3; k++) {
+            double velocity = state->velocity != NULL ? (double)state->velocity[p][k] : 0;
+            velocity += dt * (double)(sim->model->inverse_mass[p] * sim->force[p][k]);
+            contacts->end[p][k] = contacts->start[p][k] + dt * velocity;
+        }
+    if (!pel_sim_is_projected(sim) || boundary->held_count == 0)
+        return;
+    pel_tools_place(sim, 1);
+    for (int32_t i = 0; i < boundary->held_count; i++)
+        pel_vec3_copy(boundary->target[i], contacts->end[boundary->held[i]]);
 }
 
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    const pel_state *state = sim->state;
     contacts->list.count = 0;
     pel_contact_points(sim);
     expect_tools(sim);
-    for (int32_t p = 0; p < contacts->place_count; p++)
-        for (int k = 0; k < 3; k++) {
-            double velocity = state->velocity != NULL ? (double)state->velocity[p][k] : 0;
-            contacts->end[p][k] = contacts->start[p][k] + sim->step.dt * velocity;
-        }
+    expect_vertices(sim);
     double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
     reach = fmin(reach, 4 * contacts->thickness);
     pel_collision_result found;
@@ -444,91 +474,38 @@ pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
 
 /* ---- correction ---- */
 
-void pel_contact_set_velocity(pel_sim *sim, int32_t place)
-{
-    const pel_sim_contacts *contacts = sim->contacts;
-    for (int k = 0; k < 3 && sim->state->velocity_next != NULL; k++)
-        sim->state->velocity_next[place][k] =
-            (pel_real)((contacts->end[place][k] - contacts->start[place][k]) / sim->step.dt);
-}
-
-/* moves the new positions by sweeps over the contacts; velocities follow */
+/* Moves the new positions by sweeps over the contacts. Velocities lose what runs into a contact, by impulses: momentum
+   stays and energy cannot grow. */
 static void correct(pel_sim *sim, int32_t sweeps)
 {
     pel_sim_contacts *contacts = sim->contacts;
     pel_state *state = sim->state;
     double tolerance = SWEEP_TOLERANCE * contacts->thickness;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        sim->tools[i].pose_substep = sim->tools[i].pose_before;
+    pel_contacts_place_tools(sim);
+    pel_contacts_refresh(sim, state->position);
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&contacts->list, state->position_next, state->position) < tolerance)
             break;
-    for (int32_t p = 0; p < contacts->place_count; p++) {
-        double before[3];
-        pel_vec3_copy(contacts->end[p], before);
+    for (int32_t p = 0; p < contacts->place_count; p++)
         pel_vertex_position(state->position_next, p, contacts->end[p]);
-        if (memcmp(before, contacts->end[p], sizeof before) != 0)
-            pel_contact_set_velocity(sim, p);
-    }
+    if (state->velocity_next != NULL)
+        pel_contacts_stop(&contacts->list, state->position_next, state->velocity_next, sim->step.dt, VELOCITY_SWEEPS);
 }
 
-/* after the solver: a push in a substep is an impulse over the substep, one after it over the step */
-static void note_loop(pel_sim *sim)
-{
-    pel_sim_contacts *contacts = sim->contacts;
-    for (int32_t c = 0; c < contacts->list.count; c++) {
-        contacts->keys[c].loop_push = (double)contacts->list.contacts[c].push;
-        for (int k = 0; k < 3; k++)
-            contacts->keys[c].loop_tangential[k] = (double)contacts->list.contacts[c].tangential[k];
-    }
-}
-
-/* distances to move by over a time step, of equal force: those in substeps count as often as there are */
-static void weigh_push(const pel_sim *sim, int32_t c, double push[3])
-{
-    const pel_contact *contact = &sim->contacts->list.contacts[c];
-    const pel_contact_key *key = &sim->contacts->keys[c];
-    double more = pel_sim_is_projected(sim) ? sim->solver.substeps - 1 : 0;
-    double along = (double)contact->push + more * key->loop_push;
-    for (int k = 0; k < 3; k++)
-        push[k] = along * (double)contact->normal[k] + (double)contact->tangential[k] + more * key->loop_tangential[k];
-}
-
-/* the effect of contacts with tools on them */
+/* what was corrected after the solver acts on tools by the change of velocities */
 static void touch_tools(pel_sim *sim)
 {
     const pel_sim_contacts *contacts = sim->contacts;
     for (int32_t c = 0; c < contacts->list.count; c++) {
         const pel_contact *contact = &contacts->list.contacts[c];
+        double stopped[3];
         if (contacts->keys[c].tool < 0 || !(contact->push > 0))
             continue;
-        pel_tool *tool = &sim->tools[contacts->keys[c].tool];
-        double free = 0, point[3] = {0, 0, 0}, sum = 0, side = 0, push[3], force[3], x[3];
-        for (int i = 0; i < 4; i++) {
-            double weight = (double)contact->weights[i];
-            if (weight == 0)
-                continue;
-            free += (double)sim->model->inverse_mass[contact->vertices[i]] * weight * weight;
-            pel_vertex_position(sim->state->position_next, contact->vertices[i], x);
-            pel_vec3_along(point, fabs(weight), x, point);
-            sum += fabs(weight);
-            side += weight;
-        }
-        if (!(free > 0))
-            continue;
-        weigh_push(sim, c, push);
-        for (int i = 0; i < 4; i++) {
-            double share = (double)sim->model->inverse_mass[contact->vertices[i]] * (double)contact->weights[i] / free;
-            if (share == 0)
-                continue;
-            pel_touch *touch = pel_tool_touch(tool, contact->vertices[i]);
-            for (int k = 0; k < 3; k++)
-                touch->push[k] += share * (double)contact->push * (double)contact->normal[k];
-        }
-        if (sim->state->velocity_next == NULL)
-            continue;
-        pel_vec3_scale(point, 1 / sum, point);
-        /* the tool may be the first or the second one */
-        pel_vec3_scale(push, -copysign(1, side) / (free * sim->step.dt * sim->step.dt), force);
-        pel_tool_add_reaction(tool, point, force);
+        for (int k = 0; k < 3; k++)
+            stopped[k] = (double)contact->stopped[k];
+        pel_tool_take(sim, &sim->tools[contacts->keys[c].tool], contact, stopped, 1 / sim->step.dt);
     }
 }
 
@@ -546,7 +523,9 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         contacts->statistics.guard_seconds += seconds_now() - looked;
         if (status != PEL_OK || round == (once ? 1 : ROUND_LIMIT) || (round > 0 && contacts->conflict_count == 0))
             return status;
-        if (found.collision_count + contacts->list.count == 0 && contacts->conflict_count == 0)
+        /* without conflicts, what the solver swept over needs no more */
+        if (contacts->conflict_count == 0 &&
+            (pel_sim_has_loop_contacts(sim) || found.collision_count + contacts->list.count == 0))
             return PEL_OK;
         double began = seconds_now();
         status = merge(sim, &found, contacts->impacts, HUGE_VAL, error);
@@ -590,8 +569,8 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
 {
     if (!pel_sim_has_loop_contacts(sim))
         sim->contacts->list.count = 0;
-    note_loop(sim);
-    if (sim->descent == NULL)
+    pel_contacts_begin(&sim->contacts->list);
+    if (sim->descent == NULL && !pel_sim_is_projected(sim))
         pel_tools_move(sim, time);
     pel_status status = step(sim, longest, error);
     if (status != PEL_OK) {
@@ -607,7 +586,7 @@ void pel_contacts_mark(const pel_sim *sim)
 {
     const pel_contact_list *list = &sim->contacts->list;
     for (int32_t c = 0; c < list->count; c++)
-        for (int i = 0; i < 4 && list->contacts[c].push > 0; i++)
+        for (int i = 0; i < 4 && (list->contacts[c].push > 0 || sim->contacts->keys[c].has_pushed); i++)
             if (list->contacts[c].weights[i] != 0)
                 sim->state->contact[list->contacts[c].vertices[i]] = 1;
 }

@@ -20,8 +20,15 @@ typedef struct pel_contact_key {
     int32_t first, second;
     int32_t tool;
     bool is_impact; /* its place is that of a conflict in this step, which says more than where the step began */
-    double loop_push, loop_tangential[3]; /* of push and tangential, what the solver did in its substeps; of the method
-                                             descent its loads [N] */
+    int32_t points[4];
+    double place[4]; /* weights where it was found */
+    /* in substeps (contact_refresh.c) */
+    bool is_border;       /* the closest point of the triangle lies on its border */
+    bool is_off;          /* does not act at present */
+    bool has_side;        /* the normal tells the side on which the pair touches */
+    bool has_pushed;      /* in any substep of this step */
+    double gap;           /* m, between the features, when it was looked at last */
+    double load, drag[3]; /* N, of the method descent: along the normal and across it */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */
@@ -42,6 +49,7 @@ typedef struct pel_zone {
     int32_t parent;     /* of a forest; itself = root */
     bool is_joined;     /* more than one */
     bool is_scaled;     /* has a tool or what cannot move: goes a share of its ways */
+    bool is_held;       /* the same, but not because of a conflict inside */
     bool is_new;        /* joined in this round */
     bool is_stopped;    /* this node stays */
     double share;       /* of the way */
@@ -80,9 +88,11 @@ struct pel_sim_contacts {
     int32_t triangle_limit;
     int32_t *group_of_point; /* (point_count) its body, or body_count and its tool */
     uint8_t *may_meet;
-    int64_t *revisions;            /* (body_count) of the surface in the collider */
-    pel_contact_tool *tools;       /* (tool_count) */
-    double (*start)[3], (*end)[3]; /* (point_count) */
+    int64_t *revisions;                            /* (body_count) of the surface in the collider */
+    pel_contact_tool *tools;                       /* (tool_count) */
+    double (*start)[3], (*end)[3];                 /* (point_count) */
+    double (*substep_start)[3], (*substep_end)[3]; /* (points of tools) */
+    int64_t substep;                               /* number of the substep, of all steps */
 
     /* contacts, sorted by their keys; the second ones are scratch of merging */
     pel_contact_list list;
@@ -118,9 +128,6 @@ pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
    step. longest: spring length bound. On failure the state and the poses of the tools are those before the step. */
 pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);
-/* The velocity of what contact or the guard moved: its way from start to end over dt. Whatever was added to the end
-   velocity of a solver with substeps could turn it round, and feed energy in. */
-void pel_contact_set_velocity(pel_sim *sim, int32_t place);
 /* Sets the contact flag of the vertices that were pushed. */
 void pel_contacts_mark(const pel_sim *sim);
 /* Before the step: brings the surface after refinement, and what is known of tangled pairs after a snapshot. */
@@ -128,6 +135,15 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
 
 /* Adds what a search went through to the statistics. */
 void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found);
+
+/* ---- contact_refresh.c ---- */
+/* At the start of a substep, after pel_tools_place. */
+void pel_contacts_place_tools(pel_sim *sim);
+/* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
+   the start of the substep. */
+void pel_contacts_refresh(pel_sim *sim, const pel_record *start);
+/* After the sweeps of a substep: its impulses act on the tools. rate: see pel_tool_take. */
+void pel_contacts_tally(pel_sim *sim, double rate);
 
 /* ---- contact_surface.c ---- */
 pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error);

@@ -162,8 +162,8 @@ static void begin_zones(pel_sim *sim)
     pel_sim_contacts *contacts = sim->contacts;
     for (int32_t i = 0; i < contacts->place_count + sim->tool_count; i++) {
         pel_zone *zone = &contacts->zones[i];
-        *zone = (pel_zone){.parent = i, .share = 1, .is_scaled = true};
-        if (i >= contacts->place_count || sim->model->inverse_mass[i] <= 0)
+        *zone = (pel_zone){.parent = i, .share = 1, .is_scaled = true, .is_held = true};
+        if (i >= contacts->place_count || sim->model->inverse_mass[i] <= 0 || (sim->held != NULL && sim->held[i]))
             continue;
         double mass = (double)sim->model->mass[i];
         *zone = (pel_zone){.parent = i, .share = 1, .mass = mass};
@@ -183,6 +183,7 @@ static int32_t join(pel_zone *zones, int32_t a, int32_t b)
     const pel_zone *gone = &zones[a < b ? b : a];
     kept->is_joined = true;
     kept->is_scaled |= gone->is_scaled;
+    kept->is_held |= gone->is_held;
     kept->is_new |= gone->is_new;
     kept->share = fmin(kept->share, gone->share);
     kept->impact = fmin(kept->impact, gone->impact);
@@ -195,6 +196,14 @@ static int32_t join(pel_zone *zones, int32_t a, int32_t b)
 static void note_impact(pel_zone *zone, double time)
 {
     zone->impact = fmin(zone->impact, time);
+}
+
+/* what a tool holds goes with it */
+static void join_grips(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t k = 0; k < sim->tools[i].held_count; k++)
+            join(sim->contacts->zones, sim->contacts->place_count + i, sim->tools[i].held[k]);
 }
 
 /* one conflict: the zones of its places become one; inside a zone, or with what cannot go as one, the way gets shorter.
@@ -214,7 +223,7 @@ static void join_conflict(pel_sim_contacts *contacts, const pel_conflict *confli
             zone = join(zones, zone, conflict->places[i]);
     zones[zone].is_new |= !inside;
     if (conflict->tool >= 0) {
-        zones[zone].is_scaled = true;
+        zones[zone].is_scaled = zones[zone].is_held = true;
         note_impact(&zones[contacts->place_count + conflict->tool], conflict->time);
     }
     if (zones[zone].is_scaled)
@@ -309,17 +318,49 @@ static void move_all(pel_sim *sim)
         move_tool(sim, i);
 }
 
+/* mean velocity of each zone that goes as one, over the momentum of its ways, which is not needed any more */
+static void find_zone_velocities(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t p = 0; p < contacts->place_count; p++)
+        pel_vec3_set(contacts->zones[p].momentum, 0, 0, 0);
+    for (int32_t p = 0; p < contacts->place_count; p++) {
+        pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)];
+        for (int k = 0; k < 3; k++)
+            zone->momentum[k] += (double)sim->model->mass[p] * (double)sim->state->velocity_next[p][k];
+    }
+}
+
+/* A zone that nothing holds keeps its momentum: its points get their mean velocity, however far they went. What met a
+   tool or a fixed vertex has the velocity of the way that was left to it. */
+static void set_velocity(pel_sim *sim, int32_t p)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    const pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)];
+    bool goes_as_one = zone->is_joined && !zone->is_held;
+    for (int k = 0; k < 3; k++)
+        sim->state->velocity_next[p][k] =
+            (pel_real)(goes_as_one ? zone->momentum[k] / zone->mass
+                                   : (contacts->end[p][k] - contacts->start[p][k]) / sim->step.dt);
+}
+
+static bool has_moved(const pel_sim_contacts *contacts, int32_t p)
+{
+    return memcmp(contacts->end[p], contacts->solved[p], sizeof contacts->end[p]) != 0;
+}
+
 /* velocities follow what became of the positions */
 static void finish(pel_sim *sim)
 {
     pel_sim_contacts *contacts = sim->contacts;
+    if (sim->state->velocity_next != NULL)
+        find_zone_velocities(sim);
     for (int32_t p = 0; p < contacts->place_count; p++) {
-        double change[3];
-        pel_vec3_subtract(contacts->end[p], contacts->solved[p], change);
-        if (change[0] == 0 && change[1] == 0 && change[2] == 0)
-            continue;
-        contacts->statistics.fall_backs++;
-        pel_contact_set_velocity(sim, p);
+        const pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)];
+        bool moved = has_moved(contacts, p);
+        contacts->statistics.fall_backs += moved;
+        if (sim->state->velocity_next != NULL && (moved || (zone->is_joined && !zone->is_held)))
+            set_velocity(sim, p);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->statistics.tools_held += sim->tools[i].blocked;
@@ -347,6 +388,7 @@ pel_status pel_contact_guard(pel_sim *sim, pel_error *error)
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->wanted[i] = sim->tools[i].pose;
     begin_zones(sim);
+    join_grips(sim);
     for (int round = 0; contacts->conflict_count > 0; round++) {
         shorten_ways(contacts, node_count, round);
         move_all(sim);

@@ -12,6 +12,9 @@ typedef struct round_tool {
     double longest; /* m, way of its points at most */
 } round_tool;
 
+/* of the guarded distance: what starts so near is at zero distance but for rounding */
+#define TOUCHING 0.01
+
 /* numbers of the corners of a triangle's edges */
 static const int edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
 
@@ -92,6 +95,14 @@ static double impact_time(const round_tool *round, double start[4][3], double en
     return time;
 }
 
+/* at the end of the step */
+static double end_gap(const round_tool *round, double end[4][3])
+{
+    double weights[5];
+    return sqrt(pel_closest_segment_triangle(round->end[0], round->end[1], end[1], end[2], end[3], weights)) -
+           round->radius;
+}
+
 static double conflict_time(const pel_sim_contacts *contacts, const round_tool *round, const int32_t corners[3])
 {
     double start[4][3], end[4][3], weights[5], approach = 0;
@@ -102,10 +113,12 @@ static double conflict_time(const pel_sim_contacts *contacts, const round_tool *
     double gap =
         sqrt(pel_closest_segment_triangle(round->start[0], round->start[1], start[1], start[2], start[3], weights)) -
         round->radius;
-    /* inside from the start on: tools may begin a little in a body, and press it out */
     double separation = fmin(contacts->guarded, 0.99 * gap);
-    if (gap <= 0 || approach == 0 || gap - 2 * approach > separation)
+    if (approach == 0 || gap - 2 * approach > separation)
         return 2;
+    /* touching from the start on: tools may begin a little in a body, and press it out */
+    if (gap < TOUCHING * contacts->guarded && approach < round->radius)
+        return end_gap(round, end) >= fmin(gap, 0) ? 2 : 0;
     return impact_time(round, start, end, round->radius + separation);
 }
 

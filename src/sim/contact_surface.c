@@ -169,8 +169,12 @@ static pel_status allocate_surface(pel_sim *sim, pel_error *error)
     contacts->revisions = pel_allocate((size_t)model->body_count, sizeof *contacts->revisions);
     contacts->start = pel_allocate((size_t)point_count, sizeof *contacts->start);
     contacts->end = pel_allocate((size_t)point_count, sizeof *contacts->end);
+    size_t tool_points = (size_t)(point_count - contacts->place_count);
+    contacts->substep_start = pel_allocate(tool_points, sizeof *contacts->substep_start);
+    contacts->substep_end = pel_allocate(tool_points, sizeof *contacts->substep_end);
     bool made = contacts->triangles != NULL && contacts->group_of_point != NULL && contacts->may_meet != NULL &&
-                contacts->revisions != NULL && contacts->start != NULL && contacts->end != NULL;
+                contacts->revisions != NULL && contacts->start != NULL && contacts->end != NULL &&
+                contacts->substep_start != NULL && contacts->substep_end != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 

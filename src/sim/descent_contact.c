@@ -231,7 +231,7 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_descent_contac
     *constraint = (pel_descent_contact){
         .offset = (double)contact->separation + SLACK_SHARE * thickness,
         .tolerance = GAP_TOLERANCE * thickness,
-        .load = key->loop_push,
+        .load = key->load,
         .friction = (double)contact->friction,
         .tool = key->tool,
         .triangle = -1,
@@ -244,7 +244,7 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_descent_contac
     for (int k = 0; k < 3; k++) {
         constraint->normal[k] = (double)contact->normal[k];
         constraint->drift[k] = (double)contact->drift[k];
-        constraint->drag[k] = key->loop_tangential[k];
+        constraint->drag[k] = key->drag[k];
     }
 }
 
@@ -267,8 +267,8 @@ void pel_descent_contacts_keep_loads(pel_sim *sim)
     for (int32_t c = descent->tool_count; c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
         pel_contact_key *key = &sim->contacts->keys[constraint->number];
-        key->loop_push = constraint->load;
-        pel_vec3_copy(constraint->drag, key->loop_tangential);
+        key->load = constraint->load;
+        pel_vec3_copy(constraint->drag, key->drag);
     }
 }
 

@@ -119,67 +119,6 @@ static pel_status add_corner(const tool_search *search, int32_t v, pel_error *er
     return status;
 }
 
-/* the axis from a box to a triangle, in the tool's frame, along which they are farthest apart so far */
-typedef struct separation {
-    const double *half; /* of the box */
-    double x[3][3];     /* the triangle */
-    double axis[3], gap;
-} separation;
-
-static void try_axis(separation *best, const double direction[3])
-{
-    double axis[3], low = HUGE_VAL, high = -HUGE_VAL, support = 0;
-    pel_vec3_copy(direction, axis);
-    if (!(pel_vec3_normalize(axis) > 0))
-        return;
-    for (int i = 0; i < 3; i++) {
-        double along = pel_vec3_dot(axis, best->x[i]);
-        low = fmin(low, along);
-        high = fmax(high, along);
-        support += best->half[i] * fabs(axis[i]);
-    }
-    double gap = fmax(low, -high) - support;
-    if (!(gap > best->gap + 1e-9 * support))
-        return;
-    best->gap = gap;
-    pel_vec3_scale(axis, low > -high ? 1 : -1, best->axis);
-}
-
-/* The axes of faces, of the triangle, and across their edges: one of them is that of least depth. Where an edge of the
-   box presses into the triangle, no face tells the way. */
-static void find_separation(const tool_search *search, int32_t t, separation *best)
-{
-    const pel_sim *sim = search->sim;
-    const pel_tool *tool = &sim->tools[search->tool];
-    static const double faces[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    double side[3][3], axis[3];
-    *best = (separation){.half = tool->press_solid.half_extents, .gap = -HUGE_VAL};
-    for (int i = 0; i < 3; i++) {
-        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][i], best->x[i]);
-        pel_pose_to_local(&tool->pose, best->x[i], best->x[i]);
-    }
-    for (int i = 0; i < 3; i++) {
-        pel_vec3_subtract(best->x[(i + 1) % 3], best->x[i], side[i]);
-        try_axis(best, faces[i]);
-    }
-    pel_vec3_cross(side[0], side[1], axis);
-    try_axis(best, axis);
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            pel_vec3_cross(side[i], faces[k], axis);
-            try_axis(best, axis);
-        }
-}
-
-/* gap of a point of the triangle along its axis */
-static double gap_along(const separation *best, const double weights[3])
-{
-    double gap = 0;
-    for (int i = 0; i < 3; i++)
-        gap += weights[i] * pel_vec3_dot(best->axis, best->x[i]) - best->half[i] * fabs(best->axis[i]);
-    return gap;
-}
-
 static pel_status add_flat(const tool_search *search, int32_t t, pel_error *error)
 {
     pel_sim *sim = search->sim;
@@ -196,9 +135,16 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
     /* corners have their own */
     if (status != PEL_OK || !(depth > 0) || fmax(w[0], fmax(w[1], w[2])) > 1 - 1e-6)
         return status;
-    separation best;
-    find_separation(search, t, &best);
-    set_plane(search, best.axis, gap_along(&best, w), &constraint);
+    double corner[3][3], axis[3];
+    for (int i = 0; i < 3; i++) {
+        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][i], corner[i]);
+        pel_pose_to_local(&tool->pose, corner[i], corner[i]);
+    }
+    double support = pel_box_separation(tool->press_solid.half_extents, (const double(*)[3])corner, axis);
+    double gap = -support;
+    for (int i = 0; i < 3; i++)
+        gap += w[i] * pel_vec3_dot(axis, corner[i]);
+    set_plane(search, axis, gap, &constraint);
     return add(search, &constraint, sim->plane_of_triangle[t], error);
 }
 

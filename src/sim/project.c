@@ -1,7 +1,8 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
  */
 #include "sim/contact.h"
-#include "sim/sim.h"
+#include "sim/tool_solid.h"
+#include "solve/contact.h"
 
 #include <string.h>
 
@@ -33,8 +34,10 @@ void pel_project_follow(pel_sim *sim, int32_t body)
 {
     sim->state->older_is_known = false;
     pel_shell_forces_rebuild(sim->shells, body);
-    if (sim->projector != NULL)
+    if (sim->projector != NULL) {
         pel_projector_follow(sim->projector, body);
+        pel_projector_hold(sim->projector, sim->boundary.is_held);
+    }
 }
 
 /* a pressure that the projector does not know */
@@ -59,25 +62,75 @@ static void find_forces(pel_sim *sim, double time, bool normal_pressure, const p
         pel_projector_add_pressure(sim->projector, positions, time, sim->force);
 }
 
+/* contacts of one kind or the other that act in the substeps; null = none */
+static pel_contact_list *loop_contacts(const pel_sim *sim)
+{
+    return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
+}
+
+/* one sweep over the elements, then over what touches */
+static void sweep(pel_sim *sim, const pel_record *start)
+{
+    pel_record *positions = sim->state->position_next;
+    pel_contact_list *pairs = loop_contacts(sim);
+    pel_project_sweep(sim->projector, positions);
+    if (pairs != NULL) {
+        pel_contacts_refresh(sim, start);
+        pel_contacts_project(pairs, positions, start);
+    }
+    if (sim->solids != NULL) {
+        pel_solids_refresh(sim);
+        pel_contacts_project(&sim->solids->list, positions, start);
+    }
+}
+
+static void run_substep(pel_sim *sim, int32_t number, bool normal_pressure)
+{
+    pel_state *state = sim->state;
+    pel_projector *projector = sim->projector;
+    int32_t count = sim->solver.substeps;
+    pel_substep_place place =
+        (pel_substep_place)((number == 0 ? PEL_SUBSTEP_FIRST : 0) | (number == count - 1 ? PEL_SUBSTEP_LAST : 0));
+    pel_contact_list *pairs = loop_contacts(sim);
+    /* second order: forces belong to the end of a substep */
+    double lead = sim->solver.second_order ? projector->substep : 0;
+    pel_tools_place(sim, (double)(number + 1) / count);
+    find_forces(sim, pel_sim_time(sim) + lead + number * projector->substep, normal_pressure,
+                number == 0 ? state->position : state->position_next);
+    pel_project_predict(projector, state, sim->force, &sim->boundary, place);
+    const pel_record *start = pel_project_substep_start(projector);
+    if (pairs != NULL) {
+        pel_contacts_place_tools(sim);
+        pel_contacts_begin(pairs);
+    }
+    if (sim->solids != NULL)
+        pel_contacts_begin(&sim->solids->list);
+    for (int32_t i = 0; i < sim->solver.iterations; i++)
+        sweep(sim, start);
+    double rate = 1 / (projector->tau * projector->tau * count);
+    if (pairs != NULL)
+        pel_contacts_tally(sim, rate);
+    if (sim->solids != NULL)
+        pel_solids_tally(sim, rate);
+    const pel_contact_list *lists[] = {pairs, sim->solids != NULL ? &sim->solids->list : NULL};
+    pel_project_finish(projector, state, lists, 2, &sim->boundary, place);
+}
+
 pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
-    pel_contact_list *contacts = pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
-    pel_status status = contacts != NULL ? pel_contacts_find(sim, 0, error) : PEL_OK;
+    pel_tools_begin(sim, (double)(state->step + 1) * sim->step.dt);
+    pel_status status = pel_sim_has_loop_contacts(sim) ? pel_contacts_find(sim, 0, error) : PEL_OK;
+    if (status == PEL_OK && sim->solids != NULL)
+        status = pel_solids_find(sim, error);
     if (status != PEL_OK)
         return status;
-    double start = pel_sim_time(sim);
     bool normal_pressure = has_normal_pressure(sim);
-    pel_projector_begin(sim->projector, state, start);
-    /* second order: forces belong to the end of a substep */
-    double lead = sim->solver.second_order ? sim->projector->substep : 0;
+    pel_projector_begin(sim->projector, state, pel_sim_time(sim));
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
-    for (int32_t s = 0; s < sim->solver.substeps; s++) {
-        int place = (s == 0 ? PEL_SUBSTEP_FIRST : 0) | (s == sim->solver.substeps - 1 ? PEL_SUBSTEP_LAST : 0);
-        find_forces(sim, start + lead + s * sim->projector->substep, normal_pressure,
-                    s == 0 ? state->position : state->position_next);
-        pel_project_substep(sim->projector, state, sim->force, contacts, (pel_substep_place)place);
-    }
+    pel_tools_place(sim, 0);
+    for (int32_t s = 0; s < sim->solver.substeps; s++)
+        run_substep(sim, s, normal_pressure);
     result->diverged = !pel_sim_all_inside(sim);
     return PEL_OK;
 }

@@ -6,6 +6,7 @@
 #include "sim/contact.h"
 #include "sim/descent.h"
 #include "sim/tool.h"
+#include "sim/tool_solid.h"
 #include "solve/shell_stability.h"
 
 #include <stdio.h>
@@ -249,6 +250,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
+        status = pel_solids_create(sim, error);
+    if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)
         sim->fingerprint = pel_sim_fingerprint(sim);
@@ -277,6 +280,7 @@ void pel_sim_destroy(pel_sim *sim)
     if (sim == NULL)
         return;
     pel_contacts_destroy(sim);
+    pel_solids_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
@@ -373,16 +377,7 @@ static void mark_contacts(pel_sim *sim)
 
 double pel_sim_longest_edge(const pel_sim *sim)
 {
-    double longest = 0, x[3][3];
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, b, i)];
-            for (int k = 0; k < 3; k++)
-                pel_vertex_position(sim->state->position_next, v[k], x[k]);
-            for (int k = 0; k < 3; k++)
-                longest = fmax(longest, pel_vec3_distance(x[k], x[(k + 1) % 3]));
-        }
-    return longest;
+    return pel_longest_spring(sim->model, sim->state->position_next, sim->pool, sim->chunk_longest);
 }
 
 /* new positions and velocities from those of the start of the step, without tools */
@@ -425,7 +420,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
             return ready;
     }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
-    bool descends = sim->solver.method == PEL_METHOD_DESCENT;
+    bool descends = sim->solver.method == PEL_METHOD_DESCENT, tools_moved = descends || pel_sim_is_projected(sim);
     update_factors(sim, descends ? next : time);
     pel_step_result result = {0};
     pel_status status = solve(sim, &result, error);
@@ -434,15 +429,15 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     /* a surface that never cuts itself cannot turn inside out */
     if (status == PEL_OK && !pel_sim_has_self_contact(sim))
         status = pel_shells_check_volume(sim, error);
-    /* they moved before the solver */
-    if (status != PEL_OK && descends)
+    /* they moved before or in the solver */
+    if (status != PEL_OK && tools_moved)
         pel_tools_return(sim);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
         return status;
     if (sim->contacts == NULL && sim->tool_count > 0) {
-        if (!descends)
+        if (!tools_moved)
             pel_tools_move(sim, next);
         pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);

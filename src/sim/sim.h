@@ -6,6 +6,7 @@
 #include "force/shell_force.h"
 #include "geom/solid.h"
 #include "model/active.h"
+#include "model/boundary.h"
 #include "pellicle/sim.h"
 #include "sim/tool_search.h"
 #include "solve/descent.h"
@@ -66,9 +67,11 @@ typedef struct pel_tool {
     bool press, grasp;
     double grasp_from, grasp_until, reach;
 
-    pel_pose pose, pose_before;
-    bool blocked; /* the last step held it back */
-    bool driven;  /* the caller sets the pose, keys are not used any more */
+    pel_pose pose, pose_before; /* at present; at the start of the step */
+    pel_pose pose_wanted;       /* at the end of the step, if nothing holds the tool back */
+    pel_pose pose_substep;      /* at the start of the substep */
+    bool blocked;               /* the last step held it back */
+    bool driven;                /* the caller sets the pose, keys are not used any more */
     pel_pose driven_pose;
     pel_grasp_phase phase;
     int32_t held_count;
@@ -121,6 +124,7 @@ typedef struct pel_refine_body {
 } pel_refine_body;
 
 typedef struct pel_sim_contacts pel_sim_contacts;
+typedef struct pel_sim_solids pel_sim_solids;
 
 /* (descent.c) what the method needs */
 typedef struct pel_sim_descent pel_sim_descent;
@@ -159,6 +163,11 @@ struct pel_sim {
     int64_t *moved_at;            /* (vertex_count) push that moved it last */
     int64_t push_count;           /* of all steps */
     uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
+    pel_boundary boundary;        /* what tools hold; its arrays: */
+    int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */
+    double (*held_targets)[3];    /* (vertex_count) likewise */
+    bool held_is_listed;          /* the boundary is that of the tools */
+    pel_sim_solids *solids;       /* (tool_solid.h) methods with substeps; null = no tool presses */
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
@@ -304,7 +313,12 @@ const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
 void pel_tools_update(pel_sim *sim, int32_t body);
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error);
 void pel_tools_destroy(pel_sim *sim);
-/* Moves the tools towards their poses at `time`, and what they hold. */
+/* Begins a step: poses wanted at `time`, what tools grasp and release. The tools stand at their wanted poses. */
+void pel_tools_begin(pel_sim *sim, double time);
+/* Moves the tools to the end of a substep, at a share of their motion in this step, and finds where held vertices go.
+ */
+void pel_tools_place(pel_sim *sim, double share);
+/* Moves the tools to their wanted poses, and what they hold with them. */
 void pel_tools_move(pel_sim *sim, double time);
 /* What they hold goes to where they are. */
 void pel_tools_carry(pel_sim *sim);

@@ -3,6 +3,7 @@
 #define PEL_SIM_TOOL_H
 
 #include "math/pose.h"
+#include "model/contact.h"
 #include "sim/sim.h"
 
 static inline void pel_pose_to_local(const pel_pose *pose, const double world[3], double local[3])
@@ -68,6 +69,12 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
     pel_vec3_add(tool->force, force, tool->force);
     pel_vec3_add(tool->torque, torque, tool->torque);
 }
+
+/* Adds to the tool's force what changed the sum of a contact by `change`, times rate over its mobility, and what it
+   touches: with displacements in m the rate is in 1/s2, with velocities in 1/s. */
+void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const double change[3], double rate);
+/* the same for the push and friction of a substep */
+void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double rate);
 
 /* the pose that a tool goes to in the step to `time` */
 pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt);

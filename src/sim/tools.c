@@ -140,6 +140,17 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
 
 static pel_status check_outside(const pel_sim *sim, int32_t tool, pel_error *error);
 
+/* room for what tools hold */
+static pel_status create_grips(pel_sim *sim, pel_error *error)
+{
+    size_t count = (size_t)sim->model->vertex_count;
+    sim->held_vertices = pel_allocate(count, sizeof *sim->held_vertices);
+    sim->held_targets = pel_allocate(count, sizeof *sim->held_targets);
+    if (sim->held_vertices == NULL || sim->held_targets == NULL)
+        return pel_fail_memory(error);
+    return sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
+}
+
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error)
 {
     sim->tools = pel_allocate((size_t)count, sizeof *sim->tools);
@@ -157,6 +168,11 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
         sim->moved_at == NULL)
         return pel_fail_memory(error);
     pel_status status = pel_tool_search_create(sim->model, &sim->tool_search, error);
+    bool grasps = false;
+    for (int32_t i = 0; i < count; i++)
+        grasps |= defs[i].grasp;
+    if (status == PEL_OK && grasps)
+        status = create_grips(sim, error);
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
         status = check_tool(sim, defs, i, error);
         if (status == PEL_OK)
@@ -184,6 +200,8 @@ void pel_tools_destroy(pel_sim *sim)
     pel_free(sim->held);
     pel_free(sim->looked_at);
     pel_free(sim->moved_at);
+    pel_free(sim->held_vertices);
+    pel_free(sim->held_targets);
 }
 
 /* ---- frames ---- */
@@ -243,6 +261,7 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
         if (distance > tool->reach)
             continue;
         sim->held[v] = 1;
+        sim->state->position[v][3] = 0;
         pel_vec3_copy(local, tool->anchors[tool->held_count]);
         tool->held[tool->held_count++] = v;
     }
@@ -250,25 +269,46 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
 
 static void release(pel_sim *sim, pel_tool *tool)
 {
-    for (int32_t i = 0; i < tool->held_count; i++)
-        sim->held[tool->held[i]] = 0;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        sim->held[v] = 0;
+        sim->state->position[v][3] = sim->model->inverse_mass[v];
+    }
     tool->held_count = 0;
 }
 
-static void update_grasp(pel_sim *sim, pel_tool *tool, double time)
+/* true when other vertices are held than before */
+static bool update_grasp(pel_sim *sim, pel_tool *tool, double time)
 {
+    bool changed = false;
     if (!tool->grasp)
-        return;
+        return false;
     if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
         tool->phase = PEL_GRASP_HOLDING;
         for (int32_t b = 0; b < sim->model->body_count; b++)
             if (pel_tool_acts_on(tool, b))
                 grasp_body(sim, tool, b);
+        changed = true;
     }
     if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
         tool->phase = PEL_GRASP_DONE;
         release(sim, tool);
+        changed = true;
     }
+    return changed;
+}
+
+/* who holds what, for the methods that ask in every substep */
+static void list_held(pel_sim *sim)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t k = 0; k < sim->tools[i].held_count; k++)
+            sim->held_vertices[count++] = sim->tools[i].held[k];
+    sim->boundary =
+        (pel_boundary){count > 0 ? sim->held : NULL, sim->held_vertices, (const double(*)[3])sim->held_targets, count};
+    if (sim->projector != NULL)
+        pel_projector_hold(sim->projector, sim->boundary.is_held);
 }
 
 /* held vertices go where the tool takes them */
@@ -343,6 +383,66 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
     }
 }
 
+/* what the substeps recorded on held vertices, what draws them to their rest places, and their inertia */
+static void read_grip(pel_sim *sim, pel_tool *tool)
+{
+    const pel_model *model = sim->model;
+    const pel_state *state = sim->state;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        const double *factors = state->factors[model->body_of_slice[v / PEL_WIDTH]];
+        double spring = factors[PEL_VOLUMETRIC_STIFFNESS] * (double)model->rest[v][3], force[3], x[3];
+        for (int k = 0; k < 3; k++) {
+            x[k] = (double)state->position_next[v][k];
+            force[k] =
+                (double)sim->projector->reaction[v][k] / sim->solver.substeps -
+                spring * (x[k] - (double)model->rest[v][k]) -
+                (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
+        }
+        pel_tool_add_reaction(tool, x, force);
+        pel_tool_touch(tool, v);
+    }
+}
+
+void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const double change[3], double rate)
+{
+    const pel_record *positions = sim->state->position_next;
+    double free = 0, point[3] = {0, 0, 0}, sum = 0, side = 0, force[3], x[3];
+    for (int i = 0; i < 4; i++) {
+        double weight = (double)contact->weights[i];
+        if (weight == 0)
+            continue;
+        free += (double)positions[contact->vertices[i]][3] * weight * weight;
+        pel_vertex_position(positions, contact->vertices[i], x);
+        pel_vec3_along(point, fabs(weight), x, point);
+        sum += fabs(weight);
+        side += weight;
+    }
+    if (!(free > 0))
+        return;
+    for (int i = 0; i < 4; i++) {
+        int32_t v = contact->vertices[i];
+        double share = (double)(contact->weights[i] * contact->push * positions[v][3]) / free;
+        if (share == 0)
+            continue;
+        pel_touch *touch = pel_tool_touch(tool, v);
+        for (int k = 0; k < 3; k++)
+            touch->push[k] += share * (double)contact->normal[k];
+    }
+    pel_vec3_scale(point, 1 / sum, point);
+    /* of surfaces the tool may be the first or the second one */
+    pel_vec3_scale(change, -copysign(rate / free, side), force);
+    pel_tool_add_reaction(tool, point, force);
+}
+
+void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double rate)
+{
+    double change[3];
+    for (int k = 0; k < 3; k++)
+        change[k] = (double)(contact->push * contact->normal[k] + contact->tangential[k]);
+    pel_tool_take(sim, tool, contact, change, rate);
+}
+
 /* ---- one step ---- */
 
 double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
@@ -384,15 +484,37 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     tool->plane_before_count = tool->plane_count;
     tool->planes = oldest;
     tool->plane_count = 0;
-    tool->pose_before = tool->pose;
-    tool->pose = pel_tool_next_pose(tool, time, sim->step.dt);
-    update_grasp(sim, tool, time);
+    tool->pose_before = tool->pose_substep = tool->pose;
+    tool->pose = tool->pose_wanted = pel_tool_next_pose(tool, time, sim->step.dt);
+}
+
+void pel_tools_begin(pel_sim *sim, double time)
+{
+    bool changed = false;
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        begin_tool(sim, &sim->tools[i], time);
+        changed |= update_grasp(sim, &sim->tools[i], time);
+    }
+    if (sim->held_vertices != NULL && (changed || !sim->held_is_listed))
+        list_held(sim);
+    sim->held_is_listed = true;
+}
+
+void pel_tools_place(pel_sim *sim, double share)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        pel_tool *tool = &sim->tools[i];
+        tool->pose_substep = tool->pose;
+        pel_tool_pose_between(&tool->pose_before, &tool->pose_wanted, share, &tool->pose);
+        for (int32_t k = 0; k < tool->held_count; k++)
+            pel_pose_to_world(&tool->pose, tool->anchors[k], sim->held_targets[count++]);
+    }
 }
 
 void pel_tools_move(pel_sim *sim, double time)
 {
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        begin_tool(sim, &sim->tools[i], time);
+    pel_tools_begin(sim, time);
     pel_tools_carry(sim);
 }
 
@@ -441,6 +563,8 @@ void pel_tools_read(pel_sim *sim, double time)
     int32_t touch_count = 0;
     if (sim->descent != NULL)
         pel_descent_contacts_read(sim);
+    for (int32_t i = 0; i < sim->tool_count && sim->projector != NULL; i++)
+        read_grip(sim, &sim->tools[i]);
     for (int32_t i = 0; i < sim->tool_count; i++)
         touch_count += sim->tools[i].touch_count;
     if (sim->state->velocity_next == NULL && touch_count > 0) {
@@ -509,6 +633,7 @@ static void release_places(pel_sim *sim, pel_tool *tool)
                 tool->held[i] = tool->held[--tool->held_count];
                 pel_vec3_copy(tool->anchors[tool->held_count], tool->anchors[i]);
                 sim->held[active->released[r]] = 0;
+                sim->held_is_listed = false;
                 break;
             }
     }

@@ -99,6 +99,45 @@ void pel_contacts_begin(pel_contact_list *list)
         pel_contact *contact = &list->contacts[c];
         contact->push = 0;
         for (int k = 0; k < 3; k++)
-            contact->tangential[k] = 0;
+            contact->tangential[k] = contact->stopped[k] = 0;
     }
+}
+
+/* one contact that pushed */
+static void stop(pel_contact *contact, const pel_record *positions, pel_record *velocities, double dt)
+{
+    double free = mobility(contact, positions), along = 0, across[3], square = 0;
+    if (!(free > 0))
+        return;
+    record4 relative = combine(contact, velocities), change = {0};
+    for (int k = 0; k < 3; k++) {
+        relative[k] -= (double)contact->drift[k] / dt;
+        along += relative[k] * (double)contact->normal[k];
+    }
+    if (!(along < 0))
+        return;
+    for (int k = 0; k < 3; k++) {
+        across[k] = relative[k] - along * (double)contact->normal[k];
+        square += across[k] * across[k];
+    }
+    double limit = -(double)contact->friction * along, length = sqrt(square);
+    double share = length > limit ? limit / length : 1;
+    for (int k = 0; k < 3; k++) {
+        change[k] = -along * (double)contact->normal[k] - share * across[k];
+        contact->stopped[k] = (pel_real)((double)contact->stopped[k] + change[k]);
+    }
+    for (int i = 0; i < 4; i++) {
+        int32_t v = contact->vertices[i];
+        double part = (double)positions[v][3] * (double)contact->weights[i] / free;
+        velocities[v] = __builtin_convertvector(record_in_double(velocities[v]) + part * change, pel_record);
+    }
+}
+
+void pel_contacts_stop(pel_contact_list *list, const pel_record *positions, pel_record *velocities, double dt,
+                       int32_t sweeps)
+{
+    for (int32_t sweep = 0; sweep < sweeps; sweep++)
+        for (int32_t c = 0; c < list->count; c++)
+            if (list->contacts[c].push > 0)
+                stop(&list->contacts[c], positions, velocities, dt);
 }

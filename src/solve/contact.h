@@ -11,7 +11,13 @@
    depth that was met, 0 = all were satisfied [m]. */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start);
 
-/* Forgets push and tangential, before the first sweep of a step. */
+/* Sweeps over the contacts that pushed: impulses take away the velocity with which the points still approach each
+   other, and what friction can hold of the velocity across. Momentum stays, kinetic energy never grows. positions give
+   the inverse masses; dt [s] is the time over which `drift` was gone. Changes are summed in `stopped`. */
+void pel_contacts_stop(pel_contact_list *list, const pel_record *positions, pel_record *velocities, double dt,
+                       int32_t sweeps);
+
+/* Forgets push, tangential and stopped, before the first sweep of a step or substep. */
 void pel_contacts_begin(pel_contact_list *list);
 
 #endif

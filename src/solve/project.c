@@ -91,8 +91,8 @@ void pel_projector_destroy(pel_projector *projector)
         return;
     for (int32_t b = 0; projector->bodies != NULL && b < projector->model->body_count; b++)
         pel_project_body_destroy(&projector->bodies[b]);
-    void *arrays[] = {projector->bodies, projector->bundles, projector->base, projector->older_position,
-                      projector->older_velocity};
+    void *arrays[] = {projector->bodies,         projector->bundles,  projector->base,    projector->older_position,
+                      projector->older_velocity, projector->reaction, projector->is_fixed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(projector);
@@ -182,10 +182,11 @@ typedef struct vertex_job {
     pel_projector *projector;
     pel_state *state;
     pel_record *force;
-    bool first;        /* substep of the step */
-    bool is_moving;    /* velocities are still to be taken from the substep before */
-    bool second_order; /* there is a past */
-    pel_real rate;     /* of velocities by ways, drag included */
+    const uint8_t *is_held; /* see pel_boundary */
+    bool first;             /* substep of the step */
+    bool is_moving;         /* velocities are still to be taken from the substep before */
+    bool second_order;      /* there is a past */
+    pel_real rate;          /* of velocities by ways, drag included */
 } vertex_job;
 
 /* y and u of a vertex, see project.h */
@@ -263,7 +264,8 @@ static void predict_vertex(const vertex_job *job, int32_t v, const double *facto
 {
     const pel_model *model = job->projector->model;
     pel_state *state = job->state;
-    pel_real w = model->inverse_mass[v], tau = (pel_real)job->projector->tau;
+    bool held = job->is_held != NULL && job->is_held[v];
+    pel_real w = held ? 0 : model->inverse_mass[v], tau = (pel_real)job->projector->tau;
     pel_record x = job->first ? state->position[v] : state->position_next[v], speed;
     if (job->is_moving)
         speed = velocity_of(job, v, x);
@@ -276,6 +278,8 @@ static void predict_vertex(const vertex_job *job, int32_t v, const double *facto
         from = (launch){x, speed - speed};
     pel_record force = job->force[v], push = tau * tau * w * force;
     pel_record next = from.base + tau * from.velocity + push;
+    if (job->projector->reaction != NULL && job->projector->is_fixed[v])
+        job->projector->reaction[v] += force;
     job->force[v] = pel_wide_splat(0);
     bool is_dragged = w > 0 && massive_drag(job->projector) > 0;
     if (is_dragged || (job->projector->is_held && is_held(model, v)))
@@ -302,7 +306,8 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
     int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
     for (int32_t v = first; v < end && v < projector->model->vertex_count; v++) {
         job->state->velocity_next[v] = velocity_of(job, v, job->state->position_next[v]);
-        job->state->position_next[v][3] = projector->model->inverse_mass[v];
+        if (job->is_held == NULL || !job->is_held[v])
+            job->state->position_next[v][3] = projector->model->inverse_mass[v];
     }
 }
 
@@ -343,31 +348,111 @@ static void set_time(pel_projector *projector, const pel_state *state, double ta
         pel_project_body_set_time(&projector->bodies[b], state->factors[b], tau);
 }
 
-void pel_project_substep(pel_projector *projector, pel_state *state, pel_record *force, pel_contact_list *contacts,
+static vertex_job make_job(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
+                           pel_substep_place place)
+{
+    bool first = place & PEL_SUBSTEP_FIRST, second_order = projector->solver.second_order;
+    double drag = projector->solver.drag - massive_drag(projector);
+    return (vertex_job){
+        .projector = projector,
+        .state = state,
+        .force = force,
+        .is_held = boundary->is_held,
+        .first = first,
+        .is_moving = !first && !second_order,
+        .second_order = second_order && (!first || state->older_is_known),
+        .rate = (pel_real)(exp(-drag * projector->substep) / projector->tau),
+    };
+}
+
+static void run_over_vertices(pel_projector *projector, pel_chunk_function *function, vertex_job *job)
+{
+    pel_pool_run(projector->pool, (projector->model->vertex_count + VERTEX_CHUNK - 1) / VERTEX_CHUNK, function, job);
+}
+
+const pel_record *pel_project_substep_start(const pel_projector *projector)
+{
+    return projector->solver.second_order ? projector->older_position : projector->base;
+}
+
+void pel_project_predict(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
                          pel_substep_place place)
 {
-    bool first = place & PEL_SUBSTEP_FIRST, last = place & PEL_SUBSTEP_LAST;
-    /* the velocities of first order are taken on the way by the next substep */
-    bool lasting = last || projector->solver.second_order;
-    bool has_past = projector->solver.second_order && (!first || state->older_is_known);
+    bool has_past = projector->solver.second_order && (!(place & PEL_SUBSTEP_FIRST) || state->older_is_known);
     set_time(projector, state, has_past ? 2 * projector->substep / 3 : projector->substep);
-    double drag = projector->solver.drag - massive_drag(projector);
-    pel_real rate = (pel_real)(exp(-drag * projector->substep) / projector->tau);
-    vertex_job job = {projector, state, force, first, !first && !projector->solver.second_order, has_past, rate};
-    int32_t chunk_count = (projector->model->vertex_count + VERTEX_CHUNK - 1) / VERTEX_CHUNK;
-    pel_pool_run(projector->pool, chunk_count, predict_chunk, &job);
-    forget_multipliers(projector);
-    if (contacts != NULL && first)
-        pel_contacts_begin(contacts);
-    for (int32_t i = 0; i < projector->solver.iterations; i++) {
-        pel_project_sweep(projector, state->position_next);
-        if (contacts != NULL)
-            pel_contacts_project(contacts, state->position_next, state->position);
+    if (projector->reaction != NULL && place & PEL_SUBSTEP_FIRST)
+        memset(projector->reaction, 0, (size_t)projector->model->vertex_count * sizeof *projector->reaction);
+    vertex_job job = make_job(projector, state, force, boundary, place);
+    run_over_vertices(projector, predict_chunk, &job);
+    for (int32_t i = 0; i < boundary->held_count; i++) {
+        const double *x = boundary->target[i];
+        state->position_next[boundary->held[i]] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0};
     }
-    if (lasting)
-        pel_pool_run(projector->pool, chunk_count, measure_velocity_chunk, &job);
-    if (contacts != NULL && projector->solver.second_order)
-        forget_past(projector, state, contacts);
+    forget_multipliers(projector);
+}
+
+/* held vertices have the velocity of their path, which drag does not change */
+static void set_held_velocities(const pel_projector *projector, pel_state *state, const pel_boundary *boundary)
+{
+    const pel_record *start = pel_project_substep_start(projector);
+    const pel_real rate = (pel_real)(1 / projector->substep);
+    for (int32_t i = 0; i < boundary->held_count; i++) {
+        int32_t v = boundary->held[i];
+        pel_record velocity = rate * (state->position_next[v] - start[v]);
+        velocity[3] = 0;
+        state->velocity_next[v] = velocity;
+    }
+}
+
+void pel_project_finish(pel_projector *projector, pel_state *state, const pel_contact_list *const *contacts,
+                        int list_count, const pel_boundary *boundary, pel_substep_place place)
+{
+    /* the next substep takes the velocities of first order on the way */
+    if (!(place & PEL_SUBSTEP_LAST) && !projector->solver.second_order)
+        return;
+    vertex_job job = make_job(projector, state, NULL, boundary, place);
+    run_over_vertices(projector, measure_velocity_chunk, &job);
+    set_held_velocities(projector, state, boundary);
+    for (int i = 0; i < list_count && projector->solver.second_order; i++)
+        if (contacts[i] != NULL)
+            forget_past(projector, state, contacts[i]);
+}
+
+/* ---- reactions ---- */
+
+static pel_status record_batch(pel_projector *projector, pel_batch *batch)
+{
+    batch->reaction = projector->reaction;
+    batch->has_fixed = pel_allocate((size_t)batch->capacity, sizeof *batch->has_fixed);
+    return batch->has_fixed != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+pel_status pel_projector_record_reactions(pel_projector *projector, pel_error *error)
+{
+    size_t count = (size_t)projector->model->vertex_count;
+    if (projector->reaction != NULL)
+        return PEL_OK;
+    projector->reaction = pel_allocate_aligned(count, sizeof *projector->reaction);
+    projector->is_fixed = pel_allocate(count, sizeof *projector->is_fixed);
+    bool made = projector->reaction != NULL && projector->is_fixed != NULL;
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        for (int32_t i = 0; made && i < projector->bodies[b].batch_count; i++)
+            made = record_batch(projector, &projector->bodies[b].batches[i]) == PEL_OK;
+    if (!made)
+        return pel_fail_memory(error);
+    pel_projector_hold(projector, NULL);
+    return PEL_OK;
+}
+
+void pel_projector_hold(pel_projector *projector, const uint8_t *is_held)
+{
+    const pel_model *model = projector->model;
+    if (projector->reaction == NULL)
+        return;
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        projector->is_fixed[v] = !(model->inverse_mass[v] > 0) || (is_held != NULL && is_held[v]);
+    for (int32_t b = 0; b < model->body_count; b++)
+        pel_project_body_mark_fixed(&projector->bodies[b], projector->is_fixed);
 }
 
 void pel_projector_accept(pel_projector *projector, pel_state *state)

@@ -23,6 +23,7 @@
 #define PEL_SOLVE_PROJECT_H
 
 #include "base/pool.h"
+#include "model/boundary.h"
 #include "model/contact.h"
 #include "model/state.h"
 #include "pellicle/sim.h"
@@ -56,6 +57,8 @@ typedef struct pel_projector {
     int32_t phase_begin[PEL_PHASE_COUNT + 1];    /* in bundles */
     pel_record *base;                            /* (vertex_count) y of the substep */
     pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
+    pel_record *reaction;                        /* (vertex_count) see pel_projector_record_reactions; null = none */
+    uint8_t *is_fixed;                           /* (vertex_count) pinned or held; null without reactions */
     pel_pool *pool;                              /* set by the owner; null = one thread */
 } pel_projector;
 
@@ -67,6 +70,13 @@ void pel_projector_destroy(pel_projector *projector);
 
 /* After the surface of a body that refines has changed. */
 void pel_projector_follow(pel_projector *projector, int32_t body);
+
+/* From now on substeps record the force [N] that the body exerts on what holds each vertex that is pinned or held: the
+   multipliers of its constraints and the forces given, summed over substeps (pel_projector_reaction gives the mean).
+   PEL_OUT_OF_MEMORY. */
+pel_status pel_projector_record_reactions(pel_projector *projector, pel_error *error);
+/* After other vertices are held than before: is_held (vertex_count), null = none. */
+void pel_projector_hold(pel_projector *projector, const uint8_t *is_held);
 
 /* Before the substeps of a step: keyed numbers at a time, and directions that follow the state. */
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time);
@@ -81,16 +91,21 @@ typedef enum pel_substep_place {
     PEL_SUBSTEP_LAST = 2
 } pel_substep_place;
 
-/* One substep from state->position and velocity (first) or from where the one before has ended, to position_next and,
-   after the last, velocity_next. force (vertex_count): at its start; left as 0. contacts: nullable. */
-void pel_project_substep(pel_projector *projector, pel_state *state, pel_record *force, pel_contact_list *contacts,
+/* One substep from state->position and velocity (first) or from the end of the one before, in three parts: predict
+   writes position_next, sweeps move it, finish measures velocities (velocity_next, valid after the last substep).
+   force (vertex_count): at the start of the substep; left as 0. */
+void pel_project_predict(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
                          pel_substep_place place);
+/* One sweep over the constraints of all bodies, contacts excluded. */
+void pel_project_sweep(const pel_projector *projector, pel_record *positions);
+/* contacts (list_count, each nullable): those that acted in this substep. */
+void pel_project_finish(pel_projector *projector, pel_state *state, const pel_contact_list *const *contacts,
+                        int list_count, const pel_boundary *boundary, pel_substep_place place);
+/* Positions at the start of the present substep (vertex_count). */
+const pel_record *pel_project_substep_start(const pel_projector *projector);
 
 /* After a step that is accepted: what the next one has to know of this one goes to the state. */
 void pel_projector_accept(pel_projector *projector, pel_state *state);
-
-/* One sweep over the constraints of all bodies, contacts excluded. */
-void pel_project_sweep(const pel_projector *projector, pel_record *positions);
 
 /* ---- project_body.c ---- */
 
@@ -106,6 +121,8 @@ void pel_project_body_begin(pel_project_body *own, const pel_body *body, const d
                             const pel_record *positions, double time, double share);
 /* the time that compliances are over */
 void pel_project_body_set_time(pel_project_body *own, const double *factors, double tau);
+/* Marks the blocks with a vertex that is fixed: there reactions are recorded. */
+void pel_project_body_mark_fixed(pel_project_body *own, const uint8_t *is_fixed);
 
 /* ---- project_build.c ---- */
 

@@ -43,6 +43,7 @@ typedef struct pel_batch_law {
     pel_real max_step;       /* cave [m] */
     pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
     pel_real inverse_square; /* its inverse */
+    pel_real force_rate;     /* 1/s2: from displacements times masses to forces */
 } pel_batch_law;
 
 typedef struct pel_batch {
@@ -60,6 +61,8 @@ typedef struct pel_batch {
     uint8_t *lane_counts;  /* (capacity) lanes used */
     uint8_t *followers;    /* (capacity) blocks after this one that are computed with it; those of a colour */
     pel_record *target;    /* (model vertex_count) of a pressure, else null */
+    uint8_t *has_fixed;    /* (capacity) 1 = a vertex of the block is pinned or held; null = reactions not recorded */
+    pel_record *reaction;  /* (model vertex_count) forces on what holds vertices; null likewise */
 } pel_batch;
 
 /* projects the blocks begin .. end - 1 of a batch in their order */

@@ -484,5 +484,24 @@ void pel_project_body_set_time(pel_project_body *own, const double *factors, dou
         double factor = own->batches[i].arity == 2 ? factors[PEL_SPRING_STIFFNESS] : 1;
         law->square_time = (pel_real)(tau * tau * factor);
         law->inverse_square = (pel_real)(1 / (tau * tau * factor));
+        law->force_rate = (pel_real)(1 / (tau * tau));
+    }
+}
+
+static bool has_fixed(const pel_batch *batch, int32_t block, const uint8_t *is_fixed)
+{
+    const int32_t *steps = batch->steps + (size_t)block * (size_t)batch->arity * PEL_BLOCK;
+    for (int32_t i = 0; i < batch->arity * PEL_BLOCK; i++)
+        if (is_fixed[steps[i] / PEL_STEP])
+            return true;
+    return false;
+}
+
+void pel_project_body_mark_fixed(pel_project_body *own, const uint8_t *is_fixed)
+{
+    for (int32_t i = 0; i < own->batch_count; i++) {
+        const pel_batch *batch = &own->batches[i];
+        for (int32_t block = 0; block < batch->block_count; block++)
+            batch->has_fixed[block] = has_fixed(batch, block, is_fixed);
     }
 }

@@ -234,8 +234,8 @@ pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32
 
 void pel_batch_destroy(pel_batch *batch)
 {
-    void *arrays[] = {batch->bundle_begin, batch->steps,       batch->numbers,  batch->multipliers,
-                      batch->sources,      batch->lane_counts, batch->followers};
+    void *arrays[] = {batch->bundle_begin, batch->steps,       batch->numbers,   batch->multipliers,
+                      batch->sources,      batch->lane_counts, batch->followers, batch->has_fixed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
 }

@@ -532,6 +532,43 @@ PEL_INLINE void move_points(const pel_batch *batch, int32_t block, int32_t lane,
                           ways[k]);
 }
 
+/* Force on what holds the fixed vertices of one constraint: its impulses sum to zero, so that the free vertices tell
+   it. Several fixed vertices share it evenly. */
+static void record_lane(const pel_batch *batch, const pel_record *positions, const int32_t *steps, int32_t lane,
+                        pel_record (*ways)[PEL_BLOCK])
+{
+    pel_record sum = pel_wide_splat(0);
+    int fixed = 0;
+    for (int k = 0; k < batch->arity; k++) {
+        pel_real w = pel_record_get(positions, steps[k * PEL_BLOCK + lane])[3];
+        if (w > 0)
+            sum -= (batch->law.force_rate / w) * ways[k][lane];
+        else
+            fixed++;
+    }
+    if (fixed == 0 || fixed == batch->arity)
+        return;
+    sum = ((pel_real)1 / (pel_real)fixed) * sum;
+    for (int k = 0; k < batch->arity; k++) {
+        int32_t step = steps[k * PEL_BLOCK + lane];
+        if (!(pel_record_get(positions, step)[3] > 0))
+            pel_record_set(batch->reaction, step, pel_record_get(batch->reaction, step) + sum);
+    }
+}
+
+/* before the points of a block move */
+static void record_reactions(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                             const pel_lane3 *ways)
+{
+    pel_record stored[4][PEL_BLOCK];
+    const int32_t *steps = steps_of(batch, block, 0);
+    for (int k = 0; k < batch->arity; k++)
+        pel_lane3_store(stored[k] + lane, ways[k]);
+    int32_t end = pel_lane_passes(batch->lane_counts[block]) > 1 ? lane + 1 : batch->lane_counts[block];
+    for (int32_t l = lane; l < end; l++)
+        record_lane(batch, positions, steps, l, stored);
+}
+
 #ifdef PEL_LANE_SCALAR
 enum { IS_WIDE = 0 };
 #else
@@ -553,6 +590,8 @@ enum { IS_WIDE = 1 };
                 for (int32_t lane = 0; lane < pel_lane_passes(batch->lane_counts[block]); lane++) {                    \
                     pel_lane3 *ways = staged[block - from];                                                            \
                     call;                                                                                              \
+                    if (own.has_fixed != NULL && own.has_fixed[block])                                                 \
+                        record_reactions(batch, block, lane, positions, ways);                                         \
                     if (!IS_WIDE)                                                                                      \
                         move_points(batch, block, lane, points, ways, positions);                                      \
                 }                                                                                                      \

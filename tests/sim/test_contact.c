@@ -236,25 +236,21 @@ static double slide(pel_tool_shape shape, pel_method method, double friction, do
 }
 
 /* Coulomb's law on a slope of tangent 1/2: above it what lies there stays, below it slides with g (sin - friction cos),
-   whatever the floor is made of; the floor feels weight and friction. Contacts of edges near their ends are a little
-   oblique, which slows what slides over the edges of a floor */
+   whatever the floor is made of; the floor feels weight and friction */
 static void test_friction_on_slope(void **unused)
 {
     (void)unused;
     static const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_MESH};
     static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD};
-    /* a soft sheet that is dragged over the edges of a mesh without friction buckles under xpbd: not there */
-    /* in float it buckles under xpbd on any floor: explicit on solids alone */
-    const bool is_double = sizeof(pel_real) == 8;
-    const double rounding = is_double ? 1 : 2;
-    for (int i = 0; i < (is_double ? 7 : 6); i += is_double ? ROUNDS(1, 3) : 2) {
+    const double rounding = sizeof(pel_real) == 8 ? 1 : 2;
+    for (int i = 0; i < 8; i += ROUNDS(1, 3)) {
         double force[3], time = 0.5, free_way = 0.5 * 4 * time * time;
-        assert_true(fabs(slide(shapes[i / 2], methods[i % 2], 0.6, time, force)) < 1e-4);
+        /* on a capsule few points carry, and change from substep to substep */
+        assert_true(fabs(slide(shapes[i / 2], methods[i % 2], 0.6, time, force)) < 2e-4);
         assert_near(force[0], 4, 0.04 * rounding);
         assert_near(force[2], -8, 0.08 * rounding);
         double smooth = slide(shapes[i / 2], methods[i % 2], 0, time, force);
-        bool over_edges = i % 2 == 1 || shapes[i / 2] == PEL_TOOL_MESH;
-        double loss = over_edges ? 0.06 : 0.011, slides = slide(shapes[i / 2], methods[i % 2], 0.3, time, force);
+        double loss = 0.011, slides = slide(shapes[i / 2], methods[i % 2], 0.3, time, force);
         assert_near(smooth, free_way, loss * free_way);
         assert_near(slides, 0.4 * free_way, loss * 0.4 * free_way);
         assert_near(force[0], 0.3 * 8, 0.03 * rounding);

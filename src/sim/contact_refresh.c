@@ -1,0 +1,272 @@
+/* Pairs in the substeps of position-based methods: where they touch follows the present positions.
+
+   A vertex before the inside of a triangle is kept off along the triangle's normal, one before its border along the
+   direction to the closest point; two edges along their common normal. The closest point of an edge is that of the
+   whole surface only if the direction from it leads away from both its triangles: n . t <= 0 for the unit vectors t
+   that point from the edge into them. Other pairs are off, for there the triangle itself is closer: on flat and concave
+   surfaces edges are no bumps. Edges touch where the closest points lie inside both; their ends are vertices.
+
+   The side on which a pair touches is that of the start of the substep in which its closest points came to lie inside
+   both features; from then on the normal is followed. */
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+enum { PAIRS_OF_CHUNK = 256 };
+
+/* weights of closest points inside a feature are farther from 0 than this */
+#define INSIDE 1e-9
+/* sine of the angle below which edges count as parallel and have no common normal */
+#define PARALLEL 1e-3
+/* directions that lean so little over a triangle still lead away from it */
+#define LEAN 0.05
+/* pairs farther apart than so many thicknesses are not looked at in every substep */
+#define FAR 3.0
+enum { FAR_INTERVAL = 4 };
+
+void pel_contacts_place_tools(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    contacts->substep++;
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        const pel_contact_tool *tool = &contacts->tools[i];
+        for (int32_t p = tool->point_begin; p < tool->point_end; p++) {
+            const double *local = tool->local[p - tool->point_begin];
+            pel_pose_to_world(&sim->tools[i].pose_substep, local, contacts->substep_start[p - contacts->place_count]);
+            pel_pose_to_world(&sim->tools[i].pose, local, contacts->substep_end[p - contacts->place_count]);
+        }
+    }
+}
+
+typedef struct refresh_job {
+    pel_sim *sim;
+    const pel_record *start; /* (vertex_count) positions at the start of the substep */
+} refresh_job;
+
+static void load_point(const pel_sim *sim, int32_t point, double x[3])
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    if (point < contacts->place_count)
+        pel_vertex_position(sim->state->position_next, point, x);
+    else
+        pel_vec3_copy(contacts->substep_end[point - contacts->place_count], x);
+}
+
+/* whether a direction from an edge a, b leads away from both its triangles */
+static bool leads_away(const pel_sim *sim, int32_t edge, const double a[3], const double b[3],
+                       const double direction[3])
+{
+    const pel_tree *tree = pel_collider_tree(sim->contacts->collider);
+    double along[3], square;
+    pel_vec3_subtract(b, a, along);
+    square = pel_vec3_squared_length(along);
+    for (int i = 0; i < 2; i++) {
+        double inward[3];
+        if (tree->opposite[edge][i] < 0 || !(square > 0))
+            continue;
+        load_point(sim, tree->opposite[edge][i], inward);
+        pel_vec3_subtract(inward, a, inward);
+        pel_vec3_along(inward, -pel_vec3_dot(inward, along) / square, along, inward);
+        if (pel_vec3_dot(inward, direction) > LEAN * pel_vec3_length(inward))
+            return false;
+    }
+    return true;
+}
+
+/* whether the direction to a vertex before the border of a triangle leads away from the triangles across that border */
+static bool leads_away_from_border(const pel_sim *sim, int32_t triangle, double x[4][3], const double w[3],
+                                   const double direction[3])
+{
+    const pel_tree *tree = pel_collider_tree(sim->contacts->collider);
+    for (int i = 0; i < 3; i++)
+        if (w[(i + 2) % 3] <= INSIDE &&
+            !leads_away(sim, tree->triangle_edges[triangle][i], x[1 + i], x[1 + (i + 1) % 3], direction))
+            return false;
+    return true;
+}
+
+/* six times the signed volume of the points at the start of the substep: which side the pair is on */
+static double start_volume(const refresh_job *job, const pel_contact_key *key)
+{
+    const pel_sim_contacts *contacts = job->sim->contacts;
+    double x[4][3], a[3], b[3], c[3], normal[3];
+    for (int i = 0; i < 4; i++) {
+        int32_t point = key->points[i];
+        if (point < contacts->place_count)
+            pel_vertex_position(job->start, point, x[i]);
+        else
+            pel_vec3_copy(contacts->substep_start[point - contacts->place_count], x[i]);
+    }
+    pel_vec3_subtract(x[key->edge_edge ? 1 : 2], x[key->edge_edge ? 0 : 1], a);
+    pel_vec3_subtract(x[3], x[key->edge_edge ? 2 : 1], b);
+    pel_vec3_subtract(x[0], x[key->edge_edge ? 2 : 1], c);
+    pel_vec3_cross(a, b, normal);
+    return pel_vec3_dot(normal, c);
+}
+
+/* turns the unit normal of two features, as it is computed from their points, to the side that the pair is on */
+static void keep_side(const refresh_job *job, const pel_contact *contact, pel_contact_key *key, double normal[3])
+{
+    double side = 0;
+    if (!key->has_side)
+        side = start_volume(job, key);
+    for (int k = 0; k < 3 && key->has_side; k++)
+        side += normal[k] * (double)contact->normal[k];
+    if (side < 0)
+        pel_vec3_scale(normal, -1, normal);
+    key->has_side = true;
+}
+
+/* weights and normal of a vertex before a triangle */
+static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pel_contact *contact,
+                                pel_contact_key *key, double weights[4], double normal[3])
+{
+    double w[3], u[3], v[3], way[3], square = pel_closest_point_triangle(x[0], x[1], x[2], x[3], w);
+    bool is_border = fmin(w[0], fmin(w[1], w[2])) <= INSIDE;
+    weights[0] = 1;
+    for (int i = 0; i < 3; i++)
+        weights[i + 1] = -w[i];
+    if (!is_border) {
+        pel_vec3_subtract(x[2], x[1], u);
+        pel_vec3_subtract(x[3], x[1], v);
+        pel_vec3_cross(u, v, normal);
+        if (pel_vec3_normalize(normal) > 0) {
+            keep_side(job, contact, key, normal);
+            return;
+        }
+    }
+    key->has_side = false;
+    for (int k = 0; k < 3; k++) {
+        way[k] = x[0][k] - w[0] * x[1][k] - w[1] * x[2][k] - w[2] * x[3][k];
+        normal[k] = (double)contact->normal[k];
+    }
+    if (square > 0 && pel_vec3_dot(way, normal) > 0)
+        pel_vec3_scale(way, 1 / sqrt(square), normal);
+    key->is_off = is_border && !leads_away_from_border(job->sim, key->second, x, w, normal);
+}
+
+/* the same for two edges */
+static void refresh_edges(const refresh_job *job, double x[4][3], const pel_contact *contact, pel_contact_key *key,
+                          double weights[4], double normal[3])
+{
+    double w[4], u[3], v[3], cross[3], back[3];
+    pel_closest_segment_segment(x[0], x[1], x[2], x[3], w);
+    double least = fmin(fmin(w[0], w[1]), fmin(w[2], w[3]));
+    pel_vec3_subtract(x[1], x[0], u);
+    pel_vec3_subtract(x[3], x[2], v);
+    pel_vec3_cross(u, v, cross);
+    double size = pel_vec3_length(u) * pel_vec3_length(v), sine = pel_vec3_normalize(cross);
+    bool is_inside = least > INSIDE && sine > PARALLEL * size;
+    if (is_inside)
+        keep_side(job, contact, key, cross);
+    else
+        key->has_side = false;
+    pel_vec3_scale(cross, -1, back);
+    key->is_off = !is_inside || !leads_away(job->sim, key->first, x[0], x[1], back) ||
+                  !leads_away(job->sim, key->second, x[2], x[3], cross);
+    for (int i = 0; i < 4; i++)
+        weights[i] = i < 2 ? w[i] : -w[i];
+    for (int k = 0; k < 3; k++)
+        normal[k] = is_inside ? cross[k] : (double)contact->normal[k];
+}
+
+/* separation and drift of the tool's share of the sum */
+static void set_tool_share(const pel_sim *sim, const pel_contact_key *key, const double weights[4],
+                           const double normal[3], pel_contact *contact)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    double separation = contacts->thickness, drift[3] = {0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        int32_t point = key->points[i] - contacts->place_count;
+        contact->weights[i] = point < 0 ? (pel_real)weights[i] : 0;
+        if (point < 0)
+            continue;
+        separation -= weights[i] * pel_vec3_dot(contacts->substep_end[point], normal);
+        for (int k = 0; k < 3; k++)
+            drift[k] -= weights[i] * (contacts->substep_end[point][k] - contacts->substep_start[point][k]);
+    }
+    contact->separation = (pel_real)separation;
+    for (int k = 0; k < 3; k++)
+        contact->drift[k] = (pel_real)drift[k];
+}
+
+static double gap_of(double x[4][3], const double weights[4], const double normal[3])
+{
+    double gap = 0;
+    for (int i = 0; i < 4; i++)
+        gap += weights[i] * pel_vec3_dot(x[i], normal);
+    return gap;
+}
+
+/* The place of an impact in this step stays; where its normal leans over a triangle that one is closer. */
+static void check_impact(const pel_sim *sim, double x[4][3], pel_contact_key *key, pel_contact *contact)
+{
+    double normal[3], back[3], w[3];
+    for (int k = 0; k < 3; k++) {
+        normal[k] = (double)contact->normal[k];
+        back[k] = -normal[k];
+        w[k] = key->edge_edge ? 0 : fabs(key->place[k + 1]);
+    }
+    if (key->edge_edge)
+        key->is_off =
+            !leads_away(sim, key->first, x[0], x[1], back) || !leads_away(sim, key->second, x[2], x[3], normal);
+    else
+        key->is_off = !leads_away_from_border(sim, key->second, x, w, normal);
+    if (key->is_off)
+        contact->separation = -HUGE_VALF;
+}
+
+static void refresh_pair(const refresh_job *job, int32_t c)
+{
+    pel_sim *sim = job->sim;
+    pel_sim_contacts *contacts = sim->contacts;
+    pel_contact_key *key = &contacts->keys[c];
+    pel_contact *contact = &contacts->list.contacts[c];
+    double x[4][3], weights[4], normal[3];
+    if (key->gap > FAR * contacts->thickness && (contacts->substep + c) % FAR_INTERVAL != 0)
+        return;
+    for (int i = 0; i < 4; i++)
+        load_point(sim, key->points[i], x[i]);
+    if (key->is_impact) {
+        check_impact(sim, x, key, contact);
+        return;
+    }
+    if (key->edge_edge)
+        refresh_edges(job, x, contact, key, weights, normal);
+    else
+        refresh_vertex_face(job, x, contact, key, weights, normal);
+    for (int k = 0; k < 3; k++)
+        contact->normal[k] = (pel_real)normal[k];
+    key->gap = gap_of(x, weights, normal);
+    set_tool_share(sim, key, weights, normal, contact);
+    if (key->is_off)
+        contact->separation = -HUGE_VALF;
+}
+
+static void refresh_chunk(void *context, int32_t chunk)
+{
+    const refresh_job *job = context;
+    int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
+    for (int32_t c = begin; c < end && c < job->sim->contacts->list.count; c++)
+        refresh_pair(job, c);
+}
+
+void pel_contacts_refresh(pel_sim *sim, const pel_record *start)
+{
+    refresh_job job = {sim, start};
+    int32_t count = sim->contacts->list.count;
+    pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
+}
+
+void pel_contacts_tally(pel_sim *sim, double rate)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        const pel_contact *contact = &contacts->list.contacts[c];
+        pel_contact_key *key = &contacts->keys[c];
+        if (!(contact->push > 0))
+            continue;
+        key->has_pushed = true;
+        if (key->tool >= 0)
+            pel_tool_take_push(sim, &sim->tools[key->tool], contact, rate);
+    }
+}

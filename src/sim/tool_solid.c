@@ -1,0 +1,194 @@
+#include "sim/tool_solid.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+#include <string.h>
+
+/* motion of the surface in a step beyond what its velocity tells, of the longest edge */
+#define NEAR_SHARE 0.25
+/* a triangle whose deepest point is nearer to a corner than this is left to the contact of the corner */
+#define CORNER_WEIGHT (1 - 1e-6)
+
+/* ---- creation ---- */
+
+static bool presses(const pel_tool *tool)
+{
+    return tool->press && tool->mesh == NULL;
+}
+
+pel_status pel_solids_create(pel_sim *sim, pel_error *error)
+{
+    bool any = false;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        any |= presses(&sim->tools[i]);
+    if (!any || !pel_sim_is_projected(sim))
+        return PEL_OK;
+    sim->solids = pel_allocate(1, sizeof *sim->solids);
+    if (sim->solids == NULL)
+        return pel_fail_memory(error);
+    sim->solids->mark_of_vertex = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->solids->mark_of_vertex);
+    return sim->solids->mark_of_vertex != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+void pel_solids_destroy(pel_sim *sim)
+{
+    pel_sim_solids *solids = sim->solids;
+    if (solids == NULL)
+        return;
+    pel_free(solids->list.contacts);
+    pel_free(solids->pairs);
+    pel_free(solids->mark_of_vertex);
+    pel_free(solids);
+}
+
+/* ---- search ---- */
+
+static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t vertex, pel_error *error)
+{
+    pel_sim_solids *solids = sim->solids;
+    size_t count = (size_t)solids->list.count;
+    if (!pel_reserve((void **)&solids->list.contacts, &solids->capacity, count + 1, sizeof *solids->list.contacts) ||
+        !pel_reserve((void **)&solids->pairs, &solids->pair_capacity, count + 1, sizeof *solids->pairs))
+        return pel_fail_memory(error);
+    solids->pairs[count] = (pel_solid_pair){tool, triangle, vertex};
+    pel_contact *contact = &solids->list.contacts[count];
+    *contact = (pel_contact){.friction = (pel_real)pel_sim_friction(sim)};
+    for (int i = 0; i < 4; i++)
+        contact->vertices[i] = triangle < 0 ? vertex : sim->model->triangles[triangle][i < 3 ? i : 0];
+    contact->weights[0] = triangle < 0;
+    solids->list.count++;
+    return PEL_OK;
+}
+
+static pel_status add_triangle(pel_sim *sim, int32_t tool, int32_t triangle, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int c = 0; c < 3 && status == PEL_OK; c++) {
+        int32_t v = sim->model->triangles[triangle][c];
+        if (sim->solids->mark_of_vertex[v] == tool + 1)
+            continue;
+        sim->solids->mark_of_vertex[v] = tool + 1;
+        status = add_pair(sim, tool, -1, v, error);
+    }
+    return status == PEL_OK ? add_pair(sim, tool, triangle, -1, error) : status;
+}
+
+/* the longest way of a vertex in this step by its velocity [m] */
+static double fastest_way(const pel_sim *sim)
+{
+    double square = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double velocity[3];
+        pel_vertex_position(sim->state->velocity, v, velocity);
+        square = fmax(square, pel_vec3_squared_length(velocity));
+    }
+    return sim->step.dt * sqrt(square);
+}
+
+pel_status pel_solids_find(pel_sim *sim, pel_error *error)
+{
+    pel_sim_solids *solids = sim->solids;
+    pel_status status = PEL_OK;
+    solids->list.count = 0;
+    memset(solids->mark_of_vertex, 0, (size_t)sim->model->vertex_count * sizeof *solids->mark_of_vertex);
+    double longest = pel_sim_longest_edge(sim), motion = fastest_way(sim);
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        const pel_tool *tool = &sim->tools[i];
+        if (!presses(tool))
+            continue;
+        double margin = NEAR_SHARE * longest + motion + pel_tool_way(tool, &tool->pose_before, &tool->pose_wanted);
+        int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position, margin);
+        for (int32_t n = 0; n < near_count && status == PEL_OK; n++)
+            status = add_triangle(sim, i, sim->near_triangles[n], error);
+    }
+    return status;
+}
+
+/* ---- contacts at the present positions ---- */
+
+/* the half space that a point of the surface has to stay in, and the motion of the tool there in this substep */
+static void set_plane(const pel_tool *tool, const double point[3], const double local_normal[3], double depth,
+                      pel_contact *contact)
+{
+    double normal[3], local[3], before[3];
+    pel_rotate(tool->pose.rotation, local_normal, normal);
+    pel_pose_to_local(&tool->pose, point, local);
+    pel_pose_to_world(&tool->pose_substep, local, before);
+    for (int k = 0; k < 3; k++) {
+        contact->normal[k] = (pel_real)normal[k];
+        contact->drift[k] = (pel_real)(point[k] - before[k]);
+    }
+    contact->separation = (pel_real)(pel_vec3_dot(normal, point) + depth);
+}
+
+static void refresh_vertex(const pel_sim *sim, const pel_tool *tool, int32_t v, pel_contact *contact)
+{
+    double x[3], local[3], normal[3];
+    pel_vertex_position(sim->state->position_next, v, x);
+    pel_pose_to_local(&tool->pose, x, local);
+    double distance = pel_solid_distance(&tool->press_solid, local, normal);
+    set_plane(tool, x, normal, -distance, contact);
+}
+
+/* Depth in a box below a face is linear: where the deepest corner is limited by that face alone, no other point of the
+   triangle is deeper. */
+static bool is_deepest_at_corner(const double half[3], double corner[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            int deepest = 0;
+            for (int c = 1; c < 3; c++)
+                if (side * corner[c][i] < side * corner[deepest][i])
+                    deepest = c;
+            double depth = half[i] - side * corner[deepest][i], least = HUGE_VAL;
+            for (int k = 0; k < 3; k++)
+                least = fmin(least, half[k] - fabs(corner[deepest][k]));
+            if (least >= depth)
+                return true;
+        }
+    return false;
+}
+
+static void refresh_triangle(const pel_sim *sim, const pel_tool *tool, int32_t t, pel_contact *contact)
+{
+    double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
+        pel_pose_to_local(&tool->pose, corner[c], local[c]);
+    }
+    contact->separation = -HUGE_VALF;
+    if (tool->solid.kind == PEL_SOLID_BOX && is_deepest_at_corner(tool->press_solid.half_extents, local))
+        return;
+    double depth = pel_solid_depth(&tool->press_solid, local[0], local[1], local[2], weights, normal);
+    if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT)
+        return;
+    for (int c = 0; c < 3; c++) {
+        contact->weights[c] = (pel_real)weights[c];
+        pel_vec3_along(point, weights[c], corner[c], point);
+    }
+    set_plane(tool, point, normal, depth, contact);
+}
+
+void pel_solids_refresh(pel_sim *sim)
+{
+    pel_sim_solids *solids = sim->solids;
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        const pel_solid_pair *pair = &solids->pairs[c];
+        const pel_tool *tool = &sim->tools[pair->tool];
+        if (pair->triangle < 0)
+            refresh_vertex(sim, tool, pair->vertex, &solids->list.contacts[c]);
+        else
+            refresh_triangle(sim, tool, pair->triangle, &solids->list.contacts[c]);
+    }
+}
+
+void pel_solids_tally(pel_sim *sim, double rate)
+{
+    const pel_sim_solids *solids = sim->solids;
+    for (int32_t c = 0; c < solids->list.count; c++)
+        if (solids->list.contacts[c].push > 0)
+            pel_tool_take_push(sim, &sim->tools[solids->pairs[c].tool], &solids->list.contacts[c], rate);
+}
