@@ -114,7 +114,8 @@ static void test_shell(void **unused)
         pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
         body.shell.bending.model = PEL_BENDING_HINGE;
         body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
-        body.shell.pressure.outside.value = -0.02 * body.shell.membrane.young.value * body.shell.membrane.thickness.value;
+        body.shell.pressure.outside.value =
+            -0.02 * body.shell.membrane.young.value * body.shell.membrane.thickness.value;
         body.refine.levels = level;
         body.refine.everywhere = true;
         pel_sim_def def = pel_sim_def_default();
