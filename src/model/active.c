@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "model/event_energy.h"
 
 #include <math.h>
 #include <string.h>
@@ -115,9 +116,12 @@ static bool allocate_places(pel_active *active)
     active->is_dirty = pel_allocate(count, sizeof *active->is_dirty);
     active->dirty = pel_allocate(count, sizeof *active->dirty);
     active->released = pel_allocate(count, sizeof *active->released);
+    active->event_places = pel_allocate(count, sizeof *active->event_places);
+    active->event_direction = pel_allocate_aligned(count, sizeof *active->event_direction);
     return active->valence != NULL && active->change != NULL && active->areas != NULL && active->mixed_counts != NULL &&
            active->is_fine != NULL && active->rates != NULL && active->fine_counts != NULL &&
-           active->is_dirty != NULL && active->dirty != NULL && active->released != NULL;
+           active->is_dirty != NULL && active->dirty != NULL && active->released != NULL &&
+           active->event_places != NULL && active->event_direction != NULL;
 }
 
 static bool allocate_body(pel_active *active, int32_t b)
@@ -497,6 +501,30 @@ static void note_dirty(pel_active *active, const pel_active_body *own, int32_t v
     active->dirty[active->dirty_count++] = v;
 }
 
+/* the energy of what the event takes away, while its rows still stand */
+static void note_energy(pel_active *active, int32_t body, const pel_state *state)
+{
+    const pel_active_body *own = &active->bodies[body];
+    const pel_front *front = own->front;
+    int32_t count = 0;
+    for (int32_t c = 0; c < front->change_count; c++) {
+        int32_t node = front->changes[c].node, level = pel_front_level(front, node);
+        const pel_topology *topology = front->forest->levels[level];
+        for (int k = 0; k < 6; k++) {
+            int32_t h = 3 * (node - front->node_begin[level]) + k % 3;
+            if (k >= 3 && level == front->forest->depth)
+                break;
+            int32_t v = k < 3 ? topology->triangles[0][h] : pel_lod_midpoint(topology, h);
+            int32_t place = own->place_of_vertex[v];
+            if (place < 0 || active->is_dirty[place])
+                continue;
+            active->is_dirty[place] = 1;
+            active->event_places[count++] = place;
+        }
+    }
+    active->event_energy = pel_event_energy(active, body, state, active->event_places, count, NULL);
+}
+
 static void collect_dirty(pel_active *active, const pel_active_body *own)
 {
     const pel_front *front = own->front;
@@ -554,6 +582,7 @@ void pel_active_commit(pel_active *active, int32_t body, pel_state *state)
     active->dirty_count = active->released_count = 0;
     if (front->change_count == 0)
         return;
+    note_energy(active, body, state);
     for (int32_t i = 0; i < front->added_count; i++) {
         int32_t place = take_place(own);
         own->place_of_vertex[front->added_vertices[i]] = place;
@@ -740,10 +769,11 @@ void pel_active_destroy(pel_active *active)
         pel_free(model->bodies[b].slot_of_vertex);
     }
     pel_model_free_arrays(model);
-    void *arrays[] = {model->bodies,    active->bodies, active->areas,       active->is_base,
-                      active->valence,  active->change, active->is_dirty,    active->dirty,
-                      active->released, active->fan,    active->row,         active->around,
-                      active->is_fine,  active->rates,  active->fine_counts, active->mixed_counts};
+    void *arrays[] = {
+        model->bodies,        active->bodies,       active->areas,          active->is_base,  active->valence,
+        active->change,       active->is_dirty,     active->dirty,          active->released, active->fan,
+        active->row,          active->around,       active->is_fine,        active->rates,    active->fine_counts,
+        active->mixed_counts, active->event_places, active->event_direction};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(active);

@@ -61,7 +61,10 @@ typedef struct pel_active {
     int32_t *dirty;    /* active vertices (numbers of the forest) whose triangles changed */
     int32_t *released; /* places that were given up */
     int32_t dirty_count, released_count;
-    pel_front_corner *fan; /* scratch of a row */
+    double event_energy;         /* of the springs that it changed, before [J] */
+    int32_t *event_places;       /* (vertex_count) scratch */
+    pel_record *event_direction; /* (vertex_count) scratch */
+    pel_front_corner *fan;       /* scratch of a row */
     struct pel_row_spring *row;
     struct pel_row_triangle *around;
     int32_t fan_limit;

@@ -16,7 +16,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
-#include "sim/sim.h"
+#include "sim/refine_energy.h"
 
 /* triangles that one event changes, roughly: at least, and the surface over this share */
 enum { PORTION_LEAST = 24, PORTION_SHARE = 1024 };
@@ -161,6 +161,7 @@ static void commit(pel_sim *sim, int32_t body)
     pel_active_body *own = &active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     sim->force_is_present = false;
+    double shells_before = pel_refine_energy_before(sim, body);
     pel_active_commit(active, body, sim->state);
     if (own->front->change_count == 0)
         return;
@@ -172,6 +173,7 @@ static void commit(pel_sim *sim, int32_t body)
     pel_tools_update(sim, body);
     pel_tool_search_update(sim->tool_search, body);
     pel_project_follow(sim, body);
+    pel_refine_keep_energy(sim, body, shells_before);
 }
 
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
