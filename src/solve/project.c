@@ -56,9 +56,10 @@ static pel_status build(pel_projector *projector, pel_error *error)
     if (projector->bodies == NULL || projector->base == NULL)
         return pel_fail_memory(error);
     if (projector->solver.second_order) {
+        projector->touches = pel_allocate((size_t)model->body_count, sizeof *projector->touches);
         projector->older_position = pel_allocate_aligned(count, sizeof *projector->older_position);
         projector->older_velocity = pel_allocate_aligned(count, sizeof *projector->older_velocity);
-        if (projector->older_position == NULL || projector->older_velocity == NULL)
+        if (projector->older_position == NULL || projector->older_velocity == NULL || projector->touches == NULL)
             return pel_fail_memory(error);
     }
     pel_status status = PEL_OK;
@@ -91,8 +92,8 @@ void pel_projector_destroy(pel_projector *projector)
         return;
     for (int32_t b = 0; projector->bodies != NULL && b < projector->model->body_count; b++)
         pel_project_body_destroy(&projector->bodies[b]);
-    void *arrays[] = {projector->bodies,         projector->bundles,  projector->base,    projector->older_position,
-                      projector->older_velocity, projector->reaction, projector->is_fixed};
+    void *arrays[] = {projector->bodies,         projector->bundles,  projector->base,     projector->older_position,
+                      projector->older_velocity, projector->reaction, projector->is_fixed, projector->touches};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(projector);
@@ -311,21 +312,30 @@ static void measure_velocity_chunk(void *context, int32_t chunk)
     }
 }
 
-/* Second order: what a contact stops has no smooth past. Its velocity is the way of the substep, and the next one
-   begins as if it had always moved so. Otherwise the past would throw it back from what it ran into. */
-static void forget_past(pel_projector *projector, pel_state *state, const pel_contact_list *contacts)
+/* Second order: what a contact stops has no smooth past. The velocity of a body that touches anything is the way of the
+   substep, and the next one begins as if it had always moved so. Otherwise the past would throw it back from what it
+   ran into. All of the body: were it a part, momentum would not stay. */
+static void forget_past(pel_projector *projector, pel_state *state, int32_t body)
 {
+    const pel_model *model = projector->model;
     const pel_real rate = (pel_real)(1 / projector->substep);
+    int32_t end = pel_body_place_end(model, body);
+    for (int32_t v = model->bodies[body].slice_begin * PEL_WIDTH; v < end; v++) {
+        if (!(state->position_next[v][3] > 0))
+            continue;
+        pel_record velocity = rate * (state->position_next[v] - projector->older_position[v]);
+        velocity[3] = 0;
+        state->velocity_next[v] = projector->older_velocity[v] = velocity;
+    }
+}
+
+static void mark_touching_bodies(pel_projector *projector, const pel_contact_list *contacts)
+{
     for (int32_t c = 0; c < contacts->count; c++) {
         const pel_contact *contact = &contacts->contacts[c];
-        for (int i = 0; i < 4 && contact->push > 0; i++) {
-            int32_t v = contact->vertices[i];
-            if (contact->weights[i] == 0 || !(state->position_next[v][3] > 0))
-                continue;
-            pel_record velocity = rate * (state->position_next[v] - projector->older_position[v]);
-            velocity[3] = 0;
-            state->velocity_next[v] = projector->older_velocity[v] = velocity;
-        }
+        for (int i = 0; i < 4 && contact->push > 0; i++)
+            if (contact->weights[i] != 0)
+                projector->touches[projector->model->body_of_slice[contact->vertices[i] / PEL_WIDTH]] = 1;
     }
 }
 
@@ -413,9 +423,16 @@ void pel_project_finish(pel_projector *projector, pel_state *state, const pel_co
     vertex_job job = make_job(projector, state, NULL, boundary, place);
     run_over_vertices(projector, measure_velocity_chunk, &job);
     set_held_velocities(projector, state, boundary);
-    for (int i = 0; i < list_count && projector->solver.second_order; i++)
+    if (!projector->solver.second_order)
+        return;
+    int32_t body_count = projector->model->body_count;
+    memset(projector->touches, 0, (size_t)body_count);
+    for (int i = 0; i < list_count; i++)
         if (contacts[i] != NULL)
-            forget_past(projector, state, contacts[i]);
+            mark_touching_bodies(projector, contacts[i]);
+    for (int32_t b = 0; b < body_count; b++)
+        if (projector->touches[b])
+            forget_past(projector, state, b);
 }
 
 /* ---- reactions ---- */
@@ -455,6 +472,20 @@ void pel_projector_hold(pel_projector *projector, const uint8_t *is_held)
         pel_project_body_mark_fixed(&projector->bodies[b], projector->is_fixed);
 }
 
+/* a body of which something touches goes on as if it had always moved so */
+static void restart_touching(const pel_projector *projector, pel_state *state, int32_t body)
+{
+    const pel_real substep = (pel_real)projector->substep;
+    int32_t begin = projector->model->bodies[body].slice_begin * PEL_WIDTH;
+    int32_t end = pel_body_place_end(projector->model, body);
+    if (memchr(state->contact + begin, 1, (size_t)(end - begin)) == NULL)
+        return;
+    for (int32_t v = begin; v < end; v++) {
+        state->older_position[v] = state->position[v] - substep * state->velocity[v];
+        state->older_velocity[v] = state->velocity[v];
+    }
+}
+
 void pel_projector_accept(pel_projector *projector, pel_state *state)
 {
     if (state->older_position == NULL)
@@ -466,10 +497,6 @@ void pel_projector_accept(pel_projector *projector, pel_state *state)
     projector->older_position = position;
     projector->older_velocity = velocity;
     /* what touched anything has no smooth past, see forget_past */
-    const pel_real substep = (pel_real)projector->substep;
-    for (int32_t v = 0; v < projector->model->vertex_count; v++)
-        if (state->contact[v]) {
-            state->older_position[v] = state->position[v] - substep * state->velocity[v];
-            state->older_velocity[v] = state->velocity[v];
-        }
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        restart_touching(projector, state, b);
 }

@@ -57,6 +57,7 @@ typedef struct pel_projector {
     int32_t phase_begin[PEL_PHASE_COUNT + 1];    /* in bundles */
     pel_record *base;                            /* (vertex_count) y of the substep */
     pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
+    uint8_t *touches;                            /* (body_count) second order: scratch */
     pel_record *reaction;                        /* (vertex_count) see pel_projector_record_reactions; null = none */
     uint8_t *is_fixed;                           /* (vertex_count) pinned or held; null without reactions */
     pel_pool *pool;                              /* set by the owner; null = one thread */
