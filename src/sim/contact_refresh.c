@@ -212,7 +212,7 @@ static void check_impact(const pel_sim *sim, double x[4][3], pel_contact_key *ke
     else
         key->is_off = !leads_away_from_border(sim, key->second, x, w, normal);
     if (key->is_off)
-        contact->separation = -HUGE_VALF;
+        contact->separation = -(pel_real)HUGE_VALF;
 }
 
 static void refresh_pair(const refresh_job *job, int32_t c)
@@ -239,7 +239,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     key->gap = gap_of(x, weights, normal);
     set_tool_share(sim, key, weights, normal, contact);
     if (key->is_off)
-        contact->separation = -HUGE_VALF;
+        contact->separation = -(pel_real)HUGE_VALF;
 }
 
 static void refresh_chunk(void *context, int32_t chunk)

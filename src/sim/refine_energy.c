@@ -2,6 +2,7 @@
 
 #include "model/event_energy.h"
 
+#include <float.h>
 #include <string.h>
 
 enum { TRIAL_LIMIT = 24 };
@@ -10,15 +11,15 @@ enum { TRIAL_LIMIT = 24 };
 /* of the energy of the whole body: what is left alone, so that a surface that comes back is as it was. What is lost
    comes back up to that only: to move vertices against their forces makes new ones */
 #define ALLOWANCE 5e-3
-/* moves of this share of an edge are rounding, and those of that one are too far */
-#define LEAST_MOVE (sizeof(pel_real) == 8 ? 1e-9 : 1e-4)
+/* moves of so many roundings of a position are no moves, and those of this share of an edge are too far */
+#define ROUNDINGS 16
 #define MOST_MOVE 0.2
 
 typedef struct keeper {
     pel_sim *sim;
     int32_t body;
-    bool only_new; /* new vertices move, else all of the event */
-    double edge;   /* shortest at the vertices that move [m] */
+    bool only_new;      /* new vertices move, else all of the event */
+    double least, most; /* m: what a vertex moves by at once */
     double force_square;
     /* of active->event_direction: its largest part, and the forces along it */
     double largest, slope;
@@ -126,25 +127,30 @@ static double way_of_parabola(const keeper *k, double energy, double target, dou
     return root > 0 ? (slope - sqrt(root)) / curvature : slope / curvature;
 }
 
-static double shortest_edge(const keeper *k)
+/* by the shortest edge at the vertices that move, and the rounding of their positions */
+static void set_range(keeper *k)
 {
     const pel_model *model = k->sim->model;
-    double edge = HUGE_VAL;
+    double edge = HUGE_VAL, far = 0, x[3];
     for (int32_t i = 0; i < place_count(k, true); i++) {
         int32_t place = place_at(k, i, true), slice = place / PEL_WIDTH, lane = place % PEL_WIDTH;
         for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
             if (model->neighbours[slot][lane] != place)
                 edge = fmin(edge, (double)model->rest_lengths[slot][lane]);
+        pel_vertex_position(k->sim->state->position, place, x);
+        for (int c = 0; c < 3; c++)
+            far = fmax(far, fabs(x[c]));
     }
-    return edge;
+    k->least = ROUNDINGS * far * (sizeof(pel_real) == 8 ? DBL_EPSILON : (double)FLT_EPSILON);
+    k->most = MOST_MOVE * edge;
 }
 
 /* one trial and the parabola through it; the new energy, or the old one and false when that is no better */
 static bool improve(keeper *k, double target, double *energy)
 {
-    double trial = (*energy - target) / k->slope, limit = MOST_MOVE * k->edge / k->largest;
+    double trial = (*energy - target) / k->slope, limit = k->most / k->largest;
     trial = fmax(fmin(trial, limit), -limit);
-    if (!(k->slope > 0 && fabs(trial) * k->largest > LEAST_MOVE * k->edge))
+    if (!(k->slope > 0 && fabs(trial) * k->largest > k->least))
         return false;
     move(k, trial);
     double tried = evaluate(k), way = way_of_parabola(k, *energy, target, trial, tried);
@@ -198,11 +204,12 @@ void pel_refine_keep_energy(pel_sim *sim, int32_t body, double shells_before)
     if (fabs(energy - target) <= allowance)
         return;
     target -= energy < target ? allowance : 0;
-    k.edge = shortest_edge(&k);
+    set_range(&k);
     approach(&k, target, &energy);
     if (!k.only_new || fabs(energy - target) <= TOLERANCE * target)
         return;
     k.only_new = false;
     energy = evaluate(&k);
+    set_range(&k);
     approach(&k, target, &energy);
 }

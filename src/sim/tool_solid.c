@@ -159,7 +159,7 @@ static void refresh_triangle(const pel_sim *sim, const pel_tool *tool, int32_t t
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
         pel_pose_to_local(&tool->pose, corner[c], local[c]);
     }
-    contact->separation = -HUGE_VALF;
+    contact->separation = -(pel_real)HUGE_VALF;
     if (tool->solid.kind == PEL_SOLID_BOX && is_deepest_at_corner(tool->press_solid.half_extents, local))
         return;
     double depth = pel_solid_depth(&tool->press_solid, local[0], local[1], local[2], weights, normal);
