@@ -236,13 +236,21 @@ static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, do
     return push_triangle(sim, tool, t, weights, depth, normal);
 }
 
+/* Without friction a corner that was looked at is out, and stays there while corners are pushed: once is enough. */
+static bool is_done(pel_sim *sim, int32_t v)
+{
+    bool done = sim->cornered_at[v] == sim->press_count && !(pel_sim_friction(sim) > 0);
+    sim->cornered_at[v] = sim->press_count;
+    return done;
+}
+
 static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t t, double tolerance,
                           bool *moved)
 {
     const int32_t *corners = sim->model->triangles[t];
     for (int c = 0; c < 3; c++) {
         const int32_t corner[3] = {corners[c], corners[c], corners[c]};
-        if (!is_beside(box, sim->state->position_next, corner))
+        if (!is_done(sim, corners[c]) && !is_beside(box, sim->state->position_next, corner))
             *moved |= press_corner(sim, tool, t, c, tolerance);
     }
 }
@@ -289,6 +297,7 @@ static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
     bool moved = false, again = true;
     /* what rests has to be pushed in every step, or it would creep where friction holds it */
     double corner_tolerance = pel_sim_friction(sim) > 0 ? 0 : tolerance;
+    sim->press_count++;
     for (int32_t i = 0; i < near_count; i++) {
         press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
         sim->looked_at[i] = -1;

@@ -161,7 +161,9 @@ struct pel_sim {
     int32_t *plane_of_triangle;   /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
     int64_t *looked_at;           /* (triangle_count) by place in near_triangles: pushes when it was looked at */
     int64_t *moved_at;            /* (vertex_count) push that moved it last */
+    int64_t *cornered_at;         /* (vertex_count) the pressing that looked at it as a corner last */
     int64_t push_count;           /* of all steps */
+    int64_t press_count;          /* likewise */
     uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
     pel_boundary boundary;        /* what tools hold; its arrays: */
     int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */

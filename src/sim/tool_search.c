@@ -129,6 +129,9 @@ pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **sear
     }
     for (int32_t b = 0; b < model->body_count; b++)
         pel_tool_search_rebuild(made, b);
+    /* all lists of blocks */
+    pel_tool_search_fit(made, model->rest);
+    made->is_fitted = false;
     *search = made;
     return PEL_OK;
 }

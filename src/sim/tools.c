@@ -164,8 +164,9 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
     sim->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->looked_at);
     sim->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->moved_at);
+    sim->cornered_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->cornered_at);
     if (sim->near_triangles == NULL || sim->plane_of_triangle == NULL || sim->held == NULL || sim->looked_at == NULL ||
-        sim->moved_at == NULL)
+        sim->moved_at == NULL || sim->cornered_at == NULL)
         return pel_fail_memory(error);
     pel_status status = pel_tool_search_create(sim->model, &sim->tool_search, error);
     bool grasps = false;
@@ -200,6 +201,7 @@ void pel_tools_destroy(pel_sim *sim)
     pel_free(sim->held);
     pel_free(sim->looked_at);
     pel_free(sim->moved_at);
+    pel_free(sim->cornered_at);
     pel_free(sim->held_vertices);
     pel_free(sim->held_targets);
 }
