@@ -32,7 +32,8 @@ static void press_path(const pel_mesh *mesh, double radius, pel_pose_key keys[3]
         top = mesh->positions[v][2] > top[2] ? mesh->positions[v] : top;
     const double lift[3] = {1e-3, -0.01, 1e-3};
     for (int k = 0; k < 3; k++)
-        keys[k] = (pel_pose_key){0.005 * STEPS * k, {top[0], top[1], top[2] + radius + lift[k]}, {0, 0, 0, 1}};
+        keys[k] =
+            (pel_pose_key){0.005 * STEPS * k, {top[0], top[1], top[2] + radius + lift[k]}, {0, 0, 0, 1}, {0, 0, 0}};
 }
 
 static void press(const pel_mesh *mesh, int32_t levels)

@@ -43,7 +43,7 @@ static void slide_path(const pel_mesh *mesh, double radius, double depth, pel_po
                 top = fmax(top, p[2] + sqrt(radius * radius - square));
         }
         double lift = k == 0 ? radius : -depth;
-        keys[k] = (pel_pose_key){duration * k / (count - 1), {x, 0, top + lift}, {0, 0, 0, 1}};
+        keys[k] = (pel_pose_key){duration * k / (count - 1), {x, 0, top + lift}, {0, 0, 0, 1}, {0}};
     }
 }
 

@@ -266,10 +266,10 @@ static pel_status shrink(cli_experiment *experiment, outcome made[SHRINK_WAYS])
     if (status != PEL_OK)
         return status;
     const outcome *cap = &made[CAP_REFINED];
-    for (int i = 1; i < CAP_REFINED; i++) {
+    for (int i = 0; i < CAP_REFINED; i++) {
         char name[64];
-        snprintf(name, sizeof name, "%s / cap: volume lost", shrink_ways[i].run);
-        cli_experiment_limit(experiment, name, (1 - made[i].volume) / (1 - cap->volume), 0.3, own);
+        snprintf(name, sizeof name, "cap / %s: roughness", shrink_ways[i].run);
+        cli_experiment_limit(experiment, name, cap->roughness / made[i].roughness, 1, own);
     }
     return PEL_OK;
 }

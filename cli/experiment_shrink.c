@@ -341,9 +341,8 @@ const cli_experiment_case cli_figure_16_18 = {
 
 /* ---- figures 19 and 20: regions of fibres ---- */
 
-/* none, and the three energies; that of stvk is four times as stiff at rest */
+/* none, and the three energies */
 static const char *const fibres[] = {NULL, "arap", "sqrt", "stvk"};
-static const char *const strengths[] = {NULL, "0.3", "0.3", "0.075"};
 enum { FIBRE_COUNT = 4 };
 
 static pel_status run_fibres(cli_experiment *experiment, int mesh, double volumes[FIBRE_COUNT])
@@ -354,8 +353,8 @@ static pel_status run_fibres(cli_experiment *experiment, int mesh, double volume
         pel_run_summary summary = {0};
         snprintf(run, sizeof run, "%s-%s", meshes[mesh].name, i > 0 ? fibres[i] : "none");
         if (i > 0)
-            snprintf(region, sizeof region, "bodies.0.anisotropy={ energy: %s, strength: %s, region: { sphere: %s } }",
-                     fibres[i], strengths[i], meshes[mesh].region);
+            snprintf(region, sizeof region, "bodies.0.anisotropy={ energy: %s, strength: 0.3, region: { sphere: %s } }",
+                     fibres[i], meshes[mesh].region);
         const char *overrides[] = {meshes[mesh].override, region, NULL};
         status = cli_experiment_run(experiment, run, shrink, overrides, &summary);
         if (status == PEL_OK)
@@ -376,7 +375,7 @@ static pel_status run_figure_19_20(cli_experiment *experiment)
         status = run_fibres(experiment, mesh, volumes);
         for (int i = 1; i < FIBRE_COUNT; i++) {
             snprintf(name, sizeof name, "%s: volume with %s / without", meshes[mesh].name, fibres[i]);
-            cli_experiment_tell(experiment, name, volumes[i] / volumes[0], 1, "paper B: smaller with fibres");
+            cli_experiment_limit(experiment, name, volumes[i] / volumes[0], 0.95, "paper B: smaller with fibres");
         }
         snprintf(name, sizeof name, "%s: arap - sqrt", meshes[mesh].name);
         cli_experiment_check(experiment, name, volumes[1] - volumes[2], 0, 1e-9, "theory: one and the same energy");

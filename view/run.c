@@ -77,39 +77,6 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
     return read_positions(run, path, error);
 }
 
-/* a unit quaternion between two, the shorter way round */
-static void turn_between(const double from[4], const double to[4], double part, double rotation[4])
-{
-    double cosine = 0, weights[2] = {1 - part, part}, length = 0;
-    for (int i = 0; i < 4; ++i)
-        cosine += from[i] * to[i];
-    double sign = cosine < 0 ? -1 : 1, angle = acos(fmin(fabs(cosine), 1));
-    if (angle > 1e-6) {
-        weights[0] = sin((1 - part) * angle);
-        weights[1] = sin(part * angle);
-    }
-    for (int i = 0; i < 4; ++i) {
-        rotation[i] = weights[0] * from[i] + sign * weights[1] * to[i];
-        length += rotation[i] * rotation[i];
-    }
-    for (int i = 0; i < 4; ++i)
-        rotation[i] /= sqrt(length);
-}
-
-/* the pose that the keys give */
-static void pose_at(const pel_tool_def *tool, double time, double position[3], double rotation[4])
-{
-    const pel_pose_key *key = tool->keys, *last = key + tool->key_count - 1;
-    while (key < last && key[1].time <= time)
-        ++key;
-    const pel_pose_key *next = key < last ? key + 1 : key;
-    double part = next != key ? (time - key->time) / (next->time - key->time) : 0;
-    part = part > 0 ? part : 0;
-    for (int i = 0; i < 3; ++i)
-        position[i] = key->position[i] + part * (next->position[i] - key->position[i]);
-    turn_between(key->rotation, next->rotation, part, rotation);
-}
-
 int32_t view_run_tool_count(const view_run *run)
 {
     return run->scene != NULL ? run->scene->sim.tool_count : 0;
@@ -119,7 +86,7 @@ const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t fra
                                   double rotation[4])
 {
     const pel_tool_def *def = &run->scene->sim.tools[tool];
-    pose_at(def, view_run_time(run, frame), position, rotation);
+    pel_tool_def_pose(def, view_run_time(run, frame), position, rotation);
     if (run->tool_positions == NULL)
         return def;
     const double *row = run->tool_positions + 3 * ((size_t)frame * (size_t)view_run_tool_count(run) + (size_t)tool);

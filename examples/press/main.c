@@ -37,7 +37,8 @@ int main(int argc, char **argv)
     for (int32_t v = 1; v < mesh->vertex_count; v++)
         top = mesh->positions[v][2] > top[2] ? mesh->positions[v] : top;
     const double r = argc > 2 ? atof(argv[2]) : 0.4, x = top[0], y = top[1], z = top[2] + 1.001 * r, low = z - r / 2;
-    pel_pose_key keys[] = {{0, {x, y, z}, {0, 0, 0, 1}}, {1, {x, y, low}, {0, 0, 0, 1}}, {2, {x, y, z}, {0, 0, 0, 1}}};
+    pel_pose_key keys[] = {
+        {0, {x, y, z}, {0, 0, 0, 1}, {0}}, {1, {x, y, low}, {0, 0, 0, 1}, {0}}, {2, {x, y, z}, {0, 0, 0, 1}, {0}}};
     const pel_tool_def ball = {.name = "ball", .radius = r, .keys = keys, .key_count = 3, .body = 0, .press = true};
     /* the simulation changes: one state of the model under tools and loads */
     pel_sim_def sim_def = pel_sim_def_default();

@@ -60,7 +60,7 @@ typedef struct pel_refine_def {
 /* One body. Arrays are read during pel_model_create only; the mesh is copied. */
 typedef struct pel_body_def {
     const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
-    const pel_mesh *mesh; /* oriented manifold, boundary allowed, no triangle without area */
+    const pel_mesh *mesh; /* oriented manifold, boundary allowed, no triangle without area; outward or inward */
     pel_mass_kind mass_kind;
     double mass;                       /* kg, kg or kg/m3 by kind; > 0 */
     pel_quantity thickness;            /* m, for PEL_MASS_DENSITY; no keys */
@@ -101,8 +101,13 @@ void pel_model_destroy(pel_model *model);
 int32_t pel_model_body_count(const pel_model *model);
 /* The body's index by name, -1 when there is none. */
 int32_t pel_model_find_body(const pel_model *model, const char *name);
-/* The mesh of a body as given (rest positions, triangles, fields). Lives as long as the model. */
+/* The mesh of a body as given (rest positions, triangles, fields), with closed parts that are inside out turned over.
+   Lives as long as the model. */
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
+/* How many triangles that were: each part (connected by edges) without boundary whose signed volume is below 0, unless
+   it is a cavity within the rest of the mesh. The order of triangles and vertices stays, the last two corners of these
+   triangles change places. So pressure acts on the enclosed volume whichever way the mesh was turned. */
+int32_t pel_model_turned_count(const pel_model *model, int32_t body);
 /* True when the body's mesh has no boundary: it encloses a volume. */
 bool pel_model_is_closed(const pel_model *model, int32_t body);
 const char *pel_model_body_name(const pel_model *model, int32_t body);

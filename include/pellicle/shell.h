@@ -53,7 +53,7 @@ typedef struct pel_bending_def {
 
 /* What a region of fibres does. */
 typedef enum pel_fibre_mode {
-    PEL_FIBRE_CAVE,   /* paper B: where the energy of the fibres is not 0, vertices go inward along their normal */
+    PEL_FIBRE_CAVE,   /* paper B: where fibres are shorter than at rest, triangles go inward along their normal */
     PEL_FIBRE_STRAIN, /* the energy as it is: resists stretch along the fibres */
     PEL_FIBRE_ACTIVE, /* fibres that want to have `rest_length` times their length at rest: a muscle */
     PEL_FIBRE_CURL    /* the rest angles of hinges within are multiplied by `curvature`: below 0 it wants to cave in */
@@ -69,10 +69,11 @@ typedef enum pel_fibre_direction {
 typedef struct pel_anisotropy_def {
     pel_fibre_mode mode;
     pel_fibre_kind kind;
-    double stiffness;         /* N/m, > 0, of the fibres; not read by PEL_FIBRE_CURL */
-    double strength;          /* cave: length [m] by which a projection moves a vertex inward at a strain energy density
-                                 that equals the stiffness, limited to max_step; > 0 */
-    double max_step;          /* cave: share of the mean edge that one projection may move a vertex; 0.1 by default */
+    double stiffness; /* N/m, > 0, of the fibres; not read by PEL_FIBRE_CURL */
+    double strength;  /* cave: length [m] that a triangle goes inward in a step where its fibre is shorter than at rest
+                         by  5 % (in proportion to the square, so to the energy), limited to max_step; > 0 */
+    double max_step;  /* cave: share of its edge that a triangle may go inward in a step, whatever the sweeps and
+                         substeps; 0.05 by default */
     pel_quantity rest_length; /* active: factor on the length at rest, 0 to 1 and beyond; may be keyed */
     double curvature;         /* curl: factor on rest angles; -1 turns them round */
     pel_fibre_direction direction;

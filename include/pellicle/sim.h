@@ -72,11 +72,16 @@ typedef enum pel_tool_shape {
     PEL_TOOL_MESH     /* mesh; needs contact (pel_contact_def) */
 } pel_tool_shape;
 
-/* Pose of a tool at a time. Positions move linearly between keys, rotations by spherical interpolation. */
+/* Pose of a tool at a time: x -> exp(rotation_vector) rotation x + position.
+
+   Between two keys positions are linear. Quaternions are interpolated spherically, along the shorter arc. Rotation
+   vectors about one axis are linear in the angle as written: 0 and 2 pi are a full turn, 0 and 4 pi two. Between
+   different axes the whole turns of either are linear, and what remains of both is interpolated spherically. */
 typedef struct pel_pose_key {
-    double time;        /* s */
-    double position[3]; /* m */
-    double rotation[4]; /* unit quaternion x, y, z, w */
+    double time;               /* s */
+    double position[3];        /* m */
+    double rotation[4];        /* unit quaternion x, y, z, w */
+    double rotation_vector[3]; /* rad, axis times angle, after `rotation`; at most 1e6 turns; 0 = none */
 } pel_pose_key;
 
 /* A rigid instrument that pushes bodies out of its way (press) and can hold vertices (grasp). */
@@ -91,12 +96,16 @@ typedef struct pel_tool_def {
     int32_t key_count;
     int32_t body; /* the body it acts on; -1 = all */
     bool press;   /* keeps the body out of the tool */
-    bool grasp;   /* holds the vertices within `reach` of its surface at grasp_from until grasp_until */
+    bool grasp;   /* holds the vertices that are inside it or within `reach` of its surface at grasp_from, until
+                     grasp_until. A mesh has an inside when it is closed; of an open one its surface counts */
     double grasp_from, grasp_until; /* s */
     double reach;                   /* m */
 } pel_tool_def;
 
 pel_tool_def pel_tool_def_default(void);
+/* The pose (position 3, unit quaternion 4) that the keys of a tool give at a time [s]; before the first key and after
+   the last it stands still. */
+void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4]);
 
 /* When contacts are solved. */
 typedef enum pel_contact_response {

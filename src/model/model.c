@@ -6,6 +6,7 @@
 #include "math/vec3.h"
 #include "model/detail.h"
 #include "model/order.h"
+#include "model/orient.h"
 #include "model/quantity.h"
 #include "model/shell.h"
 #include "pellicle/measure.h"
@@ -328,6 +329,7 @@ static pel_status copy_curves(const pel_body_def *def, pel_body *body, pel_error
 
 /* scratch of building one body */
 typedef struct build {
+    pel_body_def def; /* as given, with the model's own mesh */
     pel_topology *topology;
     int32_t *order, *valence;
     double *areas;
@@ -342,14 +344,30 @@ static void build_end(build *scratch)
     *scratch = (struct build){0};
 }
 
-/* first pass: everything about a body that does not need the model's arrays */
-static pel_status begin_body(const pel_body_def *def, pel_body *body, build *scratch, pel_error *error)
+/* the mesh of a body, with what is inside out turned over, and its topology */
+static pel_status begin_surface(const pel_body_def *given, pel_body *body, build *scratch, pel_error *error)
 {
-    size_t vertex_count = (size_t)def->mesh->vertex_count;
-    snprintf(body->name, sizeof body->name, "%s", def->name);
-    pel_status status = copy_mesh(def->mesh, &body->mesh, error);
+    pel_status status = copy_mesh(given->mesh, &body->mesh, error);
+    scratch->def = *given;
+    scratch->def.mesh = body->mesh;
     if (status == PEL_OK)
-        status = pel_topology_create(def->mesh, &scratch->topology, error);
+        status = pel_topology_create(body->mesh, &scratch->topology, error);
+    if (status == PEL_OK)
+        status = pel_orient_outward(body->mesh, scratch->topology, &body->turned_count, error);
+    if (status != PEL_OK || body->turned_count == 0)
+        return status;
+    pel_topology_destroy(scratch->topology);
+    scratch->topology = NULL;
+    return pel_topology_create(body->mesh, &scratch->topology, error);
+}
+
+/* first pass: everything about a body that does not need the model's arrays */
+static pel_status begin_body(const pel_body_def *given, pel_body *body, build *scratch, pel_error *error)
+{
+    const pel_body_def *def = &scratch->def;
+    size_t vertex_count = (size_t)given->mesh->vertex_count;
+    snprintf(body->name, sizeof body->name, "%s", given->name);
+    pel_status status = begin_surface(given, body, scratch, error);
     if (status == PEL_OK)
         status = copy_curves(def, body, error);
     if (status != PEL_OK)
@@ -427,7 +445,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body *body = &model->bodies[b];
-        fill_vertices(model, &def->bodies[b], body, builds[b].order, builds[b].areas);
+        fill_vertices(model, &builds[b].def, body, builds[b].order, builds[b].areas);
         count_slots(model, body, builds[b].valence);
         for (int32_t s = body->slice_begin; s < body->slice_end; s++)
             model->body_of_slice[s] = b;
@@ -439,15 +457,15 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
     int32_t *filled = pel_allocate((size_t)model->vertex_count, sizeof *filled);
     bool room = filled != NULL && pel_model_allocate_slots(model, with_stiffness, 3 * model->triangle_count);
     for (int32_t b = 0; room && b < model->body_count; b++)
-        fill_springs(model, &def->bodies[b], &model->bodies[b], builds[b].topology, filled);
+        fill_springs(model, &builds[b].def, &model->bodies[b], builds[b].topology, filled);
     pel_free(filled);
     if (!room)
         return pel_fail_memory(error);
     fill_fans(model);
     for (int32_t b = 0; b < model->body_count; b++) {
-        pel_status status = pel_body_detail_create(&def->bodies[b], model, b, error);
+        pel_status status = pel_body_detail_create(&builds[b].def, model, b, error);
         if (status == PEL_OK)
-            status = pel_body_shell_create(&def->bodies[b], model, b, builds[b].topology, error);
+            status = pel_body_shell_create(&builds[b].def, model, b, builds[b].topology, error);
         if (status != PEL_OK)
             return name_body(status, model->bodies[b].name, b, error);
     }
@@ -516,6 +534,11 @@ int32_t pel_model_find_body(const pel_model *model, const char *name)
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body)
 {
     return model->bodies[body].mesh;
+}
+
+int32_t pel_model_turned_count(const pel_model *model, int32_t body)
+{
+    return model->bodies[body].turned_count;
 }
 
 bool pel_model_is_closed(const pel_model *model, int32_t body)

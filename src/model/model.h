@@ -53,6 +53,7 @@ typedef struct pel_body {
     int32_t *slot_of_vertex;        /* (mesh vertex_count) place of a mesh vertex in the model's order */
     bool has_volumetric;
     bool closed;
+    int32_t turned_count; /* triangles of the mesh as given that were inside out */
     double rest_volume, rest_area;
     double diameter;       /* diagonal of the rest bounding box */
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */

@@ -24,7 +24,7 @@ pel_anisotropy_def pel_anisotropy_def_default(void)
 {
     return (pel_anisotropy_def){
         .stiffness = 1,
-        .max_step = 0.1,
+        .max_step = 0.05,
         .rest_length = {.value = 1},
         .curvature = -1,
         .axis = {0, 0, 1},

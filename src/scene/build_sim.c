@@ -108,7 +108,9 @@ static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *l
         pel_pose_key *key = &keys[count++];
         key->time = pel_scene_value_number(value, "time");
         pel_scene_value_numbers(pel_scene_value_entry(value, "position"), key->position);
-        pel_status status = pel_scene_rotation(reader, pel_scene_value_entry(value, "rotation"), key->rotation);
+        key->rotation[3] = 1;
+        pel_status status =
+            pel_scene_rotation_vector(reader, pel_scene_value_entry(value, "rotation"), key->rotation_vector);
         if (status != PEL_OK)
             return status;
         if (count > 1 && !(key->time > key[-1].time)) {

@@ -67,14 +67,11 @@ static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, co
     return status == PEL_BAD_FILE ? pel_scene_fail_at(reader, &file->place) : status;
 }
 
-pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4])
+/* the unit axis of a rotation { axis, angle } */
+static pel_status read_axis(pel_scene_reader *reader, const pel_scene_value *value, double axis[3])
 {
-    static const double none[4] = {0, 0, 0, 1};
-    memcpy(rotation, none, sizeof none);
-    if (value == NULL)
-        return PEL_OK;
     const pel_scene_value *axis_value = pel_scene_value_entry(value, "axis");
-    double axis[3], largest = 0;
+    double largest = 0;
     pel_scene_value_numbers(axis_value, axis);
     for (int i = 0; i < 3; i++)
         largest = fmax(largest, fabs(axis[i]));
@@ -86,10 +83,29 @@ pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *v
     for (int i = 0; i < 3; i++)
         axis[i] /= largest;
     pel_vec3_normalize(axis);
-    double half_angle = fmod(pel_scene_value_number(value, "angle"), 720) * pi / 360;
+    return PEL_OK;
+}
+
+pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4])
+{
+    double axis[3] = {0}, half_angle = 0;
+    if (value != NULL) {
+        pel_status status = read_axis(reader, value, axis);
+        if (status != PEL_OK)
+            return status;
+        half_angle = fmod(pel_scene_value_number(value, "angle"), 720) * pi / 360;
+    }
     pel_vec3_scale(axis, sin(half_angle), rotation);
     rotation[3] = cos(half_angle);
     return PEL_OK;
+}
+
+pel_status pel_scene_rotation_vector(pel_scene_reader *reader, const pel_scene_value *value, double vector[3])
+{
+    double axis[3] = {0};
+    pel_status status = value != NULL ? read_axis(reader, value, axis) : PEL_OK;
+    pel_vec3_scale(axis, value != NULL ? pel_scene_value_number(value, "angle") * pi / 180 : 0, vector);
+    return status;
 }
 
 static pel_status move_mesh(pel_scene_reader *reader, const pel_scene_value *value, pel_mesh *mesh)

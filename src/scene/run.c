@@ -137,13 +137,27 @@ static void note_softness(const pel_run_state *run)
         (int)substeps, 1 + softness, ceil(needed), 100 * SOFTNESS_TOLD);
 }
 
+/* what was turned over so that pressure and volume have their usual sign */
+static void note_turned(const pel_run_state *run)
+{
+    const pel_model *model = run->model;
+    for (int32_t b = 0; b < pel_model_body_count(model); b++)
+        if (pel_model_turned_count(model, b) > 0)
+            pel_log_line(run->def->log,
+                         "the mesh of body '%s' is inside out: %d triangles were turned outward (`pellicle "
+                         "check --fix` turns them in the file)",
+                         pel_model_body_name(model, b), (int)pel_model_turned_count(model, b));
+}
+
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
     pel_status status = create_sim(run, error);
     if (status == PEL_OK)
         status = check_stop(run, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
+        note_turned(run);
         note_softness(run);
+    }
     if (status != PEL_OK)
         return status;
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);

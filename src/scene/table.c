@@ -176,19 +176,25 @@ static const pel_scene_row rows[] = {
      .doc = "full lengths of the box along the tool's axes"},
     {"tools[].body", TEXT, .doc = "name of the only body that it acts on; leave out for all"},
     {"tools[].press", BOOLEAN, .preset = "true", .doc = "keeps the body out of the tool"},
-    {"tools[].grasp", MAP, .doc = "holds the vertices near its surface for a while; leave out for never"},
+    {"tools[].grasp", MAP, .doc = "holds the vertices in it and near its surface for a while; leave out for never"},
     {"tools[].grasp.from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "closes at this time"},
     {"tools[].grasp.until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "opens at this time"},
     {"tools[].grasp.reach", NUMBER, .unit = "m", POSITIVE, REQUIRED,
-     .doc = "holds the vertices that are this near to its surface when it closes"},
+     .doc = "when it closes it holds the vertices inside it (of a mesh: if it is closed) and those this near to its "
+            "surface"},
     {"tools[].motion", LIST, COUNT_FROM(1), REQUIRED,
-     .doc = "poses over time, linear between the keys; one key for a tool that stands still"},
+     .doc = "poses over time, linear between the keys in position and angle; one key for a tool that stands still"},
     {"tools[].motion[]", MAP, .doc = "one pose"},
     {"tools[].motion[].time", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "time of the pose"},
     {"tools[].motion[].position", VECTOR, .unit = "m", REQUIRED, .doc = "centre of the tool"},
-    {"tools[].motion[].rotation", MAP, .doc = "turns the tool about its centre; leave out for none"},
+    {"tools[].motion[].rotation", MAP,
+     .doc = "turns the tool about its centre; leave out for none. Keys about one axis are linear in the angle as "
+            "written: 0 "
+            "and 360 are a full turn. Between different axes whole turns are linear and the rest is interpolated "
+            "spherically"},
     {"tools[].motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
-    {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},
+    {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
+     .doc = "angle, counter-clockwise; 720 is two turns from 0"},
 
     {"contact", MAP,
      .doc = "surfaces touch and never pass through each other (paper B, section 4); leave out for none"},
@@ -293,17 +299,19 @@ static const pel_scene_row rows[] = {
 
     {"<anisotropy>", MAP, .doc = "a region with fibres"},
     {"<anisotropy>.mode", WORD("cave", "strain", "active", "curl"), ALTERNATIVE, .preset = "cave",
-     .doc =
-         "cave: paper B's, vertices go inward where fibres are strained (pbd); strain: fibres resist strain; active: "
-         "they shrink like a muscle; curl: the region wants another curvature"},
+     .doc = "cave: paper B's, triangles go inward where fibres are shorter than at rest (pbd, xpbd); strain: fibres "
+            "resist strain; active: "
+            "they shrink like a muscle; curl: the region wants another curvature"},
     {"<anisotropy>.energy", WORD("arap", "stvk", "sqrt"), .preset = "arap",
      .doc = "cave, strain: energy of the fibres"},
     {"<anisotropy>.stiffness", NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
      .doc = "of the fibres; auto is young times thickness of the membrane"},
     {"<anisotropy>.strength", NUMBER, .unit = "m", POSITIVE, .needs = "mode", .needs_word = "cave", REQUIRED,
-     .doc = "how far a projection moves a vertex inward where the energy per area equals the stiffness"},
-    {"<anisotropy>.max_step", NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave", .preset = "0.1",
-     .doc = "share of the mean edge that one projection may move a vertex"},
+     .doc =
+         "how far a step moves a triangle inward where its fibre is shorter than at rest by 5 %; in proportion to the "
+         "square"},
+    {"<anisotropy>.max_step", NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave", .preset = "0.05",
+     .doc = "share of its edge that a triangle may go inward in a step, whatever the iterations and substeps"},
     {"<anisotropy>.rest_length", QUANTITY, AT_LEAST(0), .needs = "mode", .needs_word = "active", REQUIRED,
      .doc = "length at which the fibres are at rest, over that of the rest shape"},
     {"<anisotropy>.curvature", NUMBER, .needs = "mode", .needs_word = "curl", .preset = "-1",

@@ -1,5 +1,6 @@
 /* Getters and setters between the model's vertex order and the mesh's, and sums over everything. */
 #include "base/status.h"
+#include "math/pose.h"
 #include "math/vec3.h"
 #include "sim/contact.h"
 
@@ -185,7 +186,13 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
                  sim->tools[tool].name);
         return PEL_BAD_ARGUMENT;
     }
+    /* a pose that is set turns the tool by the shorter arc */
+    static const double none[3] = {0};
     pel_tool *t = &sim->tools[tool];
+    const pel_pose *last = t->driven ? &t->driven_pose : &t->pose;
+    double turn[3];
+    pel_rotation_between(last->rotation, rotation, none, turn);
+    pel_vec3_add(last->spin, turn, t->driven_pose.spin);
     t->driven = true;
     memcpy(t->driven_pose.position, position, sizeof t->driven_pose.position);
     memcpy(t->driven_pose.rotation, rotation, sizeof t->driven_pose.rotation);

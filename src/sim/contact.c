@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 8, VELOCITY_SWEEPS = 4 };
+enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS = 2, VELOCITY_SWEEPS = 4 };
 
 /* distance that the guard keeps, of the thickness */
 #define GUARDED_SHARE 0.3
@@ -114,8 +114,10 @@ static pel_status allocate_guard(pel_sim *sim, pel_error *error)
     contacts->zones = pel_allocate(nodes, sizeof *contacts->zones);
     contacts->rings = pel_allocate(nodes, sizeof *contacts->rings);
     contacts->wanted = pel_allocate((size_t)sim->tool_count, sizeof *contacts->wanted);
-    bool made =
-        contacts->solved != NULL && contacts->zones != NULL && contacts->rings != NULL && contacts->wanted != NULL;
+    contacts->body_shares = pel_allocate((size_t)sim->model->body_count, sizeof *contacts->body_shares);
+    contacts->body_impacts = pel_allocate((size_t)sim->model->body_count, sizeof *contacts->body_impacts);
+    bool made = contacts->solved != NULL && contacts->zones != NULL && contacts->rings != NULL &&
+                contacts->wanted != NULL && contacts->body_shares != NULL && contacts->body_impacts != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -186,12 +188,13 @@ void pel_contacts_destroy(pel_sim *sim)
     if (contacts == NULL)
         return;
     pel_collider_destroy(contacts->collider);
-    void *arrays[] = {contacts->triangles,      contacts->group_of_point, contacts->may_meet, contacts->revisions,
-                      contacts->tools,          contacts->start,          contacts->end,      contacts->substep_start,
-                      contacts->substep_end,    contacts->list.contacts,  contacts->keys,     contacts->other_keys,
-                      contacts->other_contacts, contacts->conflicts,      contacts->impacts,  contacts->solved,
-                      contacts->zones,          contacts->rings,          contacts->wanted,   contacts->tangles.pairs,
-                      contacts->tangles.keys,   contacts->before_event};
+    void *arrays[] = {
+        contacts->triangles,      contacts->group_of_point, contacts->may_meet,    contacts->revisions,
+        contacts->tools,          contacts->start,          contacts->end,         contacts->substep_start,
+        contacts->substep_end,    contacts->list.contacts,  contacts->keys,        contacts->other_keys,
+        contacts->other_contacts, contacts->conflicts,      contacts->impacts,     contacts->solved,
+        contacts->zones,          contacts->rings,          contacts->wanted,      contacts->tangles.pairs,
+        contacts->tangles.keys,   contacts->before_event,   contacts->body_shares, contacts->body_impacts};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(contacts);
@@ -472,6 +475,16 @@ pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
     return status == PEL_OK ? merge(sim, &found, contacts->impacts, HUGE_VAL, error) : status;
 }
 
+void pel_contacts_forget_step(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        pel_contact_key *key = &contacts->keys[c];
+        key->is_impact = key->is_off = key->has_side = key->has_pushed = false;
+        key->gap = 0;
+    }
+}
+
 /* ---- correction ---- */
 
 /* Moves the new positions by sweeps over the contacts. Velocities lose what runs into a contact, by impulses: momentum
@@ -531,6 +544,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         status = merge(sim, &found, contacts->impacts, HUGE_VAL, error);
         if (status != PEL_OK)
             return status;
+        contacts->minds_sides = round < SIDE_ROUNDS;
         correct(sim, once ? 1 : contacts->def.sweeps);
         /* boxes are in the list */
         pel_tools_press(sim, longest, true);

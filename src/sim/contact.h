@@ -14,6 +14,9 @@
 #include "model/contact.h"
 #include "sim/sim.h"
 
+/* in mean edges: what goes farther in a step is not corrected after the solver, but stopped */
+#define PEL_CONTACT_FAR 2.0
+
 /* which pair a contact is of, in the order of the list; the tool that it is with, -1 = none */
 typedef struct pel_contact_key {
     bool edge_edge;
@@ -44,18 +47,19 @@ typedef struct pel_impact {
     bool is_solved;  /* by a cubic */
 } pel_impact;
 
-/* What goes as one in the guard: a vertex or tool at first. Numbers of a zone stand at its root, but for is_stopped. */
+/* What moves together in the guard: a vertex or tool at first. Numbers of a zone stand at its root, but for those of a
+   node. */
 typedef struct pel_zone {
     int32_t parent;     /* of a forest; itself = root */
     bool is_joined;     /* more than one */
-    bool is_scaled;     /* has a tool or what cannot move: goes a share of its ways */
-    bool is_held;       /* the same, but not because of a conflict inside */
-    bool is_new;        /* joined in this round */
-    bool is_stopped;    /* this node stays */
-    double share;       /* of the way */
-    double impact;      /* earliest in this round, 1 = none that counts */
+    bool is_held;       /* has met a tool, or has what cannot move: no common motion */
     double mass;        /* kg */
     double momentum[3]; /* kg m: sum of mass times way */
+    /* of a node */
+    int32_t leader;  /* the tool that holds it, or itself: whose share counts */
+    bool is_stopped; /* it stays */
+    double share;    /* of its way against that of the zone */
+    double impact;   /* earliest in this round, 1 = none */
 } pel_zone;
 
 /* tools as a part of the surface */
@@ -79,6 +83,7 @@ struct pel_sim_contacts {
     pel_contact_def def;
     double thickness; /* m */
     double guarded;   /* m, distance that the guard keeps */
+    double mean_edge; /* m, of the bodies at rest */
     double near;      /* m, what starts within it needs no time of impact (pel_ccd_batch) */
 
     /* the surface */
@@ -93,6 +98,7 @@ struct pel_sim_contacts {
     double (*start)[3], (*end)[3];                 /* (point_count) */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of tools) */
     int64_t substep;                               /* number of the substep, of all steps */
+    bool minds_sides;                              /* impacts whose normal leans over a triangle are left to that */
 
     /* contacts, sorted by their keys; the second ones are scratch of merging */
     pel_contact_list list;
@@ -106,11 +112,12 @@ struct pel_sim_contacts {
     size_t conflict_count, conflict_capacity;
     pel_impact *impacts; /* (collisions of the last look) */
     size_t impact_capacity;
-    double (*solved)[3]; /* (place_count) end positions before anything was stepped back */
-    pel_zone *zones;     /* (place_count + tool_count) */
-    int32_t *rings;      /* (same) scratch */
-    pel_pose *wanted;    /* (tool_count) poses before they were held back */
-    void *before_event;  /* (event_size) snapshot, of models that refine; else null */
+    double (*solved)[3];                /* (place_count) end positions before anything was stepped back */
+    pel_zone *zones;                    /* (place_count + tool_count) */
+    int32_t *rings;                     /* (same) scratch */
+    double *body_shares, *body_impacts; /* (body_count) of the way of all of a body */
+    pel_pose *wanted;                   /* (tool_count) poses before they were held back */
+    void *before_event;                 /* (event_size) snapshot, of models that refine; else null */
     size_t event_size;
     pel_tangles tangles;
     pel_contact_statistics statistics;
@@ -125,6 +132,8 @@ void pel_contacts_destroy(pel_sim *sim);
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
 /* While a minimisation goes on: adds what comes too near on the way to the new positions, and finds the conflicts. */
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
+/* Before the substeps of a step are done anew: the pairs stay, nothing of what they did. */
+void pel_contacts_forget_step(pel_sim *sim);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
    step. longest: spring length bound. On failure the state and the poses of the tools are those before the step. */
 pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);

@@ -3,15 +3,14 @@
    A conflict is a pair that comes nearer than it may between the start x0 of the step and its end x1, all points going
    straight, by the conservative test, which misses none. While there are conflicts the ways get shorter:
 
-     rounds 0 .. 9    the points of conflicts, connected ones together, become zones. A zone goes as one, by the mean of
-                      its ways weighted with mass (the impact zones of Provot 1997 and Bridson et al. 2002, without
-                      rotation), so that momentum stays. One that a tool or a vertex that cannot move runs into goes a
-                      share of its ways instead, and so does the tool, and a zone with a conflict inside: 0.9 of the
-                      time of impact, each time
-     rounds 10 .. 15  the points of conflicts, and ever more rings around them, stay where they were
-     round 16         everything stays
+     rounds 0 .. 15   the points of conflicts, connected ones together, become zones (the impact zones of Provot 1997
+   and Bridson et al. 2002, without rotation). A zone moves by the mean of its ways, weighted with mass, so that its
+   momentum stays, and its points move against that by a share of their own ways, which every conflict makes smaller:
+   0.9 of the time of impact. In the end it moves as one. A zone with a tool, or a vertex that cannot move, has no mean:
+   its ways shrink towards where they began, and so does that of the tool, with all that it holds rounds 16 .. 21  the
+   points of conflicts, and ever more rings around them, stay where they were round 22         everything stays
 
-   A pair whose points all stay is as free as at the start: it is no conflict. So the loop ends after 17 rounds at the
+   A pair whose points all stay is as free as at the start: it is no conflict. So the loop ends after 23 rounds at the
    latest, and it ends free: without a conflict no two features that have no vertex in common touch on the way, and an
    intersection of two triangles that was not there begins with such a touch, also where they are neighbours. End
    positions are rounded to pel_real before they are tested.
@@ -26,7 +25,7 @@
 
 #include <string.h>
 
-enum { ZONE_ROUNDS = 10, LAST_ROUND = 16, HITS_OF_CHUNK = 64 };
+enum { ZONE_ROUNDS = 16, LAST_ROUND = 22, HITS_OF_CHUNK = 64 };
 
 #define APPROACH 0.99
 #define SAFE_TIME 0.9
@@ -162,14 +161,23 @@ static void begin_zones(pel_sim *sim)
     pel_sim_contacts *contacts = sim->contacts;
     for (int32_t i = 0; i < contacts->place_count + sim->tool_count; i++) {
         pel_zone *zone = &contacts->zones[i];
-        *zone = (pel_zone){.parent = i, .share = 1, .is_scaled = true, .is_held = true};
-        if (i >= contacts->place_count || sim->model->inverse_mass[i] <= 0 || (sim->held != NULL && sim->held[i]))
+        *zone = (pel_zone){.parent = i, .leader = i, .share = 1, .is_held = true};
+        if (i >= contacts->place_count || sim->model->inverse_mass[i] <= 0)
             continue;
         double mass = (double)sim->model->mass[i];
-        *zone = (pel_zone){.parent = i, .share = 1, .mass = mass};
+        *zone = (pel_zone){.parent = i, .leader = i, .share = 1, .mass = mass};
         for (int k = 0; k < 3; k++)
             zone->momentum[k] = mass * (contacts->solved[i][k] - contacts->start[i][k]);
     }
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        contacts->body_shares[b] = 1;
+    /* what a tool holds goes with it */
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t k = 0; k < sim->tools[i].held_count; k++) {
+            pel_zone *zone = &contacts->zones[sim->tools[i].held[k]];
+            zone->leader = contacts->place_count + i;
+            zone->is_held = true;
+        }
 }
 
 /* returns the zone of both */
@@ -182,70 +190,58 @@ static int32_t join(pel_zone *zones, int32_t a, int32_t b)
     pel_zone *kept = &zones[a < b ? a : b];
     const pel_zone *gone = &zones[a < b ? b : a];
     kept->is_joined = true;
-    kept->is_scaled |= gone->is_scaled;
     kept->is_held |= gone->is_held;
-    kept->is_new |= gone->is_new;
-    kept->share = fmin(kept->share, gone->share);
-    kept->impact = fmin(kept->impact, gone->impact);
     kept->mass += gone->mass;
     pel_vec3_add(kept->momentum, gone->momentum, kept->momentum);
     zones[a < b ? b : a].parent = a < b ? a : b;
     return a < b ? a : b;
 }
 
-static void note_impact(pel_zone *zone, double time)
+/* A zone that flies far in one step would tear what it meets along, and what it belongs to would fly on without it. */
+static bool goes_far(const pel_sim_contacts *contacts, const pel_zone *zone)
 {
-    zone->impact = fmin(zone->impact, time);
+    return zone->is_joined && !zone->is_held &&
+           pel_vec3_length(zone->momentum) > PEL_CONTACT_FAR * contacts->mean_edge * zone->mass;
 }
 
-/* what a tool holds goes with it */
-static void join_grips(pel_sim *sim)
-{
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        for (int32_t k = 0; k < sim->tools[i].held_count; k++)
-            join(sim->contacts->zones, sim->contacts->place_count + i, sim->tools[i].held[k]);
-}
-
-/* one conflict: the zones of its places become one; inside a zone, or with what cannot go as one, the way gets shorter.
-   A tool goes a share of its own way, so that it can come on while the body before it stands */
+/* one conflict: the zones of its places become one, and the ways in it get shorter. A tool keeps a zone of its own, so
+   that it can come on while the body before it stands */
 static void join_conflict(pel_sim_contacts *contacts, const pel_conflict *conflict)
 {
     pel_zone *zones = contacts->zones;
-    int32_t zone = find_zone(zones, conflict->places[0] >= 0 ? conflict->places[0] : conflict->places[3]);
-    bool inside = conflict->tool < 0;
-    for (int i = 0; i < 4; i++)
-        inside &= conflict->places[i] < 0 || find_zone(zones, conflict->places[i]) == zone;
-    /* it conflicts although it goes as one already */
-    if (inside && !zones[zone].is_new)
-        note_impact(&zones[zone], conflict->time);
-    for (int i = 0; i < 4; i++)
-        if (conflict->places[i] >= 0)
-            zone = join(zones, zone, conflict->places[i]);
-    zones[zone].is_new |= !inside;
-    if (conflict->tool >= 0) {
-        zones[zone].is_scaled = zones[zone].is_held = true;
-        note_impact(&zones[contacts->place_count + conflict->tool], conflict->time);
+    int32_t nodes[5], count = nodes_of(contacts, conflict, nodes), places = conflict->tool >= 0 ? count - 1 : count;
+    for (int i = 1; i < places; i++)
+        join(zones, nodes[0], nodes[i]);
+    if (conflict->tool >= 0 && places > 0)
+        zones[find_zone(zones, nodes[0])].is_held = true;
+    bool is_far = places > 0 && goes_far(contacts, &zones[find_zone(zones, nodes[0])]);
+    for (int i = 0; i < count; i++) {
+        double *impact = is_far ? &contacts->body_impacts[contacts->group_of_point[nodes[i]]]
+                                : &zones[zones[nodes[i]].leader].impact;
+        *impact = fmin(*impact, conflict->time);
     }
-    if (zones[zone].is_scaled)
-        note_impact(&zones[zone], conflict->time);
 }
 
-static void join_conflicts(pel_sim_contacts *contacts, int32_t node_count)
+/* a share after an impact; small ones are none */
+static double shorten(double share, double impact)
 {
-    for (int32_t i = 0; i < node_count; i++) {
+    if (impact < 1)
+        share *= SAFE_TIME * impact;
+    return share < LEAST_SHARE ? 0 : share;
+}
+
+static void join_conflicts(pel_sim_contacts *contacts, int32_t node_count, int32_t body_count)
+{
+    for (int32_t i = 0; i < node_count; i++)
         contacts->zones[i].impact = 1;
-        contacts->zones[i].is_new = false;
-    }
+    for (int32_t b = 0; b < body_count; b++)
+        contacts->body_impacts[b] = 1;
     for (size_t c = 0; c < contacts->conflict_count; c++)
         join_conflict(contacts, &contacts->conflicts[c]);
-    for (int32_t i = 0; i < node_count; i++) {
-        pel_zone *zone = &contacts->zones[i];
-        if (zone->parent != i || zone->impact >= 1)
-            continue;
-        zone->share *= SAFE_TIME * zone->impact;
-        if (zone->share < LEAST_SHARE)
-            zone->share = 0;
-    }
+    for (int32_t i = 0; i < node_count; i++)
+        contacts->zones[i].share = shorten(contacts->zones[i].share, contacts->zones[i].impact);
+    for (int32_t b = 0; b < body_count; b++)
+        contacts->body_shares[b] = shorten(contacts->body_shares[b], contacts->body_impacts[b]);
 }
 
 /* conflicts and some rings around them stay where they were */
@@ -268,10 +264,10 @@ static void stop_conflicts(pel_sim_contacts *contacts, int32_t node_count, int r
         contacts->zones[i].is_stopped |= ring_of[i] != 0;
 }
 
-static void shorten_ways(pel_sim_contacts *contacts, int32_t node_count, int round)
+static void shorten_ways(pel_sim_contacts *contacts, int32_t node_count, int32_t body_count, int round)
 {
     if (round < ZONE_ROUNDS)
-        join_conflicts(contacts, node_count);
+        join_conflicts(contacts, node_count, body_count);
     else if (round < LAST_ROUND)
         stop_conflicts(contacts, node_count, round - ZONE_ROUNDS);
     else
@@ -284,15 +280,18 @@ static void shorten_ways(pel_sim_contacts *contacts, int32_t node_count, int rou
 static void move_place(pel_sim *sim, int32_t p)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    const pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)];
+    const pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)], *own = &contacts->zones[p];
+    double share = contacts->zones[own->leader].share, body_share = contacts->body_shares[contacts->group_of_point[p]];
+    bool has_mean = zone->is_joined && !zone->is_held && !goes_far(contacts, zone);
     pel_record *next = &sim->state->position_next[p];
     const double *start = contacts->start[p], *solved = contacts->solved[p];
-    bool stays = contacts->zones[p].is_stopped || zone->share <= 0, goes_as_one = zone->is_joined && !zone->is_scaled;
-    if (!stays && !goes_as_one && zone->share >= 1)
+    bool stays = own->is_stopped || contacts->zones[own->leader].is_stopped || (share <= 0 && !has_mean);
+    if (!stays && !has_mean && share >= 1 && body_share >= 1)
         return;
     for (int k = 0; k < 3; k++) {
-        double way = goes_as_one ? zone->momentum[k] / zone->mass : solved[k] - start[k];
-        (*next)[k] = stays ? sim->state->position[p][k] : (pel_real)(start[k] + zone->share * way);
+        double mean = has_mean ? zone->momentum[k] / zone->mass : 0;
+        double way = body_share * (mean + share * (solved[k] - start[k] - mean));
+        (*next)[k] = stays ? sim->state->position[p][k] : (pel_real)(start[k] + way);
         contacts->end[p][k] = (double)(*next)[k];
     }
 }
@@ -300,8 +299,8 @@ static void move_place(pel_sim *sim, int32_t p)
 static void move_tool(pel_sim *sim, int32_t i)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    int32_t node = contacts->place_count + i;
-    double share = contacts->zones[node].is_stopped ? 0 : contacts->zones[find_zone(contacts->zones, node)].share;
+    const pel_zone *zone = &contacts->zones[contacts->place_count + i];
+    double share = zone->is_stopped ? 0 : zone->share;
     if (share >= 1)
         return;
     pel_tool *tool = &sim->tools[i];
@@ -388,9 +387,8 @@ pel_status pel_contact_guard(pel_sim *sim, pel_error *error)
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->wanted[i] = sim->tools[i].pose;
     begin_zones(sim);
-    join_grips(sim);
     for (int round = 0; contacts->conflict_count > 0; round++) {
-        shorten_ways(contacts, node_count, round);
+        shorten_ways(contacts, node_count, sim->model->body_count, round);
         move_all(sim);
         contacts->conflict_count = 0;
         if (round == LAST_ROUND)

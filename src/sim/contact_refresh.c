@@ -212,7 +212,17 @@ static void check_impact(const pel_sim *sim, double x[4][3], pel_contact_key *ke
     else
         key->is_off = !leads_away_from_border(sim, key->second, x, w, normal);
     if (key->is_off)
-        contact->separation = -(pel_real)HUGE_VALF;
+        contact->separation = (pel_real)-HUGE_VAL;
+}
+
+/* what went so far beyond an impact is left to the guard */
+static bool is_far_through(const pel_sim_contacts *contacts, double x[4][3], const pel_contact_key *key,
+                           const pel_contact *contact)
+{
+    double normal[3];
+    for (int k = 0; k < 3; k++)
+        normal[k] = (double)contact->normal[k];
+    return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * contacts->mean_edge;
 }
 
 static void refresh_pair(const refresh_job *job, int32_t c)
@@ -227,7 +237,10 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     for (int i = 0; i < 4; i++)
         load_point(sim, key->points[i], x[i]);
     if (key->is_impact) {
-        check_impact(sim, x, key, contact);
+        if (contacts->minds_sides)
+            check_impact(sim, x, key, contact);
+        if (is_far_through(contacts, x, key, contact))
+            contact->separation = (pel_real)-HUGE_VAL;
         return;
     }
     if (key->edge_edge)
@@ -239,7 +252,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     key->gap = gap_of(x, weights, normal);
     set_tool_share(sim, key, weights, normal, contact);
     if (key->is_off)
-        contact->separation = -(pel_real)HUGE_VALF;
+        contact->separation = (pel_real)-HUGE_VAL;
 }
 
 static void refresh_chunk(void *context, int32_t chunk)

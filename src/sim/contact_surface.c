@@ -212,7 +212,8 @@ pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error)
     pel_mesh mesh = pel_contact_mesh(sim);
     pel_collider_def def = pel_collider_def_default();
     def.mesh = &mesh;
-    def.margin = 0.2 * mean_edge(contacts);
+    contacts->mean_edge = mean_edge(contacts);
+    def.margin = 0.2 * contacts->mean_edge;
     status = pel_collider_create(&def, &contacts->collider, error);
     if (status != PEL_OK)
         return status;

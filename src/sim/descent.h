@@ -72,6 +72,12 @@ static inline bool pel_descent_sees_contacts(const pel_sim *sim)
     return sim->contacts != NULL && sim->contact_in_loop;
 }
 
+/* ---- descent_free.c ---- */
+/* Refuses a body that nothing holds against the net of some forces (vertex_count) at a time. PEL_BAD_ARGUMENT. */
+pel_status pel_descent_check_held(const pel_sim *sim, const pel_record *force, double time, pel_error *error);
+/* The same for the loads of the first step, and at the times of those that come later. Clears sim->force. */
+pel_status pel_descent_check_start(pel_sim *sim, pel_error *error);
+
 /* ---- descent_contact.c ---- */
 /* the weighted sum of its points: where it is, against a surface the way between both sides */
 void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_record *position, double point[3]);

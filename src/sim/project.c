@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+/* of a step with contacts that were not foreseen */
+enum { REPEAT_LIMIT = 2 };
 /* iterations and substeps where the def leaves them open */
 enum { PBD_ITERATIONS = 5, XPBD_SUBSTEPS = 16 };
 
@@ -79,7 +81,7 @@ static void sweep(pel_sim *sim, const pel_record *start)
         pel_contacts_project(pairs, positions, start);
     }
     if (sim->solids != NULL) {
-        pel_solids_refresh(sim);
+        pel_solids_refresh(sim, start);
         pel_contacts_project(&sim->solids->list, positions, start);
     }
 }
@@ -116,21 +118,44 @@ static void run_substep(pel_sim *sim, int32_t number, bool normal_pressure)
     pel_project_finish(projector, state, lists, 2, &sim->boundary, place);
 }
 
-pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
+static void run_substeps(pel_sim *sim, bool normal_pressure)
 {
-    pel_state *state = sim->state;
-    pel_tools_begin(sim, (double)(state->step + 1) * sim->step.dt);
-    pel_status status = pel_sim_has_loop_contacts(sim) ? pel_contacts_find(sim, 0, error) : PEL_OK;
-    if (status == PEL_OK && sim->solids != NULL)
-        status = pel_solids_find(sim, error);
-    if (status != PEL_OK)
-        return status;
-    bool normal_pressure = has_normal_pressure(sim);
-    pel_projector_begin(sim->projector, state, pel_sim_time(sim));
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_tools_place(sim, 0);
     for (int32_t s = 0; s < sim->solver.substeps; s++)
         run_substep(sim, s, normal_pressure);
+}
+
+/* Pairs that the step ran into although nothing told so at its start take part when it is done anew. */
+static pel_status repeat_with_new_pairs(pel_sim *sim, bool normal_pressure, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < REPEAT_LIMIT && pel_sim_all_inside(sim); i++) {
+        int32_t known = sim->contacts->list.count;
+        status = pel_contacts_find_on_way(sim, error);
+        if (status != PEL_OK || sim->contacts->conflict_count == 0 || sim->contacts->list.count == known)
+            break;
+        pel_contacts_forget_step(sim);
+        pel_tools_forget_step(sim);
+        run_substeps(sim, normal_pressure);
+    }
+    return status;
+}
+
+pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_state *state = sim->state;
+    pel_tools_begin(sim, (double)(state->step + 1) * sim->step.dt);
+    bool has_pairs = pel_sim_has_loop_contacts(sim), normal_pressure = has_normal_pressure(sim);
+    pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
+    if (status == PEL_OK && sim->solids != NULL)
+        status = pel_solids_find(sim, error);
+    if (status != PEL_OK)
+        return status;
+    pel_projector_begin(sim->projector, state, pel_sim_time(sim));
+    run_substeps(sim, normal_pressure);
+    if (has_pairs)
+        status = repeat_with_new_pairs(sim, normal_pressure, error);
     result->diverged = !pel_sim_all_inside(sim);
-    return PEL_OK;
+    return status;
 }

@@ -253,6 +253,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK && sim->descent != NULL)
+        status = pel_descent_check_start(sim, error);
     if (status == PEL_OK)
         sim->fingerprint = pel_sim_fingerprint(sim);
     return status;

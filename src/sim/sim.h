@@ -34,6 +34,7 @@ typedef struct pel_load {
 typedef struct pel_pose {
     double position[3];
     double rotation[4]; /* x, y, z, w */
+    double spin[3];     /* rotation vectors [rad] along the way to here, summed: tells whole turns from none */
 } pel_pose;
 
 typedef enum pel_grasp_phase { PEL_GRASP_WAITING, PEL_GRASP_HOLDING, PEL_GRASP_DONE } pel_grasp_phase;
@@ -58,10 +59,12 @@ enum { PEL_PLANE_LIMIT = 1024 };
 
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
-    pel_solid solid;       /* of a mesh: the sphere about it */
-    pel_solid press_solid; /* grown by the thickness of contacts */
-    pel_mesh *mesh;        /* null = the solid */
+    pel_solid solid;              /* of a mesh: the sphere about it */
+    pel_solid press_solid;        /* grown by the thickness of contacts */
+    pel_mesh *mesh;               /* null = the solid */
+    struct pel_mesh_query *query; /* of a mesh that grasps: what is inside of it or near; else null */
     pel_pose_key *keys;
+    double (*key_spins)[3]; /* (key_count) spin of the pose at each key */
     int32_t key_count;
     int32_t body;
     bool press, grasp;
@@ -317,6 +320,8 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
 void pel_tools_destroy(pel_sim *sim);
 /* Begins a step: poses wanted at `time`, what tools grasp and release. The tools stand at their wanted poses. */
 void pel_tools_begin(pel_sim *sim, double time);
+/* Before the substeps of a step are done anew. */
+void pel_tools_forget_step(pel_sim *sim);
 /* Moves the tools to the end of a substep, at a share of their motion in this step, and finds where held vertices go.
  */
 void pel_tools_place(pel_sim *sim, double share);

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 2 };
+enum { SNAPSHOT_VERSION = 3 };
 
 typedef struct header {
     char magic[8];

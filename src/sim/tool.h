@@ -18,14 +18,19 @@ static inline void pel_pose_to_world(const pel_pose *pose, const double local[3]
     pel_vec3_add(world, pose->position, world);
 }
 
-/* velocity of the point of the tool that is now at `point`, over the last step */
+/* rotation vector [rad] between two poses of a tool, along its way */
+void pel_tool_turn(const pel_pose *a, const pel_pose *b, double turn[3]);
+
+/* velocity of the point of the tool that is now at `point`: v + w x r with the mean v and w of the last step */
 static inline void pel_tool_velocity(const pel_tool *tool, const double point[3], double dt, double velocity[3])
 {
-    double local[3], before[3];
-    pel_pose_to_local(&tool->pose, point, local);
-    pel_pose_to_world(&tool->pose_before, local, before);
+    double turn[3], arm[3], before[3];
+    pel_tool_turn(&tool->pose_before, &tool->pose, turn);
+    pel_vec3_subtract(point, tool->pose.position, arm);
+    pel_vec3_cross(turn, arm, velocity);
+    pel_vec3_add(arm, tool->pose_before.position, before);
     for (int i = 0; i < 3; i++)
-        velocity[i] = (point[i] - before[i]) / dt;
+        velocity[i] = (velocity[i] + (point[i] - before[i])) / dt;
 }
 
 static inline double pel_tool_size(const pel_tool *tool)

@@ -9,6 +9,10 @@
 
 /* motion of the surface in a step beyond what its velocity tells, of the longest edge */
 #define NEAR_SHARE 0.25
+/* of the least half width of a tool: what moves so far in a substep may go through it; cosine of the angle between the
+   ways out at the start and the end of the substep that tells that it did */
+#define FAST_SHARE 0.5
+#define TURNED 0.5
 /* a triangle whose deepest point is nearer to a corner than this is left to the contact of the corner */
 #define CORNER_WEIGHT (1 - 1e-6)
 
@@ -124,13 +128,45 @@ static void set_plane(const pel_tool *tool, const double point[3], const double 
     contact->separation = (pel_real)(pel_vec3_dot(normal, point) + depth);
 }
 
-static void refresh_vertex(const pel_sim *sim, const pel_tool *tool, int32_t v, pel_contact *contact)
+/* Where a point of the surface was in the tool's frame at the start of the substep. */
+static void start_in_tool(const pel_tool *tool, const pel_record *start, int32_t v, double local[3])
 {
-    double x[3], local[3], normal[3];
+    double x[3];
+    pel_vertex_position(start, v, x);
+    pel_pose_to_local(&tool->pose_substep, x, local);
+}
+
+static double least_half_width(const pel_solid *solid)
+{
+    const double *half = solid->half_extents;
+    return solid->kind == PEL_SOLID_BOX ? fmin(half[0], fmin(half[1], half[2])) : solid->radius;
+}
+
+/* the half space beyond the surface point that was closest at the start of the substep, for what goes through the tool
+   in it; `before` and `now` are places of the point in the tool's frame */
+static void keep_start_side(const pel_tool *tool, const double before[3], const double now[3], const double point[3],
+                            const double normal[3], double distance, pel_contact *contact)
+{
+    double way[3];
+    pel_vec3_subtract(now, before, way);
+    set_plane(tool, point, normal, -(distance + pel_vec3_dot(normal, way)), contact);
+}
+
+static void refresh_vertex(const pel_sim *sim, const pel_record *start, const pel_tool *tool, int32_t v,
+                           pel_contact *contact)
+{
+    double x[3], local[3], before[3], normal[3], normal_before[3];
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);
     double distance = pel_solid_distance(&tool->press_solid, local, normal);
     set_plane(tool, x, normal, -distance, contact);
+    start_in_tool(tool, start, v, before);
+    double way = pel_vec3_distance(local, before);
+    if (way < FAST_SHARE * least_half_width(&tool->press_solid))
+        return;
+    double distance_before = pel_solid_distance(&tool->press_solid, before, normal_before);
+    if (distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED)
+        keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
 }
 
 /* Depth in a box below a face is linear: where the deepest corner is limited by that face alone, no other point of the
@@ -152,17 +188,51 @@ static bool is_deepest_at_corner(const double half[3], double corner[3][3])
     return false;
 }
 
-static void refresh_triangle(const pel_sim *sim, const pel_tool *tool, int32_t t, pel_contact *contact)
+/* A round tool goes through a triangle, or out on the other side, in one substep: the point that was closest at its
+   start stays on its side. False when that is not so. */
+static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_tool *tool, int32_t t, double local[3][3],
+                      const double *normal, pel_contact *contact)
+{
+    double before[3][3], weights[3], normal_before[3], from[3] = {0, 0, 0}, to[3] = {0, 0, 0}, point[3] = {0, 0, 0},
+                                                       x[3];
+    double way = 0;
+    for (int c = 0; c < 3; c++) {
+        start_in_tool(tool, start, sim->model->triangles[t][c], before[c]);
+        way = fmax(way, pel_vec3_distance(local[c], before[c]));
+    }
+    pel_solid reach = tool->press_solid;
+    if (way < FAST_SHARE * reach.radius)
+        return false;
+    reach.radius += way;
+    double depth = pel_solid_depth(&reach, before[0], before[1], before[2], weights, normal_before);
+    if (!(depth > 0) || (normal != NULL && pel_vec3_dot(normal, normal_before) >= TURNED))
+        return false;
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], x);
+        pel_vec3_along(from, weights[c], before[c], from);
+        pel_vec3_along(to, weights[c], local[c], to);
+        pel_vec3_along(point, weights[c], x, point);
+        contact->weights[c] = (pel_real)weights[c];
+    }
+    keep_start_side(tool, from, to, point, normal_before, way - depth, contact);
+    return true;
+}
+
+static void refresh_triangle(const pel_sim *sim, const pel_record *start, const pel_tool *tool, int32_t t,
+                             pel_contact *contact)
 {
     double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
+    bool is_box = tool->solid.kind == PEL_SOLID_BOX;
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
         pel_pose_to_local(&tool->pose, corner[c], local[c]);
     }
-    contact->separation = -(pel_real)HUGE_VALF;
-    if (tool->solid.kind == PEL_SOLID_BOX && is_deepest_at_corner(tool->press_solid.half_extents, local))
+    contact->separation = (pel_real)-HUGE_VAL;
+    if (is_box && is_deepest_at_corner(tool->press_solid.half_extents, local))
         return;
     double depth = pel_solid_depth(&tool->press_solid, local[0], local[1], local[2], weights, normal);
+    if (!is_box && is_passed(sim, start, tool, t, local, depth > 0 ? normal : NULL, contact))
+        return;
     if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT)
         return;
     for (int c = 0; c < 3; c++) {
@@ -172,16 +242,16 @@ static void refresh_triangle(const pel_sim *sim, const pel_tool *tool, int32_t t
     set_plane(tool, point, normal, depth, contact);
 }
 
-void pel_solids_refresh(pel_sim *sim)
+void pel_solids_refresh(pel_sim *sim, const pel_record *start)
 {
     pel_sim_solids *solids = sim->solids;
     for (int32_t c = 0; c < solids->list.count; c++) {
         const pel_solid_pair *pair = &solids->pairs[c];
         const pel_tool *tool = &sim->tools[pair->tool];
         if (pair->triangle < 0)
-            refresh_vertex(sim, tool, pair->vertex, &solids->list.contacts[c]);
+            refresh_vertex(sim, start, tool, pair->vertex, &solids->list.contacts[c]);
         else
-            refresh_triangle(sim, tool, pair->triangle, &solids->list.contacts[c]);
+            refresh_triangle(sim, start, tool, pair->triangle, &solids->list.contacts[c]);
     }
 }
 

@@ -25,8 +25,9 @@ pel_status pel_solids_create(pel_sim *sim, pel_error *error);
 void pel_solids_destroy(pel_sim *sim);
 /* At the start of a step, tools at their wanted poses: lists what they may touch in it. PEL_OUT_OF_MEMORY. */
 pel_status pel_solids_find(pel_sim *sim, pel_error *error);
-/* Contacts at position_next and the present poses; impulses of the substep are kept. */
-void pel_solids_refresh(pel_sim *sim);
+/* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
+   the start of the substep. */
+void pel_solids_refresh(pel_sim *sim, const pel_record *start);
 
 /* After the sweeps of a substep: its impulses act on the tools. rate: see pel_tool_take. */
 void pel_solids_tally(pel_sim *sim, double rate);

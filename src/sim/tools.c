@@ -6,6 +6,7 @@
    vertices over dt. Minimisation: the sum of the loads of its contacts (descent.h), and all of F_i where it holds. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "bvh/mesh_query.h"
 #include "sim/contact.h"
 #include "sim/descent.h"
 #include "sim/tool.h"
@@ -15,6 +16,9 @@
 
 /* rounds over the tools at most */
 enum { ROUND_LIMIT = 4 };
+/* turns of a key at most: angles of more lose their digits */
+enum { MOST_TURNS = 1000000 };
+static const double FULL_TURN = 6.283185307179586476925;
 
 pel_tool_def pel_tool_def_default(void)
 {
@@ -36,12 +40,12 @@ static bool is_positive(double value)
     return value > 0 && isfinite(value);
 }
 
-static bool is_pose(const double position[3], const double rotation[4])
+static bool is_key(const pel_pose_key *key)
 {
-    double square = 0;
-    for (int i = 0; i < 4; i++)
-        square += rotation[i] * rotation[i];
-    return isfinite(position[0]) && isfinite(position[1]) && isfinite(position[2]) && fabs(square - 1) < 1e-6;
+    const double *position = key->position, *q = key->rotation;
+    double square = pel_vec3_dot(q, q) + q[3] * q[3];
+    return isfinite(key->time) && isfinite(position[0]) && isfinite(position[1]) && isfinite(position[2]) &&
+           fabs(square - 1) < 1e-6 && pel_vec3_length(key->rotation_vector) <= MOST_TURNS * FULL_TURN;
 }
 
 static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *error)
@@ -75,9 +79,9 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
         return refuse(error, tool, "tool has no pose", "give at least one key");
     for (int32_t k = 0; k < def->key_count; k++) {
         const pel_pose_key *key = &def->keys[k];
-        if (!isfinite(key->time) || !is_pose(key->position, key->rotation))
-            return refuse(error, tool, "a key is not finite or its rotation is no unit quaternion",
-                          "give finite positions and unit quaternions x, y, z, w");
+        if (!is_key(key))
+            return refuse(error, tool, "a key is not finite, turns too often, or its rotation is no unit quaternion",
+                          "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns");
         if (k > 0 && !(key->time > key[-1].time))
             return refuse(error, tool, "keys are not in order", "give keys with increasing times");
     }
@@ -98,6 +102,8 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
                            mesh->triangle_count, &tool->mesh, error);
 }
 
+static void sum_spins(pel_tool *tool);
+
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
     size_t vertex_count = (size_t)sim->model->vertex_count;
@@ -111,6 +117,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->press_solid = tool->solid;
     if (def->shape == PEL_TOOL_MESH) {
         pel_status status = create_mesh(tool, def->mesh, error);
+        if (status == PEL_OK && def->grasp)
+            status = pel_mesh_query_create(def->mesh, &tool->query, error);
         if (status != PEL_OK)
             return status;
     }
@@ -121,6 +129,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
+    tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
     tool->planes_before = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes_before);
     tool->touches = pel_allocate(vertex_count, sizeof *tool->touches);
@@ -129,11 +138,13 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
         tool->held = pel_allocate(vertex_count, sizeof *tool->held);
         tool->anchors = pel_allocate(vertex_count, sizeof *tool->anchors);
     }
-    if (tool->keys == NULL || tool->planes == NULL || tool->planes_before == NULL || tool->touches == NULL ||
-        tool->touch_of_vertex == NULL || (def->grasp && (tool->held == NULL || tool->anchors == NULL)))
+    if (tool->keys == NULL || tool->key_spins == NULL || tool->planes == NULL || tool->planes_before == NULL ||
+        tool->touches == NULL || tool->touch_of_vertex == NULL ||
+        (def->grasp && (tool->held == NULL || tool->anchors == NULL)))
         return pel_fail_memory(error);
     memcpy(tool->keys, def->keys, (size_t)def->key_count * sizeof *tool->keys);
     tool->key_count = def->key_count;
+    sum_spins(tool);
     tool->pose = tool->pose_before = pel_tool_pose_at(tool, 0);
     return PEL_OK;
 }
@@ -188,11 +199,12 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys, tool->planes, tool->planes_before, tool->touches, tool->touch_of_vertex,
-                          tool->held, tool->anchors};
+        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes, tool->planes_before,
+                          tool->touches, tool->touch_of_vertex, tool->held,   tool->anchors};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
         pel_mesh_destroy(tool->mesh);
+        pel_mesh_query_destroy(tool->query);
     }
     pel_free(sim->tools);
     pel_tool_search_destroy(sim->tool_search);
@@ -208,21 +220,89 @@ void pel_tools_destroy(pel_sim *sim)
 
 /* ---- frames ---- */
 
+/* whole turns of a key, and the quaternion of all that is left of it */
+static void split_turns(const pel_pose_key *key, double whole[3], double left[3], double rotation[4])
+{
+    double turns = trunc(pel_vec3_length(key->rotation_vector) / FULL_TURN);
+    pel_vec3_set(whole, 0, 0, 0);
+    pel_vec3_copy(key->rotation_vector, left);
+    if (turns > 0) {
+        pel_vec3_scale(left, turns * FULL_TURN / pel_vec3_length(left), whole);
+        pel_vec3_subtract(left, whole, left);
+    }
+    pel_rotation_turn(key->rotation, left, 1, rotation);
+}
+
+/* The pose between two keys at s in 0 .. 1, with the rotation from the first key as its spin. With the whole turns A, B
+   of the keys and the quaternions a, b of all else it is exp(s B) exp((1 - s) A) exp(s d) a, where d leads from a to b:
+   of all such d the one nearest to the difference of the rotation vectors and the shorter arc of the quaternions. */
+static pel_pose pose_between_keys(const pel_pose_key *a, const pel_pose_key *b, double s)
+{
+    static const double none[3] = {0};
+    double whole[2][3], left[2][3], rotation[2][4], remains[3], expected[3];
+    split_turns(a, whole[0], left[0], rotation[0]);
+    split_turns(b, whole[1], left[1], rotation[1]);
+    pel_rotation_between(a->rotation, b->rotation, none, expected);
+    for (int i = 0; i < 3; i++)
+        expected[i] += left[1][i] - left[0][i];
+    pel_rotation_between(rotation[0], rotation[1], expected, remains);
+    pel_pose pose;
+    for (int i = 0; i < 3; i++) {
+        pose.position[i] = a->position[i] + s * (b->position[i] - a->position[i]);
+        pose.spin[i] = s * (whole[1][i] - whole[0][i] + remains[i]);
+    }
+    pel_rotation_turn(rotation[0], remains, s, pose.rotation);
+    pel_rotation_turn(pose.rotation, whole[0], 1 - s, pose.rotation);
+    pel_rotation_turn(pose.rotation, whole[1], s, pose.rotation);
+    return pose;
+}
+
+/* the number of the key at or before a time, the first before all */
+static int32_t find_key(const pel_pose_key *keys, int32_t count, double time)
+{
+    int32_t k = 0;
+    while (k + 1 < count && keys[k + 1].time <= time)
+        k++;
+    return k;
+}
+
+static pel_pose pose_of_keys(const pel_pose_key *keys, int32_t count, double time)
+{
+    int32_t k = find_key(keys, count, time);
+    const pel_pose_key *a = &keys[k], *b = k + 1 < count ? a + 1 : a;
+    return pose_between_keys(a, b, time > a->time && b > a ? (time - a->time) / (b->time - a->time) : 0);
+}
+
+static void sum_spins(pel_tool *tool)
+{
+    pel_vec3_set(tool->key_spins[0], 0, 0, 0);
+    for (int32_t k = 1; k < tool->key_count; k++) {
+        pel_pose pose = pose_between_keys(&tool->keys[k - 1], &tool->keys[k], 1);
+        pel_vec3_add(tool->key_spins[k - 1], pose.spin, tool->key_spins[k]);
+    }
+}
+
+void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4])
+{
+    pel_pose pose = pose_of_keys(def->keys, def->key_count, time);
+    memcpy(position, pose.position, sizeof pose.position);
+    memcpy(rotation, pose.rotation, sizeof pose.rotation);
+}
+
 pel_pose pel_tool_pose_at(const pel_tool *tool, double time)
 {
     if (tool->driven)
         return tool->driven_pose;
-    const pel_pose_key *key = tool->keys;
-    int32_t k = 0;
-    while (k < tool->key_count && key[k].time <= time)
-        k++;
-    pel_pose pose;
-    const pel_pose_key *a = &key[k > 0 ? k - 1 : 0], *b = &key[k < tool->key_count ? k : tool->key_count - 1];
-    double s = b->time > a->time ? (time - a->time) / (b->time - a->time) : 0;
-    for (int i = 0; i < 3; i++)
-        pose.position[i] = a->position[i] + s * (b->position[i] - a->position[i]);
-    pel_slerp(a->rotation, b->rotation, s, pose.rotation);
+    pel_pose pose = pose_of_keys(tool->keys, tool->key_count, time);
+    pel_vec3_add(pose.spin, tool->key_spins[find_key(tool->keys, tool->key_count, time)], pose.spin);
     return pose;
+}
+
+void pel_tool_turn(const pel_pose *a, const pel_pose *b, double turn[3])
+{
+    double spin[3];
+    pel_vec3_subtract(b->spin, a->spin, spin);
+    pel_rotation_between(a->rotation, b->rotation, spin, turn);
 }
 
 void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose)
@@ -231,36 +311,35 @@ void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, p
         *pose = share >= 1 ? *b : *a;
         return;
     }
-    for (int i = 0; i < 3; i++)
+    double turn[3];
+    pel_tool_turn(a, b, turn);
+    pel_rotation_turn(a->rotation, turn, share, pose->rotation);
+    for (int i = 0; i < 3; i++) {
+        pose->spin[i] = a->spin[i] + share * turn[i];
         pose->position[i] = a->position[i] + share * (b->position[i] - a->position[i]);
-    pel_slerp(a->rotation, b->rotation, share, pose->rotation);
+    }
 }
 
 /* ---- grasping ---- */
 
-static double mesh_distance(const pel_mesh *mesh, const double point[3])
+/* inside the tool, or within its reach */
+static bool reaches(const pel_tool *tool, const double local[3])
 {
-    double least = HUGE_VAL, weights[3];
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        const int32_t *v = mesh->triangles[t];
-        least = fmin(least, pel_closest_point_triangle(point, mesh->positions[v[0]], mesh->positions[v[1]],
-                                                       mesh->positions[v[2]], weights));
-    }
-    return sqrt(least);
+    double normal[3];
+    return tool->query != NULL ? pel_mesh_query_reaches(tool->query, local, tool->reach)
+                               : pel_solid_distance(&tool->solid, local, normal) <= tool->reach;
 }
 
 static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
 {
     const pel_body *b = &sim->model->bodies[body];
     for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
-        double x[3], local[3], normal[3];
+        double x[3], local[3];
         if (pel_tool_mobility(sim, v) <= 0)
             continue;
         pel_vertex_position(sim->state->position, v, x);
         pel_pose_to_local(&tool->pose_before, x, local);
-        double distance =
-            tool->mesh != NULL ? mesh_distance(tool->mesh, local) : pel_solid_distance(&tool->solid, local, normal);
-        if (distance > tool->reach)
+        if (!reaches(tool, local))
             continue;
         sim->held[v] = 1;
         sim->state->position[v][3] = 0;
@@ -449,10 +528,9 @@ void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact
 
 double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
 {
-    double cosine = 0;
-    for (int i = 0; i < 4; i++)
-        cosine += a->rotation[i] * b->rotation[i];
-    return pel_vec3_distance(a->position, b->position) + 2 * acos(fmin(fabs(cosine), 1)) * pel_tool_size(tool);
+    double turn[3];
+    pel_tool_turn(a, b, turn);
+    return pel_vec3_distance(a->position, b->position) + pel_vec3_length(turn) * pel_tool_size(tool);
 }
 
 /* a tool that was held back comes after its keys step by step: twice as fast as they go, or an eighth of the way */
@@ -470,17 +548,30 @@ pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt)
     return tool->blocked ? catch_up(tool, time, dt) : pel_tool_pose_at(tool, time);
 }
 
-static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
+static void forget_touches(pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->touch_count; i++)
         tool->touch_of_vertex[tool->touches[i].vertex] = 0;
     tool->touch_count = 0;
+    pel_vec3_set(tool->force, 0, 0, 0);
+    pel_vec3_set(tool->torque, 0, 0, 0);
+}
+
+void pel_tools_forget_step(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        forget_touches(&sim->tools[i]);
+        sim->tools[i].pose = sim->tools[i].pose_before;
+    }
+}
+
+static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
+{
     tool->is_on_its_way = true;
     tool->blocked_before = tool->blocked;
     pel_vec3_copy(tool->force, tool->force_before);
     pel_vec3_copy(tool->torque, tool->torque_before);
-    pel_vec3_set(tool->force, 0, 0, 0);
-    pel_vec3_set(tool->torque, 0, 0, 0);
+    forget_touches(tool);
     pel_plane *oldest = tool->planes_before;
     tool->planes_before = tool->planes;
     tool->plane_before_count = tool->plane_count;
@@ -683,6 +774,38 @@ static pel_status refuse_inside(const pel_tool *tool, int32_t index, const char 
     return PEL_BAD_ARGUMENT;
 }
 
+/* how far the solid extends from its centre along a unit vector of its frame */
+static double extent_along(const pel_solid *solid, const double along[3])
+{
+    const double *half = solid->half_extents;
+    if (solid->kind == PEL_SOLID_BOX)
+        return half[0] * fabs(along[0]) + half[1] * fabs(along[1]) + half[2] * fabs(along[2]);
+    return solid->radius + (solid->kind == PEL_SOLID_CAPSULE ? solid->half_length * fabs(along[2]) : 0);
+}
+
+/* the way out of a body for a tool whose centre is inside: through the nearest point of the surface, by all of the tool
+ */
+static double depth_inside(const pel_sim *sim, const pel_tool *tool, int32_t body)
+{
+    double least = HUGE_VAL, corner[3][3], nearest[3] = {0, 0, 0}, weights[3];
+    for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
+        const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, body, i)];
+        for (int c = 0; c < 3; c++)
+            pel_vertex_position(sim->state->position, v[c], corner[c]);
+        double square = pel_closest_point_triangle(tool->pose.position, corner[0], corner[1], corner[2], weights);
+        if (!(square < least))
+            continue;
+        least = square;
+        for (int c = 0; c < 3; c++)
+            nearest[c] = weights[0] * corner[0][c] + weights[1] * corner[1][c] + weights[2] * corner[2][c];
+    }
+    double distance = sqrt(least), along[3] = {0, 0, 1};
+    pel_pose_to_local(&tool->pose, nearest, nearest);
+    if (distance > 0)
+        pel_vec3_scale(nearest, 1 / distance, along);
+    return distance + extent_along(&tool->solid, along);
+}
+
 static pel_status check_outside(const pel_sim *sim, int32_t index, pel_error *error)
 {
     const pel_tool *tool = &sim->tools[index];
@@ -696,10 +819,10 @@ static pel_status check_outside(const pel_sim *sim, int32_t index, pel_error *er
             deepest = fmax(deepest,
                            pel_tool_triangle_depth(sim, tool, &tool->solid, sim->state->position, t, weights, normal));
         }
+        if (body->closed && pel_tool_is_enclosed(sim, tool->pose.position, b))
+            return refuse_inside(tool, index, body->name, depth_inside(sim, tool, b), error);
         if (deepest > 1e-3 * pel_tool_size(tool))
             return refuse_inside(tool, index, body->name, deepest, error);
-        if (body->closed && pel_tool_is_enclosed(sim, tool->pose.position, b))
-            return refuse_inside(tool, index, body->name, body->diameter, error);
     }
     return PEL_OK;
 }

@@ -347,8 +347,7 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
     for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
         projector->is_held = is_held(projector->model, v);
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_begin(&projector->bodies[b], &projector->model->bodies[b], state->factors[b],
-                               state->bending[b].weight, state->position, time, 1.0 / projector->solver.substeps);
+        pel_project_body_begin(&projector->bodies[b], projector->model, b, &projector->solver, state, time);
 }
 
 static void set_time(pel_projector *projector, const pel_state *state, double tau)

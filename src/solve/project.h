@@ -25,6 +25,7 @@
 #include "base/pool.h"
 #include "model/boundary.h"
 #include "model/contact.h"
+#include "model/shell.h"
 #include "model/state.h"
 #include "pellicle/sim.h"
 #include "solve/project_batch.h"
@@ -36,7 +37,9 @@ typedef struct pel_project_body {
     int32_t *piece_of_place;           /* (places of the body) */
     int32_t batch_count;               /* in the order of the sweep */
     pel_batch *batches;
-    uint8_t *is_on;      /* (batch_count) 0 = has no effect at present */
+    uint8_t *is_on; /* (batch_count) 0 = has no effect at present */
+    double *areas;  /* (places of the body) m2 at rest, of the triangles around; null unless a region caves in */
+    int32_t first_place;
     pel_batch *pressure; /* of the consistent form; else null */
 } pel_project_body;
 
@@ -117,13 +120,23 @@ void pel_project_body_destroy(pel_project_body *body);
 /* After the surface of a body that refines has changed: lays out its constraints anew, without allocation. */
 void pel_project_body_follow(const pel_model *model, int32_t body, const pel_solver_def *solver,
                              pel_project_body *made);
-/* numbers of its batches at a time; weight: of the bending of pbd; share: of a step that a substep is */
-void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
-                            const pel_record *positions, double time, double share);
+/* Before the substeps of a step: numbers of its batches at a time. */
+void pel_project_body_begin(pel_project_body *own, const pel_model *model, int32_t body, const pel_solver_def *solver,
+                            const pel_state *state, double time);
 /* the time that compliances are over */
 void pel_project_body_set_time(pel_project_body *own, const double *factors, double tau);
 /* Marks the blocks with a vertex that is fixed: there reactions are recorded. */
 void pel_project_body_mark_fixed(pel_project_body *own, const uint8_t *is_fixed);
+
+/* ---- project_cave.c ---- */
+
+/* Areas around the vertices of a body with a region that caves in, for its present surface. */
+void pel_project_cave_measure(pel_project_body *own, const pel_shell *shell, int32_t first_place, int32_t place_count);
+/* Weight and shares of the i-th constraint of such a region. */
+void pel_project_cave_fill(const pel_project_body *own, const pel_shell *shell, const pel_batch *batch, int32_t i);
+/* Before the substeps of a step: how far each corner goes in a projection. */
+void pel_project_cave_begin(const pel_batch *batch, const pel_shell *shell, const pel_state *state,
+                            const pel_solver_def *solver);
 
 /* ---- project_build.c ---- */
 

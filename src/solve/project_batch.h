@@ -27,11 +27,21 @@ typedef enum pel_constraint {
     PEL_CONSTRAINT_FIBRE_SQUARE,        /* the same, energy in the square of the length */
     PEL_CONSTRAINT_FIBRE_COMPLIANT,     /* the image weights and 1 / (area stiffness weight) */
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
-    PEL_CONSTRAINT_CAVE, /* image weights, weight of the region */
-    PEL_CONSTRAINT_CAVE_SQUARE,
+    PEL_CONSTRAINT_CAVE,     /* image weights, then as in pel_cave_number */
     PEL_CONSTRAINT_PRESSURE, /* weight; no constraint: adds forces to `target` */
     PEL_CONSTRAINT_COUNT
 } pel_constraint;
+
+/* numbers of a triangle that caves in */
+typedef enum pel_cave_number {
+    PEL_CAVE_WEIGHT = 2, /* of the region */
+    PEL_CAVE_SHARE,      /* three: of each corner, of the area around it */
+    PEL_CAVE_WAY = 6,    /* three: m, of each corner inward in a projection of this step */
+    PEL_CAVE_NUMBERS = 9
+} pel_cave_number;
+
+/* a fibre that is so much shorter than at rest drives its triangle inward by the strength of the region in a step */
+#define PEL_CAVE_STRAIN 0.05
 
 /* numbers that all constraints of a batch share */
 typedef struct pel_batch_law {
@@ -39,8 +49,7 @@ typedef struct pel_batch_law {
                                 the strain forms of stvk and linear */
     pel_real weight;         /* bending of pbd: k_B */
     pel_real rest_length;    /* fibres: factor on the length at rest, now */
-    pel_real strength;       /* cave [m]; pressure: a sixth of it [Pa] */
-    pel_real max_step;       /* cave [m] */
+    pel_real strength;       /* pressure: a sixth of it [Pa] */
     pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
     pel_real inverse_square; /* its inverse */
     pel_real force_rate;     /* 1/s2: from displacements times masses to forces */

@@ -166,6 +166,10 @@ static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_re
     const pel_shell_fibre *fibre = &region->fibres[batch->sources[i]];
     const pel_rest_triangle *rest = &p->body->shell->triangles[fibre->triangle].rest;
     set_direction(batch, i, rest, fibre->direction);
+    if (batch->kind == PEL_CONSTRAINT_CAVE) {
+        pel_project_cave_fill(p->made, p->body->shell, batch, i);
+        return;
+    }
     bool soft = batch->kind == PEL_CONSTRAINT_FIBRE_COMPLIANT || batch->kind == PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT;
     *number_at(batch, i, 2) =
         (pel_real)(soft ? 1 / (rest->area * region->def.stiffness * fibre->weight) : fibre->weight);
@@ -205,6 +209,8 @@ static pel_status fill_batch(plan *p, pel_batch *batch, pel_error *error)
     int32_t count = list_constraints(p, batch);
     pel_status status =
         pel_batch_build(batch, p->made, p->first_place, p->place_count, count, p->with_multipliers, p->scratch, error);
+    if (batch->kind == PEL_CONSTRAINT_CAVE)
+        pel_project_cave_measure(p->made, p->body->shell, p->first_place, p->place_count);
     for (int32_t i = 0; status == PEL_OK && i < batch->block_count * PEL_BLOCK; i++)
         fill_number(p, batch, i);
     return status;
@@ -306,7 +312,7 @@ static pel_status add_region(plan *p, int32_t r, pel_error *error)
     bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
     pel_batch batch = {.arity = 3, .number_count = 3, .multiplier_count = 1, .law.rest_length = 1};
     if (region->def.mode == PEL_FIBRE_CAVE)
-        batch.kind = squared ? PEL_CONSTRAINT_CAVE_SQUARE : PEL_CONSTRAINT_CAVE;
+        batch = (pel_batch){.kind = PEL_CONSTRAINT_CAVE, .arity = 3, .number_count = PEL_CAVE_NUMBERS};
     else if (p->compliant)
         batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
     else
@@ -386,6 +392,14 @@ static void update_pieces(const plan *p)
     }
 }
 
+static bool caves(const pel_shell *shell)
+{
+    for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
+        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE)
+            return true;
+    return false;
+}
+
 pel_status pel_project_body_create(const pel_model *model, int32_t body, const pel_solver_def *solver,
                                    pel_project_body *made, pel_error *error)
 {
@@ -397,6 +411,11 @@ pel_status pel_project_body_create(const pel_model *model, int32_t body, const p
     if (made->piece_of_place == NULL || made->scratch == NULL)
         return pel_fail_memory(error);
     update_pieces(&p);
+    if (caves(p.body->shell)) {
+        made->areas = pel_allocate((size_t)p.place_count, sizeof *made->areas);
+        if (made->areas == NULL)
+            return pel_fail_memory(error);
+    }
     pel_status status = pel_build_scratch_create(made->scratch, model, count_limit(&p), 2 * made->piece_count, error);
     if (status == PEL_OK)
         status = add_batches(&p, error);
@@ -432,6 +451,7 @@ void pel_project_body_destroy(pel_project_body *body)
     pel_free(body->pressure);
     pel_free(body->batches);
     pel_free(body->is_on);
+    pel_free(body->areas);
     pel_free(body->piece_of_place);
 }
 
@@ -449,8 +469,8 @@ static void follow_principal(const pel_batch *batch, const pel_shell *shell, con
     }
 }
 
-static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_record *positions, double time,
-                         double share)
+static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_solver_def *solver, const pel_state *state,
+                         double time)
 {
     const pel_shell_region *region = &shell->regions[batch->region];
     const pel_anisotropy_def *def = &region->def;
@@ -458,22 +478,24 @@ static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_rec
         batch->law.rest_length =
             (pel_real)(def->rest_length.value *
                        pel_curve_value(region->rest_length.keys, region->rest_length.key_count, time));
-    batch->law.strength = (pel_real)(def->strength * share);
-    batch->law.max_step = (pel_real)(def->max_step * shell->mean_edge * share);
     if (def->direction == PEL_FIBRE_PRINCIPAL)
-        follow_principal(batch, shell, positions);
+        follow_principal(batch, shell, state->position);
+    if (batch->kind == PEL_CONSTRAINT_CAVE)
+        pel_project_cave_begin(batch, shell, state, solver);
 }
 
-void pel_project_body_begin(pel_project_body *own, const pel_body *body, const double *factors, double weight,
-                            const pel_record *positions, double time, double share)
+void pel_project_body_begin(pel_project_body *own, const pel_model *model, int32_t body, const pel_solver_def *solver,
+                            const pel_state *state, double time)
 {
+    const double *factors = state->factors[body];
+    double weight = state->bending[body].weight;
     for (int32_t i = 0; i < own->batch_count; i++) {
         pel_batch *batch = &own->batches[i];
         bool paper = batch->kind == PEL_CONSTRAINT_ISOMETRIC || batch->kind == PEL_CONSTRAINT_ANGLE;
         batch->law.weight = (pel_real)weight;
         own->is_on[i] = !(batch->arity == 2 && !(factors[PEL_SPRING_STIFFNESS] > 0)) && !(paper && weight == 0);
         if (batch->region >= 0)
-            begin_region(batch, body->shell, positions, time, share);
+            begin_region(batch, model->bodies[body].shell, solver, state, time);
     }
 }
 
@@ -501,7 +523,9 @@ void pel_project_body_mark_fixed(pel_project_body *own, const uint8_t *is_fixed)
 {
     for (int32_t i = 0; i < own->batch_count; i++) {
         const pel_batch *batch = &own->batches[i];
+        /* caving in has no reaction */
+        bool reacts = batch->kind != PEL_CONSTRAINT_CAVE;
         for (int32_t block = 0; block < batch->block_count; block++)
-            batch->has_fixed[block] = has_fixed(batch, block, is_fixed);
+            batch->has_fixed[block] = reacts && has_fixed(batch, block, is_fixed);
     }
 }

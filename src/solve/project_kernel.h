@@ -462,23 +462,20 @@ PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lan
     ways[2] = pel_lane3_scale(way, -(p[2].fourth * (f.c0 + f.c1)));
 }
 
-/* paper B: the gradient of the fibre's energy replaced by the normal, so that a stretched triangle goes inward; for
-   equal masses by strength times the energy density over the stiffness */
+/* each corner that can move goes inward along the normal (project_cave.c) */
 PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
-                             pel_lane3 *ways, bool squared)
+                             pel_lane3 *ways)
 {
-    const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5);
-    fibre_lanes f = load_fibre(batch, block, lane, positions);
-    const pel_particle *p = f.point;
-    pel_lane strain = squared ? f.square - one : pel_lane_sqrt(f.square) - one;
-    pel_lane depth =
-        pel_lane_min(pel_lane_splat(batch->law.strength) * half * strain * strain, pel_lane_splat(batch->law.max_step));
-    pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at), pel_lane3_subtract(p[2].at, p[0].at));
-    pel_lane size = pel_lane_sqrt(pel_lane3_dot(normal, normal));
-    pel_lane mass = p[0].fourth + p[1].fourth + p[2].fourth;
-    pel_lane scale = pel_lane_quotient(-(pel_lane_splat(3) * depth * f.number), mass * size);
+    pel_particle p[3];
     for (int k = 0; k < 3; k++)
-        ways[k] = pel_lane3_scale(normal, scale * p[k].fourth);
+        p[k] = load_particle(batch, block, k, lane, positions);
+    pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at), pel_lane3_subtract(p[2].at, p[0].at));
+    pel_lane inverse = pel_lane_quotient(pel_lane_splat(-1), pel_lane_sqrt(pel_lane3_dot(normal, normal)));
+    for (int k = 0; k < 3; k++) {
+        pel_lane way = number_of(batch, block, PEL_CAVE_NUMBERS, PEL_CAVE_WAY + k, lane);
+        pel_lane_mask moves = pel_lane_above(p[k].fourth, pel_lane_splat(0));
+        ways[k] = pel_lane3_scale(normal, pel_lane_where(moves, inverse * way));
+    }
 }
 
 /* ---- pressure ---- */
@@ -624,8 +621,7 @@ PEL_PROJECT_SWEEP(sweep_fibre, 3, project_fibre(batch, block, lane, positions, w
 PEL_PROJECT_SWEEP(sweep_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, false))
 PEL_PROJECT_SWEEP(sweep_soft_fibre, 3, project_fibre(batch, block, lane, positions, ways, false, true))
 PEL_PROJECT_SWEEP(sweep_soft_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, true))
-PEL_PROJECT_SWEEP(sweep_cave_length, 3, project_cave(batch, block, lane, positions, ways, false))
-PEL_PROJECT_SWEEP(sweep_cave_square, 3, project_cave(batch, block, lane, positions, ways, true))
+PEL_PROJECT_SWEEP(sweep_cave, 3, project_cave(batch, block, lane, positions, ways))
 
 #define PEL_PROJECT_TABLE                                                                                              \
     {                                                                                                                  \
@@ -644,8 +640,8 @@ PEL_PROJECT_SWEEP(sweep_cave_square, 3, project_cave(batch, block, lane, positio
         [PEL_CONSTRAINT_ANGLE] = sweep_hinge, [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge,                     \
         [PEL_CONSTRAINT_FIBRE] = sweep_fibre, [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,                      \
         [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,                                                           \
-        [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave_length,  \
-        [PEL_CONSTRAINT_CAVE_SQUARE] = sweep_cave_square, [PEL_CONSTRAINT_PRESSURE] = add_pressure,                    \
+        [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave,         \
+        [PEL_CONSTRAINT_PRESSURE] = add_pressure,                                                                      \
     }
 
 #endif

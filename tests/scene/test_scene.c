@@ -91,7 +91,7 @@ static const char everything[] =
     "  - { name: rod, shape: capsule, radius: 0.5, length: 3, body: plate, press: false,\n"
     "      grasp: { from: 1, until: 2, reach: 0.1 },\n"
     "      motion: [{ position: [0, 0, 9] },\n"
-    "               { time: 1, position: [0, 0, 8], rotation: { axis: [0, 2, 0], angle: 90 } }] }\n"
+    "               { time: 1, position: [0, 0, 8], rotation: { axis: [0, 2, 0], angle: 450 } }] }\n"
     "  - { shape: box, size: [2, 4, 6], motion: [{ position: [0, 9, 0] }] }\n"
     "solver: { method: explicit, dt: 0.001, alpha: 30, velocity: keep, integrator: forward, threads: 3 }\n"
     "duration: 4\n"
@@ -157,8 +157,8 @@ static void check_tools(const pel_tool_def *tools)
     assert_true(tools[0].grasp_from == 1 && tools[0].grasp_until == 2 && tools[0].reach == 0.1);
     assert_int_equal(tools[0].key_count, 2);
     assert_true(tools[0].keys[0].time == 0 && tools[0].keys[0].rotation[3] == 1);
-    assert_near(tools[0].keys[1].rotation[1], sqrt(0.5), 1e-15);
-    assert_near(tools[0].keys[1].rotation[3], sqrt(0.5), 1e-15);
+    assert_near(tools[0].keys[1].rotation_vector[1], 450 * 3.14159265358979323846 / 180, 1e-15);
+    assert_true(tools[0].keys[1].rotation[3] == 1);
     assert_string_equal(tools[1].name, "tool2");
     assert_int_equal(tools[1].shape, PEL_TOOL_BOX);
     assert_true(tools[1].half_extents[0] == 1 && tools[1].half_extents[2] == 3);

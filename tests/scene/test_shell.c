@@ -53,7 +53,7 @@ static void test_head(void **unused)
     assert_int_equal(shell->anisotropy_count, 1);
     const pel_anisotropy_def *cave = &shell->anisotropies[0];
     assert_true(cave->mode == PEL_FIBRE_CAVE && cave->kind == PEL_FIBRE_ARAP && cave->strength == 0.02);
-    assert_true(cave->stiffness == 1000 && cave->center[1] == 1 && cave->center[2] == 0.2 && cave->max_step == 0.1);
+    assert_true(cave->stiffness == 1000 && cave->center[1] == 1 && cave->center[2] == 0.2 && cave->max_step == 0.05);
     assert_non_null(cave->weights);
     assert_true(shell->pressure.kind == PEL_PRESSURE_GIVEN && shell->pressure.outside.value == 100);
     assert_true(body->spring_stiffness.value == 0 && body->volumetric_stiffness.value == 0);

@@ -61,8 +61,8 @@ static inline void scene_move(contact_scene *scene, int32_t tool, double x, doub
                               double time)
 {
     pel_pose_key *keys = scene->keys[tool];
-    keys[0] = (pel_pose_key){0, {x, y, from}, {0, 0, 0, 1}};
-    keys[1] = (pel_pose_key){time, {x, y, to}, {0, 0, 0, 1}};
+    keys[0] = (pel_pose_key){0, {x, y, from}, {0, 0, 0, 1}, {0}};
+    keys[1] = (pel_pose_key){time, {x, y, to}, {0, 0, 0, 1}, {0}};
     scene->tools[tool].key_count = 2;
 }
 

@@ -64,7 +64,7 @@ static inline void press_begin(press_scene *scene, int32_t frequency, double you
 static inline void press_move(press_scene *scene, double top, double depth)
 {
     for (int k = 0; k < PRESS_KEYS; k++)
-        scene->keys[k] = (pel_pose_key){k, {0, 0, k == 1 ? top - depth : top + 1e-4}, {0, 0, 0, 1}};
+        scene->keys[k] = (pel_pose_key){k, {0, 0, k == 1 ? top - depth : top + 1e-4}, {0, 0, 0, 1}, {0}};
     scene->tool.key_count = PRESS_KEYS;
 }
 

@@ -34,7 +34,7 @@ static pel_status create_model(const void *mesh, pel_error *error)
 
 static pel_sim_def sim_def(const pel_model *model)
 {
-    static const pel_pose_key keys[2] = {{0, {0, 0, 1.3}, {0, 0, 0, 1}}, {1, {0, 0, 1}, {0, 0, 0, 1}}};
+    static const pel_pose_key keys[2] = {{0, {0, 0, 1.3}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 1}, {0, 0, 0, 1}, {0}}};
     static const pel_key factors[2] = {{0, 0}, {1, 1}};
     static pel_load_def load;
     static pel_tool_def tool;

@@ -369,7 +369,7 @@ static void test_refinement(void **unused)
         tool->half_extents[2] = 0.1;
         double side = i == 0 ? 1 : -1;
         scene_move(&scene, i, 0, 0, 1.15 * side, 0.3 * side, 0.6);
-        scene.keys[i][2] = (pel_pose_key){1, {0, 0, 1.15 * side}, {0, 0, 0, 1}};
+        scene.keys[i][2] = (pel_pose_key){1, {0, 0, 1.15 * side}, {0, 0, 0, 1}, {0}};
         scene.tools[i].key_count = 3;
     }
     pel_sim *sim = scene_create(&scene);

@@ -118,7 +118,7 @@ static void test_fold(void **unused)
 static bench beside_tool(pel_tool_shape shape, double near)
 {
     static const pel_pose_key keys[3] = {
-        {0, {0, 0, 2}, {0, 0, 0, 1}}, {1, {0, 0, 1.35}, {0, 0, 0, 1}}, {2, {0, 0, 3}, {0, 0, 0, 1}}};
+        {0, {0, 0, 2}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 1.35}, {0, 0, 0, 1}, {0}}, {2, {0, 0, 3}, {0, 0, 0, 1}, {0}}};
     static pel_tool_def tool;
     tool = pel_tool_def_default();
     tool.name = "probe";
@@ -321,8 +321,9 @@ static void test_portions(void **unused)
 
 static bench busy_body(const int32_t *region)
 {
-    static const pel_pose_key keys[3] = {
-        {0, {-0.8, 0, 1.5}, {0, 0, 0, 1}}, {0.8, {0, 0, 1.1}, {0, 0, 0, 1}}, {2, {0.8, 0, 1.2}, {0, 0, 0, 1}}};
+    static const pel_pose_key keys[3] = {{0, {-0.8, 0, 1.5}, {0, 0, 0, 1}, {0}},
+                                         {0.8, {0, 0, 1.1}, {0, 0, 0, 1}, {0}},
+                                         {2, {0.8, 0, 1.2}, {0, 0, 0, 1}, {0}}};
     static pel_tool_def tool;
     tool = pel_tool_def_default();
     tool.name = "probe";

@@ -24,7 +24,7 @@ static uint64_t run_case(const pel_solver_def *solver, int thread_count)
     load.vertex_count = 3;
     load.until = 1;
     const pel_pose_key keys[3] = {
-        {0, {0, 0, 1.5}, {0, 0, 0, 1}}, {1, {0, 0, 1.0}, {0, 0, 0, 1}}, {2, {0, 0, 1.5}, {0, 0, 0, 1}}};
+        {0, {0, 0, 1.5}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 1.0}, {0, 0, 0, 1}, {0}}, {2, {0, 0, 1.5}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.4;

@@ -29,10 +29,10 @@ static void press(pel_mesh *mesh, double radius, double depth)
     int32_t top = top_of(mesh);
     const double *p = mesh->positions[top];
     double clear = p[2] + 1.05 * radius, deep = p[2] + radius - depth, dt = 0.01;
-    const pel_pose_key keys[4] = {{0, {p[0], p[1], clear}, {0, 0, 0, 1}},
-                                  {PUSH * dt, {p[0], p[1], deep}, {0, 0, 0, 1}},
-                                  {(PUSH + HOLD) * dt, {p[0], p[1], deep}, {0, 0, 0, 1}},
-                                  {(PUSH + HOLD + PULL) * dt, {p[0], p[1], clear}, {0, 0, 0, 1}}};
+    const pel_pose_key keys[4] = {{0, {p[0], p[1], clear}, {0, 0, 0, 1}, {0}},
+                                  {PUSH * dt, {p[0], p[1], deep}, {0, 0, 0, 1}, {0}},
+                                  {(PUSH + HOLD) * dt, {p[0], p[1], deep}, {0, 0, 0, 1}, {0}},
+                                  {(PUSH + HOLD + PULL) * dt, {p[0], p[1], clear}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "ball";
     tool.radius = radius;

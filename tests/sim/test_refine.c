@@ -7,7 +7,7 @@
 
 static uint64_t pressed_hash(int32_t levels, int method, int threads)
 {
-    const pel_pose_key keys[2] = {{0, {0, 0, 1.5}, {0, 0, 0, 1}}, {1, {0, 0, 1.0}, {0, 0, 0, 1}}};
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.5}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 1.0}, {0, 0, 0, 1}, {0}}};
     const int32_t pulled[3] = {7, 100, 211};
     pel_mesh *mesh = make_sphere(8);
     pel_body_def body = ball(mesh, levels);
@@ -456,8 +456,9 @@ static void test_budget(void **unused)
     body.refine.above = 1;
     body.refine.below = 0.2;
     body.refine.budget = mesh->triangle_count + 400;
-    const pel_pose_key keys[3] = {
-        {0, {0, 0, 1.5}, {0, 0, 0, 1}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}}, {3, {0.8, 0, 1.1}, {0, 0, 0, 1}}};
+    const pel_pose_key keys[3] = {{0, {0, 0, 1.5}, {0, 0, 0, 1}, {0}},
+                                  {1, {0, 0, 1.1}, {0, 0, 0, 1}, {0}},
+                                  {3, {0.8, 0, 1.1}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.3;
@@ -485,10 +486,10 @@ static void test_budget(void **unused)
 
 static bench sliding(int method, int threads, bool two_bodies)
 {
-    static const pel_pose_key keys[4] = {{0, {0, 0, 1.45}, {0, 0, 0, 1}},
-                                         {0.5, {0, 0, 1.05}, {0, 0, 0, 1}},
-                                         {1.5, {0.6, 0, 0.95}, {0, 0, 0, 1}},
-                                         {2, {0.9, 0, 1.5}, {0, 0, 0, 1}}};
+    static const pel_pose_key keys[4] = {{0, {0, 0, 1.45}, {0, 0, 0, 1}, {0}},
+                                         {0.5, {0, 0, 1.05}, {0, 0, 0, 1}, {0}},
+                                         {1.5, {0.6, 0, 0.95}, {0, 0, 0, 1}, {0}},
+                                         {2, {0.9, 0, 1.5}, {0, 0, 0, 1}, {0}}};
     static pel_tool_def tools[2];
     pel_mesh *mesh = make_sphere(8);
     tools[0] = tools[1] = pel_tool_def_default();
@@ -498,7 +499,7 @@ static bench sliding(int method, int threads, bool two_bodies)
     tools[0].key_count = 4;
     tools[1].name = "forceps";
     tools[1].radius = 0.1;
-    static const pel_pose_key still[2] = {{0, {-1.1, 0, 0}, {0, 0, 0, 1}}, {2, {-1.4, 0.2, 0}, {0, 0, 0, 1}}};
+    static const pel_pose_key still[2] = {{0, {-1.1, 0, 0}, {0, 0, 0, 1}, {0}}, {2, {-1.4, 0.2, 0}, {0, 0, 0, 1}, {0}}};
     tools[1].keys = still;
     tools[1].key_count = 2;
     tools[1].grasp = true;
@@ -775,7 +776,7 @@ static void test_planes_follow(void **unused)
     shape.nx = shape.ny = 8;
     pel_mesh *mesh;
     assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
-    const pel_pose_key key = {0, {0, 0, 5}, {0, 0, 0, 1}};
+    const pel_pose_key key = {0, {0, 0, 5}, {0, 0, 0, 1}, {0}};
     pel_tool_def tool_def = pel_tool_def_default();
     tool_def.name = "far";
     tool_def.radius = 0.1;

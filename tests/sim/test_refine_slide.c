@@ -21,7 +21,7 @@ static void slide_path(ground what, pel_pose_key keys[PATH])
 {
     for (int k = 0; k < PATH; k++) {
         double s = (double)k / (PATH - 1), lift = k == 0 ? 0.21 : 0.17, angle = -0.6 + 1.2 * s;
-        keys[k] = (pel_pose_key){3 * s, {0, 0, lift}, {0, 0, 0, 1}};
+        keys[k] = (pel_pose_key){3 * s, {0, 0, lift}, {0, 0, 0, 1}, {0, 0, 0}};
         keys[k].position[0] = what == BALL ? (1 + lift) * sin(angle) : -1 + 2 * s;
         keys[k].position[2] = what == BALL ? (1 + lift) * cos(angle) : lift;
     }

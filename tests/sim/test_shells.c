@@ -210,6 +210,7 @@ static void test_pressurised_sphere(void **unused)
     for (int i = 0; i < 40 && !reading.converged; i++) {
         run_steps(sim, 1);
         pel_sim_get_solver(sim, &reading);
+        printf("DBG it %d ev %d res %g\n", reading.iterations, reading.evaluations, reading.residual);
     }
     assert_true(reading.converged);
     double *positions = calloc(3 * (size_t)mesh->vertex_count, sizeof *positions), mean = 0;
@@ -313,6 +314,7 @@ static double cantilever(pel_grid_diagonals diagonals, double gamma)
     for (int i = 0; i < 8 && !reading.converged; i++) {
         run_steps(sim, 1);
         pel_sim_get_solver(sim, &reading);
+        printf("DBG it %d ev %d res %g\n", reading.iterations, reading.evaluations, reading.residual);
     }
     assert_true(reading.converged);
     int32_t tip = nearest_vertex(mesh, 0.5 * nx * cell, 0, 0);
@@ -355,8 +357,8 @@ static double press_between_plates(double gap, double forces[2])
     pel_pose_key keys[2][2];
     for (int i = 0; i < 2; i++) {
         double side = i == 0 ? 1 : -1;
-        keys[i][0] = (pel_pose_key){0, {0, 0, 1.2 * side}, {0, 0, 0, 1}};
-        keys[i][1] = (pel_pose_key){0.5, {0, 0, (0.1 + 0.5 * gap) * side}, {0, 0, 0, 1}};
+        keys[i][0] = (pel_pose_key){0, {0, 0, 1.2 * side}, {0, 0, 0, 1}, {0}};
+        keys[i][1] = (pel_pose_key){0.5, {0, 0, (0.1 + 0.5 * gap) * side}, {0, 0, 0, 1}, {0}};
         tools[i] = pel_tool_def_default();
         tools[i].name = i == 0 ? "upper" : "lower";
         tools[i].shape = PEL_TOOL_BOX;

@@ -65,13 +65,8 @@ static double penetration(const stage *s, const pel_solid *solid, int32_t tool)
 
 #define DOWN_UP(start, low)                                                                                            \
     {                                                                                                                  \
-        {0, {0, 0, start}, {0, 0, 0, 1}}, {1, {0, 0, low}, {0, 0, 0, 1}}, {2, {0, 0, low}, {0, 0, 0, 1}},              \
-        {                                                                                                              \
-            3, {0, 0, start},                                                                                          \
-            {                                                                                                          \
-                0, 0, 0, 1                                                                                             \
-            }                                                                                                          \
-        }                                                                                                              \
+        {0, {0, 0, start}, {0, 0, 0, 1}, {0}}, {1, {0, 0, low}, {0, 0, 0, 1}, {0}},                                    \
+            {2, {0, 0, low}, {0, 0, 0, 1}, {0}}, {3, {0, 0, start}, {0, 0, 0, 1}, {0}},                                \
     }
 
 /* a tool pressed 0.3 into the sphere, held, and withdrawn; coarse and fine meshes, both methods */
@@ -130,7 +125,7 @@ static void test_press(void **unused)
    the structural springs only pass forces on */
 static void check_balance(const pel_load_def *load)
 {
-    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 1.1}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.3;
@@ -174,7 +169,8 @@ static void test_momentum(void **unused)
 {
     (void)unused;
     for (int grasp = 0; grasp < 2; grasp++) {
-        const pel_pose_key keys[2] = {{0, {0.75, 0.6, 0.9}, {0, 0, 0, 1}}, {1, {0.25, 0.2, 0.3}, {0, 0, 0, 1}}};
+        const pel_pose_key keys[2] = {{0, {0.75, 0.6, 0.9}, {0, 0, 0, 1}, {0}},
+                                      {1, {0.25, 0.2, 0.3}, {0, 0, 0, 1}, {0}}};
         pel_tool_def tool = pel_tool_def_default();
         tool.name = "probe";
         tool.radius = 0.25;
@@ -223,8 +219,8 @@ static void test_momentum(void **unused)
 static void test_settles(void **unused)
 {
     (void)unused;
-    const pel_pose_key press_keys[2] = {{0, {0, 0, 1.35}, {0, 0, 0, 1}}, {0.3, {0, 0, 1.1}, {0, 0, 0, 1}}};
-    const pel_pose_key pull_keys[2] = {{0, {0, -1.2, 0}, {0, 0, 0, 1}}, {0.6, {0, -1.4, 0}, {0, 0, 0, 1}}};
+    const pel_pose_key press_keys[2] = {{0, {0, 0, 1.35}, {0, 0, 0, 1}, {0}}, {0.3, {0, 0, 1.1}, {0, 0, 0, 1}, {0}}};
+    const pel_pose_key pull_keys[2] = {{0, {0, -1.2, 0}, {0, 0, 0, 1}, {0}}, {0.6, {0, -1.4, 0}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tools[2] = {pel_tool_def_default(), pel_tool_def_default()};
     tools[0].name = "probe";
     tools[0].radius = 0.3;
@@ -301,6 +297,8 @@ static void test_grasp(void **unused)
     check_grasp(PEL_METHOD_EXPLICIT);
 }
 
+static double depth_told;
+
 static void check_refused(const pel_tool_def *tool, const char *word)
 {
     stage s;
@@ -320,24 +318,36 @@ static void check_refused(const pel_tool_def *tool, const char *word)
         print_error("'%s' lacks '%s'\n", error.what, word);
     assert_non_null(strstr(error.what, word));
     assert_true(error.remedy[0] != '\0');
+    const char *by = strstr(error.what, "(by ");
+    depth_told = by != NULL ? strtod(by + 4, NULL) : -1;
     end_stage(&s);
 }
 
 static void test_refusals(void **unused)
 {
     (void)unused;
-    pel_pose_key keys[2] = {{0, {0, 0, 0.8}, {0, 0, 0, 1}}, {1, {0, 0, 2}, {0, 0, 0, 1}}};
+    pel_pose_key keys[2] = {{0, {0, 0, 0.8}, {0, 0, 0, 1}, {0}}, {1, {0, 0, 2}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "probe";
     tool.radius = 0.3;
     tool.keys = keys;
     tool.key_count = 2;
+    /* the ball's radius is 1, its triangles lie up to 0.1 within: what the tool has to go so that it is out */
     check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.3 + 0.2, 0.12);
     keys[0].position[2] = 0.1;
     check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.3 + 0.9, 0.12);
+    tool.shape = PEL_TOOL_BOX;
+    pel_vec3_set(tool.half_extents, 0.05, 0.05, 0.2);
+    keys[0].position[2] = 0.6;
+    check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.2 + 0.4, 0.12);
+    tool.shape = PEL_TOOL_SPHERE;
     /* its centre is outside */
     keys[0].position[2] = 1.2;
     check_refused(&tool, "starts inside");
+    assert_near(depth_told, 0.1, 0.1);
     keys[0].position[2] = 2;
     tool.radius = 0;
     check_refused(&tool, "radius");
@@ -356,7 +366,7 @@ static void test_refusals(void **unused)
 static void test_driven_tool(void **unused)
 {
     (void)unused;
-    const pel_pose_key key = {0, {0, 0, 3}, {0, 0, 0, 1}};
+    const pel_pose_key key = {0, {0, 0, 3}, {0, 0, 0, 1}, {0}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "stylus";
     tool.radius = 0.2;
@@ -382,7 +392,7 @@ static void test_driven_tool(void **unused)
 static void test_damaged_snapshot(void **unused)
 {
     (void)unused;
-    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}}, {0.5, {0, 0, 1.1}, {0, 0, 0, 1}}};
+    const pel_pose_key keys[2] = {{0, {0, 0, 1.4}, {0, 0, 0, 1}, {0}}, {0.5, {0, 0, 1.1}, {0, 0, 0, 1}, {0}}};
     pel_tool_def tools[2] = {pel_tool_def_default(), pel_tool_def_default()};
     for (int t = 0; t < 2; t++) {
         tools[t].name = t == 0 ? "probe" : "clamp";

@@ -3,6 +3,8 @@
 #include "random.h"
 #include "sim/fixture.h"
 
+#include "math/vec3.h"
+
 #include <stdlib.h>
 
 static const bool is_double = sizeof(pel_real) == 8;
@@ -504,13 +506,120 @@ static void test_regions(void **unused)
     }
 }
 
+/* the farthest that a vertex goes in each of some steps from a ball of another radius, over max_step of its edges; no
+   membrane holds it */
+static double longest_cave(const pel_solver_def *solver, double strength, double radius)
+{
+    enum { STEPS = 12 };
+    pel_mesh *mesh = make_sphere(6);
+    pel_anisotropy_def region = pel_anisotropy_def_default();
+    region.strength = strength;
+    region.center[2] = 3;
+    pel_body_def body = bare_body(mesh);
+    body.shell.anisotropies = &region;
+    body.shell.anisotropy_count = 1;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = sim_of(model, solver->method, solver->dt, solver->substeps);
+    def.solver.iterations = solver->iterations;
+    pel_sim *sim = make_sim(&def);
+    size_t count = 3 * (size_t)mesh->vertex_count;
+    double *x = malloc(count * sizeof *x), *y = malloc(count * sizeof *y), edge = 0, farthest = 0;
+    for (size_t i = 0; i < count; i++)
+        x[i] = radius * mesh->positions[0][i];
+    assert_int_equal(pel_sim_set_positions(sim, 0, x, NULL), PEL_OK);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
+        edge = fmax(edge, sqrt(4 / sqrt(3.0) * area));
+    }
+    for (int n = 0; n < STEPS; n++) {
+        run_steps(sim, 1);
+        pel_sim_get_positions(sim, 0, y);
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            farthest = fmax(farthest, pel_vec3_distance(x + 3 * v, y + 3 * v));
+        memcpy(x, y, count * sizeof *x);
+    }
+    free(x);
+    free(y);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+    return farthest / (region.max_step * edge);
+}
+
+/* going in is bounded by max_step of an edge in a step, whatever the strength, sweeps, substeps and steps before */
+static void test_cave_is_bounded(void **unused)
+{
+    (void)unused;
+    static const pel_solver_def runs[] = {
+        {.method = PEL_METHOD_PBD, .iterations = 1, .substeps = 1, .dt = 1.0 / 60},
+        {.method = PEL_METHOD_PBD, .iterations = 50, .substeps = 1, .dt = 1.0 / 60},
+        {.method = PEL_METHOD_PBD, .iterations = 5, .substeps = 4, .dt = 1e-3},
+        {.method = PEL_METHOD_XPBD, .iterations = 1, .substeps = 16, .dt = 1.0 / 60},
+        {.method = PEL_METHOD_XPBD, .iterations = 4, .substeps = 8, .dt = 1e-3},
+    };
+    for (size_t r = 0; r < sizeof runs / sizeof *runs; r++) {
+        double full = longest_cave(&runs[r], 1e6, 0.9);
+        assert_true(full > 0.7 && full < 1.02);
+        assert_true(longest_cave(&runs[r], 1e-9, 0.9) < (is_double ? 1e-4 : 1e-3));
+        /* stretch does not drive */
+        assert_true(longest_cave(&runs[r], 1e6, 1.1) < (is_double ? 1e-12 : 1e-3));
+    }
+}
+
+/* paper B's shell with a region: it caves in, and neither it nor the rest grows */
+static void test_cave_keeps_area(void **unused)
+{
+    (void)unused;
+    double volumes[2];
+    for (int kind = 0; kind <= PEL_FIBRE_SQRT; kind++)
+        for (int on = 0; on < 2; on++) {
+            pel_mesh *mesh = make_sphere(8);
+            pel_anisotropy_def region = pel_anisotropy_def_default();
+            double *weights = calloc((size_t)mesh->vertex_count, sizeof *weights);
+            for (int32_t v = 0; v < mesh->vertex_count; v++)
+                weights[v] = mesh->positions[v][2] > 0.8;
+            region.kind = (pel_fibre_kind)kind;
+            region.weights = weights;
+            region.strength = 0.3;
+            region.center[2] = 1;
+            pel_body_def body = pressed_body(mesh, 1e5, 0.01);
+            body.shell.bending.model = PEL_BENDING_ISOMETRIC;
+            body.shell.bending.weight = 0.01;
+            body.shell.pressure.outside.value = 24;
+            body.shell.anisotropies = &region;
+            body.shell.anisotropy_count = on;
+            pel_model *model = make_model(&body);
+            pel_sim_def def = sim_of(model, PEL_METHOD_PBD, 1.0 / 60, 0);
+            pel_sim *sim = make_sim(&def);
+            pel_sim_measures measures;
+            run_steps(sim, 50);
+            pel_sim_measure(sim, &measures);
+            volumes[on] = measures.volume_ratio;
+            assert_near(measures.area_ratio, 1, 0.03);
+            print_message("fibres %d: volume %.4f, area %.4f\n", on ? kind : -1, volumes[on], measures.area_ratio);
+            pel_sim_destroy(sim);
+            pel_model_destroy(model);
+            pel_mesh_destroy(mesh);
+            free(weights);
+            if (on)
+                assert_true(volumes[1] < volumes[0] - 0.03 && volumes[1] > 0.3);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet_reaches_closed_forms),    cmocka_unit_test(test_pressurised_sphere),
-        cmocka_unit_test(test_error_falls_with_dt),           cmocka_unit_test(test_free_fall),
-        cmocka_unit_test(test_drag_in_second_order),          cmocka_unit_test(test_volumetric_springs_pins_and_drag),
-        cmocka_unit_test(test_springs_come_to_the_same_rest), cmocka_unit_test(test_regions),
+        cmocka_unit_test(test_sheet_reaches_closed_forms),
+        cmocka_unit_test(test_pressurised_sphere),
+        cmocka_unit_test(test_error_falls_with_dt),
+        cmocka_unit_test(test_free_fall),
+        cmocka_unit_test(test_drag_in_second_order),
+        cmocka_unit_test(test_volumetric_springs_pins_and_drag),
+        cmocka_unit_test(test_springs_come_to_the_same_rest),
+        cmocka_unit_test(test_regions),
+        cmocka_unit_test(test_cave_is_bounded),
+        cmocka_unit_test(test_cave_keeps_area),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,95 @@
+/* Bodies that have no place of least energy: a net force on a body that nothing holds moves it for ever. Pins,
+   volumetric springs and tools hold a body; contact between bodies does when one of them is held. A body may turn under
+   loads, which bounds their energy: torques need nothing to hold them. A pressure on all of a closed body has no net
+   force; the vertex-normal form has a small one, which is not counted. */
+#include "base/status.h"
+#include "force/pressure.h"
+#include "math/vec3.h"
+#include "sim/contact.h"
+#include "sim/descent.h"
+#include "sim/tool.h"
+
+#include <math.h>
+
+/* net force over the sum of the forces' sizes: rounding of records, and what the vertex-normal form is wrong by */
+#define LOAD_RATIO 1e-4
+#define FOLLOWER_RATIO 0.05
+
+static bool holds_itself(const pel_sim *sim, int32_t body)
+{
+    const pel_body *own = &sim->model->bodies[body];
+    for (int32_t v = own->slice_begin * PEL_WIDTH; v < own->slice_end * PEL_WIDTH; v++)
+        if (sim->model->mesh_vertex[v] >= 0 && !(sim->model->inverse_mass[v] > 0))
+            return true;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        if ((sim->tools[i].press || sim->tools[i].grasp) && pel_tool_acts_on(&sim->tools[i], body))
+            return true;
+    return own->has_volumetric;
+}
+
+static bool is_held(const pel_sim *sim, int32_t body)
+{
+    bool held = holds_itself(sim, body);
+    bool meets = sim->contacts != NULL && sim->contacts->def.between;
+    for (int32_t b = 0; !held && meets && b < sim->model->body_count; b++)
+        held = holds_itself(sim, b);
+    return held;
+}
+
+static pel_status refuse_free(const pel_sim *sim, int32_t body, const double net[3], double time, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT,
+             "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: descent has no energy "
+             "minimum to find",
+             sim->model->bodies[body].name, net[0], net[1], net[2], time);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "pin vertices, add volumetric springs or a tool that it rests on, balance the loads, or use "
+                           "the method xpbd or explicit");
+    return PEL_BAD_ARGUMENT;
+}
+
+pel_status pel_descent_check_held(const pel_sim *sim, const pel_record *force, double time, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        const pel_shell *shell = body->shell;
+        double net[3] = {0, 0, 0}, sum = 0, x[3];
+        for (int32_t v = body->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, b); v++) {
+            pel_vertex_position(force, v, x);
+            pel_vec3_add(net, x, net);
+            sum += pel_vec3_length(x);
+        }
+        bool follows = shell != NULL && !pel_pressure_is_conservative(body);
+        if (pel_vec3_length(net) > (follows ? FOLLOWER_RATIO : LOAD_RATIO) * sum && !is_held(sim, b))
+            return refuse_free(sim, b, net, time, error);
+    }
+    return PEL_OK;
+}
+
+/* the forces of all loads and pressures that have no potential, on the rest shape */
+static pel_status check_at(pel_sim *sim, double time, pel_error *error)
+{
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        sim->force[v] = pel_wide_splat(0);
+    pel_loads_add(sim, time, sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
+    return pel_descent_check_held(sim, sim->force, time, error);
+}
+
+pel_status pel_descent_check_start(pel_sim *sim, pel_error *error)
+{
+    double dt = sim->step.dt;
+    pel_status status = check_at(sim, dt, error);
+    /* loads that begin later, and their keys */
+    for (int32_t l = 0; status == PEL_OK && l < sim->load_count; l++) {
+        const pel_load *load = &sim->loads[l];
+        if (load->from > dt)
+            status = check_at(sim, load->from, error);
+        for (int32_t k = 0; status == PEL_OK && k < load->key_count; k++)
+            if (load->keys[k].time > dt)
+                status = check_at(sim, load->keys[k].time, error);
+    }
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        sim->force[v] = pel_wide_splat(0);
+    return status;
+}

@@ -1,0 +1,88 @@
+/* Regions that cave in (paper B, section 3): the gradient of the fibres' energy is replaced by the normal, so that a
+   triangle whose fibres are strained goes inward.
+
+   Taken literally, projection by projection, this rule has no rest: going in strains the surface, and the strain drives
+   it further, so that a head grew to twice its area. Here a corner of a triangle has a depth for a step,
+
+       depth = strength (strain / PEL_CAVE_STRAIN)^2,  at most max_step of the edge less the way that it goes inward
+                                                       in a step by its velocity,
+
+   found once, before the step, of which it takes the share that the triangle has of the area around the corner. With
+   n substeps a projection goes depth / n^2 over the iterations, because what a substep goes the others go on with: so
+   the inward speed grows by depth over dt. All triangles, sweeps, substeps and steps together give no vertex more than
+   max_step of an edge a step. Only fibres that are shorter than at rest drive: outside pressure shortens them, and so
+   does going in, up to the mirror image of the cap; the stretch beyond it does not count. */
+#include "math/vec3.h"
+#include "solve/project.h"
+
+#include <math.h>
+
+static pel_real *number_at(const pel_batch *batch, int32_t i, int j)
+{
+    size_t block = (size_t)i / PEL_BLOCK, lane = (size_t)i % PEL_BLOCK;
+    return &batch->numbers[(block * (size_t)batch->number_count + (size_t)j) * PEL_BLOCK + lane];
+}
+
+void pel_project_cave_measure(pel_project_body *own, const pel_shell *shell, int32_t first_place, int32_t place_count)
+{
+    own->first_place = first_place;
+    for (int32_t i = 0; i < place_count; i++)
+        own->areas[i] = 0;
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        for (int k = 0; k < 3; k++)
+            own->areas[shell->triangles[t].vertices[k] - first_place] += shell->triangles[t].rest.area;
+}
+
+void pel_project_cave_fill(const pel_project_body *own, const pel_shell *shell, const pel_batch *batch, int32_t i)
+{
+    const pel_shell_fibre *fibre = &shell->regions[batch->region].fibres[batch->sources[i]];
+    const pel_shell_triangle *triangle = &shell->triangles[fibre->triangle];
+    *number_at(batch, i, PEL_CAVE_WEIGHT) = (pel_real)fibre->weight;
+    for (int k = 0; k < 3; k++) {
+        *number_at(batch, i, PEL_CAVE_SHARE + k) =
+            (pel_real)(triangle->rest.area / own->areas[triangle->vertices[k] - own->first_place]);
+        *number_at(batch, i, PEL_CAVE_WAY + k) = 0;
+    }
+}
+
+/* strain of a fibre whose image has the squared length: of its length, or (stvk) Green's; the same for small ones */
+static double strain_of(pel_fibre_kind kind, double square)
+{
+    return kind == PEL_FIBRE_STVK ? 0.5 * (square - 1) : sqrt(square) - 1;
+}
+
+/* depth [m] of each corner of a triangle in a step */
+static void find_depths(const pel_batch *batch, const pel_anisotropy_def *def, int32_t i,
+                        const pel_shell_triangle *triangle, const pel_state *state, double dt, double depth[3])
+{
+    double x[3][3], v[3][3], image[3], normal[3];
+    double c0 = (double)*number_at(batch, i, 0), c1 = (double)*number_at(batch, i, 1);
+    pel_load_points(state->position, triangle->vertices, 3, x);
+    pel_load_points(state->velocity, triangle->vertices, 3, v);
+    for (int c = 0; c < 3; c++)
+        image[c] = c0 * (x[0][c] - x[2][c]) + c1 * (x[1][c] - x[2][c]);
+    double strain = strain_of(def->kind, pel_vec3_squared_length(image)) / PEL_CAVE_STRAIN;
+    pel_vec3_triangle_normal(x[0], x[1], x[2], normal);
+    double size = pel_vec3_length(normal);
+    /* the edge of a regular triangle of its area */
+    double most = def->max_step * sqrt(4 / sqrt(3.0) * triangle->rest.area);
+    for (int k = 0; k < 3; k++) {
+        double inward = size > 0 ? fmax(-dt * pel_vec3_dot(v[k], normal) / size, 0) : 0;
+        depth[k] = strain < 0 && size > 0 ? fmax(fmin(def->strength * strain * strain, most - inward), 0) : 0;
+    }
+}
+
+void pel_project_cave_begin(const pel_batch *batch, const pel_shell *shell, const pel_state *state,
+                            const pel_solver_def *solver)
+{
+    const pel_shell_region *region = &shell->regions[batch->region];
+    double projections = (double)solver->substeps * solver->substeps * solver->iterations;
+    for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
+        const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
+        double depth[3], weight = (double)*number_at(batch, i, PEL_CAVE_WEIGHT);
+        find_depths(batch, &region->def, i, triangle, state, solver->dt, depth);
+        for (int k = 0; k < 3; k++)
+            *number_at(batch, i, PEL_CAVE_WAY + k) =
+                (pel_real)(weight / projections * (double)*number_at(batch, i, PEL_CAVE_SHARE + k) * depth[k]);
+    }
+}
