@@ -511,10 +511,10 @@ static void note_energy(pel_active *active, int32_t body, const pel_state *state
         int32_t node = front->changes[c].node, level = pel_front_level(front, node);
         const pel_topology *topology = front->forest->levels[level];
         for (int k = 0; k < 6; k++) {
-            int32_t h = 3 * (node - front->node_begin[level]) + k % 3;
+            int32_t t = node - front->node_begin[level];
             if (k >= 3 && level == front->forest->depth)
                 break;
-            int32_t v = k < 3 ? topology->triangles[0][h] : pel_lod_midpoint(topology, h);
+            int32_t v = k < 3 ? topology->triangles[t][k] : pel_lod_midpoint(topology, 3 * t + k - 3);
             int32_t place = own->place_of_vertex[v];
             if (place < 0 || active->is_dirty[place])
                 continue;
