@@ -86,6 +86,7 @@ static pel_status press(const pressed_ball *ball, pel_method method, int32_t sub
     def.solver.method = method;
     def.solver.dt = projects ? 1.0 / 60 : 1.0 / (60 * substeps);
     def.solver.substeps = projects ? substeps : 0;
+    def.solver.second_order = PEL_NO;
     status = pel_sim_create(&def, &sim, ball->error);
     for (int32_t i = 0; status == PEL_OK && i < (projects ? 10 : 10 * substeps); i++)
         status = pel_sim_step(sim, ball->error);

@@ -6,9 +6,6 @@
 
 #include <pellicle/preset.h>
 
-/* in the order of pel_membrane_kind, as scenes say them */
-static const char *const kinds[] = {"stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean"};
-
 static void print_json(const pel_material_preset *presets, int32_t count)
 {
     cli_json json = {.file = stdout};
@@ -18,7 +15,7 @@ static void print_json(const pel_material_preset *presets, int32_t count)
         const pel_material_preset *preset = &presets[i];
         cli_json_open(&json, NULL, '{');
         cli_json_text(&json, "name", preset->name);
-        cli_json_text(&json, "material", kinds[preset->material.kind]);
+        cli_json_text(&json, "material", pel_membrane_kind_name(preset->material.kind));
         cli_json_number(&json, "young", preset->material.young);
         cli_json_number(&json, "poisson", preset->material.poisson);
         cli_json_number(&json, "thickness", preset->material.thickness);
@@ -44,8 +41,8 @@ int cli_presets(const cli_call *call)
     printf("%-16s %-14s %9s %8s %10s %8s\n", "", "", "Pa", "", "m", "kg/m3");
     for (int32_t i = 0; i < count; ++i) {
         const pel_membrane_material *material = &presets[i].material;
-        printf("%-16s %-14s %9.3g %8g %10.3g %8g\n", presets[i].name, kinds[material->kind], material->young,
-               material->poisson, material->thickness, presets[i].density);
+        printf("%-16s %-14s %9.3g %8g %10.3g %8g\n", presets[i].name, pel_membrane_kind_name(material->kind),
+               material->young, material->poisson, material->thickness, presets[i].density);
     }
     for (int32_t i = 0; i < count; ++i) {
         printf("\n%s: %s\n    ", presets[i].name, presets[i].doc);

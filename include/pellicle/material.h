@@ -12,15 +12,21 @@
    corotated      mu |S - I|^2 + lambda/2 tr^2 (S - I),  S = sqrt C
    linear         mu |e|^2 + lambda/2 tr^2 e,            e = (G + G^T) / 2 - I, G = F in a frame turning with the image
                   of the first rest axis: drops rigid motion, but depends on the choice of that axis
-   mooney-rivlin  c1 (I1 - 3) + c2 (I2 - 3),             I1 = tr C + 1/det C, I2 = det C + tr C / det C
+   mooney-rivlin  c1 (I1 - 3) + c2 (I2 - 3),             I1 = tr C + 1/J^2, I2 = J^2 + tr C / J^2
                   incompressible: c1 + c2 = E h / 6, c2 = mooney_ratio c1, poisson is not read
-   neo-hookean    mu/2 (tr C - 2) - mu ln J + lambda/2 ln^2 J, compressible; with poisson 0.5 the incompressible one,
-                  mooney-rivlin with c2 = 0
-   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020; theory page section 3.
+   neo-hookean    mu/2 (tr C + c - 3 - 2 ln J3) + lambda3/2 ln^2 J3,  J3 = J sqrt c, lambda3 = 2 mu nu / (1 - 2 nu)
+                  the solid in plane stress: the square c of the thickness stretch follows from zero normal stress; with
+                  poisson 0.5 the incompressible one. 0 <= poisson <= 0.5
+   gent           -mu Jm/2 ln(1 - (I1 - 3) / Jm),        mu = E h / 3, Jm = extension_limit
+                  incompressible, poisson is not read. Beyond 0.99 Jm the energy goes on as its parabola there,
+                  beyond 2 Jm as its tangent
+   fung           E h/b (exp(b w / (E h)) - 1),          w = the energy of stvk, b = stiffening
+   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Gent 1996, Fung 1967; theory page sections 3 and 17.
 
-   Collapsed triangles (J = 0, down to a point) give finite energies and stresses, never NaN. The last two are infinite
-   there: below J = 0.01 the functions 1/det C and ln J go on as their tangents, so that a squeezed triangle is pushed
-   open with a large, finite force. A triangle squeezed to a line has no normal: forces across the line are left out. */
+   Collapsed triangles (J = 0, down to a point) give finite energies and stresses, never NaN. Incompressible laws and
+   neo-hookean are infinite there: below J = 0.01 they go on as their tangents in J, so that a squeezed triangle is
+   pushed open with a large, finite force. A triangle squeezed to a line has no normal: forces across the line are left
+   out. */
 #ifndef PELLICLE_MATERIAL_H
 #define PELLICLE_MATERIAL_H
 
@@ -30,21 +36,39 @@
 extern "C" {
 #endif
 
-typedef enum pel_membrane_kind {
-    PEL_MEMBRANE_STVK,
-    PEL_MEMBRANE_COROTATED,
-    PEL_MEMBRANE_LINEAR,
-    PEL_MEMBRANE_MOONEY_RIVLIN,
-    PEL_MEMBRANE_NEO_HOOKEAN
+/* The laws: enumerator, name of the functions in src/law, name in scene files. A law is its file there and a row here.
+ */
+#define PEL_MEMBRANE_LAWS(ROW)                                                                                         \
+    ROW(STVK, stvk, "stvk")                                                                                            \
+    ROW(COROTATED, corotated, "corotated")                                                                             \
+    ROW(LINEAR, linear, "linear")                                                                                      \
+    ROW(MOONEY_RIVLIN, mooney_rivlin, "mooney-rivlin")                                                                 \
+    ROW(NEO_HOOKEAN, neo_hookean, "neo-hookean")                                                                       \
+    ROW(GENT, gent, "gent")                                                                                            \
+    ROW(FUNG, fung, "fung")
+
+typedef enum pel_membrane_kind { /* PEL_MEMBRANE_STVK and so on */
+#define PEL_MEMBRANE_ENUMERATOR(KIND, law, name) PEL_MEMBRANE_##KIND,
+                                 PEL_MEMBRANE_LAWS(PEL_MEMBRANE_ENUMERATOR)
+#undef PEL_MEMBRANE_ENUMERATOR
 } pel_membrane_kind;
+
+#define PEL_MEMBRANE_ONE(KIND, law, name) +1
+enum { PEL_MEMBRANE_COUNT = 0 PEL_MEMBRANE_LAWS(PEL_MEMBRANE_ONE) }; /* number of laws */
+#undef PEL_MEMBRANE_ONE
 
 typedef struct pel_membrane_material {
     pel_membrane_kind kind;
-    double young;        /* Young's modulus [Pa], > 0 */
-    double poisson;      /* Poisson's ratio, -1 < poisson < 1; above 0.5 only a sheet that is no solid has it */
-    double thickness;    /* [m], > 0 */
-    double mooney_ratio; /* c2 / c1, >= 0; read by mooney-rivlin only */
+    double young;           /* Young's modulus at small strain [Pa], > 0 */
+    double poisson;         /* Poisson's ratio, -1 < poisson < 1; above 0.5 only a sheet that is no solid has it */
+    double thickness;       /* [m], > 0 */
+    double mooney_ratio;    /* c2 / c1, >= 0; read by mooney-rivlin only */
+    double extension_limit; /* Jm, the I1 - 3 at which chains end, > 0; read by gent only */
+    double stiffening;      /* b, > 0; read by fung only */
 } pel_membrane_material;
+
+/* The name of a law in scene files; "unknown" for a number that is no law. */
+const char *pel_membrane_kind_name(pel_membrane_kind kind);
 
 /* Energies of fibres (Kim, De Goes, Iben 2019) with I5 = |F a|^2, stiffness k [N/m]. On a membrane arap and sqrt are
    the same function, as the sign of its I4 is always 1. Stiffness against stretch at rest: k, 4 k, k. */
@@ -54,7 +78,7 @@ typedef enum pel_fibre_kind {
     PEL_FIBRE_SQRT  /* k/2 (sqrt I5 - 1)^2 */
 } pel_fibre_kind;
 
-/* Refuses NaN, infinity and numbers out of the ranges above (PEL_BAD_ARGUMENT naming the member). */
+/* Refuses NaN, infinity and numbers out of the ranges above that the law reads (PEL_BAD_ARGUMENT naming the member). */
 pel_status pel_membrane_material_check(const pel_membrane_material *material, pel_error *error);
 
 /* Plane-stress Lame parameters with the thickness included [N/m], theory page section 1. */

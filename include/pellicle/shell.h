@@ -33,7 +33,9 @@ typedef struct pel_membrane_def {
     pel_quantity young; /* Pa, > 0; no keys */
     double poisson;
     pel_quantity thickness; /* m, > 0; no keys */
-    double mooney_ratio;
+    double mooney_ratio;    /* 0.2 by default */
+    double extension_limit; /* gent; 50 by default */
+    double stiffening;      /* fung; 10 by default */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {

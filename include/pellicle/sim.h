@@ -29,18 +29,24 @@ typedef enum pel_method {
     PEL_METHOD_DESCENT /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
 } pel_method;
 
+/* A choice that may be left to the library. */
+typedef enum pel_choice { PEL_AUTO = -1, PEL_NO = 0, PEL_YES = 1 } pel_choice;
+
 typedef struct pel_solver_def {
     pel_method method;
     double dt;          /* s, one step */
     double alpha;       /* quasi-static: size of a step; 0 = a safe value for this mesh */
     bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
-    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 50. descent with tools or
-                           contact: in each of up to 12 rounds of a step */
-    int32_t substeps;   /* pbd, xpbd: a step of dt is done in this many; 0 = 1 and 16 */
-    bool second_order;  /* xpbd: second order in time (BDF2); not for bodies that touch */
-    double drag;        /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
-    bool gradient_only; /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
+    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 500. descent with tools or
+                           contact: in each of up to 12 rounds of a step; 0 = 50 */
+    int32_t substeps;   /* pbd, xpbd: a step of dt is done in this many. 0 = 1 for pbd; for xpbd as many as keep stretch
+                           within 5 % of the material's, chosen anew while running (pel_sim_softness) */
+    int32_t max_substeps;    /* xpbd: automatic substeps, at most; 0 = 200 */
+    pel_choice second_order; /* xpbd: second order in time (BDF2), not for bodies that touch. PEL_AUTO: without tools,
+                                contact, gas and target volumes */
+    double drag;             /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
+    bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
 } pel_solver_def;
 
 /* What a load's force means. */
@@ -156,6 +162,10 @@ pel_sim_def pel_sim_def_default(void);
 pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error);
 void pel_sim_destroy(pel_sim *sim);
 
+/* Substeps that PEL_METHOD_XPBD needs on a model at rest: what `substeps = 0` takes as far as max_substeps allows. A
+   body that is refined everywhere counts on its finest level. PEL_BAD_ARGUMENT as pel_sim_create, PEL_OUT_OF_MEMORY. */
+pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error);
+
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
    was before the step. No memory is allocated; with contact, and by tools under PEL_METHOD_DESCENT, only where a step
    has more pairs than any before, after refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many
@@ -257,12 +267,12 @@ double pel_sim_contact_thickness(const pel_sim *sim);
    (pel_mesh_self_intersections); spheres and capsules take no part. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);
 
-/* xpbd: about how much more a shell gives way than its material, as a share (0.1 = 10 %), because a sweep in a substep
-   does not bring stretch to its end: it goes with the square of the substep over the longest one that an explicit
-   method can bear (measured; docs/shells.md). 0 for other methods. */
+/* xpbd: how much further springs and shells stretch than their material, as a share (0.1 = 10 %), because one sweep in
+   a substep does not converge. It goes with the square of the substep (docs/shells.md: derivation and measurements), at
+   the state of the last look: at the start, every 8 to 32 steps, after refinement. 0 for other methods. */
 double pel_sim_softness(const pel_sim *sim);
 
-/* How the last step of PEL_METHOD_DESCENT went; all zero for other methods. */
+/* How the last step of PEL_METHOD_DESCENT went, and the substeps of position-based methods; zero for others. */
 typedef struct pel_solver_reading {
     int32_t iterations;
     int32_t evaluations; /* of energy and forces */
@@ -270,6 +280,11 @@ typedef struct pel_solver_reading {
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
     bool converged;      /* it is 1e-6 of that of loads, pressure and contacts at most, and what touches keeps its
                             distance */
+    int32_t substeps;    /* of the last step; of the next one before the first step */
+    int32_t least_substeps, most_substeps; /* of all steps so far */
+    int32_t needed_substeps;               /* xpbd: what automatic substeps would be without max_substeps */
+    bool second_order;                     /* xpbd: in use */
+    double softness, most_softness;        /* pel_sim_softness, and the largest so far */
 } pel_solver_reading;
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 

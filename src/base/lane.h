@@ -1,7 +1,9 @@
-/* Lanes of the constraint kernels: as many numbers as fit 256 bits, 8 float or 4 double. A source that defines
-   PEL_LANE_SCALAR before it includes this gets plain numbers under the same names, so that one kernel serves as the
-   wide one and as its oracle. Every operation is exact IEEE arithmetic per lane in a fixed order: wide, plain, GCC,
-   Clang, with AVX2 and without give the same bits.
+/* The scalar type of laws, measures and constraint kernels, which are written once and included once for each type:
+     by default     lanes: as many pel_real as fit 256 bits, 8 float or 4 double
+     PEL_LANE_SCALAR  plain pel_real: the oracle of the wide kernels
+     PEL_LANE_DOUBLE  plain double whatever pel_real is: the public functions
+   A source defines one of the two names, or none, before its first include. Every operation is exact IEEE arithmetic
+   per lane in a fixed order: wide, plain, GCC, Clang, with AVX2 and without give the same bits.
 
    Records {x, y, z, w} of a block of particles are loaded whole and transposed in registers; hardware gathers are 3.5
    times slower (docs/performance.md). */
@@ -17,19 +19,34 @@
 #define PEL_INLINE static inline __attribute__((always_inline))
 
 #ifdef PEL_SINGLE
-typedef int32_t pel_lane_integer;
 #define PEL_REAL_EPSILON 1.1920929e-7f
 #else
-typedef int64_t pel_lane_integer;
 #define PEL_REAL_EPSILON 2.220446049250313e-16
 #endif
 
+#if defined(PEL_LANE_DOUBLE) && !defined(PEL_LANE_SCALAR)
+#define PEL_LANE_SCALAR
+#endif
+
+/* the number in a lane, and an integer of its size */
+#if defined(PEL_SINGLE) && !defined(PEL_LANE_DOUBLE)
+#define PEL_LANE_SINGLE
+typedef float pel_lane_number;
+typedef int32_t pel_lane_integer;
+#else
+typedef double pel_lane_number;
+typedef int64_t pel_lane_integer;
+#endif
+
+/* a constant in all lanes */
+#define PEL_CONSTANT(a) pel_lane_splat((pel_lane_number)(a))
+
 #ifdef PEL_LANE_SCALAR
 
-typedef pel_real pel_lane;
+typedef pel_lane_number pel_lane;
 typedef pel_lane_integer pel_lane_mask; /* 0 or -1 */
 
-static inline pel_lane pel_lane_splat(pel_real a)
+static inline pel_lane pel_lane_splat(pel_lane_number a)
 {
     return a;
 }
@@ -37,11 +54,11 @@ static inline int32_t pel_lane_passes(int32_t lane_count)
 {
     return lane_count;
 }
-static inline pel_lane pel_lane_load(const pel_real *numbers, int32_t lane)
+static inline pel_lane pel_lane_load(const pel_lane_number *numbers, int32_t lane)
 {
     return numbers[lane];
 }
-static inline void pel_lane_store(pel_real *numbers, int32_t lane, pel_lane a)
+static inline void pel_lane_store(pel_lane_number *numbers, int32_t lane, pel_lane a)
 {
     numbers[lane] = a;
 }
@@ -51,7 +68,11 @@ static inline pel_lane_mask pel_lane_above(pel_lane a, pel_lane b)
 }
 static inline pel_lane pel_lane_sqrt(pel_lane a)
 {
-    return pel_sqrt(a);
+#ifdef PEL_LANE_SINGLE
+    return sqrtf(a);
+#else
+    return sqrt(a);
+#endif
 }
 
 #else
@@ -183,7 +204,7 @@ static inline pel_lane pel_lane_abs(pel_lane a)
 /* ---- functions ---- */
 
 /* sum of c[i] z^i for count <= 16: pairs, pairs of pairs and so on, so that few operations wait for each other */
-static inline pel_lane pel_lane_polynomial(const pel_real *c, int count, pel_lane z)
+PEL_INLINE pel_lane pel_lane_polynomial(const pel_lane_number *c, int count, pel_lane z)
 {
     pel_lane term[16], power = z;
     for (int i = 0; i < count; i++)
@@ -194,9 +215,21 @@ static inline pel_lane pel_lane_polynomial(const pel_real *c, int count, pel_lan
             if (2 * i + 1 < count)
                 term[i] = term[i] + power * term[2 * i + 1];
         }
-        power = power * power;
+        /* a power that no term needs could be denormal, which is slow */
+        if (count > 2)
+            power = power * power;
     }
     return term[0];
+}
+
+/* t^2 for a polynomial that begins with 1: bounded below where that changes no bit, so that no power is denormal */
+static inline pel_lane pel_lane_normal_square(pel_lane t)
+{
+#ifdef PEL_LANE_SINGLE
+    return pel_lane_max(t * t, pel_lane_splat(4e-9f));
+#else
+    return pel_lane_max(t * t, pel_lane_splat(1e-30));
+#endif
 }
 
 /* Angle of (x, y) in (-pi, pi]; 0 for (0, 0). The quotient of the smaller by the larger is reduced by pi/4 to at most
@@ -204,39 +237,40 @@ static inline pel_lane pel_lane_polynomial(const pel_real *c, int count, pel_lan
    the reduction is left out, which changes no bit. */
 static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
 {
-    const pel_real eighth_tangent = (pel_real)0.41421356237309504880;
-    const pel_lane quarter_turn = pel_lane_splat((pel_real)0.78539816339744830962), zero = pel_lane_splat(0);
-#ifdef PEL_SINGLE
-    static const pel_real c[] = {1.0f,        -0.33333332f,  0.19999883f, -0.14281588f,
-                                 0.11040489f, -0.084561928f, 0.047073481f};
+    const pel_lane eighth_tangent = PEL_CONSTANT(0.41421356237309504880), zero = pel_lane_splat(0);
+    const pel_lane quarter_turn = PEL_CONSTANT(0.78539816339744830962);
+#ifdef PEL_LANE_SINGLE
+    static const pel_lane_number c[] = {1.0f,        -0.33333332f,  0.19999883f, -0.14281588f,
+                                        0.11040489f, -0.084561928f, 0.047073481f};
 #else
-    static const pel_real c[] = {1.0,
-                                 -0.33333333333333324206,
-                                 0.19999999999997013892,
-                                 -0.14285714285329708164,
-                                 0.11111111085322108759,
-                                 -0.090909080590311910269,
-                                 0.076922810999377432501,
-                                 -0.066662052599765261879,
-                                 0.058768340046141606641,
-                                 -0.052173125740615910016,
-                                 0.044995007289840320092,
-                                 -0.033387824501211951519,
-                                 0.015113765096600924669};
+    static const pel_lane_number c[] = {1.0,
+                                        -0.33333333333333324206,
+                                        0.19999999999997013892,
+                                        -0.14285714285329708164,
+                                        0.11111111085322108759,
+                                        -0.090909080590311910269,
+                                        0.076922810999377432501,
+                                        -0.066662052599765261879,
+                                        0.058768340046141606641,
+                                        -0.052173125740615910016,
+                                        0.044995007289840320092,
+                                        -0.033387824501211951519,
+                                        0.015113765096600924669};
 #endif
     const int count = (int)(sizeof c / sizeof *c);
     pel_lane ay = pel_lane_abs(y);
-    if (pel_lane_all(pel_lane_above(pel_lane_splat(eighth_tangent) * x, ay))) {
+    if (pel_lane_all(pel_lane_above(eighth_tangent * x, ay))) {
         pel_lane t = y / x;
-        return zero + t * pel_lane_polynomial(c, count, t * t);
+        return zero + t * pel_lane_polynomial(c, count, pel_lane_normal_square(t));
     }
     pel_lane ax = pel_lane_abs(x), small = pel_lane_min(ax, ay), large = pel_lane_max(ax, ay);
-    pel_lane_mask beyond = pel_lane_above(small, pel_lane_splat(eighth_tangent) * large);
+    pel_lane_mask beyond = pel_lane_above(small, eighth_tangent * large);
     pel_lane top = small - pel_lane_where(beyond, large), bottom = large + pel_lane_where(beyond, small);
     pel_lane t = pel_lane_where(pel_lane_above(large, zero), top / bottom);
-    pel_lane angle = pel_lane_where(beyond, quarter_turn) + t * pel_lane_polynomial(c, count, t * t);
+    pel_lane angle =
+        pel_lane_where(beyond, quarter_turn) + t * pel_lane_polynomial(c, count, pel_lane_normal_square(t));
     angle = pel_lane_select(pel_lane_above(ay, ax), quarter_turn + quarter_turn - angle, angle);
-    angle = pel_lane_select(pel_lane_above(zero, x), pel_lane_splat((pel_real)3.14159265358979323846) - angle, angle);
+    angle = pel_lane_select(pel_lane_above(zero, x), PEL_CONSTANT(3.14159265358979323846) - angle, angle);
     return pel_lane_select(pel_lane_above(zero, y), -angle, angle);
 }
 
@@ -245,22 +279,22 @@ static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
 static inline pel_lane pel_lane_log1p(pel_lane x)
 {
     const pel_lane one = pel_lane_splat(1);
-#ifdef PEL_SINGLE
+#ifdef PEL_LANE_SINGLE
     const int mantissa = 23;
     const pel_lane_integer offset = 0x3f3504f3; /* bits of sqrt(1/2) */
-    static const pel_real c[] = {2.0f, 0.66666665f, 0.40000385f, 0.28535051f, 0.23616359f};
+    static const pel_lane_number c[] = {2.0f, 0.66666665f, 0.40000385f, 0.28535051f, 0.23616359f};
 #else
     const int mantissa = 52;
     const pel_lane_integer offset = 0x3fe6a09e667f3bcd;
-    static const pel_real c[] = {2.0,
-                                 0.66666666666666658387,
-                                 0.40000000000007493931,
-                                 0.28571428568819126944,
-                                 0.22222222676929540265,
-                                 0.18181773738016305815,
-                                 0.15387160926134079899,
-                                 0.13248763083460115888,
-                                 0.13262103674021809098};
+    static const pel_lane_number c[] = {2.0,
+                                        0.66666666666666658387,
+                                        0.40000000000007493931,
+                                        0.28571428568819126944,
+                                        0.22222222676929540265,
+                                        0.18181773738016305815,
+                                        0.15387160926134079899,
+                                        0.13248763083460115888,
+                                        0.13262103674021809098};
 #endif
     const pel_lane_integer fraction = ((pel_lane_integer)1 << mantissa) - 1;
     pel_lane_mask bits = pel_lane_bits(one + x) - offset, exponent = bits >> mantissa;
@@ -271,10 +305,40 @@ static inline pel_lane pel_lane_log1p(pel_lane x)
 #else
     e = __builtin_convertvector(exponent, pel_lane);
 #endif
-    pel_lane_mask shifted = pel_lane_above(pel_lane_abs(e), pel_lane_splat((pel_real)0.5));
-    pel_lane above = pel_lane_select(shifted, m - one, x), s = above / (one + one + above), z = s * s;
+    pel_lane_mask shifted = pel_lane_above(pel_lane_abs(e), PEL_CONSTANT(0.5));
+    pel_lane above = pel_lane_select(shifted, m - one, x), s = above / (one + one + above);
+    pel_lane z = pel_lane_normal_square(s);
     pel_lane sum = pel_lane_polynomial(c, (int)(sizeof c / sizeof *c), z);
-    return e * pel_lane_splat((pel_real)0.69314718055994530942) + s * sum;
+    return e * PEL_CONSTANT(0.69314718055994530942) + s * sum;
+}
+
+/* exp(x) - 1 for |x| <= 80: x = n ln 2 + r with |r| <= ln 2 / 2, then 2^n (exp(r) - 1) + (2^n - 1) by a Taylor series;
+   a small x keeps all its digits. Adding 1.5 times 2^(digits - 1) rounds to an integer, which then stands in the lowest
+   bits. */
+static inline pel_lane pel_lane_expm1(pel_lane x)
+{
+#ifdef PEL_LANE_SINGLE
+    const int mantissa = 23;
+    const pel_lane_integer bias = 127;
+    const pel_lane shift = pel_lane_splat(12582912.0f), high = pel_lane_splat(0.693145752f),
+                   low = pel_lane_splat(1.42860677e-6f);
+    static const pel_lane_number c[] = {1.0f,           0.5f,           0.166666667f,  0.0416666667f,
+                                        8.33333333e-3f, 1.38888889e-3f, 1.98412698e-4f};
+#else
+    const int mantissa = 52;
+    const pel_lane_integer bias = 1023;
+    const pel_lane shift = pel_lane_splat(6755399441055744.0), high = pel_lane_splat(0.69314718036912381649),
+                   low = pel_lane_splat(1.90821492927058770002e-10);
+    static const pel_lane_number c[] = {
+        1.0,         1.0 / 2,      1.0 / 6,       1.0 / 24,       1.0 / 120,       1.0 / 720,       1.0 / 5040,
+        1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
+#endif
+    const pel_lane one = pel_lane_splat(1);
+    pel_lane shifted = x * PEL_CONSTANT(1.44269504088896340736) + shift, n = shifted - shift;
+    pel_lane r = (x - n * high) - n * low;
+    pel_lane scale = pel_lane_from_bits((pel_lane_bits(shifted) - pel_lane_bits(shift) + bias) << mantissa);
+    pel_lane part = r * pel_lane_polynomial(c, (int)(sizeof c / sizeof *c), r);
+    return scale * part + (scale - one);
 }
 
 /* ---- three components ---- */
@@ -315,6 +379,8 @@ typedef struct pel_particle {
     pel_lane3 at;
     pel_lane fourth; /* inverse mass */
 } pel_particle;
+
+#ifndef PEL_LANE_DOUBLE
 
 /* pel_particle_move adds a way to the records of a block, which are read before any is written: lanes may repeat. Where
    p, which was loaded from them, is given, float takes the positions from there: fewer operations, but more registers.
@@ -440,4 +506,5 @@ static inline void pel_particle_move(pel_record *records, const int32_t *steps, 
 }
 
 #endif
+#endif /* particles */
 #endif

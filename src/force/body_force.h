@@ -4,7 +4,7 @@
 #define PEL_FORCE_BODY_FORCE_H
 
 #include "base/pool.h"
-#include "element/spring.h"
+#include "measure/spring.h"
 #include "model/state.h"
 
 /* slices of one chunk of a parallel loop */

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "measure/element.h"
 
 #include <math.h>
 #include <string.h>
@@ -30,27 +31,12 @@ static pel_status check_bending(const pel_shell_body *own, pel_error *error)
     return PEL_OK;
 }
 
-static pel_status make_laws(pel_shell_body *own, pel_error *error)
+static void set_law(pel_shell_body *own)
 {
-    const pel_shell *shell = own->shell;
-    if (!shell->has_membrane)
-        return PEL_OK;
-    int32_t count = shell->uniform ? 1 : shell->triangle_limit;
-    own->laws = pel_allocate((size_t)count, sizeof *own->laws);
-    own->kind = pel_membrane_law_of(&shell->material).kind;
-    return own->laws != NULL ? PEL_OK : pel_fail_memory(error);
-}
-
-static void fill_laws(pel_shell_body *own)
-{
-    const pel_shell *shell = own->shell;
-    int32_t count = shell->uniform ? 1 : shell->triangle_count;
-    for (int32_t t = 0; own->laws != NULL && t < count; t++) {
-        pel_membrane_material material = shell->material;
-        material.young = shell->triangles[t].young;
-        material.thickness = shell->triangles[t].thickness;
-        own->laws[t] = pel_membrane_law_of(&material);
-    }
+    pel_membrane_material material = own->shell->material;
+    material.young = material.thickness = 1;
+    own->law = pel_membrane_law_of(&material);
+    own->stiffness = pel_membrane_law_stiffness(&own->law);
 }
 
 /* Lists by owner: counts stand two places after their owner's number, sums make them begins one place after; filling
@@ -208,14 +194,9 @@ static void find_triangle_numbers(const pel_shell_body *own, int32_t t, double n
     const pel_shell *shell = own->shell;
     const pel_rest_triangle *rest = &shell->triangles[t].rest;
     memcpy(numbers, rest->inverse, sizeof rest->inverse);
-    numbers[3] = numbers[4] = 0;
-    if (own->laws != NULL) {
-        const pel_membrane_law *law = &own->laws[shell->uniform ? 0 : t];
-        numbers[3] = rest->area * law->first;
-        numbers[4] = rest->area * law->second;
-    }
-    numbers[5] = shell->pressure_weights != NULL ? shell->pressure_weights[t] : 1;
-    numbers[6] = 1;
+    numbers[3] = shell->has_membrane ? rest->area * pel_shell_law(own, t).modulus : 0;
+    numbers[4] = shell->pressure_weights != NULL ? shell->pressure_weights[t] : 1;
+    numbers[5] = 1;
 }
 
 static void find_hinge_numbers(const pel_shell *shell, const pel_shell_hinge *hinge, double numbers[PEL_HINGE_NUMBERS])
@@ -260,7 +241,6 @@ static void fill_blocks(pel_shell_body *own)
 
 static void fill_body(pel_shell_body *own)
 {
-    fill_laws(own);
     fill_fibres(own);
     fill_blocks(own);
     fill_rows(own);
@@ -297,8 +277,7 @@ pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **fo
             own->pressure_part = pel_pressure_is_conservative(body) ? PEL_SHELL_CONSERVATIVE : PEL_SHELL_FOLLOWER;
         own->place_count = pel_body_place_end(model, b) - own->first_place;
         status = check_bending(own, error);
-        if (status == PEL_OK)
-            status = make_laws(own, error);
+        set_law(own);
         if (status == PEL_OK)
             status = make_fibres(own, error);
         if (status == PEL_OK)
@@ -319,10 +298,10 @@ void pel_shell_forces_destroy(pel_shell_forces *forces)
         return;
     for (int32_t i = 0; i < forces->count; i++) {
         pel_shell_body *own = &forces->bodies[i];
-        void *arrays[] = {
-            own->laws,     own->fibre_begin,    own->fibres,           own->rows,        own->area_vectors,
-            own->energies, own->gather_begin,   own->gather,           own->sums,        own->triangle_at,
-            own->hinge_at, own->triangle_steps, own->triangle_numbers, own->hinge_steps, own->hinge_numbers};
+        void *arrays[] = {own->fibre_begin, own->fibres,       own->rows,           own->area_vectors,
+                          own->energies,    own->gather_begin, own->gather,         own->sums,
+                          own->triangle_at, own->hinge_at,     own->triangle_steps, own->triangle_numbers,
+                          own->hinge_steps, own->hinge_numbers};
         for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
             pel_free(arrays[k]);
     }

@@ -3,7 +3,7 @@
 #define PEL_FORCE_SHELL_BODY_H
 
 #include "force/shell_force.h"
-#include "material/membrane.h"
+#include "law/membrane.h"
 
 /* elements of one chunk of a parallel loop */
 enum { PEL_SHELL_CHUNK = 256 };
@@ -15,9 +15,9 @@ typedef struct pel_triangle_fibre {
     double direction[2];
 } pel_triangle_fibre;
 
-/* numbers of a lane: inverse of the rest matrix (3), the two of the law times the area, weight of the pressure, 1 where
+/* numbers of a lane: inverse of the rest matrix (3), area times the law's modulus, weight of the pressure, 1 where
    there is a triangle */
-enum { PEL_TRIANGLE_NUMBERS = 7 };
+enum { PEL_TRIANGLE_NUMBERS = 6 };
 /* cosine and sine of the rest angle and the stiffness; or weights of x1, x2, x3, the factor and twice the energy at
    rest that is taken off */
 enum { PEL_HINGE_NUMBERS = 5 };
@@ -29,10 +29,10 @@ typedef struct pel_shell_body {
     const pel_shell *shell;
     int32_t body;
     int32_t first_place, place_count;
-    int pressure_part;      /* which of the parts its pressure is; 0 = none */
-    pel_membrane_kind kind; /* of all laws */
-    pel_membrane_law *laws; /* (triangle_count), or one when the material is uniform */
-    int32_t *fibre_begin;   /* (triangle_count + 1); null without fibres */
+    int pressure_part;    /* which of the parts its pressure is; 0 = none */
+    pel_membrane_law law; /* of all triangles, with the modulus of a sheet of young and thickness 1 */
+    double stiffness;     /* of that law at rest: pel_membrane_law_stiffness */
+    int32_t *fibre_begin; /* (triangle_count + 1); null without fibres */
     pel_triangle_fibre *fibres;
     int32_t *triangle_at, *hinge_at; /* (triangle_count, hinge_count) the element in a lane */
     int32_t *triangle_steps;         /* (triangle blocks x 3 x PEL_BLOCK) places times PEL_STEP */
@@ -99,6 +99,8 @@ static inline int32_t pel_shell_chunk_count(int32_t count, int32_t size)
 const pel_shell_body *pel_shell_body_of(const pel_shell_forces *forces, int32_t body);
 
 /* ---- shell_element.c ---- */
+/* the law of triangle t */
+pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t);
 /* Energy of the membrane of triangle t; subtracts its gradient from the rows, which may be null. */
 double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double rows[3][3]);
 /* The same of its fibres. */

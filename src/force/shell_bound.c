@@ -1,6 +1,7 @@
 /* Upper bound of the stiffness of shells over the mass, for the limits of explicit methods. */
 #include "force/shell_body.h"
 #include "math/vec3.h"
+#include "measure/element.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,16 +47,12 @@ static void add_hinge_norms(const pel_shell *shell, const pel_shell_hinge *hinge
 static double triangle_stiffness(const pel_shell_body *own, int32_t t)
 {
     const pel_shell *shell = own->shell;
-    const pel_shell_triangle *triangle = &shell->triangles[t];
-    double sum = 0, mu, lambda;
-    if (shell->has_membrane) {
-        bool half = shell->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN;
-        pel_plane_stress_lame(triangle->young, half ? 0.5 : shell->material.poisson, triangle->thickness, &mu, &lambda);
-        sum += 2 * mu + 2 * fmax(lambda, 0);
-    }
+    double sum = 0;
+    if (shell->has_membrane)
+        sum += own->stiffness * shell->triangles[t].young * shell->triangles[t].thickness;
     for (int32_t i = own->fibre_begin != NULL ? own->fibre_begin[t] : 0;
          own->fibre_begin != NULL && i < own->fibre_begin[t + 1]; i++)
-        sum += own->fibres[i].stiffness * (shell->regions[own->fibres[i].region].def.kind == PEL_FIBRE_STVK ? 4 : 1);
+        sum += own->fibres[i].stiffness * pel_fibre_law_stiffness(shell->regions[own->fibres[i].region].def.kind);
     return sum;
 }
 

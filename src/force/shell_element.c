@@ -1,6 +1,6 @@
-#include "element/membrane.h"
 #include "force/shell_body.h"
 #include "math/vec3.h"
+#include "measure/element.h"
 
 double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hinge)
 {
@@ -24,16 +24,23 @@ static void subtract_rows(double rows[][3], double gradient[][3], int count)
         pel_vec3_subtract(rows[i], gradient[i], rows[i]);
 }
 
+pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t)
+{
+    pel_membrane_law law = own->law;
+    law.modulus *= own->shell->triangles[t].young * own->shell->triangles[t].thickness;
+    return law;
+}
+
 double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double rows[3][3])
 {
     const pel_shell *shell = own->shell;
     if (!shell->has_membrane)
         return 0;
-    const pel_membrane_law *law = &own->laws[shell->uniform ? 0 : t];
+    const pel_membrane_law law = pel_shell_law(own, t);
     double gradient[3][3];
     if (rows == NULL)
-        return pel_membrane_law_energy(&shell->triangles[t].rest, law, x, NULL);
-    double energy = pel_membrane_law_energy(&shell->triangles[t].rest, law, x, gradient);
+        return pel_membrane_law_energy(&shell->triangles[t].rest, &law, x, NULL);
+    double energy = pel_membrane_law_energy(&shell->triangles[t].rest, &law, x, gradient);
     subtract_rows(rows, gradient, 3);
     return energy;
 }

@@ -1,7 +1,7 @@
-#include "element/membrane.h"
 #include "force/pressure.h"
 #include "force/shell_body.h"
 #include "math/vec3.h"
+#include "measure/element.h"
 
 #include <string.h>
 

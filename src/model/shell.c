@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "law/membrane.h"
 #include "math/vec3.h"
 #include "model/quantity.h"
 
@@ -14,7 +15,8 @@
 pel_shell_def pel_shell_def_default(void)
 {
     return (pel_shell_def){
-        .membrane = {.kind = PEL_MEMBRANE_STVK, .poisson = 0.3, .mooney_ratio = 0.2},
+        .membrane =
+            {.kind = PEL_MEMBRANE_STVK, .poisson = 0.3, .mooney_ratio = 0.2, .extension_limit = 50, .stiffening = 10},
         .bending = {.weight = 0.01, .stiffness = {.value = -1}},
         .pressure = {.gamma = 1.4, .target = {.value = 1}},
     };
@@ -73,8 +75,13 @@ static pel_status check_weights(const double *weights, int32_t count, int32_t bo
 /* the material with the numbers of vertex v */
 static pel_membrane_material material_at(const pel_membrane_def *def, int32_t v)
 {
-    return (pel_membrane_material){def->kind, pel_quantity_at(&def->young, v), def->poisson,
-                                   pel_quantity_at(&def->thickness, v), def->mooney_ratio};
+    return (pel_membrane_material){.kind = def->kind,
+                                   .young = pel_quantity_at(&def->young, v),
+                                   .poisson = def->poisson,
+                                   .thickness = pel_quantity_at(&def->thickness, v),
+                                   .mooney_ratio = def->mooney_ratio,
+                                   .extension_limit = def->extension_limit,
+                                   .stiffening = def->stiffening};
 }
 
 static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_error *error)
@@ -194,7 +201,6 @@ static pel_status create_triangles(const pel_body_def *def, const pel_body *body
     if (shell->triangles == NULL)
         return pel_fail_memory(error);
     double edges = 0;
-    shell->uniform = true;
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         pel_shell_triangle *triangle = &shell->triangles[t];
         const int32_t *v = mesh->triangles[t];
@@ -211,16 +217,14 @@ static pel_status create_triangles(const pel_body_def *def, const pel_body *body
         }
         triangle->young = corner_mean(&def->shell.membrane.young, v);
         triangle->thickness = corner_mean(&def->shell.membrane.thickness, v);
-        shell->uniform &= triangle->young == shell->triangles[0].young;
-        shell->uniform &= triangle->thickness == shell->triangles[0].thickness;
         for (int i = 0; i < 3; i++)
             edges += pel_vec3_distance(x[i], x[(i + 1) % 3]) / (3.0 * mesh->triangle_count);
     }
     shell->mean_edge = edges;
-    const pel_membrane_def *membrane = &def->shell.membrane;
-    shell->has_membrane = membrane->on;
-    shell->material = (pel_membrane_material){membrane->kind, shell->triangles[0].young, membrane->poisson,
-                                              shell->triangles[0].thickness, membrane->mooney_ratio};
+    shell->has_membrane = def->shell.membrane.on;
+    shell->material = material_at(&def->shell.membrane, mesh->triangles[0][0]);
+    shell->material.young = shell->triangles[0].young;
+    shell->material.thickness = shell->triangles[0].thickness;
     return PEL_OK;
 }
 
@@ -229,8 +233,7 @@ static double triangle_bending(const pel_shell *shell, const pel_shell_triangle 
 {
     if (!shell->has_membrane)
         return 0;
-    double poisson = shell->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN ? 0.5 : shell->material.poisson;
-    return pel_bending_stiffness(triangle->young, poisson, triangle->thickness);
+    return pel_bending_stiffness(triangle->young, pel_membrane_law_of(&shell->material).poisson, triangle->thickness);
 }
 
 /* what hinges between parts of a triangle take from it */

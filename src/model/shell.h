@@ -42,7 +42,6 @@ typedef struct pel_shell_region {
 struct pel_shell {
     bool has_membrane;
     pel_membrane_material material; /* young and thickness: those of the first triangle */
-    bool uniform;                   /* all triangles have them */
     /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
     int32_t triangle_count, triangle_limit;
     pel_shell_triangle *triangles; /* (triangle_count) also without a membrane */

@@ -16,6 +16,8 @@ static pel_status read_membrane(const pel_scene_body_source *source, pel_membran
     membrane->kind = (pel_membrane_kind)pel_scene_value_integer(value, "material");
     membrane->poisson = pel_scene_value_number(value, "poisson");
     membrane->mooney_ratio = pel_scene_value_number(value, "mooney_ratio");
+    membrane->extension_limit = pel_scene_value_number(value, "extension_limit");
+    membrane->stiffening = pel_scene_value_number(value, "stiffening");
     pel_status status = pel_scene_build_quantity(source, value, "young", "bodies[].membrane", &membrane->young);
     if (status == PEL_OK)
         status = pel_scene_build_quantity(source, value, "thickness", "bodies[].membrane", &membrane->thickness);

@@ -206,20 +206,33 @@ static int32_t count_or_auto(const pel_scene_value *map, const char *key)
     return value->form == PEL_FORM_INTEGER ? (int32_t)value->number : 0;
 }
 
+static pel_choice choice(const pel_scene_value *value)
+{
+    if (value->form != PEL_FORM_BOOLEAN)
+        return PEL_AUTO;
+    return value->number > 0 ? PEL_YES : PEL_NO;
+}
+
+/* in the order of pel_method, which is that of the words in the table */
+static const char *const method_names[] = {"quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent"};
+
+const char *pel_scene_method_name(pel_method method)
+{
+    return method_names[method];
+}
+
 static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
 {
-    /* in the order of the words in the table */
-    static const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT, PEL_METHOD_PBD,
-                                         PEL_METHOD_PBD_DISTANCE, PEL_METHOD_XPBD,     PEL_METHOD_DESCENT};
     const pel_scene_value *alpha = pel_scene_value_entry(value, "alpha");
-    sim->solver.method = methods[pel_scene_value_integer(value, "method")];
+    sim->solver.method = (pel_method)pel_scene_value_integer(value, "method");
     sim->solver.dt = pel_scene_value_number(value, "dt");
     sim->solver.alpha = alpha->form == PEL_FORM_NUMBER ? alpha->number : 0;
     sim->solver.keep_velocity = pel_scene_value_integer(value, "velocity") == 1;
     sim->solver.symplectic = pel_scene_value_integer(value, "integrator") == 0;
     sim->solver.iterations = count_or_auto(value, "iterations");
     sim->solver.substeps = count_or_auto(value, "substeps");
-    sim->solver.second_order = pel_scene_value_boolean(value, "second_order");
+    sim->solver.second_order = choice(pel_scene_value_entry(value, "second_order"));
+    sim->solver.max_substeps = pel_scene_value_integer(value, "max_substeps");
     sim->solver.drag = pel_scene_value_number(value, "drag");
     sim->solver.gradient_only = pel_scene_value_integer(value, "descent") == 1;
     sim->thread_count = pel_scene_value_integer(value, "threads");

@@ -45,6 +45,7 @@ static pel_status set_text(pel_scene_reader *reader, pel_scene_value *map, const
     pel_scene_value *value = add(reader, map, key, PEL_SCENE_SCALAR);
     if (value == NULL)
         return PEL_OUT_OF_MEMORY;
+    value->is_implied = true;
     value->text = pel_arena_text(reader->arena, text, strlen(text));
     return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
 }
@@ -102,8 +103,6 @@ static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membran
 
 static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
 {
-    /* in the order of pel_membrane_kind */
-    static const char *const kinds[] = {"stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean"};
     const struct {
         const char *key;
         double number;
@@ -114,7 +113,7 @@ static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *memb
     if (find(membrane, "material") == NULL && preset->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN)
         status = set_number(reader, membrane, "mooney_ratio", preset->material.mooney_ratio);
     if (status == PEL_OK)
-        status = set_text(reader, membrane, "material", kinds[preset->material.kind]);
+        status = set_text(reader, membrane, "material", pel_membrane_kind_name(preset->material.kind));
     for (int i = 0; status == PEL_OK && i < 3; i++)
         status = set_number(reader, membrane, numbers[i].key, numbers[i].number);
     return status;
@@ -182,6 +181,7 @@ static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
     pel_scene_value *solver = find(root, "solver");
     if (solver == NULL && (solver = add(reader, root, "solver", PEL_SCENE_MAP)) == NULL)
         return PEL_OUT_OF_MEMORY;
+    /* method.c may choose another one once the meshes are known */
     return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
 }
 

@@ -12,14 +12,15 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 enum { RUN_COOKIE = 0x72756e21 };
 
-/* of xpbd, beyond which a note is worth it; and the substeps of a scene that leaves them to the method */
-#define SOFTNESS_TOLD 0.25
-enum { DEFAULT_SUBSTEPS = 16 };
+/* softness of xpbd that is told; and from which on the first step is tried before anything is written */
+#define SOFTNESS_TOLD 0.05
+#define SOFTNESS_TRIED 1
 
 /* s of wall time between states that are kept, and the share of the time that this may take */
 #define KEEP_SECONDS 10
@@ -121,20 +122,65 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
     return PEL_BAD_SCENE;
 }
 
-/* xpbd is as stiff as the material only when its substeps are short */
+/* what helps a run that xpbd makes too soft */
+static void print_remedy(const pel_run_state *run, char *text, size_t size)
+{
+    const pel_solver_def *solver = &run->scene->sim.solver;
+    pel_solver_reading reading;
+    pel_sim_get_solver(run->sim, &reading);
+    snprintf(text, size, "use %s >= %d, or method descent for states of rest",
+             solver->substeps > 0 ? "substeps" : "max_substeps", (int)reading.needed_substeps);
+}
+
+/* before the first step: xpbd is as stiff as the material only when its substeps are short */
 static void note_softness(const pel_run_state *run)
 {
     double softness = pel_sim_softness(run->sim);
-    const pel_solver_def *solver = &run->scene->sim.solver;
+    char remedy[200];
+    pel_solver_reading reading;
+    pel_sim_get_solver(run->sim, &reading);
     if (!(softness > SOFTNESS_TOLD))
         return;
-    int32_t substeps = solver->substeps > 0 ? solver->substeps : DEFAULT_SUBSTEPS;
-    double needed = substeps * sqrt(softness / SOFTNESS_TOLD);
-    pel_log_line(
-        run->def->log,
-        "xpbd with %d substeps is softer than the material (about %.3g times its stretch); %.0f substeps would "
-        "bring that below %.0f %%, as would the methods explicit and descent",
-        (int)substeps, 1 + softness, ceil(needed), 100 * SOFTNESS_TOLD);
+    print_remedy(run, remedy, sizeof remedy);
+    pel_log_line(run->def->log, "warning: xpbd with %d substeps stretches up to %.3g times as far as the material; %s",
+                 (int)reading.substeps, 1 + softness, remedy);
+}
+
+/* after the last step: what changed while running */
+static void note_largest_softness(const pel_run_state *run, double at_start)
+{
+    pel_solver_reading reading;
+    pel_sim_get_solver(run->sim, &reading);
+    if (reading.most_softness > fmax(SOFTNESS_TOLD, 1.5 * at_start))
+        pel_log_line(run->def->log,
+                     "warning: xpbd stretched up to %.3g times as far as the material during the run (%d to %d "
+                     "substeps); raise max_substeps or use method descent",
+                     1 + reading.most_softness, (int)reading.least_substeps, (int)reading.most_substeps);
+}
+
+/* A run that is far too soft is tried for a step: one that fails at once is refused, as nothing is written yet. */
+static pel_status try_step(const pel_run_state *run, pel_error *error)
+{
+    char remedy[200];
+    if (!(pel_sim_softness(run->sim) > SOFTNESS_TRIED) || run->def->resume != NULL)
+        return PEL_OK;
+    size_t size = pel_sim_save_size(run->sim);
+    void *bytes = pel_allocate(size, 1);
+    if (bytes == NULL)
+        return pel_fail_memory(error);
+    pel_sim_save(run->sim, bytes);
+    pel_status status = pel_sim_step(run->sim, error);
+    if (status == PEL_DIVERGED) {
+        print_remedy(run, remedy, sizeof remedy);
+        status = PEL_BAD_SCENE;
+        pel_fail(error, status, "xpbd diverges in the first step: it stretches about %.3g times as far as the material",
+                 1 + pel_sim_softness(run->sim));
+        pel_fail_remedy(error, "%s", remedy);
+    } else {
+        status = pel_sim_load(run->sim, bytes, size, error);
+    }
+    pel_free(bytes);
+    return status;
 }
 
 /* what was turned over so that pressure and volume have their usual sign */
@@ -156,10 +202,11 @@ static pel_status prepare(pel_run_state *run, pel_error *error)
         status = check_stop(run, error);
     if (status == PEL_OK) {
         note_turned(run);
-        note_softness(run);
+        status = try_step(run, error);
     }
     if (status != PEL_OK)
         return status;
+    note_softness(run);
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
     if (run->tool_force == NULL)
         return pel_fail_memory(error);
@@ -490,8 +537,11 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         pel_scene_locate(scene, cause);
     if (status == PEL_OK)
         status = open_folder(&run, cause);
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
+        double softness = pel_sim_softness(run.sim);
         status = finish(&run, simulate(&run, cause), summary, cause);
+        note_largest_softness(&run, softness);
+    }
     release(&run);
     return status;
 }

@@ -1,6 +1,7 @@
 #include "base/number.h"
 #include "base/status.h"
 #include "io/file.h"
+#include "scene/build.h"
 #include "scene/run_state.h"
 
 #include <inttypes.h>
@@ -155,6 +156,29 @@ static void write_contact(pel_file_writer *writer, const pel_sim *sim)
     pel_file_writer_printf(writer, "}");
 }
 
+static void write_solver(pel_file_writer *writer, const pel_run_state *run, const pel_run_summary *s)
+{
+    pel_method method = run->scene->sim.solver.method;
+    text_entry(writer, "method", pel_scene_method_name(method));
+    if (method == PEL_METHOD_DESCENT) {
+        count_entry(writer, "solver_iterations", s->solver.iterations);
+        number_entry(writer, "solver_residual", s->solver.residual);
+        begin(writer, "solver_converged");
+        pel_file_writer_printf(writer, s->solver.converged ? "true" : "false");
+        count_entry(writer, "solver_unconverged_steps", s->unconverged_steps);
+    }
+    if (s->solver.substeps == 0)
+        return;
+    count_entry(writer, "substeps_min", s->solver.least_substeps);
+    count_entry(writer, "substeps_max", s->solver.most_substeps);
+    if (method != PEL_METHOD_XPBD)
+        return;
+    count_entry(writer, "substeps_needed", s->solver.needed_substeps);
+    begin(writer, "second_order");
+    pel_file_writer_printf(writer, s->solver.second_order ? "true" : "false");
+    number_entry(writer, "softness_max", s->solver.most_softness);
+}
+
 static void write_entries(pel_file_writer *writer, const pel_run_state *run, const pel_run_summary *s)
 {
     count_entry(writer, "frames", s->frames);
@@ -181,13 +205,7 @@ static void write_entries(pel_file_writer *writer, const pel_run_state *run, con
     count_entry(writer, "threads", s->threads);
     number_entry(writer, "max_tool_force", s->max_tool_force);
     write_tools(writer, run);
-    if (run->scene->sim.solver.method == PEL_METHOD_DESCENT) {
-        count_entry(writer, "solver_iterations", s->solver.iterations);
-        number_entry(writer, "solver_residual", s->solver.residual);
-        begin(writer, "solver_converged");
-        pel_file_writer_printf(writer, s->solver.converged ? "true" : "false");
-        count_entry(writer, "solver_unconverged_steps", s->unconverged_steps);
-    }
+    write_solver(writer, run, s);
     if (pel_sim_contact_thickness(run->sim) > 0)
         write_contact(writer, run->sim);
     text_entry(writer, "stop_reason", s->stop_reason);

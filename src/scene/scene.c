@@ -6,6 +6,7 @@
 #include "scene/build.h"
 #include "scene/check.h"
 #include "scene/imply.h"
+#include "scene/method.h"
 #include "scene/override.h"
 #include "scene/print.h"
 #include "scene/yaml.h"
@@ -113,8 +114,10 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     status = list_mesh_files(reader, root, body_count + tool_count, scene);
     if (status != PEL_OK)
         return status;
+    status = pel_scene_choose_method(reader, root, scene);
     /* names that were left out are in the tree now: put them into order */
-    status = pel_scene_check(reader, root);
+    if (status == PEL_OK)
+        status = pel_scene_check(reader, root);
     if (status != PEL_OK)
         return status;
     storage->root = root;

@@ -10,6 +10,7 @@
 #define NUMBER .forms = PEL_FORM_NUMBER
 #define INTEGER .forms = PEL_FORM_INTEGER
 #define BOOLEAN .forms = PEL_FORM_BOOLEAN
+#define BOOLEAN_OR(...) .forms = PEL_FORM_BOOLEAN | PEL_FORM_WORD, WORDS(__VA_ARGS__)
 #define TEXT .forms = PEL_FORM_TEXT
 #define VECTOR .forms = PEL_FORM_VECTOR
 #define LIST .forms = PEL_FORM_LIST
@@ -39,6 +40,10 @@
 #define ALTERNATIVE .alternative = true
 
 /* in the order of the reference page and of resolved scenes */
+#define LAW_NAME(KIND, law, name) name,
+static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
+#undef LAW_NAME
+
 static const pel_scene_row rows[] = {
     {"version", INTEGER, BETWEEN(1, 1), REQUIRED, .doc = "version of the scene format"},
     {"title", TEXT, .doc = "what the scene shows, for reports"},
@@ -77,14 +82,20 @@ static const pel_scene_row rows[] = {
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); leave out for none"},
     {"bodies[].membrane.preset", .forms = PEL_FORM_WORD,
      .doc = "a material of `pellicle presets`; keys that stand beside it override its numbers"},
-    {"bodies[].membrane.material", WORD("stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean"),
-     .preset = "stvk", .doc = "law of the material"},
+    {"bodies[].membrane.material", .forms = PEL_FORM_WORD, .words = law_names, .preset = "stvk",
+     .doc = "law of the material"},
     {"bodies[].membrane.young", FIELD, .unit = "Pa", POSITIVE, REQUIRED, .doc = "Young's modulus"},
     {"bodies[].membrane.poisson", NUMBER, .range = {true, true, -1, 1}, .preset = "0.3",
-     .doc = "Poisson's ratio, less than 1; mooney-rivlin is incompressible and does not read it"},
+     .doc =
+         "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and do not "
+         "read it"},
     {"bodies[].membrane.thickness", FIELD, .unit = "m", POSITIVE, REQUIRED,
      .doc = "thickness of the sheet; left out: that of the mass"},
     {"bodies[].membrane.mooney_ratio", NUMBER, AT_LEAST(0), .preset = "0.2", .doc = "mooney-rivlin: c2 over c1"},
+    {"bodies[].membrane.extension_limit", NUMBER, POSITIVE, .preset = "50",
+     .doc = "gent: I1 - 3 at which the chains are stretched to their end; rubber has 30 to 100"},
+    {"bodies[].membrane.stiffening", NUMBER, POSITIVE, .preset = "10",
+     .doc = "fung: b of the stiffness that grows as exp(b e^2 / 2) with the strain e of a pull"},
     {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); leave out for none"},
     {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge"), .preset = "hinge",
      .doc = "isometric: paper B's, pulls a curved rest shape flat; isometric-rest: the same less the energy at rest; "
@@ -233,11 +244,17 @@ static const pel_scene_row rows[] = {
      .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
     {"solver.iterations", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
      .doc = "pbd, xpbd: sweeps in a substep; descent: iterations in a step, with tools or contact in each "
-            "of up to 12 rounds; auto is 5, 1 and 50"},
+            "of up to 12 rounds; auto is 5, 1 and 500 (50 in a round)"},
     {"solver.substeps", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
-     .doc = "pbd, xpbd: a step is done in so many; auto is 1 and 16"},
-    {"solver.second_order", BOOLEAN, .preset = "false",
-     .doc = "xpbd: second order in time (BDF2) instead of first; not for bodies that touch"},
+     .doc = "pbd, xpbd: parts of a step; auto is 1 for pbd and, for xpbd, as many as keep stretch within 5 % of the "
+            "material's, chosen anew while running"},
+    {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
+     .doc =
+         "xpbd: automatic substeps, at most; a scene without `method` that needs more is run by descent where it has "
+         "a state of rest"},
+    {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
+     .doc = "xpbd: second order in time (BDF2) instead of first, not for bodies that touch; auto: on without tools, "
+            "contact, gas and target volumes"},
     {"solver.drag", NUMBER, .unit = "1/s", AT_LEAST(0), .preset = "0",
      .doc = "explicit, pbd, xpbd: velocities fall by exp(-drag t)"},
     {"solver.descent", WORD("lbfgs", "gradient"), .preset = "lbfgs",

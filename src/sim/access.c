@@ -126,6 +126,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
         return status;
     sim->force_is_present = false;
     sim->state->older_is_known = false;
+    sim->substeps.now.is_stale = true;
     int32_t count = pel_row_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {

@@ -17,7 +17,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEFAULT_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
+enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
 
 /* forces are balanced when what is left of them is this share of the loads, or of what it takes to move every vertex by
    an edge */
@@ -107,13 +107,14 @@ static double find_external(pel_sim *sim, double time)
 static pel_descent_problem make_problem(pel_descent_context *context)
 {
     const pel_sim *sim = context->sim;
+    int32_t iterations = context->is_constrained ? DEFAULT_ROUND_ITERATIONS : DEFAULT_ITERATIONS;
     return (pel_descent_problem){
         .inverse_mass = sim->model->inverse_mass,
         .held = sim->held,
         .energy = energy_of,
         .context = context,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
-        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : DEFAULT_ITERATIONS,
+        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
         .gradient_only = sim->solver.gradient_only,
     };
 }
@@ -419,9 +420,13 @@ void pel_sim_descent_destroy(pel_sim *sim)
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 {
     *reading = (pel_solver_reading){0};
+    pel_substeps_read(sim, reading);
     if (sim->descent == NULL)
         return;
     const pel_descent_result *result = &sim->descent->result;
-    *reading = (pel_solver_reading){result->iterations, result->evaluations, result->energy, result->residual,
-                                    result->converged};
+    reading->iterations = result->iterations;
+    reading->evaluations = result->evaluations;
+    reading->energy = result->energy;
+    reading->residual = result->residual;
+    reading->converged = result->converged;
 }

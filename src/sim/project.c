@@ -8,22 +8,15 @@
 
 /* of a step with contacts that were not foreseen */
 enum { REPEAT_LIMIT = 2 };
-/* iterations and substeps where the def leaves them open */
-enum { PBD_ITERATIONS = 5, XPBD_SUBSTEPS = 16 };
 
 pel_status pel_project_create(pel_sim *sim, pel_error *error)
 {
     if (!pel_sim_is_projected(sim))
         return PEL_OK;
     pel_solver_def *solver = &sim->solver;
-    bool compliant = solver->method == PEL_METHOD_XPBD;
-    if (solver->iterations == 0)
-        solver->iterations = compliant ? 1 : PBD_ITERATIONS;
-    if (solver->substeps == 0)
-        solver->substeps = compliant ? XPBD_SUBSTEPS : 1;
     sim->contact_in_loop = true;
-    pel_status status = PEL_OK;
-    if (solver->second_order)
+    pel_status status = pel_substeps_create(sim, error);
+    if (status == PEL_OK && solver->second_order)
         status = pel_state_add_history(sim->model, sim->state, error);
     if (status == PEL_OK)
         status = pel_projector_create(sim->model, solver, &sim->projector, error);
@@ -35,6 +28,7 @@ pel_status pel_project_create(pel_sim *sim, pel_error *error)
 void pel_project_follow(pel_sim *sim, int32_t body)
 {
     sim->state->older_is_known = false;
+    sim->substeps.now.is_stale = true;
     pel_shell_forces_rebuild(sim->shells, body);
     if (sim->projector != NULL) {
         pel_projector_follow(sim->projector, body);
@@ -145,6 +139,7 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, bool normal_pressure, pel_
 pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
+    pel_substeps_follow(sim);
     pel_tools_begin(sim, (double)(state->step + 1) * sim->step.dt);
     bool has_pairs = pel_sim_has_loop_contacts(sim), normal_pressure = has_normal_pressure(sim);
     pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;

@@ -4,13 +4,8 @@
 #include "force/pressure.h"
 #include "math/vec3.h"
 #include "sim/sim.h"
-#include "solve/shell_stability.h"
 
 #include <string.h>
-
-/* stretch beyond the material's under xpbd, over the square of the substep in units of the bound of explicit methods: a
-   sphere under pressure gave 13.9, 0.65 and 0.035 at 98, 6.1 and 0.39 (docs/shells.md) */
-#define MEASURED_SOFTNESS 0.13
 
 static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
 {
@@ -116,17 +111,6 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
         return PEL_DIVERGED;
     }
     return PEL_OK;
-}
-
-double pel_sim_softness(const pel_sim *sim)
-{
-    pel_stability stability;
-    if (sim->solver.method != PEL_METHOD_XPBD)
-        return 0;
-    pel_stability_bound(sim->model, &stability);
-    pel_shell_stability_bound(sim->shells, &stability);
-    double substep = sim->step.dt / sim->solver.substeps;
-    return MEASURED_SOFTNESS * substep * substep * stability.stiffness_bound / 4 / sim->solver.iterations;
 }
 
 bool pel_sim_has_shells(const pel_sim *sim)

@@ -25,7 +25,7 @@ enum { CHUNKS_WORTH_THREADS = 4 };
 pel_sim_def pel_sim_def_default(void)
 {
     return (pel_sim_def){
-        .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true},
+        .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true, .second_order = PEL_AUTO},
         .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
         .cookie = SIM_COOKIE,
     };
@@ -33,7 +33,7 @@ pel_sim_def pel_sim_def_default(void)
 
 /* ---- creation ---- */
 
-static pel_status check_def(const pel_sim_def *def, pel_error *error)
+pel_status pel_sim_check_def(const pel_sim_def *def, pel_error *error)
 {
     if (def->cookie != SIM_COOKIE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "sim def was not made by pel_sim_def_default()");
@@ -52,7 +52,7 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
     }
     if (solver->method > PEL_METHOD_DESCENT)
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
-    if (solver->iterations < 0 || solver->substeps < 0) {
+    if (solver->iterations < 0 || solver->substeps < 0 || solver->max_substeps < 0) {
         pel_fail(error, PEL_BAD_ARGUMENT, "solver iterations or substeps are below 0");
         pel_fail_remedy(error, "give at least 1, or 0 for the usual number of the method");
         return PEL_BAD_ARGUMENT;
@@ -217,6 +217,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->model = sim->given = def->model;
     sim->solver = def->solver;
+    pel_substeps_configure(sim, def);
     if (pel_model_refines(def->model)) {
         pel_status refines = pel_active_create(def->model, &sim->active, error);
         if (refines != PEL_OK)
@@ -246,6 +247,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK && sim->active != NULL)
         status = start_refinement(sim, error);
     if (status == PEL_OK)
+        pel_substeps_follow(sim);
+    if (status == PEL_OK)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
@@ -263,7 +266,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error)
 {
     *sim = NULL;
-    pel_status status = check_def(def, error);
+    pel_status status = pel_sim_check_def(def, error);
     if (status != PEL_OK)
         return status;
     pel_sim *made = pel_allocate(1, sizeof *made);
@@ -289,6 +292,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_sim_descent_destroy(sim);
     pel_relax_destroy(sim->relax);
     pel_projector_destroy(sim->projector);
+    pel_substeps_destroy(sim);
     pel_shells_destroy(sim);
     pel_active_destroy(sim->active);
     pel_state_destroy(sim->state);
@@ -336,7 +340,9 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
     pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
              (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
     pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
-    if (pel_sim_is_projected(sim))
+    if (pel_sim_softness(sim) > 1)
+        pel_substeps_remedy(sim, error);
+    else if (pel_sim_is_projected(sim))
         pel_fail_remedy(error, "make solver dt (%g) smaller, or use more substeps, or smaller loads", sim->step.dt);
     else if (pel_sim_is_explicit(sim))
         pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);

@@ -12,6 +12,7 @@
 #include "solve/descent.h"
 #include "solve/project.h"
 #include "solve/relax.h"
+#include "solve/softness.h"
 #include "solve/stability.h"
 
 typedef struct pel_load {
@@ -129,6 +130,23 @@ typedef struct pel_refine_body {
 typedef struct pel_sim_contacts pel_sim_contacts;
 typedef struct pel_sim_solids pel_sim_solids;
 
+/* Substeps of xpbd at present and so far; in snapshots. */
+typedef struct pel_substeps_now {
+    int32_t count, least, most;
+    int32_t is_stale;   /* the surface or the state has changed: choose anew before the next step */
+    int32_t interval;   /* steps from the last look to the next one */
+    int64_t next;       /* the step before which the next look is due */
+    double softness;    /* the largest so far */
+    pel_softness found; /* at the last look */
+} pel_substeps_now;
+
+typedef struct pel_sim_substeps {
+    bool is_automatic;
+    int32_t least; /* of automatic ones */
+    pel_softness_scratch scratch;
+    pel_substeps_now now;
+} pel_sim_substeps;
+
 /* (descent.c) what the method needs */
 typedef struct pel_sim_descent pel_sim_descent;
 
@@ -148,6 +166,7 @@ struct pel_sim {
     pel_sim_descent *descent; /* null = another method */
     pel_relax *relax;         /* quasi-static method on bodies that refine, else null */
     double relax_shell_rate;
+    pel_sim_substeps substeps;     /* of xpbd */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
     uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
@@ -212,6 +231,7 @@ static inline bool pel_sim_is_inside(const pel_sim *sim, int32_t v)
 }
 
 /* ---- sim.c ---- */
+pel_status pel_sim_check_def(const pel_sim_def *def, pel_error *error);
 /* True when this is so for every vertex. */
 bool pel_sim_all_inside(const pel_sim *sim);
 /* the longest edge of all surfaces at the new positions */
@@ -224,6 +244,20 @@ pel_status pel_project_create(pel_sim *sim, pel_error *error);
 void pel_project_follow(pel_sim *sim, int32_t body);
 /* New positions and velocities of a step; what may touch takes part in the sweeps. Errors of pel_contacts_find. */
 pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+/* ---- softness.c ---- */
+/* Fills in what the def leaves open: iterations, the limit of substeps, whether second order is on. */
+void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def);
+/* Chooses the substeps for the state at the start. */
+pel_status pel_substeps_create(pel_sim *sim, pel_error *error);
+void pel_substeps_destroy(pel_sim *sim);
+/* Chooses them anew at the start of a step, where it is time to. */
+void pel_substeps_follow(pel_sim *sim);
+/* After a snapshot was loaded; false when its numbers are out of range. */
+bool pel_substeps_restore(pel_sim *sim);
+/* the remedy of a run that diverged because xpbd is too soft */
+void pel_substeps_remedy(const pel_sim *sim, pel_error *error);
+void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading);
+
 /* ---- contact_event.c ---- */
 /* Contact only: what is needed to take an event of refinement back, before any of it is done. */
 void pel_contacts_before_event(pel_sim *sim);

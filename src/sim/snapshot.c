@@ -49,11 +49,12 @@ static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
 {
     const pel_membrane_material *material = &shell->material;
     const pel_pressure_def *pressure = &shell->pressure;
-    const double numbers[] = {
-        shell->has_membrane,     (double)material->kind, material->young,        material->poisson,
-        material->thickness,     material->mooney_ratio, (double)shell->bending, shell->bending_weight,
-        (double)pressure->kind,  (double)pressure->form, pressure->value,        pressure->gamma,
-        pressure->outside.value, pressure->target.value, pressure->bulk,         (double)shell->hinge_count};
+    const double numbers[] = {shell->has_membrane,       (double)material->kind, material->young,
+                              material->poisson,         material->thickness,    material->mooney_ratio,
+                              material->extension_limit, material->stiffening,   (double)shell->bending,
+                              shell->bending_weight,     (double)pressure->kind, (double)pressure->form,
+                              pressure->value,           pressure->gamma,        pressure->outside.value,
+                              pressure->target.value,    pressure->bulk,         (double)shell->hinge_count};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         hash = hash_double(hash, numbers[i]);
     for (int32_t h = 0; h < shell->hinge_count; h++)
@@ -78,8 +79,9 @@ uint64_t pel_sim_fingerprint(const pel_sim *sim)
     hash = pel_hash_word(hash, (uint64_t)sim->solver.method * 4 + (uint64_t)sim->solver.keep_velocity * 2 +
                                    (uint64_t)sim->solver.symplectic);
     if (pel_sim_is_projected(sim)) {
-        hash = pel_hash_word(hash, (uint64_t)sim->solver.iterations * 2 + (uint64_t)sim->solver.second_order);
+        hash = pel_hash_word(hash, (uint64_t)sim->solver.iterations * 2 + (sim->solver.second_order == PEL_YES));
         hash = hash_double(pel_hash_word(hash, (uint64_t)sim->solver.substeps), sim->solver.drag);
+        hash = pel_hash_word(hash, (uint64_t)sim->solver.max_substeps * 2 + (uint64_t)sim->substeps.is_automatic);
     }
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body_detail *detail = model->bodies[b].detail;
@@ -261,6 +263,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
     }
+    if (sim->solver.method == PEL_METHOD_XPBD)
+        transfer(at, (pel_substeps_now *)(uintptr_t)&sim->substeps.now, sizeof sim->substeps.now);
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
     transfer(at, state->bending, (size_t)sim->model->body_count * sizeof *state->bending);
@@ -345,6 +349,8 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     sim->state->step = head.step;
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
+    if (sim->solver.method == PEL_METHOD_XPBD && !pel_substeps_restore(sim))
+        return refuse(error, "snapshot is damaged: its number of substeps is out of range", damage_remedy);
     return restore_tools(sim)
                ? PEL_OK
                : refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);

@@ -72,6 +72,10 @@ pel_status pel_projector_create(const pel_model *model, const pel_solver_def *so
                                 pel_error *error);
 void pel_projector_destroy(pel_projector *projector);
 
+/* Changes the substeps of the steps to come, between two steps. state: its history (second order) is brought to the new
+   substep by the parabola through it; null leaves it alone. */
+void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int32_t substeps);
+
 /* After the surface of a body that refines has changed. */
 void pel_projector_follow(pel_projector *projector, int32_t body);
 

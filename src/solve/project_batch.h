@@ -5,7 +5,7 @@
 #define PEL_SOLVE_PROJECT_BATCH_H
 
 #include "base/wide.h"
-#include "pellicle/base.h"
+#include "law/membrane.h"
 
 /* The ways of the points of so many blocks of a colour are found before any is gone. A processor looks ahead of what
    waits for a division by some hundred operations only: this gives it the next blocks to work at (8 and 16: no better).
@@ -14,18 +14,19 @@ enum { PEL_BATCH_GROUP = 4 };
 
 /* what a batch asks for, with its numbers per constraint; "compliant" ones are those of xpbd */
 typedef enum pel_constraint {
-    PEL_CONSTRAINT_DISTANCE,       /* rest length */
-    PEL_CONSTRAINT_SPRING,         /* rest length, 1 / stiffness */
-    PEL_CONSTRAINT_MEMBRANE,       /* inverse of the rest matrix (3); one kind for each material from here on */
-    PEL_CONSTRAINT_STRAIN = 8,     /* the same and 1 / (area young thickness); materials but stvk and linear:
-                                      area young thickness */
-    PEL_CONSTRAINT_ISOMETRIC = 16, /* weights of x1, x2, x3 and |K x|^2 of the rest shape, 0 for the literal form */
-    PEL_CONSTRAINT_ISOMETRIC_COMPLIANT, /* the same weights and 1 / stiffness */
-    PEL_CONSTRAINT_ANGLE,               /* rest angle */
-    PEL_CONSTRAINT_ANGLE_COMPLIANT,     /* rest angle, 1 / stiffness */
-    PEL_CONSTRAINT_FIBRE,               /* image weights of x0 - x2 and x1 - x2, weight of the region */
-    PEL_CONSTRAINT_FIBRE_SQUARE,        /* the same, energy in the square of the length */
-    PEL_CONSTRAINT_FIBRE_COMPLIANT,     /* the image weights and 1 / (area stiffness weight) */
+    PEL_CONSTRAINT_DISTANCE, /* rest length */
+    PEL_CONSTRAINT_SPRING,   /* rest length, 1 / stiffness */
+    PEL_CONSTRAINT_MEMBRANE, /* inverse of the rest matrix (3); one kind for each material from here on */
+    PEL_CONSTRAINT_STRAIN = PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_COUNT,  /* the same and area times the shear modulus
+                                  of the law; 1 / (area young thickness) for laws with a constant tangent */
+    PEL_CONSTRAINT_ISOMETRIC = PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_COUNT, /* weights of x1, x2, x3 and |K x|^2 of the
+                                 rest shape, 0 for the literal form */
+    PEL_CONSTRAINT_ISOMETRIC_COMPLIANT,                                    /* the same weights and 1 / stiffness */
+    PEL_CONSTRAINT_ANGLE,                                                  /* rest angle */
+    PEL_CONSTRAINT_ANGLE_COMPLIANT,                                        /* rest angle, 1 / stiffness */
+    PEL_CONSTRAINT_FIBRE,           /* image weights of x0 - x2 and x1 - x2, weight of the region */
+    PEL_CONSTRAINT_FIBRE_SQUARE,    /* the same, energy in the square of the length */
+    PEL_CONSTRAINT_FIBRE_COMPLIANT, /* the image weights and 1 / (area stiffness weight) */
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
     PEL_CONSTRAINT_CAVE,     /* image weights, then as in pel_cave_number */
     PEL_CONSTRAINT_PRESSURE, /* weight; no constraint: adds forces to `target` */
@@ -45,14 +46,15 @@ typedef enum pel_cave_number {
 
 /* numbers that all constraints of a batch share */
 typedef struct pel_batch_law {
-    pel_real first, second;  /* membrane: mu and lambda, or c1 and c2, over young times thickness; second: poisson of
-                                the strain forms of stvk and linear */
-    pel_real weight;         /* bending of pbd: k_B */
-    pel_real rest_length;    /* fibres: factor on the length at rest, now */
-    pel_real strength;       /* pressure: a sixth of it [Pa] */
-    pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
-    pel_real inverse_square; /* its inverse */
-    pel_real force_rate;     /* 1/s2: from displacements times masses to forces */
+    pel_real numbers[PEL_LAW_NUMBERS]; /* membrane: those of its law */
+    double modulus;                    /* membrane: shear modulus of the law over young */
+    pel_real poisson;                  /* membrane: Poisson's ratio at small strain */
+    pel_real weight;                   /* bending of pbd: k_B */
+    pel_real rest_length;              /* fibres: factor on the length at rest, now */
+    pel_real strength;                 /* pressure: a sixth of it [Pa] */
+    pel_real square_time;              /* s2, of the substep, times the factor of a keyed stiffness */
+    pel_real inverse_square;           /* its inverse */
+    pel_real force_rate;               /* 1/s2: from displacements times masses to forces */
 } pel_batch_law;
 
 typedef struct pel_batch {

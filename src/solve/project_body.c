@@ -1,8 +1,8 @@
 /* Which constraints a body has under a method, and their numbers. */
 #include "base/memory.h"
 #include "base/status.h"
-#include "element/membrane.h"
 #include "math/vec3.h"
+#include "measure/element.h"
 #include "model/shell.h"
 #include "solve/project.h"
 
@@ -126,9 +126,9 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
     if (!p->compliant)
         return;
     double stiffness = t->rest.area * t->young * t->thickness;
-    pel_membrane_kind kind = (pel_membrane_kind)(batch->kind - PEL_CONSTRAINT_STRAIN);
-    bool quadratic = kind == PEL_MEMBRANE_STVK || kind == PEL_MEMBRANE_LINEAR;
-    *number_at(batch, i, 3) = (pel_real)(quadratic ? 1 / stiffness : stiffness);
+    int traits = pel_membrane_law_traits((pel_membrane_kind)(batch->kind - PEL_CONSTRAINT_STRAIN));
+    *number_at(batch, i, 3) =
+        (pel_real)((traits & PEL_LAW_CONSTANT_TANGENT) != 0 ? 1 / stiffness : batch->law.modulus * stiffness);
 }
 
 static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
@@ -285,10 +285,10 @@ static pel_status add_membrane(plan *p, pel_error *error)
     pel_batch batch = {.arity = 3, .number_count = p->compliant ? 4 : 3, .multiplier_count = 3};
     batch.kind =
         (pel_constraint)((int)(p->compliant ? PEL_CONSTRAINT_STRAIN : PEL_CONSTRAINT_MEMBRANE) + (int)law.kind);
-    batch.law.first = (pel_real)law.first;
-    batch.law.second = (pel_real)law.second;
-    if (p->compliant && (law.kind == PEL_MEMBRANE_STVK || law.kind == PEL_MEMBRANE_LINEAR))
-        batch.law.second = (pel_real)material.poisson;
+    batch.law.modulus = law.modulus;
+    batch.law.poisson = (pel_real)law.poisson;
+    for (int i = 0; i < PEL_LAW_NUMBERS; i++)
+        batch.law.numbers[i] = (pel_real)law.numbers[i];
     return add_batch(p, batch, -1, error);
 }
 

@@ -11,20 +11,19 @@
 
        sum w g.g' = PP a.a' + PQ (a.b' + b.a') + QQ b.b',      PP = sum w p p and so on
 
-   pbd: a, b are the columns of P = F S. xpbd works on the vector of strains c = (e11, e22, 2 e12) with the rows
-   (f1, 0), (0, f2), (f2, f1): a 3 x 3 block G = sum w g g^T. For a quadratic energy c.D c / 2 (stvk; linear with its
-   own strains, those of the triangle factor of F)
+   pbd: a, b are the columns of P (measure/membrane.h). xpbd works on the vector of strains s = (e11, e22, 2 e12) with
+   the rows (f1, 0), (0, f2), (f2, f1): a 3 x 3 block G = sum w g g^T. A law with a constant tangent D has a compliance:
 
-       (G + A) dl = -(c + A l),    A = D^-1 / (area dt^2)
+       (G + A) dl = -(s + A l),    A = D^-1 / (area dt^2)
 
-   Other materials have the stress S(c) = d psi / dc and the tangent H = dS / dc. One Newton step of implicit Euler for
-   the triangle alone, l = -area dt^2 S(c + G (l' - l)), is
+   Other laws have the stress t(s) = d psi / ds. One Newton step of implicit Euler for the triangle alone,
+   l = -area dt^2 t(s + G (l' - l)), is
 
-       (1 + B G) dl = -(l + area dt^2 S),    B = area dt^2 H
+       (1 + B G) dl = -(l + area dt^2 t),    B = area dt^2 D+
 
-   At its fixed point l = -area dt^2 S whatever B is: the stress is the material's own, and H only says how fast one
-   gets there. So parts of H that are not positive definite are left out. With B = L L^T, dl = -L (1 + L^T G L)^-1 L^-1
-   (l + area dt^2 S): symmetric, and no less than 1 whatever the stiffness.
+   with the positive semi-definite part D+ of the tangent. At its fixed point l = -area dt^2 t whatever B is: the stress
+   is the law's own, and D+ only says how fast one gets there. With B = L L^T, dl = -L (1 + L^T G L)^-1 L^-1
+   (l + area dt^2 t): symmetric, and no less than 1 whatever the stiffness.
 
    Guards have no scale of their own: steps of the pbd membrane are bounded by the size of the triangle at rest, a
    triangle squeezed to less than half has the gradient of half its size, quotients by zero are zero.
@@ -35,8 +34,12 @@
 #ifndef PEL_SOLVE_PROJECT_KERNEL_H
 #define PEL_SOLVE_PROJECT_KERNEL_H
 
-#include "element/bending_lane.h"
-#include "material/membrane_lane.h"
+#include "law/fibre.h"
+#include "measure/fibre.h"
+#include "measure/hinge.h"
+#include "measure/length.h"
+#include "measure/membrane.h"
+#include "measure/volume.h"
 #include "solve/project_batch.h"
 
 /* ---- access ---- */
@@ -80,28 +83,27 @@ PEL_INLINE void project_edge(const pel_batch *batch, int32_t block, int32_t lane
     const int count = compliant ? 2 : 1;
     pel_particle a = load_particle(batch, block, 0, lane, positions);
     pel_particle b = load_particle(batch, block, 1, lane, positions);
-    pel_lane3 d = pel_lane3_subtract(b.at, a.at);
-    pel_lane length = pel_lane_sqrt(pel_lane3_dot(d, d));
-    pel_lane stretch = length - number_of(batch, block, count, 0, lane), mobility = a.fourth + b.fourth;
+    pel_length l = pel_length_of(a.at, b.at);
+    pel_lane stretch = l.length - number_of(batch, block, count, 0, lane), mobility = a.fourth + b.fourth;
     pel_lane change = stretch;
     if (compliant) {
         pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
         pel_lane multiplier = multiplier_of(batch, block, 1, 0, lane);
         change = (stretch + softness * multiplier) / (mobility + softness);
         add_multiplier(batch, block, 1, 0, lane, multiplier, -change);
-        change = pel_lane_quotient(change, length);
+        change = pel_lane_quotient(change, l.length);
     } else {
-        change = pel_lane_quotient(stretch, mobility * length);
+        change = pel_lane_quotient(stretch, mobility * l.length);
     }
-    ways[0] = pel_lane3_scale(d, a.fourth * change);
-    ways[1] = pel_lane3_scale(d, -(b.fourth * change));
+    ways[0] = pel_lane3_scale(l.d, a.fourth * change);
+    ways[1] = pel_lane3_scale(l.d, -(b.fourth * change));
 }
 
 /* ---- membrane ---- */
 
 typedef struct triangle_lanes {
     pel_particle point[3];
-    pel_lane3 f1, f2;
+    pel_gradient f;
     pel_lane m00, m01, m11, m20, m21; /* w_k p_k and w_k q_k of each corner, the last with the sign turned; p_1 = 0 */
     pel_lane pp, pq, qq;
 } triangle_lanes;
@@ -116,8 +118,7 @@ PEL_INLINE triangle_lanes load_triangle(const pel_batch *batch, int32_t block, i
     pel_lane i2 = number_of(batch, block, count, 2, lane), q2 = i1 + i2;
     pel_lane3 first = pel_lane3_subtract(t.point[0].at, t.point[2].at);
     pel_lane3 second = pel_lane3_subtract(t.point[1].at, t.point[2].at);
-    t.f1 = pel_lane3_scale(first, i0);
-    t.f2 = pel_lane3_combine(i1, first, i2, second);
+    t.f = pel_gradient_of(first, second, i0, i1, i2);
     t.m00 = t.point[0].fourth * i0;
     t.m01 = t.point[0].fourth * i1;
     t.m11 = t.point[1].fourth * i2;
@@ -144,47 +145,25 @@ PEL_INLINE pel_lane sum_of_squares(const triangle_lanes *t, pel_lane3 a, pel_lan
     return t->pp * pel_lane3_dot(a, a) + (mixed + mixed) + t->qq * pel_lane3_dot(b, b);
 }
 
+PEL_INLINE void load_law(const pel_batch *batch, pel_lane numbers[PEL_LAW_NUMBERS])
+{
+    for (int i = 0; i < PEL_LAW_NUMBERS; i++)
+        numbers[i] = pel_lane_splat(batch->law.numbers[i]);
+}
+
 /* pbd: the energy is the constraint. A vertex moves by no more than (w_k / sum w (p^2 + q^2))^(1/2): half an edge of a
    regular triangle with equal masses, and never more than a height. */
 PEL_INLINE void project_membrane(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                  pel_lane3 *ways, pel_membrane_kind kind)
 {
-    pel_lane first = pel_lane_splat(batch->law.first), second = pel_lane_splat(batch->law.second);
+    pel_lane numbers[PEL_LAW_NUMBERS];
+    load_law(batch, numbers);
     triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
-    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
     pel_lane3 stress[2];
-    pel_lane energy;
-    if (kind == PEL_MEMBRANE_LINEAR) {
-        energy = pel_linear_stress(first, second, &s, stress);
-    } else {
-        pel_response r;
-        pel_respond(kind, first, second, &s, &r);
-        energy = r.energy;
-        stress[0] = pel_lane3_combine(r.stress.a, t.f1, r.stress.c, t.f2);
-        stress[1] = pel_lane3_combine(r.stress.c, t.f1, r.stress.b, t.f2);
-    }
+    pel_lane energy = pel_membrane_stress(kind, numbers, &t.f, stress);
     pel_lane bottom = sum_of_squares(&t, stress[0], stress[1]);
     bottom = pel_lane_max(bottom, energy * energy * (t.pp + t.qq));
     move_triangle(&t, -pel_lane_quotient(energy, bottom), stress[0], stress[1], ways);
-}
-
-/* stvk, in units of mu / 4 for the energy and mu for the stress, which cancel: with D = C - 1 and v = lambda / (2 mu)
-   tr D the stress is S = D + v and the energy D : S */
-PEL_INLINE void project_membrane_stvk(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
-                                      pel_lane3 *ways)
-{
-    const pel_lane one = pel_lane_splat(1), quarter = pel_lane_splat((pel_real)-0.25);
-    const pel_lane by_trace = pel_lane_splat((pel_real)0.5 * batch->law.second / batch->law.first);
-    const pel_lane sixteenth = pel_lane_splat((pel_real)0.0625);
-    triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
-    pel_lane d11 = pel_lane3_dot(t.f1, t.f1) - one, d22 = pel_lane3_dot(t.f2, t.f2) - one;
-    pel_lane d12 = pel_lane3_dot(t.f1, t.f2), volume = by_trace * (d11 + d22);
-    pel_lane s11 = d11 + volume, s22 = d22 + volume;
-    pel_lane energy = d11 * s11 + d22 * s22 + d12 * (d12 + d12);
-    pel_lane3 a = pel_lane3_combine(s11, t.f1, d12, t.f2), b = pel_lane3_combine(d12, t.f1, s22, t.f2);
-    pel_lane bottom = sum_of_squares(&t, a, b);
-    bottom = pel_lane_max(bottom, sixteenth * energy * energy * (t.pp + t.qq));
-    move_triangle(&t, quarter * pel_lane_quotient(energy, bottom), a, b, ways);
 }
 
 /* Solves (m) x = right for a positive definite m, in units of its first pivot, so that no product is out of range: the
@@ -205,7 +184,7 @@ PEL_INLINE void solve_symmetric(const pel_symmetric3 *m, pel_lane right[3])
 }
 
 /* G of the Green strains; a column squeezed to less than half counts as half */
-PEL_INLINE pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_strain_lanes *s)
+PEL_INLINE pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_strain *s)
 {
     const pel_lane quarter = pel_lane_splat((pel_real)0.25), two = pel_lane_splat(2);
     pel_lane c11 = pel_lane_max(s->cauchy.a, quarter), c22 = pel_lane_max(s->cauchy.b, quarter), c12 = s->cauchy.c;
@@ -221,15 +200,15 @@ PEL_INLINE pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_strain_
 
 /* (G + D^-1 / (area dt^2)) dl = -(c + ...) for a quadratic energy; softness: 1 / (area young thickness dt^2) */
 PEL_INLINE void solve_quadratic(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric3 g,
-                                const pel_lane strain[3], pel_lane softness, pel_lane change[3])
+                                pel_symmetric2 strain, pel_lane softness, pel_lane change[3])
 {
-    pel_lane poisson = pel_lane_splat(batch->law.second), across = poisson * softness;
+    pel_lane poisson = pel_lane_splat(batch->law.poisson), across = poisson * softness;
     pel_lane shear = pel_lane_splat(2) * (softness + across), old[3];
     for (int i = 0; i < 3; i++)
         old[i] = multiplier_of(batch, block, 3, i, lane);
-    change[0] = -(strain[0] + softness * old[0] - across * old[1]);
-    change[1] = -(strain[1] + softness * old[1] - across * old[0]);
-    change[2] = -(strain[2] + shear * old[2]);
+    change[0] = -(strain.a + softness * old[0] - across * old[1]);
+    change[1] = -(strain.b + softness * old[1] - across * old[0]);
+    change[2] = -(strain.c + shear * old[2]);
     g.a11 = g.a11 + softness;
     g.a22 = g.a22 + softness;
     g.a12 = g.a12 - across;
@@ -239,37 +218,37 @@ PEL_INLINE void solve_quadratic(const pel_batch *batch, int32_t block, int32_t l
         add_multiplier(batch, block, 3, i, lane, old[i], change[i]);
 }
 
-PEL_INLINE void project_strain_stvk(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
-                                    pel_lane3 *ways)
+/* a law with a constant tangent, of the Green strain */
+PEL_INLINE void project_strain_green(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                     pel_lane3 *ways)
 {
     triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
-    const pel_lane strain[3] = {s.green.a, s.green.b, s.cauchy.c};
+    pel_strain s = pel_green_strain(&t.f);
     pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
     pel_lane change[3];
-    solve_quadratic(batch, block, lane, mobility_of(&t, &s), strain, softness, change);
-    move_triangle(&t, pel_lane_splat(1), pel_lane3_combine(change[0], t.f1, change[2], t.f2),
-                  pel_lane3_combine(change[2], t.f1, change[1], t.f2), ways);
+    solve_quadratic(batch, block, lane, mobility_of(&t, &s), s.strain, softness, change);
+    move_triangle(&t, pel_lane_splat(1), pel_lane3_combine(change[0], t.f.f1, change[2], t.f.f2),
+                  pel_lane3_combine(change[2], t.f.f1, change[1], t.f.f2), ways);
 }
 
-/* strains a - 1, c - 1, b of the triangle factor, with the rows (t1, 0), (-b/a t2, t2), (c/a t2, t1) */
-PEL_INLINE void project_strain_linear(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
-                                      pel_lane3 *ways)
+/* the same of the triangle factor, strains with the rows (t1, 0), (-b/a t2, t2), (c/a t2, t1) */
+PEL_INLINE void project_strain_aligned(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                       pel_lane3 *ways)
 {
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2);
     triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
-    pel_factor_lanes f = pel_factor_of(&s);
-    const pel_lane strain[3] = {f.a - one, f.c - one, f.b};
+    pel_factor f = pel_factor_of(&t.f);
+    pel_strain s = pel_factor_strain(&f);
     pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
-    pel_lane by_b = f.b * f.inverse, by_c = f.c * f.inverse, change[3];
+    pel_lane inverse = one / pel_lane_max(f.a, pel_lane_splat((pel_real)0.5));
+    pel_lane by_b = f.b * inverse, by_c = f.c * inverse, change[3];
     pel_symmetric3 g = {t.pp,
                         pel_lane_splat(0),
                         t.pq,
                         t.pp * by_b * by_b - two * t.pq * by_b + t.qq,
                         t.pq * by_c - t.pp * by_b * by_c,
                         t.pp * by_c * by_c + t.qq};
-    solve_quadratic(batch, block, lane, g, strain, softness, change);
+    solve_quadratic(batch, block, lane, g, s.strain, softness, change);
     move_triangle(&t, one, pel_lane3_combine(change[0], f.t1, by_c * change[2] - by_b * change[1], f.t2),
                   pel_lane3_combine(change[2], f.t1, change[1], f.t2), ways);
 }
@@ -315,25 +294,41 @@ PEL_INLINE pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane3 b
 PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                       pel_lane3 *ways, pel_membrane_kind kind)
 {
-    pel_lane law_first = pel_lane_splat(batch->law.first), law_second = pel_lane_splat(batch->law.second);
+    pel_lane numbers[PEL_LAW_NUMBERS];
+    load_law(batch, numbers);
     triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
-    pel_strain_lanes s = pel_strain_of(t.f1, t.f2);
+    pel_strain s = pel_green_strain(&t.f);
     pel_response r;
-    pel_respond(kind, law_first, law_second, &s, &r);
+    pel_respond(kind, numbers, &s, &r);
+    const pel_symmetric3 *h = &r.positive;
+    pel_symmetric3 g = mobility_of(&t, &s);
     pel_lane k = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.square_time), old[3];
+    /* a crushed triangle counts as 1e15 times stiffer than its points are mobile, so that no product overflows */
+    k = pel_lane_min(k, PEL_CONSTANT(1e15) / ((h->a11 + h->a22 + h->a33) * (g.a11 + g.a22 + g.a33)));
     for (int i = 0; i < 3; i++)
         old[i] = multiplier_of(batch, block, 3, i, lane);
     pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
-    const pel_symmetric3 *h = &r.tangent;
-    pel_symmetric3 g = mobility_of(&t, &s);
     pel_symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
     solve_newton(&b, &g, change);
-    pel_lane3 first = pel_lane3_combine(change[0], t.f1, change[2], t.f2);
-    pel_lane3 second = pel_lane3_combine(change[2], t.f1, change[1], t.f2);
+    pel_lane3 first = pel_lane3_combine(change[0], t.f.f1, change[2], t.f.f2);
+    pel_lane3 second = pel_lane3_combine(change[2], t.f.f1, change[1], t.f.f2);
     pel_lane limit = step_limit(&t, first, second);
     for (int i = 0; i < 3; i++)
         add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
     move_triangle(&t, limit, first, second, ways);
+}
+
+/* the strain form of a law */
+PEL_INLINE void project_strain(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                               pel_lane3 *ways, pel_membrane_kind kind)
+{
+    const int traits = pel_law_traits(kind);
+    if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
+        project_strain_newton(batch, block, lane, positions, ways, kind);
+    else if ((traits & PEL_LAW_ALIGNED) == 0)
+        project_strain_green(batch, block, lane, positions, ways);
+    else
+        project_strain_aligned(batch, block, lane, positions, ways);
 }
 
 /* ---- bending ---- */
@@ -347,10 +342,8 @@ PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t
     pel_lane k[4], number = number_of(batch, block, 4, 3, lane);
     for (int a = 1; a < 4; a++)
         k[a] = number_of(batch, block, 4, a - 1, lane);
-    k[0] = -(k[1] + k[2] + k[3]);
-    pel_lane3 u =
-        pel_lane3_combine(k[1], pel_lane3_subtract(p[1].at, p[0].at), k[2], pel_lane3_subtract(p[2].at, p[0].at));
-    u = pel_lane3_add(u, pel_lane3_scale(pel_lane3_subtract(p[3].at, p[0].at), k[3]));
+    pel_isometric_weights(k);
+    pel_lane3 u = pel_isometric_of(p, k);
     pel_lane m[4], mobility;
     for (int a = 0; a < 4; a++)
         m[a] = p[a].fourth * k[a];
@@ -376,7 +369,7 @@ PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t
 }
 
 /* the dihedral angle and its gradients g2, g3 on the tips; on the ends they are -(1 - t2) g2 - (1 - t3) g3 and
-   -t2 g2 - t3 g3 (element/bending.c) */
+   -t2 g2 - t3 g3 (measure/hinge.h) */
 PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                               pel_particle p[4], pel_lane3 *ways, bool compliant)
 {
@@ -410,12 +403,12 @@ PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lan
 
 /* ---- fibres ---- */
 
-/* the image F a of a fibre is c0 (x0 - x2) + c1 (x1 - x2): a distance between weighted points */
+/* the image of a fibre is a distance between weighted points */
 typedef struct fibre_lanes {
     pel_particle point[3];
     pel_lane c0, c1, number; /* number: the third of the constraint */
-    pel_lane3 image;
-    pel_lane square, mobility;
+    pel_fibre_image fibre;
+    pel_lane mobility;
 } fibre_lanes;
 
 PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions)
@@ -426,9 +419,8 @@ PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t
     f.c0 = number_of(batch, block, 3, 0, lane);
     f.c1 = number_of(batch, block, 3, 1, lane);
     f.number = number_of(batch, block, 3, 2, lane);
-    f.image = pel_lane3_combine(f.c0, pel_lane3_subtract(f.point[0].at, f.point[2].at), f.c1,
-                                pel_lane3_subtract(f.point[1].at, f.point[2].at));
-    f.square = pel_lane3_dot(f.image, f.image);
+    f.fibre = pel_fibre_image_of(pel_lane3_subtract(f.point[0].at, f.point[2].at),
+                                 pel_lane3_subtract(f.point[1].at, f.point[2].at), f.c0, f.c1);
     pel_lane c2 = f.c0 + f.c1;
     f.mobility = f.point[0].fourth * f.c0 * f.c0 + f.point[1].fourth * f.c1 * f.c1 + f.point[2].fourth * c2 * c2;
     return f;
@@ -437,25 +429,23 @@ PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t
 PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                               pel_lane3 *ways, bool squared, bool compliant)
 {
-    const pel_lane one = pel_lane_splat(1), half = pel_lane_splat((pel_real)0.5);
+    const pel_lane half = pel_lane_splat((pel_real)0.5);
     fibre_lanes f = load_fibre(batch, block, lane, positions);
-    pel_lane length = pel_lane_sqrt(f.square);
-    pel_lane value = squared ? f.square - one : length - pel_lane_splat(batch->law.rest_length);
-    /* gradient c_k times this times the image */
-    pel_lane slope = squared ? pel_lane_splat(2) : pel_lane_quotient(one, length);
+    /* gradient c_k times the slope times the image */
+    pel_fibre_response r = pel_law_fibre(f.fibre.square, pel_lane_splat(batch->law.rest_length), squared);
     pel_lane mobility = f.mobility;
     if (squared)
-        mobility = pel_lane_splat(4) * mobility * pel_lane_max(f.square, pel_lane_splat((pel_real)0.25));
+        mobility = r.slope * r.slope * mobility * pel_lane_max(f.fibre.square, pel_lane_splat((pel_real)0.25));
     pel_lane change;
     if (compliant) {
         pel_lane softness = f.number * pel_lane_splat(batch->law.inverse_square);
         pel_lane old = multiplier_of(batch, block, 1, 0, lane);
-        change = -((value + softness * old) / (mobility + softness));
+        change = -((r.strain + softness * old) / (mobility + softness));
         add_multiplier(batch, block, 1, 0, lane, old, change);
     } else {
-        change = pel_lane_quotient(-(half * f.number * value), mobility);
+        change = pel_lane_quotient(-(half * f.number * r.strain), mobility);
     }
-    pel_lane3 way = pel_lane3_scale(f.image, slope * change);
+    pel_lane3 way = pel_lane3_scale(f.fibre.image, r.slope * change);
     const pel_particle *p = f.point;
     ways[0] = pel_lane3_scale(way, p[0].fourth * f.c0);
     ways[1] = pel_lane3_scale(way, p[1].fourth * f.c1);
@@ -469,7 +459,7 @@ PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane
     pel_particle p[3];
     for (int k = 0; k < 3; k++)
         p[k] = load_particle(batch, block, k, lane, positions);
-    pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(p[1].at, p[0].at), pel_lane3_subtract(p[2].at, p[0].at));
+    pel_lane3 normal = pel_area_vector(p[0].at, p[1].at, p[2].at);
     pel_lane inverse = pel_lane_quotient(pel_lane_splat(-1), pel_lane_sqrt(pel_lane3_dot(normal, normal)));
     for (int k = 0; k < 3; k++) {
         pel_lane way = number_of(batch, block, PEL_CAVE_NUMBERS, PEL_CAVE_WAY + k, lane);
@@ -480,7 +470,7 @@ PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane
 
 /* ---- pressure ---- */
 
-/* a third of pressure times area along the normal on each corner (element/triangle.c) */
+/* a third of pressure times area along the normal on each corner (measure/volume.h) */
 static void add_pressure(const pel_batch *given, int32_t begin, int32_t end, pel_record *positions)
 {
     pel_batch own = *given, *batch = &own;
@@ -491,7 +481,7 @@ static void add_pressure(const pel_batch *given, int32_t begin, int32_t end, pel
             pel_particle a = load_particle(batch, block, 0, lane, positions);
             pel_particle b = load_particle(batch, block, 1, lane, positions);
             pel_particle c = load_particle(batch, block, 2, lane, positions);
-            pel_lane3 normal = pel_lane3_cross(pel_lane3_subtract(b.at, a.at), pel_lane3_subtract(c.at, a.at));
+            pel_lane3 normal = pel_area_vector(a.at, b.at, c.at);
             pel_lane scale = pel_lane_splat(batch->law.strength) * number_of(batch, block, 1, 0, lane);
             pel_lane3_store(forces + lane, pel_lane3_scale(normal, scale));
         }
@@ -554,8 +544,8 @@ static void record_lane(const pel_batch *batch, const pel_record *positions, con
 }
 
 /* before the points of a block move */
-static void record_reactions(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
-                             const pel_lane3 *ways)
+static __attribute__((noinline, cold)) void record_reactions(const pel_batch *batch, int32_t block, int32_t lane,
+                                                             const pel_record *positions, const pel_lane3 *ways)
 {
     pel_record stored[4][PEL_BLOCK];
     const int32_t *steps = steps_of(batch, block, 0);
@@ -600,19 +590,10 @@ enum { IS_WIDE = 1 };
 
 PEL_PROJECT_SWEEP(sweep_distance, 2, project_edge(batch, block, lane, positions, ways, false))
 PEL_PROJECT_SWEEP(sweep_spring, 2, project_edge(batch, block, lane, positions, ways, true))
-PEL_PROJECT_SWEEP(sweep_stvk, 3, project_membrane_stvk(batch, block, lane, positions, ways))
-PEL_PROJECT_SWEEP(sweep_corotated, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_COROTATED))
-PEL_PROJECT_SWEEP(sweep_linear, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_LINEAR))
-PEL_PROJECT_SWEEP(sweep_mooney, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_MOONEY_RIVLIN))
-PEL_PROJECT_SWEEP(sweep_neo, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_NEO_HOOKEAN))
-PEL_PROJECT_SWEEP(sweep_soft_stvk, 3, project_strain_stvk(batch, block, lane, positions, ways))
-PEL_PROJECT_SWEEP(sweep_soft_linear, 3, project_strain_linear(batch, block, lane, positions, ways))
-PEL_PROJECT_SWEEP(sweep_soft_corotated, 3,
-                  project_strain_newton(batch, block, lane, positions, ways, PEL_MEMBRANE_COROTATED))
-PEL_PROJECT_SWEEP(sweep_soft_mooney, 3,
-                  project_strain_newton(batch, block, lane, positions, ways, PEL_MEMBRANE_MOONEY_RIVLIN))
-PEL_PROJECT_SWEEP(sweep_soft_neo, 3,
-                  project_strain_newton(batch, block, lane, positions, ways, PEL_MEMBRANE_NEO_HOOKEAN))
+#define PEL_PROJECT_LAW(KIND, law, name)                                                                               \
+    PEL_PROJECT_SWEEP(sweep_##law, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_##KIND))      \
+    PEL_PROJECT_SWEEP(sweep_soft_##law, 3, project_strain(batch, block, lane, positions, ways, PEL_MEMBRANE_##KIND))
+PEL_MEMBRANE_LAWS(PEL_PROJECT_LAW)
 PEL_PROJECT_SWEEP(sweep_bending, 4, project_isometric(batch, block, lane, positions, points, ways, false))
 PEL_PROJECT_SWEEP(sweep_soft_bending, 4, project_isometric(batch, block, lane, positions, points, ways, true))
 PEL_PROJECT_SWEEP(sweep_hinge, 4, project_angle(batch, block, lane, positions, points, ways, false))
@@ -623,23 +604,16 @@ PEL_PROJECT_SWEEP(sweep_soft_fibre, 3, project_fibre(batch, block, lane, positio
 PEL_PROJECT_SWEEP(sweep_soft_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, true))
 PEL_PROJECT_SWEEP(sweep_cave, 3, project_cave(batch, block, lane, positions, ways))
 
+#define PEL_PROJECT_LAW_ROW(KIND, law, name)                                                                           \
+    [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_##KIND] = sweep_##law,                                                     \
+                               [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_##KIND] = sweep_soft_##law,
 #define PEL_PROJECT_TABLE                                                                                              \
     {                                                                                                                  \
         [PEL_CONSTRAINT_DISTANCE] = sweep_distance, [PEL_CONSTRAINT_SPRING] = sweep_spring,                            \
-        [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_STVK] = sweep_stvk,                                                    \
-        [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_COROTATED] = sweep_corotated,                                          \
-        [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_LINEAR] = sweep_linear,                                                \
-        [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_MOONEY_RIVLIN] = sweep_mooney,                                         \
-        [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_NEO_HOOKEAN] = sweep_neo,                                              \
-        [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_STVK] = sweep_soft_stvk,                                                 \
-        [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_COROTATED] = sweep_soft_corotated,                                       \
-        [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_LINEAR] = sweep_soft_linear,                                             \
-        [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_MOONEY_RIVLIN] = sweep_soft_mooney,                                      \
-        [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_NEO_HOOKEAN] = sweep_soft_neo,                                           \
-        [PEL_CONSTRAINT_ISOMETRIC] = sweep_bending, [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_soft_bending,         \
-        [PEL_CONSTRAINT_ANGLE] = sweep_hinge, [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge,                     \
-        [PEL_CONSTRAINT_FIBRE] = sweep_fibre, [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,                      \
-        [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,                                                           \
+        PEL_MEMBRANE_LAWS(PEL_PROJECT_LAW_ROW)[PEL_CONSTRAINT_ISOMETRIC] = sweep_bending,                              \
+        [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_soft_bending, [PEL_CONSTRAINT_ANGLE] = sweep_hinge,               \
+        [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge, [PEL_CONSTRAINT_FIBRE] = sweep_fibre,                     \
+        [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square, [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,       \
         [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave,         \
         [PEL_CONSTRAINT_PRESSURE] = add_pressure,                                                                      \
     }

@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "element/spring.h"
+#include "measure/spring.h"
 
 #include <math.h>
 

@@ -77,6 +77,43 @@ static void test_log1p(void **unused)
     assert_true(worst < 8 * (double)PEL_REAL_EPSILON);
 }
 
+static pel_lane expm1_of_first(pel_lane a, pel_lane b)
+{
+    (void)b;
+    return pel_lane_expm1(a);
+}
+
+static double exact_expm1(double a, double b)
+{
+    (void)b;
+    return expm1(a);
+}
+
+static void test_expm1(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    double worst = 0, a[PEL_BLOCK], b[PEL_BLOCK] = {0};
+    for (int n = 0; n < SAMPLES; n++) {
+        for (int i = 0; i < PEL_BLOCK; i++)
+            a[i] = n % 2 == 0 ? random_between(&random, -80, 80)
+                              : pow(10, random_between(&random, -12, 1)) * (i % 2 ? 1 : -1);
+        worst = fmax(worst, error_of(expm1_of_first, exact_expm1, a, b));
+    }
+    assert_true(worst < 4 * (double)PEL_REAL_EPSILON);
+}
+
+/* the angle of a fold that is flat to rounding: what is small keeps all its digits, and no power of it is denormal */
+static void test_small_angles(void **unused)
+{
+    (void)unused;
+    for (double size = 1; size > (sizeof(pel_real) == 8 ? 1e-300 : 1e-37); size *= 0.7) {
+        pel_lane angle = pel_lane_atan2(pel_lane_splat((pel_real)size), pel_lane_splat(1));
+        double expected = atan2((double)(pel_real)size, 1);
+        assert_near((double)angle[0] / expected, 1, 4 * (double)PEL_REAL_EPSILON);
+    }
+}
+
 static void test_particles_round_trip(void **unused)
 {
     (void)unused;
@@ -144,8 +181,13 @@ static void test_quotient(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_atan2), cmocka_unit_test(test_log1p),    cmocka_unit_test(test_particles_round_trip),
-        cmocka_unit_test(test_store), cmocka_unit_test(test_quotient),
+        cmocka_unit_test(test_atan2),
+        cmocka_unit_test(test_log1p),
+        cmocka_unit_test(test_expm1),
+        cmocka_unit_test(test_small_angles),
+        cmocka_unit_test(test_particles_round_trip),
+        cmocka_unit_test(test_store),
+        cmocka_unit_test(test_quotient),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -163,7 +163,7 @@ static void test_wide_is_plain(void **unused)
     pel_pool *pool;
     assert_int_equal(pel_pool_create(3, &pool, NULL), PEL_OK);
     for (int m = 0; m < 3; m++)
-        for (int material = 0; material <= PEL_MEMBRANE_NEO_HOOKEAN; material++)
+        for (int material = 0; material < PEL_MEMBRANE_COUNT; material++)
             for (int bending = PEL_BENDING_ISOMETRIC; bending <= PEL_BENDING_HINGE; bending++) {
                 pel_body_def def = stiff_body(mesh);
                 def.spring_stiffness.value = 10;

@@ -2,7 +2,7 @@
 #include "check.h"
 #include "random.h"
 
-#include "element/spring.h"
+#include "measure/spring.h"
 
 #define ROUNDING (sizeof(pel_real) == 8 ? 4e-16 : 3e-7)
 

@@ -11,9 +11,11 @@
 
    with c_jk the cotangent of the angle between the edges e_j and e_k: c01 at x0 and c03 at x1 in the left triangle, c02
    and c04 in the right one. */
+#define PEL_LANE_DOUBLE
 #include "pellicle/bending.h"
 
 #include "math/vec3.h"
+#include "measure/hinge.h"
 
 #include <math.h>
 #include <string.h>
@@ -60,54 +62,44 @@ bool pel_bending_isometric_setup(const double rest[4][3], pel_bending_isometric 
     return true;
 }
 
-/* K x from differences to x0: exact far from the origin, as the weights add up to zero */
-static void weighted_sum(const double weight[4], const double x[4][3], double sum[3])
+static void load_points(const double x[4][3], pel_particle p[4])
 {
-    for (int i = 0; i < 3; i++)
-        sum[i] = weight[1] * (x[1][i] - x[0][i]) + weight[2] * (x[2][i] - x[0][i]) + weight[3] * (x[3][i] - x[0][i]);
+    for (int k = 0; k < 4; k++)
+        p[k] = (pel_particle){{x[k][0], x[k][1], x[k][2]}, 0};
 }
 
 double pel_bending_isometric_energy(const pel_bending_isometric *stencil, pel_bending_form form, const double x[4][3],
                                     double gradient[4][3])
 {
-    double sum[3];
-    weighted_sum(stencil->weight, x, sum);
-    if (gradient != NULL)
-        for (int a = 0; a < 4; a++)
-            pel_vec3_scale(sum, stencil->factor * stencil->weight[a], gradient[a]);
-    double energy = 0.5 * stencil->factor * pel_vec3_squared_length(sum);
+    pel_particle p[4];
+    load_points(x, p);
+    pel_lane3 sum = pel_isometric_of(p, stencil->weight);
+    for (int a = 0; gradient != NULL && a < 4; a++) {
+        double scale = stencil->factor * stencil->weight[a];
+        pel_vec3_set(gradient[a], scale * sum.x, scale * sum.y, scale * sum.z);
+    }
+    double energy = 0.5 * stencil->factor * pel_lane3_dot(sum, sum);
     return form == PEL_BENDING_REST_SUBTRACTED ? energy - stencil->rest_energy : energy;
 }
 
-/* -|e| n / |n|^2, the gradient on a tip */
-static void tip_gradient(const double normal[3], double edge_length, double gradient[3])
+/* angle less that of this cosine and sine, the short way round */
+static double turned_angle(const double x[4][3], double cosine, double sine, double gradient[4][3])
 {
-    double square = pel_vec3_squared_length(normal);
-    pel_vec3_scale(normal, square > 0 ? -edge_length / square : 0, gradient);
+    pel_particle p[4];
+    load_points(x, p);
+    pel_hinge_lanes h = pel_hinge_of(p, cosine, sine);
+    if (gradient == NULL)
+        return h.difference;
+    pel_lane3 g[4];
+    pel_hinge_gradients(&h, -h.length, g);
+    for (int a = 0; a < 4; a++)
+        pel_vec3_set(gradient[a], g[a].x, g[a].y, g[a].z);
+    return h.difference;
 }
 
 double pel_dihedral_angle(const double x[4][3], double gradient[4][3])
 {
-    double edge[3], to_left[3], to_right[3], left[3], right[3], cross[3];
-    pel_vec3_subtract(x[1], x[0], edge);
-    pel_vec3_subtract(x[2], x[0], to_left);
-    pel_vec3_subtract(x[3], x[0], to_right);
-    pel_vec3_cross(edge, to_left, left);
-    pel_vec3_cross(to_right, edge, right);
-    pel_vec3_cross(left, right, cross);
-    double length = pel_vec3_length(edge);
-    if (gradient != NULL) {
-        double inverse = length > 0 ? 1 / (length * length) : 0;
-        double t2 = inverse * pel_vec3_dot(to_left, edge), t3 = inverse * pel_vec3_dot(to_right, edge);
-        tip_gradient(left, length, gradient[2]);
-        tip_gradient(right, length, gradient[3]);
-        for (int i = 0; i < 3; i++) {
-            gradient[0][i] = -(1 - t2) * gradient[2][i] - (1 - t3) * gradient[3][i];
-            gradient[1][i] = -t2 * gradient[2][i] - t3 * gradient[3][i];
-        }
-    }
-    double sine = length > 0 ? pel_vec3_dot(cross, edge) / length : 0, cosine = pel_vec3_dot(left, right);
-    return atan2(sine, cosine);
+    return turned_angle(x, 1, 0, gradient);
 }
 
 bool pel_hinge_setup(const double rest[4][3], pel_hinge *hinge)
@@ -123,12 +115,8 @@ bool pel_hinge_setup(const double rest[4][3], pel_hinge *hinge)
 
 double pel_hinge_energy(const pel_hinge *hinge, const double x[4][3], double gradient[4][3])
 {
-    const double half_turn = 3.141592653589793238;
-    double difference = pel_dihedral_angle(x, gradient) - hinge->rest_angle;
-    if (fabs(difference) > half_turn)
-        difference -= copysign(2 * half_turn, difference);
-    if (gradient != NULL)
-        for (int a = 0; a < 4; a++)
-            pel_vec3_scale(gradient[a], hinge->factor * difference, gradient[a]);
+    double difference = turned_angle(x, cos(hinge->rest_angle), sin(hinge->rest_angle), gradient);
+    for (int a = 0; gradient != NULL && a < 4; a++)
+        pel_vec3_scale(gradient[a], hinge->factor * difference, gradient[a]);
     return 0.5 * hinge->factor * difference * difference;
 }

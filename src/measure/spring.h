@@ -8,8 +8,8 @@
    Virtual volumetric spring (eq. A-4) of rest length zero, from a vertex to its own rest position, e = x - x_rest:
        g = -[k' |e| + k'_d (v.e)/|e|] e/|e| = -k' e - k'_d (v.e)/|e|^2 e
    In this form the elastic part has no singularity; the damping part is guarded in the same way: zero at e = 0. */
-#ifndef PEL_ELEMENT_SPRING_H
-#define PEL_ELEMENT_SPRING_H
+#ifndef PEL_MEASURE_SPRING_H
+#define PEL_MEASURE_SPRING_H
 
 #include "base/wide.h"
 

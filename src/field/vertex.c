@@ -1,5 +1,5 @@
 /* Areas, normals and curvatures around vertices. */
-#include "measure/corner.h"
+#include "field/corner.h"
 #include "pellicle/measure.h"
 
 /* What the angles at a vertex lack to those of a plane: 2 pi, or pi on the boundary. Pi is taken to twice the digits,

@@ -1,7 +1,7 @@
-/* The hinge of bending.c for loops over lanes, for the forces of shells and for the constraints of position-based
-   methods. */
-#ifndef PEL_ELEMENT_BENDING_LANE_H
-#define PEL_ELEMENT_BENDING_LANE_H
+/* Bending measures of the four points of a hinge (include/pellicle/bending.h has the drawing): the dihedral angle, and
+   K x, whose length is the strain of isometric bending. */
+#ifndef PEL_MEASURE_HINGE_H
+#define PEL_MEASURE_HINGE_H
 
 #include "base/lane.h"
 
@@ -36,6 +36,30 @@ PEL_INLINE pel_hinge_lanes pel_hinge_of(const pel_particle p[4], pel_lane rest_c
     h.t2 = inverse * pel_lane3_dot(to2, edge);
     h.t3 = inverse * pel_lane3_dot(to3, edge);
     return h;
+}
+
+/* scale times the gradients over -length: those of forces with scale = moment length, of the angle with -length */
+PEL_INLINE void pel_hinge_gradients(const pel_hinge_lanes *h, pel_lane scale, pel_lane3 gradient[4])
+{
+    const pel_lane one = pel_lane_splat(1);
+    gradient[2] = pel_lane3_scale(h->n2, scale * h->r2);
+    gradient[3] = pel_lane3_scale(h->n3, scale * h->r3);
+    gradient[0] = pel_lane3_combine(h->t2 - one, gradient[2], h->t3 - one, gradient[3]);
+    gradient[1] = pel_lane3_combine(-h->t2, gradient[2], -h->t3, gradient[3]);
+}
+
+/* the weights of K x: those of x1, x2, x3 are given, all add up to zero */
+PEL_INLINE void pel_isometric_weights(pel_lane weight[4])
+{
+    weight[0] = -(weight[1] + weight[2] + weight[3]);
+}
+
+/* K x from differences to x0: exact far from the origin. Its gradient on x_k is weight[k] on each component. */
+PEL_INLINE pel_lane3 pel_isometric_of(const pel_particle p[4], const pel_lane weight[4])
+{
+    pel_lane3 sum = pel_lane3_combine(weight[1], pel_lane3_subtract(p[1].at, p[0].at), weight[2],
+                                      pel_lane3_subtract(p[2].at, p[0].at));
+    return pel_lane3_add(sum, pel_lane3_scale(pel_lane3_subtract(p[3].at, p[0].at), weight[3]));
 }
 
 #endif

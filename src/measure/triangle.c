@@ -1,6 +1,8 @@
-#include "element/membrane.h"
+#define PEL_LANE_DOUBLE
+#include "measure/element.h"
 
 #include "math/vec3.h"
+#include "measure/volume.h"
 
 #include <math.h>
 #include <string.h>
@@ -132,22 +134,22 @@ double pel_fibre_active_energy(const pel_rest_triangle *triangle, double stiffne
     return triangle->area * psi;
 }
 
+static pel_lane3 point_of(const double x[3])
+{
+    return (pel_lane3){x[0], x[1], x[2]};
+}
+
 double pel_triangle_volume(const double x[3][3], double gradient[3][3])
 {
-    double cross[3];
-    pel_vec3_cross(x[1], x[2], cross);
-    double volume = pel_vec3_dot(x[0], cross) / 6;
-    if (gradient == NULL)
-        return volume;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; gradient != NULL && i < 3; i++) {
         pel_vec3_cross(x[(i + 1) % 3], x[(i + 2) % 3], gradient[i]);
         pel_vec3_scale(gradient[i], 1.0 / 6, gradient[i]);
     }
-    return volume;
+    return pel_volume_of(point_of(x[0]), point_of(x[1]), point_of(x[2])) / 6;
 }
 
 void pel_triangle_pressure_force(const double x[3][3], double pressure, double force[3])
 {
-    pel_vec3_triangle_normal(x[0], x[1], x[2], force);
-    pel_vec3_scale(force, pressure / 6, force);
+    pel_lane3 vector = pel_area_vector(point_of(x[0]), point_of(x[1]), point_of(x[2]));
+    pel_vec3_set(force, pressure / 6 * vector.x, pressure / 6 * vector.y, pressure / 6 * vector.z);
 }

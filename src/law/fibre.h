@@ -1,0 +1,26 @@
+/* Laws of fibres (Kim, De Goes, Iben 2019): psi = k/2 g^2 of I5 = |F a|^2, with the strain g = sqrt I5 - rest length,
+   or I5 - 1 of PEL_FIBRE_STVK. In units of the stiffness k. */
+#ifndef PEL_LAW_FIBRE_H
+#define PEL_LAW_FIBRE_H
+
+#include "base/lane.h"
+
+typedef struct pel_fibre_response {
+    pel_lane strain; /* g */
+    pel_lane slope;  /* dg = slope (F a) . d(F a); 0 where a fibre was crushed to length 0 */
+} pel_fibre_response;
+
+PEL_INLINE pel_fibre_response pel_law_fibre(pel_lane square, pel_lane rest_length, bool squared)
+{
+    if (squared)
+        return (pel_fibre_response){square - pel_lane_splat(1), pel_lane_splat(2)};
+    pel_lane length = pel_lane_sqrt(square);
+    return (pel_fibre_response){length - rest_length, pel_lane_quotient(pel_lane_splat(1), length)};
+}
+
+PEL_INLINE pel_lane pel_law_fibre_energy(pel_fibre_response r)
+{
+    return PEL_CONSTANT(0.5) * r.strain * r.strain;
+}
+
+#endif

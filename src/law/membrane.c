@@ -1,0 +1,65 @@
+#include "law/membrane.h"
+
+#include "base/status.h"
+#include "law/laws.h"
+
+#include <math.h>
+
+typedef struct law_row {
+    const char *name;
+    pel_membrane_law (*of)(const pel_membrane_material *material);
+    pel_law_refusal (*refuse)(const pel_membrane_material *material);
+} law_row;
+
+static const law_row rows[] = {
+#define ROW(KIND, law, name) [PEL_MEMBRANE_##KIND] = {name, pel_law_##law##_of, pel_law_##law##_refuse},
+    PEL_MEMBRANE_LAWS(ROW)
+#undef ROW
+};
+
+void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda)
+{
+    *mu = young * thickness / (2 * (1 + poisson));
+    *lambda = young * thickness * poisson / (1 - poisson * poisson);
+}
+
+static bool is_known(pel_membrane_kind kind)
+{
+    return (unsigned)kind < PEL_MEMBRANE_COUNT;
+}
+
+const char *pel_membrane_kind_name(pel_membrane_kind kind)
+{
+    return is_known(kind) ? rows[kind].name : "unknown";
+}
+
+pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material)
+{
+    return rows[is_known(material->kind) ? material->kind : PEL_MEMBRANE_STVK].of(material);
+}
+
+int pel_membrane_law_traits(pel_membrane_kind kind)
+{
+    return pel_law_traits(kind);
+}
+
+static pel_status refuse(pel_error *error, const char *member, double value, const char *range)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "membrane material: %s is %g", member, value);
+    pel_fail_remedy(error, "give a number with %s", range);
+    return PEL_BAD_ARGUMENT;
+}
+
+pel_status pel_membrane_material_check(const pel_membrane_material *material, pel_error *error)
+{
+    if (!is_known(material->kind))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "membrane material: kind %d is unknown", (int)material->kind);
+    if (!(material->young > 0) || !isfinite(material->young))
+        return refuse(error, "young", material->young, "young > 0, in pascal");
+    if (!(fabs(material->poisson) < 1))
+        return refuse(error, "poisson", material->poisson, "-1 < poisson < 1");
+    if (!(material->thickness > 0) || !isfinite(material->thickness))
+        return refuse(error, "thickness", material->thickness, "thickness > 0, in metres");
+    pel_law_refusal bad = rows[material->kind].refuse(material);
+    return bad.member == NULL ? PEL_OK : refuse(error, bad.member, bad.value, bad.range);
+}

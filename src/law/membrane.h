@@ -1,0 +1,41 @@
+/* A membrane material as a law and its numbers. The laws stand in files of their own (law/NAME.h); each defines
+
+       pel_law_NAME          energy, stress and tangent of a strain, in units of the shear modulus (law/strain.h)
+       pel_law_NAME_of       shear modulus and numbers of a material
+       pel_law_NAME_refuse   a number of the material that the law cannot take
+       pel_law_NAME_traits   what the generic code has to know
+
+   and has a row in PEL_MEMBRANE_LAWS (pellicle/material.h) and an include in law/laws.h. Nothing else knows a law. */
+#ifndef PEL_LAW_MEMBRANE_H
+#define PEL_LAW_MEMBRANE_H
+
+#include "pellicle/material.h"
+
+enum { PEL_LAW_NUMBERS = 2 };
+
+typedef struct pel_membrane_law {
+    pel_membrane_kind kind;
+    double modulus; /* shear modulus times thickness [N/m]: unit of energy, stress and tangent */
+    double poisson; /* Poisson's ratio at small strain */
+    double numbers[PEL_LAW_NUMBERS];
+} pel_membrane_law;
+
+typedef enum pel_law_trait {
+    PEL_LAW_OF_STRAIN = 0,        /* any function of the strain: P = F t */
+    PEL_LAW_BY_AREA = 1,          /* a function of tr C and J: P = 2 psi_t F + psi_J dJ/dF, finite at J = 0 */
+    PEL_LAW_ALIGNED = 2,          /* of the strain of the triangle factor instead of the Green strain */
+    PEL_LAW_CONSTANT_TANGENT = 4, /* D is that of plane stress at any strain: it has a compliance */
+} pel_law_trait;
+
+/* a number out of range; member is null when there is none */
+typedef struct pel_law_refusal {
+    const char *member, *range;
+    double value;
+} pel_law_refusal;
+
+pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material);
+
+/* pel_law_trait of a kind, combined */
+int pel_membrane_law_traits(pel_membrane_kind kind);
+
+#endif

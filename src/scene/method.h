@@ -1,0 +1,13 @@
+/* The method of a scene that leaves it to the program. */
+#ifndef PEL_SCENE_METHOD_H
+#define PEL_SCENE_METHOD_H
+
+#include "pellicle/scene.h"
+#include "scene/value.h"
+
+/* Where xpbd would need more than max_substeps and the bodies have a state of rest, the method becomes descent: in the
+   def and in the tree, with a line to the log. Only in scenes that give neither the method nor substeps or iterations.
+   PEL_OUT_OF_MEMORY; other errors of the model are left to its creation. */
+pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
+
+#endif

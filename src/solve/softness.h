@@ -1,0 +1,51 @@
+/* How much softer xpbd is than the material.
+
+   One sweep in a substep solves (D + a) dl = -(C + g u0 + L dl) for the multipliers l, with A = g^T M^-1 g = L + D +
+   L^T, a = 1 / (k tau^2) and u0 the displacement by external forces. At rest the displacements of a substep cancel, g
+   u0 = -A l, and D with them:
+
+       (a - L^T) l = -C      instead of the material's      a l = -C
+
+   so the work of the forces f = l / tau^2 on the strain C exceeds that of the material by the share
+
+       s = tau^2 / 2 (sum over elements of f^T D f - sum over vertices of |f_external|^2 / m) / sum of f^2 / k
+
+   with D the mobility of an element, sum |gradient|^2 / m over its vertices. The second sum vanishes in smooth fields.
+   What remains is the mean of D k over the elements, weighted with energy. The rate here takes the worst strain of each
+   element and means over the two rings of triangles around each vertex; all but 5 % of the energy of a level of detail
+   lie below it, in every kind of element. So a stiff or fine region counts, also a refined one of few vertices; the few
+   smallest triangles of a scan do not. tau is the substep in first order, two thirds of it in second order.
+
+   More sweeps solve for the same l with the iteration matrix s / (1 + s): the softness after n sweeps is
+   1 / (1 - (s / (1 + s))^n) - 1, which is s at n = 1 and about s / n where s is large. Measured: docs/shells.md. */
+#ifndef PEL_SOLVE_SOFTNESS_H
+#define PEL_SOLVE_SOFTNESS_H
+
+#include "model/state.h"
+
+/* numbers of one model at one state [1/s2] */
+typedef struct pel_softness {
+    double rate;     /* s = rate tau^2 / 2 */
+    double pressure; /* stiffness over mass of forces that stay at their start during a substep (gas, target volume) */
+} pel_softness;
+
+/* Room for pel_softness_find on a model, refined ones included. */
+typedef struct pel_softness_scratch {
+    double *energy, *excess; /* (vertex_count) of the elements at a vertex; excess: energy times rate */
+    double *mean;            /* (vertex_count) of the rate, around a vertex */
+    double *sum;             /* (vertex_count) */
+} pel_softness_scratch;
+
+pel_status pel_softness_create(const pel_model *model, pel_softness_scratch *scratch, pel_error *error);
+void pel_softness_destroy(pel_softness_scratch *scratch);
+
+/* Rates of springs and shells at positions (vertex_count) and a time, with the present factors of keyed parameters. */
+pel_softness pel_softness_find(const pel_model *model, const pel_state *state, const pel_record *positions, double time,
+                               const pel_softness_scratch *scratch);
+
+/* Softness of `iterations` sweeps in a substep whose tau^2 rate / 2 is `share`. */
+double pel_softness_after(double share, int32_t iterations);
+/* The share at which it is `softness`; the inverse of pel_softness_after. */
+double pel_softness_share(double softness, int32_t iterations);
+
+#endif

@@ -1,0 +1,81 @@
+/* Membrane laws by their principal stretches, written with the C library from theory page sections 3 and 17: the oracle
+   of all that is made of src/law. */
+#ifndef PEL_TESTS_LAW_FORMS_H
+#define PEL_TESTS_LAW_FORMS_H
+
+#include "pellicle/material.h"
+
+#include <math.h>
+
+/* a material of a law with numbers of its own that count */
+static inline pel_membrane_material law_material(int kind, double young, double poisson, double thickness)
+{
+    return (pel_membrane_material){.kind = (pel_membrane_kind)kind,
+                                   .young = young,
+                                   .poisson = poisson,
+                                   .thickness = thickness,
+                                   .mooney_ratio = 0.2,
+                                   .extension_limit = 20,
+                                   .stiffening = 6};
+}
+
+static inline bool law_is_incompressible(const pel_membrane_material *m)
+{
+    return m->kind == PEL_MEMBRANE_MOONEY_RIVLIN || m->kind == PEL_MEMBRANE_GENT ||
+           (m->kind == PEL_MEMBRANE_NEO_HOOKEAN && m->poisson == 0.5);
+}
+
+/* square of the thickness stretch of a neo-Hookean sheet, from zero normal stress, by bisection of its logarithm */
+static inline double law_thickness(double poisson, double area_ratio)
+{
+    double low = -60, high = 60;
+    for (int i = 0; i < 200; i++) {
+        double u = 0.5 * (low + high);
+        double stress = (1 - 2 * poisson) * (exp(u) - 1) + poisson * (2 * log(area_ratio) + u);
+        *(stress > 0 ? &high : &low) = u;
+    }
+    return exp(low);
+}
+
+/* tension d psi / dl of a sheet with the principal stretches l and m: force per rest width */
+static inline double law_tension(const pel_membrane_material *material, double l, double m)
+{
+    double mu, lambda, stiffness = material->young * material->thickness;
+    double e1 = 0.5 * (l * l - 1), e2 = 0.5 * (m * m - 1), square = l * l * m * m;
+    pel_plane_stress_lame(material->young, material->poisson, material->thickness, &mu, &lambda);
+    switch (material->kind) {
+    case PEL_MEMBRANE_STVK:
+        return l * (2 * mu * e1 + lambda * (e1 + e2));
+    case PEL_MEMBRANE_MOONEY_RIVLIN: {
+        double c1 = stiffness / 6 / (1 + material->mooney_ratio), c2 = material->mooney_ratio * c1;
+        return 2 * c1 * (l - 1 / (l * square)) + 2 * c2 * (l * m * m - 1 / (l * l * l));
+    }
+    case PEL_MEMBRANE_NEO_HOOKEAN:
+        return mu * (l - law_thickness(material->poisson, l * m) / l);
+    case PEL_MEMBRANE_GENT: {
+        double limit = material->extension_limit, invariant = l * l + m * m + 1 / square - 3;
+        return stiffness / 3 * (l - 1 / (l * square)) * limit / (limit - invariant);
+    }
+    case PEL_MEMBRANE_FUNG: {
+        double w = mu * (e1 * e1 + e2 * e2) + 0.5 * lambda * (e1 + e2) * (e1 + e2);
+        return l * (2 * mu * e1 + lambda * (e1 + e2)) * exp(material->stiffening * w / stiffness);
+    }
+    case PEL_MEMBRANE_COROTATED:
+    case PEL_MEMBRANE_LINEAR:
+    default:
+        return 2 * mu * (l - 1) + lambda * (l + m - 2);
+    }
+}
+
+/* the width m at a stretch l that leaves the sides without tension */
+static inline double law_width(const pel_membrane_material *material, double l)
+{
+    double low = 0.3, high = 2;
+    for (int i = 0; i < 100; i++) {
+        double m = 0.5 * (low + high);
+        *(law_tension(material, m, l) > 0 ? &high : &low) = m;
+    }
+    return low;
+}
+
+#endif

@@ -1,0 +1,211 @@
+/* The method of scenes that leave it to the program, and runs of xpbd that are too soft. */
+#define _XOPEN_SOURCE 700
+#include "check.h"
+#include "failing_malloc.h"
+
+#include <ftw.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "io/file.h"
+#include "pellicle/run.h"
+
+#define HEAD "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: geodesic-sphere, frequency: 4, radius: 0.05}\n"
+#define SHEET "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: grid, nx: 8, ny: 8, size_x: 0.1, size_y: 0.1}\n"
+#define STEEL "    membrane: {preset: steel-sheet}\n    bending: {}\n"
+#define RUBBER "    membrane: {preset: rubber}\n    bending: {}\n"
+#define PINNED "    pinned: {vertices: [0]}\n"
+#define PRESSED "    pressure: {inside: 1000}\n"
+
+typedef struct heard {
+    char text[1024];
+    int count;
+} heard;
+
+static void hear(void *user, const char *text)
+{
+    heard *told = user;
+    snprintf(told->text, sizeof told->text, "%s", text);
+    told->count++;
+}
+
+static pel_scene *load(const char *text, heard *told)
+{
+    pel_log log = {.write = hear, .user = told};
+    pel_scene *scene;
+    pel_error error = {0};
+    char message[1000];
+    if (pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, &log, &scene, &error) != PEL_OK)
+        print_error("%s\n", pel_error_text(&error, message, sizeof message));
+    assert_non_null(scene);
+    return scene;
+}
+
+/* descent where xpbd would need too much and a state of rest exists; xpbd, silently, in all other scenes */
+static void test_choice(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text;
+        bool descends;
+    } cases[] = {
+        {HEAD STEEL PRESSED, true},
+        {HEAD STEEL, true},
+        {HEAD RUBBER PRESSED, false},
+        {HEAD RUBBER PRESSED "solver: {max_substeps: 5}\n", true},
+        {HEAD STEEL PRESSED "solver: {max_substeps: 1000000}\n", false},
+        /* written */
+        {HEAD STEEL PRESSED "solver: {method: xpbd}\n", false},
+        {HEAD STEEL PRESSED "solver: {substeps: 16}\n", false},
+        {HEAD STEEL PRESSED "solver: {iterations: 3}\n", false},
+        {HEAD STEEL PRESSED "solver: {method: explicit, dt: 1.0e-7}\n", false},
+        /* no state of rest */
+        {HEAD STEEL "gravity: [0, 0, -9.81]\n", false},
+        {HEAD STEEL PINNED "gravity: [0, 0, -9.81]\n", true},
+        {HEAD STEEL "loads: [{force: [0, 0, 1]}]\n", false},
+        {SHEET STEEL PRESSED, false},
+        {SHEET STEEL PINNED PRESSED, true},
+        {HEAD STEEL "    pressure: {inside: 1, form: vertex-normal}\n", false},
+        {HEAD STEEL "    anisotropy: {strength: 0.1, stiffness: 1}\n", false},
+        /* finer on its levels */
+        {HEAD RUBBER "solver: {max_substeps: 80}\n", false},
+        {HEAD RUBBER "    refine: {levels: 2, everywhere: true}\nsolver: {max_substeps: 80}\n", true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        heard told = {.count = 0};
+        pel_scene *scene = load(cases[i].text, &told);
+        bool descends = scene->sim.solver.method == PEL_METHOD_DESCENT;
+        if (descends != cases[i].descends)
+            print_error("case %d: %s\n", (int)i, told.text);
+        assert_true(descends == cases[i].descends);
+        assert_int_equal(told.count, descends);
+        if (descends) {
+            assert_non_null(strstr(told.text, "method descent: xpbd would need "));
+            assert_non_null(strstr(pel_scene_text(scene), "method: descent\n"));
+            /* the resolved scene has it as written */
+            heard again = {.count = 0};
+            pel_scene *resolved = load(pel_scene_text(scene), &again);
+            assert_true(resolved->sim.solver.method == PEL_METHOD_DESCENT && again.count == 0);
+            pel_scene_destroy(resolved);
+        }
+        pel_scene_destroy(scene);
+    }
+}
+
+static int remove_entry(const char *path, const struct stat *information, int kind, struct FTW *place)
+{
+    (void)information;
+    (void)kind;
+    (void)place;
+    return remove(path);
+}
+
+static void remove_folder(const char *path)
+{
+    nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+static pel_status run(const char *text, heard *told, pel_run_summary *summary, pel_error *error)
+{
+    heard unheard;
+    remove_folder("method_run");
+    pel_scene *scene = load(text, &unheard);
+    pel_log log = {.write = hear, .user = told};
+    pel_run_def def = pel_run_def_default();
+    def.folder = "method_run";
+    def.thread_count = 1;
+    def.log = &log;
+    pel_status status = pel_run(scene, &def, summary, error);
+    pel_scene_destroy(scene);
+    return status;
+}
+
+static bool summary_has(const char *entry)
+{
+    char *text;
+    size_t size;
+    assert_int_equal(pel_file_read("method_run/summary.json", &text, &size, NULL), PEL_OK);
+    bool has = strstr(text, entry) != NULL;
+    if (!has)
+        print_error("no %s in %s\n", entry, text);
+    pel_free(text);
+    return has;
+}
+
+/* a run that is too soft says so before its first step; one that fails in it is refused, and writes nothing */
+static void test_soft_runs(void **unused)
+{
+    (void)unused;
+    heard told = {.count = 0};
+    pel_run_summary summary;
+    pel_error error = {0};
+    assert_int_equal(run(HEAD RUBBER PRESSED "solver: {method: xpbd, substeps: 8}\n", &told, &summary, &error), PEL_OK);
+    assert_int_equal(told.count, 1);
+    assert_non_null(strstr(told.text, "warning: xpbd with 8 substeps stretches up to "));
+    assert_non_null(strstr(told.text, "times as far as the material; use substeps >= "));
+    assert_true(summary_has("\"substeps_min\": 8,") && summary_has("\"substeps_max\": 8,"));
+    assert_true(summary_has("\"method\": \"xpbd\"") && summary_has("\"softness_max\": "));
+    told.count = 0;
+    assert_int_equal(run(HEAD RUBBER PRESSED "solver: {method: xpbd, max_substeps: 8}\n", &told, &summary, &error),
+                     PEL_OK);
+    assert_non_null(strstr(told.text, "use max_substeps >= "));
+    told.count = 0;
+    assert_int_equal(run(HEAD RUBBER PRESSED, &told, &summary, &error), PEL_OK);
+    assert_int_equal(told.count, 0);
+    assert_true(summary_has("\"second_order\": true"));
+    assert_int_equal(
+        run(HEAD STEEL "    pressure: {inside: 3.0e7}\nsolver: {method: xpbd, substeps: 4}\n", &told, &summary, &error),
+        PEL_BAD_SCENE);
+    assert_non_null(strstr(error.what, "xpbd diverges in the first step: it stretches about "));
+    assert_non_null(strstr(error.remedy, "use substeps >= "));
+    assert_true(access("method_run", F_OK) != 0);
+}
+
+/* the step that is tried leaves no trace */
+static void test_tried_step(void **unused)
+{
+    (void)unused;
+    heard told = {.count = 0};
+    pel_run_summary soft;
+    assert_int_equal(run(HEAD RUBBER PRESSED "solver: {method: xpbd, substeps: 8}\n", &told, &soft, NULL), PEL_OK);
+    remove_folder("method_run");
+    pel_scene *scene = load(HEAD RUBBER PRESSED "solver: {method: xpbd, substeps: 8}\n", &told);
+    pel_model *model;
+    pel_sim *sim;
+    assert_int_equal(pel_model_create(&scene->model, &model, NULL), PEL_OK);
+    scene->sim.model = model;
+    assert_int_equal(pel_sim_create(&scene->sim, &sim, NULL), PEL_OK);
+    assert_true(pel_sim_softness(sim) > 1);
+    for (int i = 0; i < 5; i++)
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    assert_true(pel_sim_hash(sim) == soft.state_hash);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+}
+
+static pel_status create(const void *text, pel_error *error)
+{
+    pel_scene *scene;
+    pel_status status = pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, error);
+    pel_scene_destroy(scene);
+    return status;
+}
+
+static void test_allocation(void **unused)
+{
+    (void)unused;
+    for_every_allocation_failure(create, SHEET STEEL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_choice),
+        cmocka_unit_test(test_soft_runs),
+        cmocka_unit_test(test_tried_step),
+        cmocka_unit_test(test_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
