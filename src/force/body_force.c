@@ -1,5 +1,7 @@
 #include "force/body_force.h"
 
+#include <math.h>
+
 typedef struct force_loop {
     const pel_model *model;
     const pel_state *state;
@@ -9,7 +11,7 @@ typedef struct force_loop {
 
 static void force_slice(const force_loop *loop, int32_t slice)
 {
-    pel_body_force body = pel_body_force_of(loop->model, loop->state, loop->model->body_of_slice[slice]);
+    pel_body_force body = pel_slice_force_of(loop->model, loop->state, slice);
     pel_slice own = pel_slice_load(loop->state->position, slice);
     pel_wide longest = pel_wide_splat(0);
     pel_wide3 sum = pel_elastic_force(loop->model, loop->state->position, slice, &own.position, &body, &longest);
@@ -35,11 +37,48 @@ void pel_body_forces(const pel_model *model, const pel_state *state, const pel_r
     pel_pool_run(pool, pel_slice_chunk_count(0, model->slice_count), force_chunk, &loop);
 }
 
+typedef struct length_loop {
+    const pel_model *model;
+    const pel_record *position;
+    int32_t slice_begin, slice_end;
+    double *longest;
+} length_loop;
+
+static void length_chunk(void *context, int32_t chunk)
+{
+    const length_loop *loop = context;
+    const pel_model *model = loop->model;
+    int32_t first = loop->slice_begin + chunk * PEL_SLICE_CHUNK;
+    pel_wide longest = pel_wide_splat(0);
+    for (int32_t slice = first; slice < loop->slice_end && slice < first + PEL_SLICE_CHUNK; slice++) {
+        pel_slice own = pel_slice_load(loop->position, slice);
+        for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+            pel_wide3 d = pel_slot_offset(model, loop->position, slot, &own.position);
+            longest = pel_wide_max(pel_wide3_dot(d, d), longest);
+        }
+    }
+    loop->longest[chunk] = sqrt((double)pel_wide_largest(longest));
+}
+
+double pel_longest_spring(const pel_model *model, const pel_record *position, pel_pool *pool, double *longest)
+{
+    double most = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b];
+        length_loop loop = {model, position, body->slice_begin, body->slice_end, longest};
+        int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
+        pel_pool_run(pool, chunk_count, length_chunk, &loop);
+        for (int32_t chunk = 0; chunk < chunk_count; chunk++)
+            most = fmax(most, longest[chunk]);
+    }
+    return most;
+}
+
 pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, const pel_record *position,
                                 int32_t vertex)
 {
     int32_t slice = vertex / PEL_WIDTH, lane = vertex % PEL_WIDTH;
-    pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
+    pel_body_force body = pel_slice_force_of(model, state, slice);
     pel_slice own = pel_slice_load(position, slice);
     pel_wide longest = pel_wide_splat(0);
     pel_wide3 sum = pel_elastic_force(model, position, slice, &own.position, &body, &longest);
@@ -49,7 +88,7 @@ pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, 
 void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t slice, pel_wide *spring,
                       pel_wide *volumetric)
 {
-    pel_body_force body = pel_body_force_of(model, state, model->body_of_slice[slice]);
+    pel_body_force body = pel_slice_force_of(model, state, slice);
     pel_slice own = pel_slice_load(state->position, slice);
     pel_wide half = pel_wide_splat((pel_real)0.5), sum = pel_wide_splat(0);
     for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {

@@ -125,6 +125,19 @@ static inline pel_body_force pel_body_force_of(const pel_model *model, const pel
     };
 }
 
+/* the same in one slice: where no vertex is off the base, springs need not be read */
+static inline pel_body_force pel_slice_force_of(const pel_model *model, const pel_state *state, int32_t slice)
+{
+    int32_t body = model->body_of_slice[slice];
+    pel_body_force numbers = pel_body_force_of(model, state, body);
+    double spring = model->bodies[body].plain_spring;
+    if (!numbers.uniform && spring >= 0 && model->plain_slices != NULL && model->plain_slices[slice]) {
+        numbers.uniform = true;
+        numbers.stiffness = (pel_real)(spring * state->factors[body][PEL_SPRING_STIFFNESS]);
+    }
+    return numbers;
+}
+
 /* makes structural springs over the common factor the whole elastic force: adds the volumetric springs */
 static inline void pel_add_volumetric(const pel_model *model, int32_t slice, const pel_wide3 *own,
                                       const pel_body_force *body, pel_wide3 *force)
@@ -164,6 +177,9 @@ static inline void pel_add_damping(const pel_model *model, int32_t slice, const 
 /* Forces on all vertices into force (vertex_count), fourth number 0. velocity null = none. */
 void pel_body_forces(const pel_model *model, const pel_state *state, const pel_record *velocity, pel_pool *pool,
                      pel_record *force);
+
+/* Length of the longest spring, which stands on the longest edge. longest: (chunks of the largest body) scratch. */
+double pel_longest_spring(const pel_model *model, const pel_record *position, pel_pool *pool, double *longest);
 
 /* Elastic force on one vertex: the same bits as in the loop over all. */
 pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, const pel_record *position,

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "model/event_energy.h"
 
 #include <math.h>
 #include <string.h>
@@ -103,11 +104,24 @@ static bool allocate_places(pel_active *active)
     active->change = pel_allocate(count, sizeof *active->change);
     active->areas = pel_allocate(count, sizeof *active->areas);
     active->is_base = pel_allocate(count, sizeof *active->is_base);
+    active->is_fine = pel_allocate(count, sizeof *active->is_fine);
+    active->rates = pel_allocate(count, sizeof *active->rates);
+    active->fine_counts = pel_allocate((size_t)active->model.slice_count, sizeof *active->fine_counts);
+    active->mixed_counts = pel_allocate((size_t)active->model.slice_count, sizeof *active->mixed_counts);
+    active->model.plain_slices = pel_allocate((size_t)active->model.slice_count, sizeof *active->model.plain_slices);
+    if (active->is_base == NULL || active->model.plain_slices == NULL)
+        return false;
+    memset(active->is_base, 1, count);
+    memset(active->model.plain_slices, 1, (size_t)active->model.slice_count);
     active->is_dirty = pel_allocate(count, sizeof *active->is_dirty);
     active->dirty = pel_allocate(count, sizeof *active->dirty);
     active->released = pel_allocate(count, sizeof *active->released);
-    return active->valence != NULL && active->change != NULL && active->areas != NULL && active->is_base != NULL &&
-           active->is_dirty != NULL && active->dirty != NULL && active->released != NULL;
+    active->event_places = pel_allocate(count, sizeof *active->event_places);
+    active->event_direction = pel_allocate_aligned(count, sizeof *active->event_direction);
+    return active->valence != NULL && active->change != NULL && active->areas != NULL && active->mixed_counts != NULL &&
+           active->is_fine != NULL && active->rates != NULL && active->fine_counts != NULL &&
+           active->is_dirty != NULL && active->dirty != NULL && active->released != NULL &&
+           active->event_places != NULL && active->event_direction != NULL;
 }
 
 static bool allocate_body(pel_active *active, int32_t b)
@@ -357,15 +371,32 @@ static void set_shared(pel_active *active, int32_t body, int32_t v, int32_t plac
     model->volumetric_damping[place] = (pel_real)(density->volumetric_damping * area);
 }
 
-/* limits the inverse mass of a vertex so that its relaxation is stable by itself */
-static void limit_inverse_mass(pel_active *active, int32_t body, int32_t place, int32_t count)
+/* ---- fine vertices ---- */
+
+static void set_fine(pel_active *active, int32_t place, bool fine, pel_state *state)
 {
-    pel_model *model = &active->model;
+    uint8_t *is_fine = &active->is_fine[place], *count = &active->fine_counts[place / PEL_WIDTH];
+    *count = (uint8_t)(*count + fine - *is_fine);
+    *is_fine = fine;
+    if (state != NULL)
+        state->position[place][3] = fine ? 0 : active->model.inverse_mass[place];
+}
+
+static void set_base(pel_active *active, int32_t place, bool base)
+{
+    int32_t slice = place / PEL_WIDTH;
+    active->mixed_counts[slice] = (uint8_t)(active->mixed_counts[slice] + active->is_base[place] - base);
+    active->is_base[place] = base;
+    active->model.plain_slices[slice] = active->mixed_counts[slice] == 0;
+}
+
+/* notes the rate of a vertex off the base by its row (Gershgorin's bound), and whether it is fine */
+static void judge_row(pel_active *active, int32_t body, int32_t place, int32_t count, pel_state *state)
+{
+    const pel_model *model = &active->model;
     const pel_relaxation *relaxation = &active->relaxation;
     const pel_curve *curves = model->bodies[body].curves;
-    if (relaxation->factor <= 0 || model->inverse_mass[place] <= 0)
-        return;
-    double sum = 0;
+    double sum = 0, inverse_mass = (double)model->inverse_mass[place];
     for (int32_t s = 0; s < count; s++)
         sum += active->row[s].stiffness;
     double stiffness = 2 * sum * pel_curve_largest(&curves[PEL_SPRING_STIFFNESS]) +
@@ -373,8 +404,21 @@ static void limit_inverse_mass(pel_active *active, int32_t body, int32_t place, 
     double drag = (double)model->damping[place] * pel_curve_largest(&curves[PEL_SPRING_DAMPING]) +
                   (double)model->volumetric_damping[place] * pel_curve_largest(&curves[PEL_VOLUMETRIC_DAMPING]);
     drag = relaxation->keep_velocity ? drag / relaxation->dt : 0;
-    double limit = fmin(2 / (stiffness + 2 * drag), 1 / drag);
-    model->inverse_mass[place] = (pel_real)fmin((double)model->inverse_mass[place], 0.9 * limit / relaxation->factor);
+    active->rates[place] = stiffness * inverse_mass;
+    bool fine = inverse_mass > 0 && !active->is_base[place] &&
+                relaxation->factor * inverse_mass * (stiffness + 2 * drag) > relaxation->limit;
+    set_fine(active, place, fine && relaxation->factor > 0, state);
+}
+
+/* forces of shells reach over two triangles: while any triangle is refined, all vertices of the body count as fine */
+static void judge_shell(pel_active *active, int32_t body, pel_state *state)
+{
+    const pel_active_body *own = &active->bodies[body];
+    bool fine = active->relaxation.factor > 0 && own->front->red_count > 0;
+    for (int32_t i = 0; i < own->front->vertex_count; i++) {
+        int32_t place = own->place_of_vertex[own->front->vertices[i]];
+        set_fine(active, place, fine && active->model.inverse_mass[place] > 0, state);
+    }
 }
 
 static void rebuild_vertex(pel_active *active, int32_t body, int32_t v, pel_state *state)
@@ -394,13 +438,10 @@ static void rebuild_vertex(pel_active *active, int32_t body, int32_t v, pel_stat
     else
         set_shared(active, body, v, place, area);
     active->areas[place] = area;
-    active->is_base[place] = base;
+    set_base(active, place, base);
     int32_t count = collect_row(active, detail, own->front, v, fan_count);
-    if (!base)
-        limit_inverse_mass(active, body, place, count);
+    judge_row(active, body, place, count, state);
     write_row(active, own, place, count);
-    if (state != NULL)
-        state->position[place][3] = active->model.inverse_mass[place];
 }
 
 /* ---- places ---- */
@@ -439,9 +480,10 @@ static void clear_place(pel_active *active, int32_t place, pel_state *state)
     model->damping[place] = model->volumetric_damping[place] = 0;
     model->mesh_vertex[place] = -1;
     write_row(active, NULL, place, 0);
+    set_fine(active, place, false, state);
+    set_base(active, place, true);
     if (state == NULL)
         return;
-    state->position[place][3] = 0;
     state->position_before[place] = state->position_next[place] = state->position[place];
     state->contact[place] = 0;
     if (state->velocity != NULL)
@@ -457,6 +499,30 @@ static void note_dirty(pel_active *active, const pel_active_body *own, int32_t v
         return;
     active->is_dirty[place] = 1;
     active->dirty[active->dirty_count++] = v;
+}
+
+/* the energy of what the event takes away, while its rows still stand */
+static void note_energy(pel_active *active, int32_t body, const pel_state *state)
+{
+    const pel_active_body *own = &active->bodies[body];
+    const pel_front *front = own->front;
+    int32_t count = 0;
+    for (int32_t c = 0; c < front->change_count; c++) {
+        int32_t node = front->changes[c].node, level = pel_front_level(front, node);
+        const pel_topology *topology = front->forest->levels[level];
+        for (int k = 0; k < 6; k++) {
+            int32_t t = node - front->node_begin[level];
+            if (k >= 3 && level == front->forest->depth)
+                break;
+            int32_t v = k < 3 ? topology->triangles[t][k] : pel_lod_midpoint(topology, 3 * t + k - 3);
+            int32_t place = own->place_of_vertex[v];
+            if (place < 0 || active->is_dirty[place])
+                continue;
+            active->is_dirty[place] = 1;
+            active->event_places[count++] = place;
+        }
+    }
+    active->event_energy = pel_event_energy(active, body, state, active->event_places, count, NULL);
 }
 
 static void collect_dirty(pel_active *active, const pel_active_body *own)
@@ -491,8 +557,9 @@ static void write_triangles(pel_active *active, int32_t body, int32_t node)
     }
 }
 
-static void update_body(pel_active *active, int32_t body)
+static void update_body(pel_active *active, int32_t body, pel_state *state)
 {
+    active->revision++;
     pel_body *b = &active->model.bodies[body];
     const pel_active_body *own = &active->bodies[body];
     double given = active->given->bodies[body].uniform_spring;
@@ -501,6 +568,7 @@ static void update_body(pel_active *active, int32_t body)
     b->slice_end = (own->fine_end + PEL_WIDTH - 1) / PEL_WIDTH;
     if (own->shell == NULL)
         return;
+    judge_shell(active, body, state);
     pel_shell_front_update(own->shell, own->front, own->place_of_vertex);
     b->rest_volume = own->front->red_count == 0 ? active->given->bodies[body].rest_volume
                                                 : pel_shell_front_rest_volume(own->shell, own->front);
@@ -514,6 +582,7 @@ void pel_active_commit(pel_active *active, int32_t body, pel_state *state)
     active->dirty_count = active->released_count = 0;
     if (front->change_count == 0)
         return;
+    note_energy(active, body, state);
     for (int32_t i = 0; i < front->added_count; i++) {
         int32_t place = take_place(own);
         own->place_of_vertex[front->added_vertices[i]] = place;
@@ -542,7 +611,7 @@ void pel_active_commit(pel_active *active, int32_t body, pel_state *state)
     }
     for (int32_t c = 0; c < front->change_count; c++)
         write_triangles(active, body, front->changes[c].node);
-    update_body(active, body);
+    update_body(active, body, state);
 }
 
 void pel_active_rebuild(pel_active *active, int32_t body, pel_state *state)
@@ -558,7 +627,7 @@ void pel_active_rebuild(pel_active *active, int32_t body, pel_state *state)
         rebuild_vertex(active, body, own->front->vertices[i], state);
     for (int32_t i = 0; i < own->front->triangle_count; i++)
         write_triangles(active, body, own->front->triangles[i].node);
-    update_body(active, body);
+    update_body(active, body, state);
 }
 
 bool pel_active_set_places(pel_active *active, int32_t body, const int32_t *vertex_of_place)
@@ -700,9 +769,11 @@ void pel_active_destroy(pel_active *active)
         pel_free(model->bodies[b].slot_of_vertex);
     }
     pel_model_free_arrays(model);
-    void *arrays[] = {model->bodies,    active->bodies, active->areas,    active->is_base,
-                      active->valence,  active->change, active->is_dirty, active->dirty,
-                      active->released, active->fan,    active->row,      active->around};
+    void *arrays[] = {
+        model->bodies,        active->bodies,       active->areas,          active->is_base,  active->valence,
+        active->change,       active->is_dirty,     active->dirty,          active->released, active->fan,
+        active->row,          active->around,       active->is_fine,        active->rates,    active->fine_counts,
+        active->mixed_counts, active->event_places, active->event_direction};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(active);

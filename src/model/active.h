@@ -23,10 +23,11 @@
 #include "model/shell_front.h"
 #include "model/state.h"
 
-/* The quasi-static method moves a vertex by factor F / m; on a finer level m falls by 4, and the factor of a vertex is
-   limited to 0.9 times its own stable one. This limit is kept in the inverse mass of the active model. */
+/* The quasi-static method moves a vertex by factor F / m. On a finer level m falls by 4 and k stays, so that one such
+   step is unstable there: those vertices are fine, and solve/relax.h moves them instead. */
 typedef struct pel_relaxation {
-    double factor; /* alpha dt^2; 0 = no limit */
+    double factor; /* alpha dt^2; 0 = another method, no vertex is fine */
+    double limit;  /* a vertex off the base is fine where factor x (its stiffness and drag) / m is larger */
     double dt;
     bool keep_velocity;
 } pel_relaxation;
@@ -51,17 +52,24 @@ typedef struct pel_active {
     /* by place */
     int32_t *valence;    /* springs in its row */
     double *areas;       /* of the triangles around, three times its share [m2]; bodies that refine only */
-    uint8_t *is_base;    /* 1 = all these triangles are of the base */
+    uint8_t *is_base;    /* 1 = all these triangles are of the base, or the place is not in use */
+    uint8_t *is_fine;    /* 1 = one step of relaxation is unstable here; the state's inverse mass is then 0 */
+    double *rates;       /* of fine vertices: bound of the eigenvalues of K / m in its row [1/s2] */
     double (*change)[3]; /* scratch: change of momentum */
     uint8_t *is_dirty;
     /* of the last event */
     int32_t *dirty;    /* active vertices (numbers of the forest) whose triangles changed */
     int32_t *released; /* places that were given up */
     int32_t dirty_count, released_count;
-    pel_front_corner *fan; /* scratch of a row */
+    double event_energy;         /* of the springs that it changed, before [J] */
+    int32_t *event_places;       /* (vertex_count) scratch */
+    pel_record *event_direction; /* (vertex_count) scratch */
+    pel_front_corner *fan;       /* scratch of a row */
     struct pel_row_spring *row;
     struct pel_row_triangle *around;
     int32_t fan_limit;
+    uint8_t *fine_counts, *mixed_counts; /* (slice_count) vertices in a slice that are fine, or off the base */
+    int64_t revision;                    /* counts what changed the rows or the fine vertices */
 } pel_active;
 
 /* True when any body refines. */
@@ -75,7 +83,7 @@ void pel_active_destroy(pel_active *active);
    state after it. */
 void pel_active_commit(pel_active *active, int32_t body, pel_state *state);
 
-/* Writes the rows of all vertices again, after relaxation or places were set from outside. */
+/* Writes the rows of all vertices again, after places were set from outside. */
 void pel_active_rebuild(pel_active *active, int32_t body, pel_state *state);
 
 /* Makes a closed and committed front take given places (a snapshot's); state is set by the caller afterwards. False,

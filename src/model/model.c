@@ -202,10 +202,10 @@ bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan
 void pel_model_free_arrays(pel_model *model)
 {
     void *arrays[] = {
-        model->rest,          model->inverse_mass, model->mass,       model->damping,   model->volumetric_damping,
-        model->body_of_slice, model->mesh_vertex,  model->slot_begin, model->slot_end,  model->neighbours,
-        model->rest_lengths,  model->stiffnesses,  model->products,   model->triangles, model->triangle_begin,
-        model->fan_begin,     model->fans};
+        model->rest,           model->inverse_mass, model->mass,        model->damping,  model->volumetric_damping,
+        model->body_of_slice,  model->mesh_vertex,  model->slot_begin,  model->slot_end, model->neighbours,
+        model->rest_lengths,   model->plain_slices, model->stiffnesses, model->products, model->triangles,
+        model->triangle_begin, model->fan_begin,    model->fans};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
 }
@@ -390,7 +390,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
         }
     const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
-    body->uniform_spring = k->field != NULL ? -1 : pel_quantity_at(k, 0);
+    body->uniform_spring = body->plain_spring = k->field != NULL ? -1 : pel_quantity_at(k, 0);
     body->diameter = bounding_diagonal(def->mesh);
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;

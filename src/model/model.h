@@ -57,6 +57,7 @@ typedef struct pel_body {
     double rest_volume, rest_area;
     double diameter;       /* diagonal of the rest bounding box */
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
+    double plain_spring;   /* the same in slices that are plain */
     pel_curve curves[PEL_PARAMETER_COUNT];
     pel_body_detail *detail; /* null = no refinement */
     pel_shell *shell;        /* (shell.h) null = no membrane, bending, fibres or pressure */
@@ -79,6 +80,7 @@ struct pel_model {
     pel_real *damping;            /* (vertex_count) */
     pel_real *volumetric_damping; /* (vertex_count) */
     int32_t *body_of_slice;       /* (slice_count) */
+    uint8_t *plain_slices;        /* (slice_count) of an active model: 1 = no vertex is off the base; else null */
     int32_t *mesh_vertex;         /* (vertex_count) number in the body's mesh, -1 = padding */
 
     /* by slot */

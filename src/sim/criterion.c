@@ -116,13 +116,16 @@ static double fan_depth(const pel_sim *sim, const pel_active_body *own, const pe
     return deepest;
 }
 
-/* whether a point is farther than `reach` from the box about a solid at the tool's place */
+/* whether a point is farther than `reach` from a solid at the tool's place */
 static bool is_far(const pel_tool *tool, const pel_solid *solid, const double x[3], double reach)
 {
-    double local[3], half[3];
+    double local[3], half[3], normal[3];
     pel_pose_to_local(&tool->pose, x, local);
     pel_solid_half_box(solid, half);
-    return fabs(local[0]) > half[0] + reach || fabs(local[1]) > half[1] + reach || fabs(local[2]) > half[2] + reach;
+    for (int i = 0; i < 3; i++)
+        if (fabs(local[i]) > half[i] + reach)
+            return true;
+    return pel_solid_distance(solid, local, normal) > reach;
 }
 
 /* ---- a vertex ---- */

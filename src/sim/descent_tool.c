@@ -174,7 +174,7 @@ static pel_status find(pel_sim *sim, int32_t tool, double longest, pel_error *er
     tool_search search = {sim, tool, REACH_SHARE * longest, SLACK_SHARE * free_depth, {.triangle = -1, .tool = tool}};
     search.blank.tolerance = GAP_TOLERANCE * free_depth;
     search.blank.friction = pel_sim_friction(sim);
-    int32_t near_count = pel_tool_near_triangles(sim, t, sim->state->position_next, longest, search.reach);
+    int32_t near_count = pel_tool_near_triangles(sim, t, sim->state->position_next, search.reach);
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < near_count; i++) {
         if (pel_tool_is_round(t))

@@ -241,11 +241,8 @@ static bool apply_gravity(pel_sim *sim, const pel_body *body, gains gain)
     pel_record gravity = record_of(model->gravity);
     bool inside = true;
     for (int32_t v = body->slice_begin * PEL_WIDTH; v < body->slice_end * PEL_WIDTH; v++) {
-        if (model->inverse_mass[v] <= 0)
-            continue;
-        /* the inverse mass of a refined vertex may be limited */
-        bool plain = body->detail == NULL || sim->active->is_base[v];
-        inside &= push(sim, v, gain, plain ? gravity : model->mass[v] * model->inverse_mass[v] * gravity);
+        if (model->inverse_mass[v] > 0)
+            inside &= push(sim, v, gain, gravity);
     }
     return inside;
 }

@@ -8,7 +8,6 @@
    Friction, with contact: each push by a distance d takes back up to friction times d of the way that the point has
    gone across the normal since the start of the step, against the tool's own motion; velocities likewise, by the
    impulse. The sums obey Coulomb's law as each of them does. */
-#include "base/sort.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
 
@@ -19,12 +18,7 @@ enum { SWEEP_LIMIT = 100 };
 /* triangles this near to the tool's box may come into it by the pushes of a step, relative to the longest edge */
 #define NEAR_MARGIN 0.25
 
-/* box about the tool along the world's axes */
-typedef struct world_box {
-    pel_record low, high;
-} world_box;
-
-static world_box world_box_of(const pel_tool *tool, double margin)
+pel_search_box pel_tool_box(const pel_tool *tool, double margin)
 {
     double local[3], axis[3], half[3] = {0, 0, 0};
     pel_solid_half_box(&tool->press_solid, local);
@@ -34,7 +28,7 @@ static world_box world_box_of(const pel_tool *tool, double margin)
         for (int j = 0; j < 3; j++)
             half[j] += fabs(axis[j]);
     }
-    world_box box = {{0}, {0}};
+    pel_search_box box = {{0}, {0}};
     for (int i = 0; i < 3; i++) {
         box.low[i] = (pel_real)(tool->pose.position[i] - half[i] - margin);
         box.high[i] = (pel_real)(tool->pose.position[i] + half[i] + margin);
@@ -43,7 +37,7 @@ static world_box world_box_of(const pel_tool *tool, double margin)
 }
 
 /* whether all corners of a triangle lie beyond one side of the box */
-static bool is_beside(const world_box *box, const pel_record *positions, const int32_t corners[3])
+static bool is_beside(const pel_search_box *box, const pel_record *positions, const int32_t corners[3])
 {
     const pel_record *a = &positions[corners[0]], *b = &positions[corners[1]], *c = &positions[corners[2]];
     for (int i = 0; i < 3; i++)
@@ -53,84 +47,21 @@ static bool is_beside(const world_box *box, const pel_record *positions, const i
     return false;
 }
 
-/* what finding the near triangles needs: the box in which they have a vertex, and the one that they reach into */
-typedef struct near_search {
-    pel_sim *sim;
-    const pel_record *positions;
-    world_box outer, inner;
-    int32_t count;
-} near_search;
-
-static void add_near_triangle(near_search *search, int32_t t)
+/* in rising order: the sweeps depend on the order, which must not change when a triangle that does not touch comes near
+   or goes */
+int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin)
 {
-    pel_sim *sim = search->sim;
-    if (sim->triangle_marks[t] || is_beside(&search->inner, search->positions, sim->model->triangles[t]))
-        return;
-    sim->triangle_marks[t] = 1;
-    sim->near_triangles[search->count++] = t;
-}
-
-/* whether a vertex and all its neighbours lie beyond one side of the box: cheaper than to look at the triangles */
-static bool is_row_beside(const near_search *search, int32_t place)
-{
-    const pel_model *model = search->sim->model;
-    int32_t slice = place / PEL_WIDTH, lane = place % PEL_WIDTH;
-    pel_record low = search->positions[place], high = low;
-    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
-        pel_record x = search->positions[model->neighbours[slot][lane]];
-        low = -pel_wide_max(-x, -low);
-        high = pel_wide_max(x, high);
-    }
-    const world_box *box = &search->inner;
-    return low[0] > box->high[0] || low[1] > box->high[1] || low[2] > box->high[2] || high[0] < box->low[0] ||
-           high[1] < box->low[1] || high[2] < box->low[2];
-}
-
-/* the triangles at a vertex of a body that refines; none where the place is not in use */
-static void add_front_fan(near_search *search, int32_t body, int32_t place)
-{
-    pel_active *active = search->sim->active;
-    const pel_model *model = search->sim->model;
-    if (model->mesh_vertex[place] < 0 || is_row_beside(search, place))
-        return;
-    int32_t corner_count = pel_front_fan(active->bodies[body].front, model->mesh_vertex[place], active->fan);
-    for (int32_t i = 0; i < corner_count; i++)
-        add_near_triangle(search, model->triangle_begin[body] + 2 * active->fan[i].node + active->fan[i].half);
-}
-
-/* those of one body with a vertex in the outer box */
-static void add_near_body(near_search *search, int32_t body)
-{
-    const pel_model *model = search->sim->model;
-    const pel_body *b = &model->bodies[body];
-    const pel_record low = search->outer.low, high = search->outer.high;
-    for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
-        const pel_record x = search->positions[v];
-        if (x[0] < low[0] || x[0] > high[0] || x[1] < low[1] || x[1] > high[1] || x[2] < low[2] || x[2] > high[2])
-            continue;
-        if (b->front != NULL) {
-            add_front_fan(search, body, v);
-            continue;
-        }
-        for (int32_t f = model->fan_begin[v]; f < model->fan_begin[v + 1]; f++)
-            add_near_triangle(search, model->fans[f]);
-    }
-}
-
-/* such a triangle has all its vertices within its
-   longest edge of that. In rising order: the sweeps depend on the order, which must not change when a triangle that
-   does not touch comes near or goes. */
-int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double longest,
-                                double margin)
-{
-    near_search search = {sim, positions, world_box_of(tool, longest + margin), world_box_of(tool, margin), 0};
+    pel_search_box box = pel_tool_box(tool, margin);
+    bool at_start = positions == sim->state->position;
+    int32_t count = 0;
+    if (!at_start || !sim->tool_search->is_fitted)
+        pel_tool_search_fit(sim->tool_search, positions);
+    sim->tool_search->is_fitted = at_start;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (pel_tool_acts_on(tool, b))
-            add_near_body(&search, b);
-    for (int32_t i = 0; i < search.count; i++)
-        sim->triangle_marks[sim->near_triangles[i]] = 0;
-    pel_sort_int32(sim->near_triangles, search.count);
-    return search.count;
+            count = pel_tool_search_find(sim->tool_search, positions, b, &box, sim->near_triangles, count);
+    pel_tool_search_sort(sim->tool_search, sim->near_triangles, count);
+    return count;
 }
 
 static void record_add(pel_record *record, double scale, const double a[3])
@@ -305,12 +236,21 @@ static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, do
     return push_triangle(sim, tool, t, weights, depth, normal);
 }
 
-static void press_corners(pel_sim *sim, pel_tool *tool, const world_box *box, int32_t t, double tolerance, bool *moved)
+/* Without friction a corner that was looked at is out, and stays there while corners are pushed: once is enough. */
+static bool is_done(pel_sim *sim, int32_t v)
+{
+    bool done = sim->cornered_at[v] == sim->press_count && !(pel_sim_friction(sim) > 0);
+    sim->cornered_at[v] = sim->press_count;
+    return done;
+}
+
+static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t t, double tolerance,
+                          bool *moved)
 {
     const int32_t *corners = sim->model->triangles[t];
     for (int c = 0; c < 3; c++) {
         const int32_t corner[3] = {corners[c], corners[c], corners[c]};
-        if (!is_beside(box, sim->state->position_next, corner))
+        if (!is_done(sim, corners[c]) && !is_beside(box, sim->state->position_next, corner))
             *moved |= press_corner(sim, tool, t, c, tolerance);
     }
 }
@@ -332,7 +272,7 @@ double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 
 /* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at
    (by vertex) and looked_at (by place in the list) count the pushes of this step. */
-static bool sweep(pel_sim *sim, pel_tool *tool, const world_box *box, int32_t near_count, double tolerance)
+static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t near_count, double tolerance)
 {
     bool moved = false;
     for (int32_t i = 0; i < near_count; i++) {
@@ -353,10 +293,11 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const world_box *box, int32_t ne
 static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
 {
     double tolerance = pel_tool_press_tolerance(sim, tool);
-    world_box box = world_box_of(tool, 0);
+    pel_search_box box = pel_tool_box(tool, 0);
     bool moved = false, again = true;
     /* what rests has to be pushed in every step, or it would creep where friction holds it */
     double corner_tolerance = pel_sim_friction(sim) > 0 ? 0 : tolerance;
+    sim->press_count++;
     for (int32_t i = 0; i < near_count; i++) {
         press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
         sim->looked_at[i] = -1;
@@ -393,7 +334,7 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
 
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
 {
-    int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, longest, NEAR_MARGIN * longest);
+    int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, NEAR_MARGIN * longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
     bool moved = press_out(sim, tool, near_count);

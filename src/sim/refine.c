@@ -16,7 +16,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
-#include "sim/sim.h"
+#include "sim/refine_energy.h"
 
 /* triangles that one event changes, roughly: at least, and the surface over this share */
 enum { PORTION_LEAST = 24, PORTION_SHARE = 1024 };
@@ -161,6 +161,7 @@ static void commit(pel_sim *sim, int32_t body)
     pel_active_body *own = &active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     sim->force_is_present = false;
+    double shells_before = pel_refine_energy_before(sim, body);
     pel_active_commit(active, body, sim->state);
     if (own->front->change_count == 0)
         return;
@@ -170,7 +171,9 @@ static void commit(pel_sim *sim, int32_t body)
         refine->rest_curvatures[own->place_of_vertex[active->dirty[d]] - first] = (double)NAN;
     pel_loads_update(sim, body);
     pel_tools_update(sim, body);
+    pel_tool_search_update(sim->tool_search, body);
     pel_project_follow(sim, body);
+    pel_refine_keep_energy(sim, body, shells_before);
 }
 
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
@@ -376,10 +379,10 @@ static void step_body(pel_sim *sim, int32_t body)
     pel_refine_body *refine = &sim->refine[body];
     if (b->detail == NULL || !pel_criterion_is_used(&b->detail->def))
         return;
-    pel_body_force numbers = pel_body_force_of(sim->model, sim->state, body);
     /* every interval-th slice: what lies near a tool stands together */
     for (int32_t slice = b->slice_begin + refine->part; slice < b->slice_end; slice += b->detail->def.interval) {
         pel_verdict verdicts[PEL_WIDTH];
+        pel_body_force numbers = pel_slice_force_of(sim->model, sim->state, slice);
         pel_criterion_slice(sim, body, slice, &numbers, verdicts);
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
             if (sim->model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)

@@ -45,10 +45,10 @@ void pel_shells_destroy(pel_sim *sim)
     pel_shell_forces_destroy(sim->shells);
 }
 
-/* new position and velocity of a vertex by the force of its shell */
+/* new position and velocity of a vertex by the force of its shell; fine vertices have no inverse mass there */
 static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_real velocity_gain)
 {
-    pel_record acceleration = sim->model->inverse_mass[v] * sim->force[v];
+    pel_record acceleration = sim->state->position[v][3] * sim->force[v];
     sim->state->position_next[v] += position_gain * acceleration;
     if (sim->state->velocity_next != NULL)
         sim->state->velocity_next[v] += velocity_gain * acceleration;

@@ -200,9 +200,8 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
 
 static pel_status start_refinement(pel_sim *sim, pel_error *error)
 {
-    double dt = sim->step.dt, factor = pel_sim_has_velocity(sim) ? 0 : sim->step.alpha * dt * dt;
-    sim->active->relaxation = (pel_relaxation){factor, dt, sim->solver.keep_velocity};
-    return pel_refine_start(sim, error);
+    pel_status status = pel_sim_relax_create(sim, error);
+    return status == PEL_OK ? pel_refine_start(sim, error) : status;
 }
 
 static pel_status prepare_method(pel_sim *sim, pel_error *error)
@@ -294,6 +293,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
     pel_sim_descent_destroy(sim);
+    pel_relax_destroy(sim->relax);
     pel_projector_destroy(sim->projector);
     pel_substeps_destroy(sim);
     pel_shells_destroy(sim);
@@ -388,16 +388,7 @@ static void mark_contacts(pel_sim *sim)
 
 double pel_sim_longest_edge(const pel_sim *sim)
 {
-    double longest = 0, x[3][3];
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, b, i)];
-            for (int k = 0; k < 3; k++)
-                pel_vertex_position(sim->state->position_next, v[k], x[k]);
-            for (int k = 0; k < 3; k++)
-                longest = fmax(longest, pel_vec3_distance(x[k], x[(k + 1) % 3]));
-        }
-    return longest;
+    return pel_longest_spring(sim->model, sim->state->position_next, sim->pool, sim->chunk_longest);
 }
 
 /* new positions and velocities from those of the start of the step, without tools */
@@ -421,6 +412,7 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
         pel_step_quasi_static(sim->model, sim->state, &sim->step, result);
     result->diverged |= !pel_loads_apply(sim);
     result->diverged |= !pel_shells_apply(sim);
+    result->diverged |= !pel_sim_relax(sim);
     return PEL_OK;
 }
 
@@ -429,6 +421,8 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     pel_state *state = sim->state;
     pel_ledger_start(sim);
     sim->force_is_present = false;
+    if (sim->tool_search != NULL)
+        sim->tool_search->is_fitted = false;
     /* before the tools, so that they push new vertices out as well */
     if (sim->active != NULL)
         pel_refine_step(sim);

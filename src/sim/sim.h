@@ -9,8 +9,10 @@
 #include "model/boundary.h"
 #include "pellicle/sim.h"
 #include "sim/ledger.h"
+#include "sim/tool_search.h"
 #include "solve/descent.h"
 #include "solve/project.h"
+#include "solve/relax.h"
 #include "solve/softness.h"
 #include "solve/stability.h"
 
@@ -160,33 +162,37 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
-    pel_projector *projector;      /* position-based methods, else null */
+    pel_projector *projector; /* position-based methods, else null */
+    pel_shell_forces *shells; /* null = no body is a shell */
+    pel_sim_descent *descent; /* null = another method */
+    pel_relax *relax;         /* quasi-static method on bodies that refine, else null */
+    double relax_shell_rate;
     pel_sim_substeps substeps;     /* of xpbd */
-    pel_shell_forces *shells;      /* null = no body is a shell */
-    pel_sim_descent *descent;      /* null = another method */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
     uint64_t fingerprint;          /* of model and solver, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_sim_contacts *contacts; /* (contact.h) null = none */
-    bool contact_in_loop;       /* the solver sweeps over them too */
-    bool self_contact;          /* no body can cut itself */
-    pel_record *force;          /* (vertex_count) scratch: forces, and loads on touched vertices */
-    bool force_is_present;      /* it holds the forces of the present state */
-    int32_t *near_triangles;    /* (triangle_count) scratch of the tools; null without tools */
-    int32_t *plane_of_triangle; /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
-    uint8_t *triangle_marks;    /* (triangle_count) */
-    int64_t *looked_at;         /* (triangle_count) by place in near_triangles: pushes when it was looked at */
-    int64_t *moved_at;          /* (vertex_count) push that moved it last */
-    int64_t push_count;         /* of all steps */
-    uint8_t *held;              /* (vertex_count) 1 = a tool holds it */
-    pel_boundary boundary;      /* what tools hold; its arrays: */
-    int32_t *held_vertices;     /* (vertex_count) null when no tool grasps */
-    double (*held_targets)[3];  /* (vertex_count) likewise */
-    bool held_is_listed;        /* the boundary is that of the tools */
-    pel_sim_solids *solids;     /* (tool_solid.h) methods with substeps; null = no tool presses */
+    pel_sim_contacts *contacts;   /* (contact.h) null = none */
+    bool contact_in_loop;         /* the solver sweeps over them too */
+    bool self_contact;            /* no body can cut itself */
+    pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;        /* it holds the forces of the present state */
+    pel_tool_search *tool_search; /* null without tools */
+    int32_t *near_triangles;      /* (triangle_count) scratch of the tools; null without tools */
+    int32_t *plane_of_triangle;   /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
+    int64_t *looked_at;           /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;            /* (vertex_count) push that moved it last */
+    int64_t *cornered_at;         /* (vertex_count) the pressing that looked at it as a corner last */
+    int64_t push_count;           /* of all steps */
+    int64_t press_count;          /* likewise */
+    uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
+    pel_boundary boundary;        /* what tools hold; its arrays: */
+    int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */
+    double (*held_targets)[3];    /* (vertex_count) likewise */
+    bool held_is_listed;          /* the boundary is that of the tools */
+    pel_sim_solids *solids;       /* (tool_solid.h) methods with substeps; null = no tool presses */
     pel_ledger ledger;
 };
 
@@ -286,6 +292,12 @@ void pel_sim_descent_destroy(pel_sim *sim);
 /* New positions of least energy, loads included, under what contacts and tools allow; the tools move. Errors of
    pel_contacts_find. */
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+
+/* ---- relax.c ---- */
+/* On the base, before anything is refined: sets the relaxation of the active model. */
+pel_status pel_sim_relax_create(pel_sim *sim, pel_error *error);
+/* New positions of fine vertices, after those of all others. False when a vertex leaves the bound. */
+bool pel_sim_relax(pel_sim *sim);
 
 /* ---- weight.c ---- */
 /* the weights at the start */

@@ -93,10 +93,11 @@ void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, p
  */
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
                                const pel_record *positions, int32_t t, double weights[3], double normal[3]);
+/* Box about the tool and a margin, along the axes of the world. */
+pel_search_box pel_tool_box(const pel_tool *tool, double margin);
 /* Lists the triangles that reach within a margin of the tool's box in sim->near_triangles, in rising order; returns how
-   many. longest: bound of the length of an edge. */
-int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double longest,
-                                double margin);
+   many. */
+int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin);
 /* the depth that pressing leaves [m] */
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool);
 /* Coulomb's coefficient, 0 without contact */

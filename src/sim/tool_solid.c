@@ -104,7 +104,7 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
         if (!presses(tool))
             continue;
         double margin = NEAR_SHARE * longest + motion + pel_tool_way(tool, &tool->pose_before, &tool->pose_wanted);
-        int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position, longest, margin);
+        int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position, margin);
         for (int32_t n = 0; n < near_count && status == PEL_OK; n++)
             status = add_triangle(sim, i, sim->near_triangles[n], error);
     }

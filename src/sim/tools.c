@@ -172,18 +172,18 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
         return PEL_OK;
     sim->near_triangles = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->near_triangles);
     sim->plane_of_triangle = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->plane_of_triangle);
-    sim->triangle_marks = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->triangle_marks);
     sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
     sim->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->looked_at);
     sim->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->moved_at);
-    if (sim->near_triangles == NULL || sim->plane_of_triangle == NULL || sim->triangle_marks == NULL ||
-        sim->held == NULL || sim->looked_at == NULL || sim->moved_at == NULL)
+    sim->cornered_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->cornered_at);
+    if (sim->near_triangles == NULL || sim->plane_of_triangle == NULL || sim->held == NULL || sim->looked_at == NULL ||
+        sim->moved_at == NULL || sim->cornered_at == NULL)
         return pel_fail_memory(error);
-    pel_status status = PEL_OK;
+    pel_status status = pel_tool_search_create(sim->model, &sim->tool_search, error);
     bool grasps = false;
     for (int32_t i = 0; i < count; i++)
         grasps |= defs[i].grasp;
-    if (grasps)
+    if (status == PEL_OK && grasps)
         status = create_grips(sim, error);
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
         status = check_tool(sim, defs, i, error);
@@ -207,12 +207,13 @@ void pel_tools_destroy(pel_sim *sim)
         pel_mesh_query_destroy(tool->query);
     }
     pel_free(sim->tools);
+    pel_tool_search_destroy(sim->tool_search);
     pel_free(sim->near_triangles);
     pel_free(sim->plane_of_triangle);
-    pel_free(sim->triangle_marks);
     pel_free(sim->held);
     pel_free(sim->looked_at);
     pel_free(sim->moved_at);
+    pel_free(sim->cornered_at);
     pel_free(sim->held_vertices);
     pel_free(sim->held_targets);
 }

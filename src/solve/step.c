@@ -89,18 +89,34 @@ STEP_INLINE void run_slices(const sweep *run, int32_t first, int32_t last, bool 
     }
 }
 
-STEP_INLINE void run_chunk(const sweep *run, int32_t chunk, bool explicit_method, bool flag)
+/* behind the slices from `slice` on that are plain as it is, or not */
+static int32_t run_end(const pel_model *model, int32_t slice, int32_t last)
 {
-    int32_t first = run->slice_begin + chunk * PEL_SLICE_CHUNK;
-    int32_t last = run->slice_end - first < PEL_SLICE_CHUNK ? run->slice_end : first + PEL_SLICE_CHUNK;
+    int32_t end = slice + 1;
+    if (model->plain_slices == NULL)
+        return last;
+    while (end < last && model->plain_slices[end] == model->plain_slices[slice])
+        end++;
+    return end;
+}
+
+STEP_INLINE void run_chunk(const sweep *whole, int32_t chunk, bool explicit_method, bool flag)
+{
+    int32_t first = whole->slice_begin + chunk * PEL_SLICE_CHUNK;
+    int32_t last = whole->slice_end - first < PEL_SLICE_CHUNK ? whole->slice_end : first + PEL_SLICE_CHUNK;
     tally sum = {pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
-    if (run->body.uniform)
-        run_slices(run, first, last, explicit_method, flag, true, &sum);
-    else
-        run_slices(run, first, last, explicit_method, flag, false, &sum);
+    sweep run = *whole;
+    for (int32_t begin = first, end; begin < last; begin = end) {
+        end = run_end(run.model, begin, last);
+        run.body = pel_slice_force_of(run.model, run.state, begin);
+        if (run.body.uniform)
+            run_slices(&run, begin, end, explicit_method, flag, true, &sum);
+        else
+            run_slices(&run, begin, end, explicit_method, flag, false, &sum);
+    }
     /* an infinite length says that a position left the bound */
     bool inside = sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3];
-    run->step->longest[chunk] = inside ? (double)pel_wide_largest(sum.longest) : HUGE_VAL;
+    run.step->longest[chunk] = inside ? (double)pel_wide_largest(sum.longest) : HUGE_VAL;
 }
 
 static void quasi_static_chunk(void *context, int32_t chunk)
@@ -129,7 +145,11 @@ static void sweep_all(const pel_model *model, pel_state *state, const pel_step *
     *result = (pel_step_result){0};
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body *body = &model->bodies[b];
-        sweep run = {model, state, step, pel_body_force_of(model, state, b), body->slice_begin, body->slice_end};
+        sweep run = {.model = model,
+                     .state = state,
+                     .step = step,
+                     .slice_begin = body->slice_begin,
+                     .slice_end = body->slice_end};
         int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
         pel_pool_run(step->pool, chunk_count, function, &run);
         for (int32_t chunk = 0; chunk < chunk_count; chunk++)

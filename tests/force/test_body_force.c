@@ -142,12 +142,34 @@ static void test_factors(void **unused)
     free_body(&made);
 }
 
+/* beside all sides of all triangles */
+static void test_longest(void **unused)
+{
+    (void)unused;
+    body made;
+    make_body(&made, true);
+    const pel_model *model = made.model;
+    double expected = 0, scratch[8];
+    assert_true(pel_slice_chunk_count(0, model->slice_count) <= 8);
+    for (int32_t t = 0; t < model->triangle_count; t++)
+        for (int k = 0; k < 3; k++) {
+            double a[3], b[3];
+            pel_vertex_position(made.state->position, model->triangles[t][k], a);
+            pel_vertex_position(made.state->position, model->triangles[t][(k + 1) % 3], b);
+            expected = fmax(expected, pel_vec3_distance(a, b));
+        }
+    assert_near(pel_longest_spring(model, made.state->position, NULL, scratch), expected,
+                sizeof(pel_real) == 8 ? 1e-15 : 1e-6);
+    free_body(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces),
         cmocka_unit_test(test_rest),
         cmocka_unit_test(test_factors),
+        cmocka_unit_test(test_longest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

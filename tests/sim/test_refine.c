@@ -329,12 +329,12 @@ static void test_energy_jump(void **unused)
             refine(&made, v, 1);
             jumps[count++] = fabs(spring_energy(&made) / before - 1);
             refine(&made, v, 0);
-            assert_near(spring_energy(&made), before, rounding(1e-12, 1e-5) * before);
+            assert_near(spring_energy(&made), before, 0.01 * before);
         }
         qsort(jumps, (size_t)count, sizeof *jumps, by_size);
         print_message("poke %.2f: energy jump median %.2f %%, worst %.2f %%\n", pokes[p], 100 * jumps[count / 2],
                       100 * jumps[count - 1]);
-        assert_true(jumps[count / 2] < 0.05);
+        assert_true(jumps[count - 1] < 0.01);
         end(&made);
     }
 }

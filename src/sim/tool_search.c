@@ -1,0 +1,332 @@
+#include "sim/tool_search.h"
+
+#include "base/memory.h"
+#include "base/sort.h"
+#include "base/status.h"
+
+#include <string.h>
+
+/* vertices of a block: with 8 there are twice as many boxes, with 32 twice as many triangles in those near a tool */
+enum { BLOCK = 16 };
+/* blocks that a list names at most; where triangles reach to more, the box is made from them */
+enum { BESIDE_LIMIT = 16 };
+
+static int32_t block_count_of(int32_t vertex_count)
+{
+    return (vertex_count + BLOCK - 1) / BLOCK;
+}
+
+/* ---- lists ---- */
+
+static int32_t block_of(const pel_search_body *own, int32_t place)
+{
+    return place < own->fine_place ? own->block_begin + (place - own->first_place) / BLOCK
+                                   : own->block_fine + (place - own->fine_place) / BLOCK;
+}
+
+static void link_triangle(pel_tool_search *search, int32_t body, int32_t t)
+{
+    const int32_t *v = search->model->triangles[t];
+    int32_t owner = v[0] > v[1] ? v[0] : v[1];
+    owner = v[2] > owner ? v[2] : owner;
+    search->owner[t] = owner;
+    search->next[t] = search->first[owner];
+    search->first[owner] = t;
+    search->is_stale[block_of(&search->bodies[body], owner)] = 1;
+}
+
+static void unlink_triangle(pel_tool_search *search, int32_t t)
+{
+    int32_t *at = &search->first[search->owner[t]];
+    while (*at != t)
+        at = &search->next[*at];
+    *at = search->next[t];
+    search->owner[t] = -1;
+}
+
+void pel_tool_search_update(pel_tool_search *search, int32_t body)
+{
+    if (search == NULL)
+        return;
+    const pel_front *front = search->model->bodies[body].front;
+    for (int32_t c = 0; c < front->change_count; c++)
+        for (int32_t half = 0; half < 2; half++) {
+            int32_t node = front->changes[c].node, t = search->model->triangle_begin[body] + 2 * node + half;
+            if (search->owner[t] >= 0)
+                unlink_triangle(search, t);
+            if (front->place_of_node[node][half] >= 0)
+                link_triangle(search, body, t);
+        }
+    search->is_fitted = false;
+}
+
+void pel_tool_search_rebuild(pel_tool_search *search, int32_t body)
+{
+    if (search == NULL)
+        return;
+    const pel_model *model = search->model;
+    int32_t first = search->bodies[body].first_place, end = pel_body_place_end(model, body);
+    for (int32_t t = model->triangle_begin[body]; t < model->triangle_begin[body + 1]; t++)
+        search->owner[t] = -1;
+    for (int32_t v = first; v < end; v++)
+        search->first[v] = -1;
+    for (int32_t i = 0; i < pel_surface_count(model, body); i++)
+        link_triangle(search, body, pel_surface_triangle(model, body, i));
+    search->is_fitted = false;
+}
+
+/* ---- creation ---- */
+
+static void lay_out(pel_tool_search *search)
+{
+    const pel_model *model = search->model;
+    int32_t count = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b];
+        pel_search_body *own = &search->bodies[b];
+        int32_t base_slices = (body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH;
+        own->first_place = body->slice_begin * PEL_WIDTH;
+        own->fine_place = own->first_place + base_slices * PEL_WIDTH;
+        own->block_begin = count;
+        own->block_fine = count += block_count_of(body->mesh->vertex_count);
+        own->block_end = count += block_count_of(pel_body_place_end(model, b) - own->fine_place);
+    }
+    search->block_count = count;
+}
+
+static bool allocate(pel_tool_search *search)
+{
+    const pel_model *model = search->model;
+    size_t triangles = (size_t)model->triangle_begin[model->body_count], vertices = (size_t)model->vertex_count;
+    search->owner = pel_allocate(triangles, sizeof *search->owner);
+    search->next = pel_allocate(triangles, sizeof *search->next);
+    search->first = pel_allocate(vertices, sizeof *search->first);
+    search->bodies = pel_allocate((size_t)model->body_count, sizeof *search->bodies);
+    if (search->owner == NULL || search->next == NULL || search->first == NULL || search->bodies == NULL)
+        return false;
+    lay_out(search);
+    size_t blocks = (size_t)search->block_count;
+    search->own = pel_allocate_aligned(blocks, sizeof *search->own);
+    search->boxes = pel_allocate_aligned(blocks, sizeof *search->boxes);
+    search->beside = pel_allocate(blocks * BESIDE_LIMIT, sizeof *search->beside);
+    search->beside_count = pel_allocate(blocks, sizeof *search->beside_count);
+    search->is_stale = pel_allocate(blocks, sizeof *search->is_stale);
+    search->sorted = pel_allocate(triangles, sizeof *search->sorted);
+    return search->own != NULL && search->boxes != NULL && search->beside != NULL && search->beside_count != NULL &&
+           search->is_stale != NULL && search->sorted != NULL;
+}
+
+pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **search, pel_error *error)
+{
+    *search = NULL;
+    pel_tool_search *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->model = model;
+    if (!allocate(made)) {
+        pel_tool_search_destroy(made);
+        return pel_fail_memory(error);
+    }
+    for (int32_t b = 0; b < model->body_count; b++)
+        pel_tool_search_rebuild(made, b);
+    /* all lists of blocks */
+    pel_tool_search_fit(made, model->rest);
+    made->is_fitted = false;
+    *search = made;
+    return PEL_OK;
+}
+
+void pel_tool_search_destroy(pel_tool_search *search)
+{
+    if (search == NULL)
+        return;
+    void *arrays[] = {search->owner, search->next,   search->first,        search->bodies,   search->own,
+                      search->boxes, search->beside, search->beside_count, search->is_stale, search->sorted};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(search);
+}
+
+/* ---- boxes ---- */
+
+static pel_search_box empty_box(void)
+{
+    return (pel_search_box){pel_wide_splat((pel_real)INFINITY), pel_wide_splat(-(pel_real)INFINITY)};
+}
+
+static void add_point(pel_search_box *box, pel_record x)
+{
+    box->low = -pel_wide_max(-x, -box->low);
+    box->high = pel_wide_max(x, box->high);
+}
+
+static pel_search_box box_of_points(const pel_record *x, int32_t count)
+{
+    pel_search_box box = empty_box();
+    int32_t i = 0;
+    /* four at a time, so that they do not wait for each other */
+    for (; i + 4 <= count; i += 4) {
+        pel_record high = pel_wide_max(pel_wide_max(x[i], x[i + 1]), pel_wide_max(x[i + 2], x[i + 3]));
+        pel_record low = pel_wide_max(pel_wide_max(-x[i], -x[i + 1]), pel_wide_max(-x[i + 2], -x[i + 3]));
+        box.high = pel_wide_max(high, box.high);
+        box.low = -pel_wide_max(low, -box.low);
+    }
+    for (; i < count; i++)
+        add_point(&box, x[i]);
+    return box;
+}
+
+static void add_box(pel_search_box *box, const pel_search_box *other)
+{
+    box->low = -pel_wide_max(-other->low, -box->low);
+    box->high = pel_wide_max(other->high, box->high);
+}
+
+/* vertices of a block: places from begin to end - 1 */
+typedef struct span {
+    int32_t begin, end;
+} span;
+
+static span span_of(const pel_tool_search *search, int32_t body, int32_t block)
+{
+    const pel_search_body *own = &search->bodies[body];
+    bool fine = block >= own->block_fine;
+    int32_t begin = fine ? own->fine_place + (block - own->block_fine) * BLOCK
+                         : own->first_place + (block - own->block_begin) * BLOCK;
+    int32_t limit = fine ? search->model->bodies[body].slice_end * PEL_WIDTH
+                         : own->first_place + search->model->bodies[body].mesh->vertex_count;
+    return (span){begin, begin + BLOCK < limit ? begin + BLOCK : limit};
+}
+
+/* behind the last block in use */
+static int32_t block_end(const pel_tool_search *search, int32_t body)
+{
+    const pel_search_body *own = &search->bodies[body];
+    int32_t used = search->model->bodies[body].slice_end * PEL_WIDTH - own->fine_place;
+    return own->block_fine + block_count_of(used);
+}
+
+static void list_beside(pel_tool_search *search, int32_t body, int32_t block)
+{
+    int32_t *list = search->beside + (size_t)block * BESIDE_LIMIT, count = 0;
+    span own = span_of(search, body, block);
+    for (int32_t v = own.begin; v < own.end; v++)
+        for (int32_t t = search->first[v]; t >= 0; t = search->next[t])
+            for (int c = 0; c < 3 && count <= BESIDE_LIMIT; c++) {
+                int32_t other = block_of(&search->bodies[body], search->model->triangles[t][c]), i = 0;
+                while (i < count && list[i] != other)
+                    i++;
+                if (i < count || other == block)
+                    continue;
+                if (count < BESIDE_LIMIT)
+                    list[count] = other;
+                count++;
+            }
+    search->beside_count[block] = (uint8_t)count;
+    search->is_stale[block] = 0;
+}
+
+static pel_search_box box_of_triangles(const pel_tool_search *search, span own, const pel_record *positions)
+{
+    pel_search_box box = empty_box();
+    for (int32_t v = own.begin; v < own.end; v++)
+        for (int32_t t = search->first[v]; t >= 0; t = search->next[t])
+            for (int c = 0; c < 3; c++)
+                add_point(&box, positions[search->model->triangles[t][c]]);
+    return box;
+}
+
+static void fit_body(pel_tool_search *search, int32_t body, const pel_record *positions)
+{
+    int32_t begin = search->bodies[body].block_begin, end = block_end(search, body);
+    for (int32_t block = begin; block < end; block++) {
+        span own = span_of(search, body, block);
+        search->own[block] = box_of_points(positions + own.begin, own.end - own.begin);
+        if (search->is_stale[block])
+            list_beside(search, body, block);
+    }
+    for (int32_t block = begin; block < end; block++) {
+        const int32_t *beside = search->beside + (size_t)block * BESIDE_LIMIT;
+        if (search->beside_count[block] > BESIDE_LIMIT) {
+            search->boxes[block] = box_of_triangles(search, span_of(search, body, block), positions);
+            continue;
+        }
+        search->boxes[block] = search->own[block];
+        for (int32_t i = 0; i < search->beside_count[block]; i++)
+            add_box(&search->boxes[block], &search->own[beside[i]]);
+    }
+}
+
+void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions)
+{
+    for (int32_t b = 0; b < search->model->body_count; b++)
+        fit_body(search, b, positions);
+    search->is_fitted = true;
+}
+
+/* ---- search ---- */
+
+static bool overlap(const pel_search_box *a, const pel_search_box *b)
+{
+    for (int i = 0; i < 3; i++)
+        if (a->low[i] > b->high[i] || a->high[i] < b->low[i])
+            return false;
+    return true;
+}
+
+int32_t pel_tool_search_find(const pel_tool_search *search, const pel_record *positions, int32_t body,
+                             const pel_search_box *box, int32_t *triangles, int32_t count)
+{
+    for (int32_t block = search->bodies[body].block_begin, end = block_end(search, body); block < end; block++) {
+        if (!overlap(&search->boxes[block], box))
+            continue;
+        span own = span_of(search, body, block);
+        for (int32_t v = own.begin; v < own.end; v++)
+            for (int32_t t = search->first[v]; t >= 0; t = search->next[t]) {
+                const int32_t *corners = search->model->triangles[t];
+                pel_search_box around = {positions[corners[0]], positions[corners[0]]};
+                add_point(&around, positions[corners[1]]);
+                add_point(&around, positions[corners[2]]);
+                if (overlap(&around, box))
+                    triangles[count++] = t;
+            }
+    }
+    return count;
+}
+
+/* ---- order ---- */
+
+/* bits of a digit, and numbers from which on digits are faster than comparisons */
+enum { DIGIT = 11, RADIX_LEAST = 256 };
+
+/* one pass of a sort by digits, stable */
+static void sort_digit(const int32_t *from, int32_t *to, int32_t count, int shift)
+{
+    int32_t places[1 << DIGIT] = {0}, sum = 0;
+    for (int32_t i = 0; i < count; i++)
+        places[from[i] >> shift & ((1 << DIGIT) - 1)]++;
+    for (int32_t d = 0; d < 1 << DIGIT; d++) {
+        int32_t own = places[d];
+        places[d] = sum;
+        sum += own;
+    }
+    for (int32_t i = 0; i < count; i++)
+        to[places[from[i] >> shift & ((1 << DIGIT) - 1)]++] = from[i];
+}
+
+void pel_tool_search_sort(pel_tool_search *search, int32_t *triangles, int32_t count)
+{
+    if (count < RADIX_LEAST) {
+        pel_sort_int32(triangles, count);
+        return;
+    }
+    int32_t *from = triangles, *to = search->sorted, limit = search->model->triangle_begin[search->model->body_count];
+    for (int shift = 0; shift < 31 && limit >> shift > 0; shift += DIGIT) {
+        sort_digit(from, to, count, shift);
+        int32_t *swap = from;
+        from = to;
+        to = swap;
+    }
+    if (from != triangles)
+        memcpy(triangles, from, (size_t)count * sizeof *triangles);
+}

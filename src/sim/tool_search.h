@@ -1,0 +1,60 @@
+/* Which triangles reach into a box: the search of the tools.
+
+   Each triangle of the surfaces is owned by its corner that stands last in the model's order, so that an event of
+   refinement moves only what it changed. Vertices stand in blocks in that order; a block has a box about all triangles
+   of its vertices, the union of boxes about the vertices of the few blocks to which these triangles reach. Only
+   triangles of blocks near the box are looked at: after one pass over the vertices in a step a search takes time by
+   what is near. */
+#ifndef PEL_SIM_TOOL_SEARCH_H
+#define PEL_SIM_TOOL_SEARCH_H
+
+#include "model/model.h"
+
+/* along the axes of the world */
+typedef struct pel_search_box {
+    pel_record low, high;
+} pel_search_box;
+
+typedef struct pel_search_body {
+    int32_t first_place, fine_place;            /* of its base and of its finer vertices */
+    int32_t block_begin, block_fine, block_end; /* blocks of its base and of finer vertices that there may be */
+} pel_search_body;
+
+typedef struct pel_tool_search {
+    const pel_model *model;
+    pel_search_body *bodies;
+    /* lists of triangles by owner, -1 = end or none */
+    int32_t *owner, *next; /* (triangle_count) */
+    int32_t *first;        /* (vertex_count) */
+    /* blocks */
+    pel_search_box *own;   /* (block_count) of their vertices */
+    pel_search_box *boxes; /* (block_count) of the triangles of their vertices */
+    int32_t *beside;       /* (block_count x BESIDE_LIMIT) other blocks to which the triangles of a block reach */
+    uint8_t *beside_count; /* (block_count) BESIDE_LIMIT + 1 = more than that */
+    uint8_t *is_stale;     /* (block_count) 1 = that list has to be made anew */
+    int32_t block_count;
+    int32_t *sorted; /* (triangle_count) scratch */
+    bool is_fitted;  /* to the positions of the last search */
+} pel_tool_search;
+
+/* For the present surfaces of a model that lives as long. Errors: PEL_OUT_OF_MEMORY. */
+pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **search, pel_error *error);
+void pel_tool_search_destroy(pel_tool_search *search);
+
+/* After the last commit of the body's front; null does nothing. */
+void pel_tool_search_update(pel_tool_search *search, int32_t body);
+/* After any change of the body's surface; null does nothing. */
+void pel_tool_search_rebuild(pel_tool_search *search, int32_t body);
+
+/* Fits all boxes to the positions, which the next searches have to use. */
+void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions);
+
+/* Appends the triangles of a body whose own boxes overlap the box to `triangles` (count so far), in no particular
+   order; returns the new count. */
+int32_t pel_tool_search_find(const pel_tool_search *search, const pel_record *positions, int32_t body,
+                             const pel_search_box *box, int32_t *triangles, int32_t count);
+
+/* Puts found triangles in rising order. */
+void pel_tool_search_sort(pel_tool_search *search, int32_t *triangles, int32_t count);
+
+#endif
