@@ -13,7 +13,7 @@
 /* stretch beyond the material's, as a share */
 #define SOFTNESS_LIMIT 0.05
 /* of descent, in each round, in a scene that leaves them to the method */
-enum { DEFAULT_ITERATIONS = 50 };
+enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
 /* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
 #define JAM_SHARE 0.1
 enum { JAM_STEPS = 10 };
@@ -248,7 +248,7 @@ static void tell_coarseness(const text_context *at)
     snprintf(
         at->text, at->size,
         "the edges of body '%s' are %.3g m long on average, but its shell bends over sqrt(R h) = %.3g m. subdivide "
-        "the mesh %.0f times (pellicle subdivide), or use bodies.%s.refine",
+        "the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
         name, flagged->value, flagged->limit, fmax(ceil(log2(flagged->value / flagged->limit)), 1), name);
 }
 
@@ -281,22 +281,25 @@ static void tell_inverted_volume(const text_context *at)
 
 static void tell_unconverged(const text_context *at)
 {
-    const pel_solver_def *solver = &at->run->scene->sim.solver;
+    const pel_sim_def *sim = &at->run->scene->sim;
+    bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
+    int32_t automatic = in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS;
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64 " steps did not converge: a residual of up to %.3g N is left. use "
              "solver.iterations above %d, or let loads and tools move over more steps",
              at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst,
-             solver->iterations > 0 ? (int)solver->iterations : DEFAULT_ITERATIONS);
+             (int)(sim->solver.iterations > 0 ? sim->solver.iterations : automatic));
 }
 
-static const char *energy_remedy(pel_method method)
+static const char *energy_remedy(const pel_sim_def *sim)
 {
-    switch (method) {
+    switch (sim->solver.method) {
     case PEL_METHOD_PBD:
     case PEL_METHOD_PBD_DISTANCE:
         return "use the method xpbd: pbd does not follow the material";
     case PEL_METHOD_XPBD:
-        return "use more solver.substeps";
+        /* pairs that touch are found once a step: substeps do not add any */
+        return sim->contact.enabled ? "use a smaller solver.dt" : "use more solver.substeps";
     case PEL_METHOD_DESCENT:
         return "raise solver.iterations, or let loads and tools move over more steps";
     default:
@@ -307,7 +310,7 @@ static const char *energy_remedy(pel_method method)
 static void tell_energy(const text_context *at)
 {
     double supplied = at->run->ledger.supplied, worst = at->tally->worst;
-    const char *remedy = energy_remedy(at->run->scene->sim.solver.method);
+    const char *remedy = energy_remedy(&at->run->scene->sim);
     if (supplied > 0)
         snprintf(at->text, at->size, "%.3g J appeared: %.3g %% of the %.3g J that were supplied. %s", worst,
                  100 * worst / supplied, supplied, remedy);
