@@ -29,6 +29,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
     [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
     [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -182,6 +183,21 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
 
 /* ---- steps and frames ---- */
 
+/* closed grasps of tools that touch nothing; the value is the number of the tool, negated so that the first is kept */
+static void check_grasps(pel_run_state *run, int64_t frame)
+{
+    const pel_sim_def *def = &run->scene->sim;
+    double time = pel_sim_time(run->sim);
+    for (int32_t t = 0; t < def->tool_count; t++) {
+        pel_tool_reading reading;
+        if (!def->tools[t].grasp || time < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
+            continue;
+        pel_sim_get_tool(run->sim, t, &reading);
+        if (reading.contact_count == 0)
+            pel_warn(&run->totals.warnings, PEL_WARN_GRASP_EMPTY, frame, -(double)t);
+    }
+}
+
 void pel_warnings_check_step(pel_run_state *run)
 {
     pel_warning_tallies *tallies = &run->totals.warnings;
@@ -201,6 +217,7 @@ void pel_warnings_check_step(pel_run_state *run)
         pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
     if (now.tools_held > run->contact_before.tools_held)
         pel_warn(tallies, PEL_WARN_TOOL_HELD, frame, (double)(now.tools_held - run->contact_before.tools_held));
+    check_grasps(run, frame);
     run->contact_before = now;
 }
 
@@ -340,6 +357,17 @@ static void tell_grasp(const text_context *at)
              at->tally->worst);
 }
 
+static void tell_empty_grasp(const text_context *at)
+{
+    const pel_sim_def *def = &at->run->scene->sim;
+    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    snprintf(at->text, at->size,
+             "the grasp of tool '%s' holds nothing in %" PRId64
+             " steps: when it closed, no vertex was inside the tool or "
+             "within grasp.reach of it. move the tool there before grasp.from, or raise grasp.reach",
+             t < def->tool_count ? def->tools[t].name : "", at->tally->count);
+}
+
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
@@ -351,6 +379,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_JAMMED] = tell_jam,
     [PEL_WARN_TOOL_HELD] = tell_tool,
     [PEL_WARN_GRASP_LOST] = tell_grasp,
+    [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
 };
 
 /* energy that appears is measured against all that the run supplied in the end */
