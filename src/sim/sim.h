@@ -135,6 +135,7 @@ typedef struct pel_sim_solids pel_sim_solids;
 /* Substeps of xpbd at present and so far; in snapshots. */
 typedef struct pel_substeps_now {
     int32_t count, least, most;
+    int32_t needed;     /* the most so far, without max_substeps */
     int32_t is_stale;   /* the surface or the state has changed: choose anew before the next step */
     int32_t interval;   /* steps from the last look to the next one */
     int64_t next;       /* the step before which the next look is due */

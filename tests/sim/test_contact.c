@@ -62,6 +62,29 @@ static void test_held_tools(void **unused)
     scene_end(&scene, sim);
 }
 
+/* a plate that stands still lags behind nothing: of two that squash a shell only the one that moves is held back */
+static void test_still_tool_is_not_held(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, 0, 300);
+    pel_sim_destroy(sim);
+    scene_move(&scene, 0, 0, 0, 1.15, -1, 2.4);
+    scene_move(&scene, 1, 0, 0, -1.15, -1.15, 1);
+    scene.def.tools = scene.tools;
+    assert_int_equal(pel_sim_create(&scene.def, &sim, NULL), PEL_OK);
+    int64_t steps = 0, before = 0;
+    for (int n = 0; n < 300; n++) {
+        run_free(sim, 1);
+        int64_t held = statistics_of(sim).tools_held;
+        assert_true(held - before <= 1);
+        steps += held > before;
+        before = held;
+    }
+    assert_true(steps > 0);
+    scene_end(&scene, sim);
+}
+
 static void test_ring(void **unused)
 {
     (void)unused;
@@ -689,6 +712,7 @@ int main(void)
         cmocka_unit_test(test_folded_sheet),
         cmocka_unit_test(test_pressed_flat),
         cmocka_unit_test(test_held_tools),
+        cmocka_unit_test(test_still_tool_is_not_held),
         cmocka_unit_test(test_ring),
         cmocka_unit_test(test_two_bodies),
         cmocka_unit_test(test_momentum_of_shells),
