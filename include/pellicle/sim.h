@@ -106,6 +106,9 @@ typedef struct pel_tool_def {
                      grasp_until. A mesh has an inside when it is closed; of an open one its surface counts */
     double grasp_from, grasp_until; /* s */
     double reach;                   /* m */
+    double grasp_max_force; /* N; 0 = no limit. Largest sum of the magnitudes of the forces on the held vertices. Where
+                               a step ends above it, the vertices with the largest forces are released first, until the
+                               forces of the rest are within it */
 } pel_tool_def;
 
 pel_tool_def pel_tool_def_default(void);
@@ -238,9 +241,15 @@ const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool);
 typedef struct pel_tool_reading {
     double position[3];
     double rotation[4];
-    double force[3];       /* N, on the tool */
-    double torque[3];      /* N m about the tool's position */
-    int32_t contact_count; /* vertices touched or held */
+    double force[3];         /* N, on the tool */
+    double torque[3];        /* N m about the tool's position */
+    int32_t contact_count;   /* vertices touched or held */
+    int32_t held_count;      /* vertices that the grasp holds from now on */
+    bool is_held_back;       /* contact held the tool back in the last step, because a body could not give way */
+    int64_t lost_count;      /* vertices that tore out of the grasp since the start (grasp_max_force) */
+    double lost_time;        /* s, end of the step that lost the first ones; 0 = none yet */
+    int64_t held_back_count; /* steps in which the tool was held back, since the start */
+    double held_back_time;   /* s, end of the first of them; 0 = none yet */
 } pel_tool_reading;
 void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
 

@@ -179,6 +179,8 @@ static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *val
         status = find_body(reader, body, model, &tool->body);
     if (status == PEL_OK && grasp != NULL) {
         tool->reach = pel_scene_value_number(grasp, "reach");
+        tool->grasp_max_force =
+            pel_scene_value_entry(grasp, "max_force") != NULL ? pel_scene_value_number(grasp, "max_force") : 0;
         status = read_times(reader, grasp, &tool->grasp_from, &tool->grasp_until);
     }
     return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), tool) : status;

@@ -193,6 +193,9 @@ static const pel_scene_row rows[] = {
     {"tools[].grasp.reach", NUMBER, .unit = "m", POSITIVE, REQUIRED,
      .doc = "when it closes it holds the vertices inside it (of a mesh: if it is closed) and those this near to its "
             "surface"},
+    {"tools[].grasp.max_force", NUMBER, .unit = "N", POSITIVE,
+     .doc = "largest sum of the magnitudes of the forces on the held vertices; above it the vertices with the largest "
+            "forces tear out first; leave out for no limit"},
     {"tools[].motion", LIST, COUNT_FROM(1), REQUIRED,
      .doc = "poses over time, linear between the keys in position and angle; one key for a tool that stands still"},
     {"tools[].motion[]", MAP, .doc = "one pose"},

@@ -457,6 +457,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(state);
+    pel_tools_end_step(sim, next);
     pel_weights_follow(sim);
     if (sim->projector != NULL)
         pel_projector_accept(sim->projector, state);
@@ -533,4 +534,10 @@ void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *readin
     memcpy(reading->force, t->force, sizeof reading->force);
     memcpy(reading->torque, t->torque, sizeof reading->torque);
     reading->contact_count = t->contact_count;
+    reading->held_count = t->held_count;
+    reading->lost_count = t->tally.lost_count;
+    reading->lost_time = t->tally.lost_time;
+    reading->is_held_back = t->is_held_back;
+    reading->held_back_count = t->tally.held_back_count;
+    reading->held_back_time = t->tally.held_back_time;
 }

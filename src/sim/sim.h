@@ -59,6 +59,12 @@ typedef struct pel_plane {
 /* planes a tool remembers at most; they matter where it touches few, large triangles */
 enum { PEL_PLANE_LIMIT = 1024 };
 
+/* What happened to a tool since the start. */
+typedef struct pel_tool_tally {
+    int64_t held_back_count, lost_count; /* steps; vertices */
+    double held_back_time, lost_time;    /* s, of the first one; 0 = none yet */
+} pel_tool_tally;
+
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;              /* of a mesh: the sphere about it */
@@ -71,11 +77,14 @@ typedef struct pel_tool {
     int32_t body;
     bool press, grasp;
     double grasp_from, grasp_until, reach;
+    double grasp_max_force; /* N, 0 = no limit */
 
     pel_pose pose, pose_before; /* at present; at the start of the step */
     pel_pose pose_wanted;       /* at the end of the step, if nothing holds the tool back */
     pel_pose pose_substep;      /* at the start of the substep */
-    bool blocked;               /* the last step held it back */
+    bool blocked;               /* it was held back, and has not caught up with its keys yet */
+    bool is_held_back;          /* the last step held it back */
+    pel_tool_tally tally;       /* what happened to it so far; in snapshots */
     bool driven;                /* the caller sets the pose, keys are not used any more */
     pel_pose driven_pose;
     pel_grasp_phase phase;
@@ -191,6 +200,7 @@ struct pel_sim {
     pel_boundary boundary;        /* what tools hold; its arrays: */
     int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */
     double (*held_targets)[3];    /* (vertex_count) likewise */
+    double (*grip_forces)[3];     /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
     bool held_is_listed;          /* the boundary is that of the tools */
     pel_sim_solids *solids;       /* (tool_solid.h) methods with substeps; null = no tool presses */
     pel_ledger ledger;
@@ -378,6 +388,9 @@ void pel_tools_return(pel_sim *sim);
 void pel_tools_press(pel_sim *sim, double longest, bool only_round);
 /* Reads the forces of the step. */
 void pel_tools_read(pel_sim *sim, double time);
+/* After a step that is accepted, to `time`: grasps lose what exceeds their force, tools that were held back are
+   counted. (tool_grip.c) */
+void pel_tools_end_step(pel_sim *sim, double time);
 /* true when a point lies inside a closed body */
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 /* a keyed pose at a time */

@@ -18,6 +18,8 @@
 enum { ROUND_LIMIT = 4 };
 /* turns of a key at most: angles of more lose their digits */
 enum { MOST_TURNS = 1000000 };
+/* of a tool's size */
+#define CAUGHT_UP 1e-6
 static const double FULL_TURN = 6.283185307179586476925;
 
 pel_tool_def pel_tool_def_default(void)
@@ -88,6 +90,9 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
     if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
         return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
                       "give grasp_from < grasp_until and a reach of at least 0");
+    if (def->grasp && !(def->grasp_max_force >= 0))
+        return refuse(error, tool, "the largest force of a grasp is below 0 or not a number",
+                      "give grasp_max_force > 0 in newtons, or 0 for no limit");
     return check_shape(def, tool, error);
 }
 
@@ -128,6 +133,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->grasp_from = def->grasp_from;
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
+    tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
@@ -157,7 +163,8 @@ static pel_status create_grips(pel_sim *sim, pel_error *error)
     size_t count = (size_t)sim->model->vertex_count;
     sim->held_vertices = pel_allocate(count, sizeof *sim->held_vertices);
     sim->held_targets = pel_allocate(count, sizeof *sim->held_targets);
-    if (sim->held_vertices == NULL || sim->held_targets == NULL)
+    sim->grip_forces = pel_allocate(count, sizeof *sim->grip_forces);
+    if (sim->held_vertices == NULL || sim->held_targets == NULL || sim->grip_forces == NULL)
         return pel_fail_memory(error);
     return sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
 }
@@ -216,6 +223,7 @@ void pel_tools_destroy(pel_sim *sim)
     pel_free(sim->cornered_at);
     pel_free(sim->held_vertices);
     pel_free(sim->held_targets);
+    pel_free(sim->grip_forces);
 }
 
 /* ---- frames ---- */
@@ -392,6 +400,13 @@ static void list_held(pel_sim *sim)
         pel_projector_hold(sim->projector, sim->boundary.is_held);
 }
 
+/* force of a held vertex at a point on its tool */
+static void add_grip(pel_sim *sim, pel_tool *tool, int32_t v, const double point[3], const double force[3])
+{
+    pel_vec3_add(sim->grip_forces[v], force, sim->grip_forces[v]);
+    pel_tool_add_reaction(tool, point, force);
+}
+
 /* held vertices go where the tool takes them */
 static void carry(pel_sim *sim, pel_tool *tool)
 {
@@ -411,7 +426,7 @@ static void carry(pel_sim *sim, pel_tool *tool)
             state->velocity_next[v][c] = (pel_real)velocity[c];
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
-        pel_tool_add_reaction(tool, target, change);
+        add_grip(sim, tool, v, target, change);
     }
 }
 
@@ -457,10 +472,13 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
         if (sim->descent != NULL && !sim->held[touch->vertex] && (tool->mesh == NULL || pel_descent_sees_contacts(sim)))
             continue;
         static_force(sim, touch->vertex, force);
-        if (!sim->held[touch->vertex])
-            hold_against(sim, touch->push, force);
         pel_vertex_position(sim->state->position_next, touch->vertex, x);
-        pel_tool_add_reaction(tool, x, force);
+        if (sim->held[touch->vertex]) {
+            add_grip(sim, tool, touch->vertex, x, force);
+        } else {
+            hold_against(sim, touch->push, force);
+            pel_tool_add_reaction(tool, x, force);
+        }
     }
 }
 
@@ -480,7 +498,7 @@ static void read_grip(pel_sim *sim, pel_tool *tool)
                 spring * (x[k] - (double)model->rest[v][k]) -
                 (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
         }
-        pel_tool_add_reaction(tool, x, force);
+        add_grip(sim, tool, v, x, force);
         pel_tool_touch(tool, v);
     }
 }
@@ -533,12 +551,13 @@ double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
     return pel_vec3_distance(a->position, b->position) + pel_vec3_length(turn) * pel_tool_size(tool);
 }
 
-/* a tool that was held back comes after its keys step by step: twice as fast as they go, or an eighth of the way */
+/* a tool that was held back catches up at twice its keyed speed, or by an eighth of the lag per step if that is more;
+   a lag below CAUGHT_UP of its size is closed at once */
 static pel_pose catch_up(const pel_tool *tool, double time, double dt)
 {
     pel_pose wanted = pel_tool_pose_at(tool, time), last = pel_tool_pose_at(tool, time - dt), pose;
     double behind = pel_tool_way(tool, &tool->pose, &wanted), stride = 2 * pel_tool_way(tool, &last, &wanted);
-    double share = behind > 0 ? fmax(stride / behind, 0.125) : 1;
+    double share = behind > CAUGHT_UP * pel_tool_size(tool) ? fmax(stride / behind, 0.125) : 1;
     pel_tool_pose_between(&tool->pose, &wanted, fmin(share, 1), &pose);
     return pose;
 }
@@ -587,6 +606,8 @@ void pel_tools_begin(pel_sim *sim, double time)
     for (int32_t i = 0; i < sim->tool_count; i++) {
         begin_tool(sim, &sim->tools[i], time);
         changed |= update_grasp(sim, &sim->tools[i], time);
+        for (int32_t k = 0; k < sim->tools[i].held_count; k++)
+            pel_vec3_set(sim->grip_forces[sim->tools[i].held[k]], 0, 0, 0);
     }
     if (sim->held_vertices != NULL && (changed || !sim->held_is_listed))
         list_held(sim);
@@ -723,10 +744,7 @@ static void release_places(pel_sim *sim, pel_tool *tool)
             continue;
         for (int32_t i = 0; i < tool->held_count; i++)
             if (tool->held[i] == active->released[r]) {
-                tool->held[i] = tool->held[--tool->held_count];
-                pel_vec3_copy(tool->anchors[tool->held_count], tool->anchors[i]);
-                sim->held[active->released[r]] = 0;
-                sim->held_is_listed = false;
+                pel_tool_let_go(sim, tool, i);
                 break;
             }
     }

@@ -22,7 +22,7 @@ static void test_files(void **unused)
     check_contains(test.run, "series.csv",
                    "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,max_force,"
                    "vertices,triangles,contacts,step_ms,probe_force,probe_force_x,probe_force_y,probe_force_z,"
-                   "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,clamp_force,");
+                   "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,probe_held,clamp_force,");
     check_contains(test.run, "summary.json", "{\n  \"status\": \"done\",\n  \"frames\": 10,\n  \"steps\": 60,\n");
     check_contains(test.run, "summary.json", "\"self_intersections_final\": 0,");
     assert_int_equal(test.summary.self_intersections_final, 0);
