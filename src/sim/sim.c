@@ -253,6 +253,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
+        status = pel_supports_create(sim, error);
+    if (status == PEL_OK)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
@@ -289,6 +291,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_ledger_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
+    pel_supports_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
@@ -454,6 +457,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
     }
+    pel_supports_read(sim);
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(state);

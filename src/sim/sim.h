@@ -89,6 +89,9 @@ typedef struct pel_tool {
     pel_pose driven_pose;
     pel_grasp_phase phase;
     int32_t held_count;
+    int32_t *support; /* (support_count) of a keyed support: the places that it holds; else null */
+    int32_t support_count;
+    double center[3];     /* of a keyed support at rest */
     int32_t *held;        /* (held_count) vertices held */
     double (*anchors)[3]; /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
@@ -183,26 +186,27 @@ struct pel_sim {
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_sim_contacts *contacts;   /* (contact.h) null = none */
-    bool contact_in_loop;         /* the solver sweeps over them too */
-    bool self_contact;            /* no body can cut itself */
-    pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
-    bool force_is_present;        /* it holds the forces of the present state */
-    pel_tool_search *tool_search; /* null without tools */
-    int32_t *near_triangles;      /* (triangle_count) scratch of the tools; null without tools */
-    int32_t *plane_of_triangle;   /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
-    int64_t *looked_at;           /* (triangle_count) by place in near_triangles: pushes when it was looked at */
-    int64_t *moved_at;            /* (vertex_count) push that moved it last */
-    int64_t *cornered_at;         /* (vertex_count) the pressing that looked at it as a corner last */
-    int64_t push_count;           /* of all steps */
-    int64_t press_count;          /* likewise */
-    uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
-    pel_boundary boundary;        /* what tools hold; its arrays: */
-    int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */
-    double (*held_targets)[3];    /* (vertex_count) likewise */
-    double (*grip_forces)[3];     /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
-    bool held_is_listed;          /* the boundary is that of the tools */
-    pel_sim_solids *solids;       /* (tool_solid.h) methods with substeps; null = no tool presses */
+    pel_sim_contacts *contacts;    /* (contact.h) null = none */
+    bool contact_in_loop;          /* the solver sweeps over them too */
+    bool self_contact;             /* no body can cut itself */
+    pel_record *force;             /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;         /* it holds the forces of the present state */
+    pel_tool_search *tool_search;  /* null without tools */
+    int32_t *near_triangles;       /* (triangle_count) scratch of the tools; null without tools */
+    int32_t *plane_of_triangle;    /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
+    int64_t *looked_at;            /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;             /* (vertex_count) push that moved it last */
+    int64_t *cornered_at;          /* (vertex_count) the pressing that looked at it as a corner last */
+    int64_t push_count;            /* of all steps */
+    int64_t press_count;           /* likewise */
+    uint8_t *held;                 /* (vertex_count) 1 = a tool holds it */
+    pel_boundary boundary;         /* what tools hold; its arrays: */
+    int32_t *held_vertices;        /* (vertex_count) null when no tool grasps */
+    double (*held_targets)[3];     /* (vertex_count) likewise */
+    double (*grip_forces)[3];      /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
+    bool held_is_listed;           /* the boundary is that of the tools */
+    pel_sim_solids *solids;        /* (tool_solid.h) methods with substeps; null = no tool presses */
+    pel_support_reading *supports; /* (body_count) of pinned vertices, projected methods; null = nothing is pinned */
     pel_ledger ledger;
 };
 
@@ -292,7 +296,16 @@ void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
 
+/* ---- support.c ---- */
+/* PEL_OUT_OF_MEMORY */
+pel_status pel_supports_create(pel_sim *sim, pel_error *error);
+void pel_supports_destroy(pel_sim *sim);
+/* Projected methods: reads the forces on pinned vertices after a step, before it is accepted. */
+void pel_supports_read(pel_sim *sim);
+
 /* ---- access.c ---- */
+/* Forces of bodies and loads at the present state, into sim->force. */
+void pel_sim_compute_forces(pel_sim *sim);
 /* Fills the energies of the present state; other members stay as they are. */
 void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures);
 

@@ -275,6 +275,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, sim->loads[l].force, sizeof sim->loads[l].force);
     for (int32_t t = 0; t < sim->tool_count; t++)
         transfer_tool(at, &sim->tools[t], count);
+    if (sim->supports != NULL)
+        transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)

@@ -67,6 +67,25 @@ static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *
     return PEL_OK;
 }
 
+static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error)
+{
+    if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
+        return refuse(error, tool, "support has no body or no vertices", "give a body and vertices of its mesh");
+    if (sim->given->bodies[def->body].detail != NULL)
+        return refuse(error, tool, "keyed support of a body that refines",
+                      "switch refine off for this body, or hold it by a tool with grasp");
+    if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
+        return refuse(error, tool, "center of the support is not finite", "give a point in metres");
+    for (int32_t i = 0; i < def->vertex_count; i++) {
+        int32_t v = def->vertices[i];
+        if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
+            return refuse(error, tool, "support names a vertex that does not exist", "give vertices of the mesh");
+        if (!(sim->model->inverse_mass[sim->model->bodies[def->body].slot_of_vertex[v]] > 0))
+            return refuse(error, tool, "support holds a vertex that is pinned", "pin it or let the support hold it");
+    }
+    return PEL_OK;
+}
+
 static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32_t tool, pel_error *error)
 {
     const pel_tool_def *def = &defs[tool];
@@ -93,7 +112,7 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
     if (def->grasp && !(def->grasp_max_force >= 0))
         return refuse(error, tool, "the largest force of a grasp is below 0 or not a number",
                       "give grasp_max_force > 0 in newtons, or 0 for no limit");
-    return check_shape(def, tool, error);
+    return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
 }
 
 /* copies the mesh; the solid becomes the sphere about it */
@@ -109,6 +128,26 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
 
 static void sum_spins(pel_tool *tool);
 
+/* A keyed support grasps its vertices for ever. It starts at rest; where its first key is elsewhere it goes there in
+   the first step. Its size, for rotations, is that of the body. */
+static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
+{
+    const pel_body *body = &sim->model->bodies[def->body];
+    tool->support = pel_allocate((size_t)def->vertex_count, sizeof *tool->support);
+    if (tool->support == NULL)
+        return pel_fail_memory(error);
+    for (int32_t i = 0; i < def->vertex_count; i++)
+        tool->support[i] = body->slot_of_vertex[def->vertices[i]];
+    tool->support_count = def->vertex_count;
+    tool->grasp = true;
+    tool->grasp_from = 0;
+    tool->grasp_until = (double)INFINITY;
+    tool->press = false;
+    tool->solid.radius = tool->press_solid.radius = body->diameter;
+    pel_vec3_copy(def->center, tool->center);
+    return PEL_OK;
+}
+
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
     size_t vertex_count = (size_t)sim->model->vertex_count;
@@ -116,7 +155,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
                                            [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
                                            [PEL_TOOL_BOX] = PEL_SOLID_BOX,
-                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE};
+                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE,
+                                           [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
     tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
     memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
     tool->press_solid = tool->solid;
@@ -140,18 +180,28 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->planes_before = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes_before);
     tool->touches = pel_allocate(vertex_count, sizeof *tool->touches);
     tool->touch_of_vertex = pel_allocate(vertex_count, sizeof *tool->touch_of_vertex);
-    if (def->grasp) {
+    if (def->shape == PEL_TOOL_SUPPORT) {
+        pel_status status = create_support(sim, def, tool, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    if (tool->grasp) {
         tool->held = pel_allocate(vertex_count, sizeof *tool->held);
         tool->anchors = pel_allocate(vertex_count, sizeof *tool->anchors);
     }
     if (tool->keys == NULL || tool->key_spins == NULL || tool->planes == NULL || tool->planes_before == NULL ||
         tool->touches == NULL || tool->touch_of_vertex == NULL ||
-        (def->grasp && (tool->held == NULL || tool->anchors == NULL)))
+        (tool->grasp && (tool->held == NULL || tool->anchors == NULL)))
         return pel_fail_memory(error);
     memcpy(tool->keys, def->keys, (size_t)def->key_count * sizeof *tool->keys);
     tool->key_count = def->key_count;
     sum_spins(tool);
-    tool->pose = tool->pose_before = pel_tool_pose_at(tool, 0);
+    tool->pose = pel_tool_pose_at(tool, 0);
+    if (tool->support != NULL) {
+        tool->pose = (pel_pose){.rotation = {0, 0, 0, 1}};
+        pel_vec3_copy(tool->center, tool->pose.position);
+    }
+    tool->pose_before = tool->pose;
     return PEL_OK;
 }
 
@@ -189,14 +239,14 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     pel_status status = pel_tool_search_create(sim->model, &sim->tool_search, error);
     bool grasps = false;
     for (int32_t i = 0; i < count; i++)
-        grasps |= defs[i].grasp;
+        grasps |= defs[i].grasp || defs[i].shape == PEL_TOOL_SUPPORT;
     if (status == PEL_OK && grasps)
         status = create_grips(sim, error);
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
         status = check_tool(sim, defs, i, error);
         if (status == PEL_OK)
             status = create_tool(sim, &defs[i], &sim->tools[i], error);
-        if (status == PEL_OK && defs[i].press && defs[i].shape != PEL_TOOL_MESH)
+        if (status == PEL_OK && sim->tools[i].press && defs[i].shape != PEL_TOOL_MESH)
             status = check_outside(sim, i, error);
     }
     return status;
@@ -206,8 +256,9 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes, tool->planes_before,
-                          tool->touches, tool->touch_of_vertex, tool->held,   tool->anchors};
+        void *arrays[] = {tool->keys,          tool->key_spins, tool->planes,
+                          tool->planes_before, tool->touches,   tool->touch_of_vertex,
+                          tool->held,          tool->anchors,   tool->support};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
         pel_mesh_destroy(tool->mesh);
@@ -356,6 +407,22 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
     }
 }
 
+/* anchors of a support are places at rest */
+static void hold_support(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->support_count; i++) {
+        int32_t v = tool->support[i];
+        double rest[3];
+        if (sim->held[v])
+            continue;
+        sim->held[v] = 1;
+        sim->state->position[v][3] = 0;
+        pel_vertex_position(sim->model->rest, v, rest);
+        pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
+        tool->held[tool->held_count++] = v;
+    }
+}
+
 static void release(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->held_count; i++) {
@@ -374,9 +441,11 @@ static bool update_grasp(pel_sim *sim, pel_tool *tool, double time)
         return false;
     if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
         tool->phase = PEL_GRASP_HOLDING;
-        for (int32_t b = 0; b < sim->model->body_count; b++)
+        for (int32_t b = 0; tool->support == NULL && b < sim->model->body_count; b++)
             if (pel_tool_acts_on(tool, b))
                 grasp_body(sim, tool, b);
+        if (tool->support != NULL)
+            hold_support(sim, tool);
         changed = true;
     }
     if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
