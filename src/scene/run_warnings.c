@@ -193,9 +193,30 @@ static void check_grasps(pel_run_state *run, int64_t frame)
         if (!def->tools[t].grasp || time < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
             continue;
         pel_sim_get_tool(run->sim, t, &reading);
-        if (reading.contact_count == 0)
+        if (reading.contact_count == 0 && reading.lost_count == 0)
             pel_warn(&run->totals.warnings, PEL_WARN_GRASP_EMPTY, frame, -(double)t);
     }
+}
+
+/* steps in which any tool was held back or lost vertices, and the largest number of lost vertices of a tool */
+static void check_tools(pel_run_state *run, int64_t frame)
+{
+    pel_warning_tallies *tallies = &run->totals.warnings;
+    double end = pel_sim_time(run->sim), most_lost = 0;
+    bool is_held_back = false;
+    int64_t lost_count = 0;
+    for (int32_t t = 0; t < pel_sim_tool_count(run->sim); t++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(run->sim, t, &reading);
+        is_held_back |= reading.is_held_back;
+        lost_count += reading.lost_count;
+        most_lost = fmax(most_lost, (double)reading.lost_count);
+    }
+    if (is_held_back)
+        pel_warn(tallies, PEL_WARN_TOOL_HELD, frame, end);
+    if (lost_count > run->totals.lost_count)
+        pel_warn(tallies, PEL_WARN_GRASP_LOST, frame, most_lost);
+    run->totals.lost_count = lost_count;
 }
 
 void pel_warnings_check_step(pel_run_state *run)
@@ -215,10 +236,9 @@ void pel_warnings_check_step(pel_run_state *run)
     double share = (double)(now.fall_backs - run->contact_before.fall_backs) / (double)vertex_count;
     if (share >= JAM_SHARE)
         pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
-    if (now.tools_held > run->contact_before.tools_held)
-        pel_warn(tallies, PEL_WARN_TOOL_HELD, frame, (double)(now.tools_held - run->contact_before.tools_held));
     check_grasps(run, frame);
     run->contact_before = now;
+    check_tools(run, frame);
 }
 
 void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
@@ -343,18 +363,64 @@ static void tell_jam(const text_context *at)
              100 * at->tally->worst, at->tally->count);
 }
 
+/* the tool to which a state happened first, and how many others it happened to */
+typedef struct first_tool {
+    pel_tool_reading reading;
+    const char *name;
+    int32_t other_count;
+} first_tool;
+
+static bool is_before(double time, const first_tool *first, double first_time)
+{
+    return first->name == NULL || time < first_time;
+}
+
+static first_tool find_first_tool(const pel_sim *sim, bool lost)
+{
+    first_tool first = {.other_count = -1};
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
+        pel_tool_reading now;
+        pel_sim_get_tool(sim, t, &now);
+        if ((lost ? now.lost_count : now.held_back_count) == 0)
+            continue;
+        first.other_count++;
+        if (is_before(lost ? now.lost_time : now.held_back_time, &first,
+                      lost ? first.reading.lost_time : first.reading.held_back_time)) {
+            first.reading = now;
+            first.name = pel_sim_tool_name(sim, t);
+        }
+    }
+    return first;
+}
+
+/* " (and 2 other tools)", or nothing */
+static const char *others_text(const first_tool *first, char text[40])
+{
+    text[0] = '\0';
+    if (first->other_count > 0)
+        snprintf(text, 40, " (and %d other tool%s)", (int)first->other_count, first->other_count > 1 ? "s" : "");
+    return text;
+}
+
 static void tell_tool(const text_context *at)
 {
+    char others[40];
+    first_tool first = find_first_tool(at->run->sim, false);
     snprintf(at->text, at->size,
-             "tools were held back in %" PRId64 " steps, because a body could not give way. move them more slowly or "
-             "less far, or use a smaller solver.dt",
-             at->tally->count);
+             "tool '%s'%s was held back in %" PRId64 " steps, first at t = %.6g s, because a body could not give way. "
+             "move it more slowly or less far, or use a smaller solver.dt",
+             first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time);
 }
 
 static void tell_grasp(const text_context *at)
 {
-    snprintf(at->text, at->size, "a grasp lost %.0f vertices that it held. pull more slowly, or raise grasp.reach",
-             at->tally->worst);
+    char others[40];
+    first_tool first = find_first_tool(at->run->sim, true);
+    snprintf(at->text, at->size,
+             "tool '%s'%s lost %" PRId64 " vertices at t = %.6g s%s: their forces exceeded its grasp.max_force. pull "
+             "more slowly, or raise grasp.max_force or grasp.reach",
+             first.name, others_text(&first, others), first.reading.lost_count, first.reading.lost_time,
+             at->tally->count > 1 ? " and later" : "");
 }
 
 static void tell_empty_grasp(const text_context *at)

@@ -305,7 +305,8 @@ static void move_tool(pel_sim *sim, int32_t i)
         return;
     pel_tool *tool = &sim->tools[i];
     /* a tool that stands still lags behind nothing */
-    tool->blocked |= pel_tool_way(tool, &tool->pose_before, &contacts->wanted[i]) > 0;
+    if (pel_tool_way(tool, &tool->pose_before, &contacts->wanted[i]) > 0)
+        tool->blocked = tool->is_held_back = true;
     pel_tool_pose_between(&tool->pose_before, &contacts->wanted[i], share, &tool->pose);
     pel_contact_tool_points(&contacts->tools[i], &tool->pose, contacts->end);
 }
@@ -363,7 +364,7 @@ static void finish(pel_sim *sim)
             set_velocity(sim, p);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
-        contacts->statistics.tools_held += sim->tools[i].blocked;
+        contacts->statistics.tools_held += sim->tools[i].is_held_back;
 }
 
 pel_status pel_contact_look(pel_sim *sim, pel_error *error)

@@ -123,6 +123,35 @@ static void test_unconverged(void **unused)
     assert_null(find_warning(&summary, "unconverged"));
 }
 
+/* a grasp that tears out is told with its tool, vertices and time; the count goes through checkpoints */
+static void test_lost_grasp(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"tools.1.grasp.max_force=0.05"};
+    pel_run_summary summary;
+    run_scene(busy, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "grasp-lost");
+    assert_non_null(warning);
+    const pel_run_warning whole = *warning;
+    const char *lost_text = strstr(whole.text, "tool 'clamp' lost ");
+    assert_non_null(lost_text);
+    assert_non_null(strstr(lost_text, " vertices at t = "));
+    assert_true(warning->first_frame >= 1 && warning->count >= 1);
+    check_contains("warned", "summary.json", "{\"name\": \"clamp\", \"max_force\": ");
+    char lost[40];
+    snprintf(lost, sizeof lost, "\"lost\": %ld, \"lost_time\": 0.",
+             strtol(lost_text + strlen("tool 'clamp' lost "), NULL, 10));
+    check_contains("warned", "summary.json", lost);
+    check_contains("warned", "summary.json", "\"lost\": 0, \"lost_time\": null, \"held_back_steps\": 0");
+    run_scene(busy, overrides, 1, NULL, 4, &summary);
+    run_scene(busy, overrides, 1, "checkpoint", 0, &summary);
+    warning = find_warning(&summary, "grasp-lost");
+    assert_true(warning->first_frame == whole.first_frame && warning->count == whole.count);
+    assert_string_equal(warning->text, whole.text);
+    run_scene(busy, NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "grasp-lost"));
+}
+
 static void test_millimetres(void **unused)
 {
     (void)unused;
@@ -307,6 +336,7 @@ int main(void)
         cmocka_unit_test(test_clean_run),
         cmocka_unit_test(test_softness),
         cmocka_unit_test(test_unconverged),
+        cmocka_unit_test(test_lost_grasp),
         cmocka_unit_test(test_millimetres),
         cmocka_unit_test(test_coarse_mesh),
         cmocka_unit_test(test_inverted_mesh),
