@@ -56,7 +56,8 @@ typedef struct pel_candidates {
     pel_candidate_counts counts;
 } pel_candidates;
 
-/* A surface as for pel_tree_create. margin [m] >= 0; limit: the most pairs. Free with pel_candidates_destroy. */
+/* A surface as for pel_tree_create. margin [m] >= 0; limit: the most pairs; margins
+   shrink to 0 before it is exceeded. Free with pel_candidates_destroy. */
 pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
                                  int32_t triangle_count, double margin, int64_t limit, pel_candidates **candidates,
                                  pel_error *error);

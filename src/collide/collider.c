@@ -11,8 +11,14 @@
 enum {
     DEF_COOKIE = 0x434f4c4c,
     BLOCK = 256, /* candidates that are solved together */
-    PARTS = 64   /* lists of collisions that threads fill */
+    PARTS = 64,  /* lists of collisions that threads fill */
+    /* of a pair: two lists that double when they grow */
+    BYTES_PER_PAIR = 4 * sizeof(pel_pair)
 };
+
+/* default of the memory limit: this, or so much per triangle */
+#define LEAST_MEMORY ((int64_t)1 << 30)
+#define MEMORY_PER_TRIANGLE ((int64_t)1 << 12)
 
 typedef struct collision_list {
     pel_collision *collisions;
@@ -28,8 +34,8 @@ typedef struct part {
 
 struct pel_collider {
     pel_candidates *candidates;
-    double margin; /* as in the def */
-    int64_t limit;
+    double margin;        /* as in the def */
+    int64_t memory_limit; /* as in the def */
     pel_pool *pool, *own_pool;
     part parts[PARTS];
     collision_list collisions;
@@ -80,7 +86,7 @@ static pel_status check_def(const pel_collider_def *def, pel_error *error)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's def has no mesh");
     if (!isfinite(def->margin))
         return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's margin is not finite");
-    if (def->candidate_limit < 0 || def->thread_count < 0)
+    if (def->memory_limit < 0 || def->thread_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count in the collider's def is below 0");
     return check_mesh(def->mesh, error);
 }
@@ -98,14 +104,14 @@ static double mean_edge(const double (*positions)[3], const int32_t (*triangles)
 pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                     const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
 {
-    const int64_t least_limit = 1000000, per_triangle = 1000;
-    int64_t limit = collider->limit;
-    if (limit == 0)
-        limit = per_triangle * triangle_count > least_limit ? per_triangle * triangle_count : least_limit;
+    int64_t memory = collider->memory_limit;
+    if (memory == 0)
+        memory =
+            MEMORY_PER_TRIANGLE * triangle_count > LEAST_MEMORY ? MEMORY_PER_TRIANGLE * triangle_count : LEAST_MEMORY;
     double margin = collider->margin >= 0 ? collider->margin : 0.2 * mean_edge(positions, triangles, triangle_count);
     pel_candidates *made;
-    pel_status status =
-        pel_candidates_create(positions, vertex_count, triangles, triangle_count, margin, limit, &made, error);
+    pel_status status = pel_candidates_create(positions, vertex_count, triangles, triangle_count, margin,
+                                              memory / BYTES_PER_PAIR, &made, error);
     if (status != PEL_OK)
         return status;
     if (collider->candidates != NULL)
@@ -119,7 +125,7 @@ static pel_status fill_collider(pel_collider *collider, const pel_collider_def *
 {
     const pel_mesh *mesh = def->mesh;
     collider->margin = def->margin;
-    collider->limit = def->candidate_limit;
+    collider->memory_limit = def->memory_limit;
     pel_status status = pel_collider_set_surface(collider, (const double(*)[3])mesh->positions, mesh->vertex_count,
                                                  (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, error);
     int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();

@@ -41,7 +41,7 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
         pel_fail_remedy(error, "give a thickness above 0, such as 1e-4 of the size of the bodies");
         return PEL_BAD_ARGUMENT;
     }
-    if (def->sweeps < 0 || def->limit < 0)
+    if (def->sweeps < 0 || def->limit < 0 || def->memory_limit < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count of contact is below 0");
     return PEL_OK;
 }

@@ -214,6 +214,7 @@ pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error)
     def.mesh = &mesh;
     contacts->mean_edge = mean_edge(contacts);
     def.margin = 0.2 * contacts->mean_edge;
+    def.memory_limit = contacts->def.memory_limit;
     status = pel_collider_create(&def, &contacts->collider, error);
     if (status != PEL_OK)
         return status;
