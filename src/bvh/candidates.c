@@ -341,3 +341,21 @@ pel_status pel_candidates_update(pel_candidates *c, const double (*start)[3], co
     }
     return status;
 }
+
+pel_status pel_candidates_at_rest(pel_candidates *c, const double (*positions)[3], double thickness, pel_pool *pool,
+                                  pel_error *error)
+{
+    pel_motion motion = {positions, positions, c->tree->vertex_count};
+    pel_frame frame = pel_frame_centre(&motion);
+    c->has_kept = false;
+    c->vertex_face_count = c->edge_edge_count = 0;
+    c->counts.updates++;
+    pel_status status = make_boxes(c, &frame, &motion, thickness, pool, error);
+    if (status == PEL_OK)
+        status = search_boxes(c, &motion, c->vertex_boxes, pool, error);
+    if (status == PEL_OK)
+        status = sieve_all(c, pool, error);
+    if (status != PEL_OK)
+        c->vertex_face_count = c->edge_edge_count = 0;
+    return status;
+}

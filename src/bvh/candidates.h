@@ -70,4 +70,8 @@ void pel_candidates_destroy(pel_candidates *candidates);
 pel_status pel_candidates_update(pel_candidates *candidates, const double (*start)[3], const double (*end)[3],
                                  double thickness, pel_pool *pool, pel_error *error);
 
+/* The same for a surface that does not move, without a margin: what was kept is forgotten. */
+pel_status pel_candidates_at_rest(pel_candidates *candidates, const double (*positions)[3], double thickness,
+                                  pel_pool *pool, pel_error *error);
+
 #endif

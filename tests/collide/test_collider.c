@@ -175,7 +175,8 @@ static void check_motion(moving m, double separation, bool expect_some)
             assert_int_equal(copy.vertex_face.hits + copy.edge_edge.hits, count);
             free(collisions);
         }
-        assert_true(i == 0 ? candidates.searches == 4 : candidates.searches == 1);
+        /* at rest the pairs of the first query are searched apart from those of candidates */
+        assert_true(i == 0 ? candidates.searches == 4 : candidates.searches <= 2);
         pel_collider_destroy(collider);
     }
     free_moving(&m);
