@@ -374,6 +374,7 @@ pel_status pel_contact_look(pel_sim *sim, pel_error *error)
     query.min_separation = contacts->guarded;
     query.near = contacts->near;
     pel_collision_result found;
+    contacts->way_is_searched = false;
     pel_status status = pel_collider_detect(contacts->collider, &query, &found, error);
     pel_contact_count_search(contacts, &found);
     return status == PEL_OK ? pel_contact_find_conflicts(sim, &found, error) : status;
@@ -383,6 +384,7 @@ pel_status pel_contact_guard(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     int32_t node_count = contacts->place_count + sim->tool_count;
+    contacts->way_is_searched = false;
     memcpy(contacts->solved, contacts->end, (size_t)contacts->place_count * sizeof *contacts->solved);
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->wanted[i] = sim->tools[i].pose;
