@@ -373,7 +373,7 @@ static void minimise_alone(pel_descent_context *context, double loads)
     descent->result.converged |= descent->result.residual <= tolerance_of(context->sim, loads);
 }
 
-pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)
+static pel_status step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_state *state = sim->state;
     pel_descent_context context = {.sim = sim, .state = *state, .time = (double)(state->step + 1) * sim->step.dt};
@@ -427,7 +427,7 @@ static double find_stiff_force(pel_sim *sim, double edge)
     return stability.stiffness_bound * edge * sqrt(square);
 }
 
-pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error)
+static pel_status create(pel_sim *sim, pel_error *error)
 {
     pel_sim_descent *descent = sim->descent = pel_allocate(1, sizeof *descent);
     if (descent == NULL)
@@ -472,3 +472,19 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     reading->residual = result->residual;
     reading->converged = result->converged;
 }
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    (void)sim;
+    pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
+}
+
+const pel_stepper pel_descent_kind = {
+    .is_at_end = true,
+    .moves_tools = true,
+    .create = create,
+    .check_start = pel_descent_check_start,
+    .step = step,
+    .mark_contacts = pel_descent_contacts_mark,
+    .advise = advise,
+};
