@@ -27,9 +27,10 @@ typedef struct pel_collider_def {
     const pel_mesh *mesh; /* copied. Several bodies may be one mesh: pairs are found within and between them */
     double margin; /* m, motion of the surface's parts against each other for which pairs are kept from step to step; 0
                       = search anew each time; negative = a fifth of the mean edge length */
-    int64_t candidate_limit; /* the most candidates of a step; 0 = 1000 per triangle, at least a million */
-    int thread_count;        /* 0 = as many as the machine has; the results do not depend on it */
-    uint32_t cookie;         /* set by pel_collider_def_default */
+    int64_t memory_limit; /* bytes for pairs, about 32 each; 0 = 1 GiB, or 4 KiB per triangle if that is more. Near it
+                             the margin shrinks to 0, beyond it a query fails */
+    int thread_count;     /* 0 = as many as the machine has; the results do not depend on it */
+    uint32_t cookie;      /* set by pel_collider_def_default */
 } pel_collider_def;
 
 /* No mesh yet, margin -1, one thread. */
@@ -66,8 +67,8 @@ typedef struct pel_collision_candidates {
 } pel_collision_candidates;
 
 /* The broad phase alone. No memory is allocated unless there are more candidates than ever before.
-   PEL_BAD_ARGUMENT (a position that is not finite, with its vertex; numbers out of range; more candidates than the
-   limit), PEL_OUT_OF_MEMORY. */
+   PEL_BAD_ARGUMENT (a position that is not finite, with its vertex; numbers out of range; more candidates than
+   memory_limit allows: a shorter step has fewer), PEL_OUT_OF_MEMORY. */
 pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_query *query,
                                    pel_collision_candidates *candidates, pel_error *error);
 

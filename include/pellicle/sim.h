@@ -145,7 +145,10 @@ typedef struct pel_contact_def {
     pel_contact_response response;
     bool allow_tangled; /* a start with intersections is accepted: those pairs are left alone until they are apart */
     int32_t sweeps;     /* over the contacts after a step, at most; 0 = 10 */
-    int32_t limit;      /* the most contacts; 0 = 8 per vertex. What does not fit is left to the guard */
+    int32_t limit;      /* the most contacts; 0 = 64 per vertex. What does not fit is left to the guard */
+    int64_t
+        memory_limit; /* bytes for pairs that come near each other in a step; 0 = 1 GiB, or 4 KiB per triangle if that
+                         is more. A step that needs more fails with PEL_BAD_ARGUMENT: a shorter one needs less */
 } pel_contact_def;
 
 typedef struct pel_sim pel_sim;

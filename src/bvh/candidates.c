@@ -128,6 +128,15 @@ static size_t found_count(const pel_candidates *c)
            pel_pair_search_count(&c->search, PEL_PAIR_EDGE_EDGE);
 }
 
+static pel_status search_boxes(pel_candidates *c, const pel_motion *motion, const pel_box *boxes, pel_pool *pool,
+                               pel_error *error)
+{
+    fit_tree(c, motion, boxes, pool);
+    c->counts.searches++;
+    return pel_find_pairs(c->tree, c->tree, both_kinds, pool, &c->search, error);
+}
+
+/* Repeats a search with a margin that exceeds the limit without one. */
 static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, pel_pool *pool,
                               pel_error *error)
 {
@@ -135,9 +144,12 @@ static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const p
     c->has_kept = false;
     for (int32_t v = 0; with_margin && v < c->tree->vertex_count; v++)
         c->kept_boxes[v] = roomy_box(c, v);
-    fit_tree(c, motion, with_margin ? c->kept_boxes : c->vertex_boxes, pool);
-    c->counts.searches++;
-    pel_status status = pel_find_pairs(c->tree, c->tree, both_kinds, pool, &c->search, error);
+    pel_status status = search_boxes(c, motion, with_margin ? c->kept_boxes : c->vertex_boxes, pool, error);
+    if (status == PEL_BAD_ARGUMENT && with_margin) {
+        with_margin = false;
+        c->pause = c->pause_length = PAUSE_LIMIT;
+        status = search_boxes(c, motion, c->vertex_boxes, pool, error);
+    }
     if (status == PEL_OK && with_margin) {
         keep_positions(c, frame, motion);
         c->kept_limit = (size_t)(pair_growth * (double)found_count(c)) + (size_t)c->tree->vertex_count;
@@ -289,10 +301,10 @@ static pel_status use_kept(pel_candidates *c, pel_pool *pool, bool *serves, pel_
     *serves = left == 0;
     if (left > 0 && left <= few_left * c->tree->vertex_count && found_count(c) <= c->kept_limit) {
         status = extend_kept(c, pool, error);
-        *serves = true;
+        *serves = status == PEL_OK;
     }
     c->kept_uses += *serves;
-    return status;
+    return status == PEL_BAD_ARGUMENT ? PEL_OK : status;
 }
 
 static pel_status update(pel_candidates *c, const pel_motion *motion, double thickness, pel_pool *pool,
@@ -327,5 +339,23 @@ pel_status pel_candidates_update(pel_candidates *c, const double (*start)[3], co
         c->has_kept = false;
         c->vertex_face_count = c->edge_edge_count = 0;
     }
+    return status;
+}
+
+pel_status pel_candidates_at_rest(pel_candidates *c, const double (*positions)[3], double thickness, pel_pool *pool,
+                                  pel_error *error)
+{
+    pel_motion motion = {positions, positions, c->tree->vertex_count};
+    pel_frame frame = pel_frame_centre(&motion);
+    c->has_kept = false;
+    c->vertex_face_count = c->edge_edge_count = 0;
+    c->counts.updates++;
+    pel_status status = make_boxes(c, &frame, &motion, thickness, pool, error);
+    if (status == PEL_OK)
+        status = search_boxes(c, &motion, c->vertex_boxes, pool, error);
+    if (status == PEL_OK)
+        status = sieve_all(c, pool, error);
+    if (status != PEL_OK)
+        c->vertex_face_count = c->edge_edge_count = 0;
     return status;
 }

@@ -56,7 +56,8 @@ typedef struct pel_candidates {
     pel_candidate_counts counts;
 } pel_candidates;
 
-/* A surface as for pel_tree_create. margin [m] >= 0; limit: the most pairs. Free with pel_candidates_destroy. */
+/* A surface as for pel_tree_create. margin [m] >= 0; limit: the most pairs; margins
+   shrink to 0 before it is exceeded. Free with pel_candidates_destroy. */
 pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
                                  int32_t triangle_count, double margin, int64_t limit, pel_candidates **candidates,
                                  pel_error *error);
@@ -68,5 +69,9 @@ void pel_candidates_destroy(pel_candidates *candidates);
    failure there are no candidates, and the next update starts anew. */
 pel_status pel_candidates_update(pel_candidates *candidates, const double (*start)[3], const double (*end)[3],
                                  double thickness, pel_pool *pool, pel_error *error);
+
+/* The same for a surface that does not move, without a margin: what was kept is forgotten. */
+pel_status pel_candidates_at_rest(pel_candidates *candidates, const double (*positions)[3], double thickness,
+                                  pel_pool *pool, pel_error *error);
 
 #endif

@@ -417,8 +417,9 @@ static pel_status run_search(search_plan *plan, pel_pool *pool, pel_error *error
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(error);
     if (status != PEL_OK) {
-        pel_fail(error, status, "more than %lld pairs are near each other", (long long)search->limit);
-        pel_fail_remedy(error, "make the thickness or the motion in a step smaller than the triangles");
+        pel_fail(error, status, "more than %lld pairs come near each other in a step: the memory limit is reached",
+                 (long long)search->limit);
+        pel_fail_remedy(error, "use a smaller dt, or a larger memory_limit");
     }
     return status;
 }

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/sort.h"
 #include "base/status.h"
+#include "collide/clearance.h"
 #include "geom/ccd.h"
 #include "pellicle/parallel.h"
 
@@ -11,8 +12,14 @@
 enum {
     DEF_COOKIE = 0x434f4c4c,
     BLOCK = 256, /* candidates that are solved together */
-    PARTS = 64   /* lists of collisions that threads fill */
+    PARTS = 64,  /* lists of collisions that threads fill */
+    /* of a pair: two lists that double when they grow */
+    BYTES_PER_PAIR = 4 * sizeof(pel_pair)
 };
+
+/* default of the memory limit: this, or so much per triangle */
+#define LEAST_MEMORY ((int64_t)1 << 30)
+#define MEMORY_PER_TRIANGLE ((int64_t)1 << 12)
 
 typedef struct collision_list {
     pel_collision *collisions;
@@ -28,8 +35,9 @@ typedef struct part {
 
 struct pel_collider {
     pel_candidates *candidates;
-    double margin; /* as in the def */
-    int64_t limit;
+    pel_clearance clearance;
+    double margin;        /* as in the def */
+    int64_t memory_limit; /* as in the def */
     pel_pool *pool, *own_pool;
     part parts[PARTS];
     collision_list collisions;
@@ -80,7 +88,7 @@ static pel_status check_def(const pel_collider_def *def, pel_error *error)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's def has no mesh");
     if (!isfinite(def->margin))
         return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's margin is not finite");
-    if (def->candidate_limit < 0 || def->thread_count < 0)
+    if (def->memory_limit < 0 || def->thread_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count in the collider's def is below 0");
     return check_mesh(def->mesh, error);
 }
@@ -98,16 +106,24 @@ static double mean_edge(const double (*positions)[3], const int32_t (*triangles)
 pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                     const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
 {
-    const int64_t least_limit = 1000000, per_triangle = 1000;
-    int64_t limit = collider->limit;
-    if (limit == 0)
-        limit = per_triangle * triangle_count > least_limit ? per_triangle * triangle_count : least_limit;
+    int64_t memory = collider->memory_limit;
+    if (memory == 0)
+        memory =
+            MEMORY_PER_TRIANGLE * triangle_count > LEAST_MEMORY ? MEMORY_PER_TRIANGLE * triangle_count : LEAST_MEMORY;
     double margin = collider->margin >= 0 ? collider->margin : 0.2 * mean_edge(positions, triangles, triangle_count);
     pel_candidates *made;
-    pel_status status =
-        pel_candidates_create(positions, vertex_count, triangles, triangle_count, margin, limit, &made, error);
+    pel_status status = pel_candidates_create(positions, vertex_count, triangles, triangle_count, margin,
+                                              memory / BYTES_PER_PAIR, &made, error);
     if (status != PEL_OK)
         return status;
+    pel_clearance clearance;
+    status = pel_clearance_create(vertex_count, &clearance, error);
+    if (status != PEL_OK) {
+        pel_candidates_destroy(made);
+        return status;
+    }
+    pel_clearance_clear(&collider->clearance);
+    collider->clearance = clearance;
     if (collider->candidates != NULL)
         made->groups = collider->candidates->groups;
     pel_candidates_destroy(collider->candidates);
@@ -119,7 +135,7 @@ static pel_status fill_collider(pel_collider *collider, const pel_collider_def *
 {
     const pel_mesh *mesh = def->mesh;
     collider->margin = def->margin;
-    collider->limit = def->candidate_limit;
+    collider->memory_limit = def->memory_limit;
     pel_status status = pel_collider_set_surface(collider, (const double(*)[3])mesh->positions, mesh->vertex_count,
                                                  (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, error);
     int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
@@ -151,6 +167,7 @@ void pel_collider_destroy(pel_collider *collider)
     if (collider == NULL)
         return;
     pel_candidates_destroy(collider->candidates);
+    pel_clearance_clear(&collider->clearance);
     pel_pool_destroy(collider->own_pool);
     for (int i = 0; i < PARTS; i++)
         pel_free(collider->parts[i].list.collisions);
@@ -166,6 +183,7 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool)
 void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups)
 {
     collider->candidates->groups = *groups;
+    collider->clearance.reach = 0;
 }
 
 const pel_tree *pel_collider_tree(const pel_collider *collider)
@@ -190,9 +208,6 @@ static pel_status check_query(const pel_collision_query *query, pel_error *error
 
 static pel_status update(pel_collider *collider, const pel_collision_query *query, pel_error *error)
 {
-    pel_status status = check_query(query, error);
-    if (status != PEL_OK)
-        return status;
     return pel_candidates_update(collider->candidates, (const double(*)[3])query->start, (const double(*)[3])query->end,
                                  query->min_separation + query->tolerance, collider->pool, error);
 }
@@ -202,7 +217,9 @@ pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_q
 {
     const pel_candidates *c = collider->candidates;
     *candidates = (pel_collision_candidates){0};
-    pel_status status = update(collider, query, error);
+    pel_status status = check_query(query, error);
+    if (status == PEL_OK)
+        status = update(collider, query, error);
     if (status == PEL_OK)
         *candidates = (pel_collision_candidates){
             .vertex_face = c->vertex_face,
@@ -292,15 +309,17 @@ static bool comes_before(const pel_collision *a, const pel_collision *b)
 /* the order of candidates does not show */
 PEL_DEFINE_SORT(sort_collisions, pel_collision, comes_before)
 
-/* solves the candidates of one kind and adds what is found */
+/* solves the pairs of one kind and adds what is found */
 static pel_status solve_kind(pel_collider *collider, const pel_collision_query *query, bool edge_edge,
-                             pel_ccd_statistics *statistics)
+                             const pel_pair_list *pairs, pel_ccd_statistics *statistics)
 {
-    const pel_candidates *c = collider->candidates;
     collision_list *all = &collider->collisions;
-    narrow n = {.tree = c->tree, .query = query, .edge_edge = edge_edge, .parts = collider->parts};
-    n.pairs = edge_edge ? c->edge_edge : c->vertex_face;
-    n.pair_count = edge_edge ? c->edge_edge_count : c->vertex_face_count;
+    narrow n = {.tree = collider->candidates->tree,
+                .query = query,
+                .edge_edge = edge_edge,
+                .pairs = pairs->pairs,
+                .pair_count = pairs->count,
+                .parts = collider->parts};
     pel_pool_run(collider->pool, PARTS, solve_part, &n);
     size_t before = all->count;
     for (int i = 0; i < PARTS; i++) {
@@ -318,16 +337,41 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
     return PEL_OK;
 }
 
+/* what the narrow phase looks at: known pairs while no others can come near, else the candidates. A hit is within
+   min_separation and tolerance, or starts within `near`, so that both give the same. */
+static pel_status find_pairs(pel_collider *collider, const pel_collision_query *query, pel_pair_list *vertex_face,
+                             pel_pair_list *edge_edge, pel_error *error)
+{
+    pel_clearance *clearance = &collider->clearance;
+    pel_candidates *c = collider->candidates;
+    const double(*start)[3] = (const double(*)[3])query->start, (*end)[3] = (const double(*)[3])query->end;
+    pel_status status = check_query(query, error);
+    if (status != PEL_OK)
+        return status;
+    double needed = fmax(query->min_separation + query->tolerance, query->near);
+    if (pel_clearance_serves(clearance, start, end, needed, collider->pool) ||
+        pel_clearance_renew(clearance, c, start, end, needed, c->margin, collider->pool)) {
+        *vertex_face = clearance->vertex_face;
+        *edge_edge = clearance->edge_edge;
+        return PEL_OK;
+    }
+    status = update(collider, query, error);
+    *vertex_face = (pel_pair_list){.pairs = c->vertex_face, .count = c->vertex_face_count};
+    *edge_edge = (pel_pair_list){.pairs = c->edge_edge, .count = c->edge_edge_count};
+    return status;
+}
+
 pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query, pel_collision_result *result,
                                pel_error *error)
 {
     *result = (pel_collision_result){0};
     collider->collisions.count = 0;
-    pel_status status = update(collider, query, error);
+    pel_pair_list vertex_face, edge_edge;
+    pel_status status = find_pairs(collider, query, &vertex_face, &edge_edge, error);
     if (status != PEL_OK)
         return status;
-    if (solve_kind(collider, query, false, &result->vertex_face) != PEL_OK ||
-        solve_kind(collider, query, true, &result->edge_edge) != PEL_OK) {
+    if (solve_kind(collider, query, false, &vertex_face, &result->vertex_face) != PEL_OK ||
+        solve_kind(collider, query, true, &edge_edge, &result->edge_edge) != PEL_OK) {
         *result = (pel_collision_result){0};
         return pel_fail_memory(error);
     }

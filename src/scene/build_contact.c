@@ -36,6 +36,8 @@ pel_status pel_scene_build_contact(pel_scene_reader *reader, const pel_scene_val
     contact->allow_tangled = pel_scene_value_integer(value, "start") == 1;
     contact->sweeps = pel_scene_value_integer(value, "sweeps");
     contact->limit = pel_scene_value_integer(value, "limit");
+    const pel_scene_value *memory = pel_scene_value_entry(value, "memory_limit");
+    contact->memory_limit = memory->form == PEL_FORM_NUMBER ? (int64_t)fmin(fmax(1, memory->number), 0x1p62) : 0;
     if (thickness->form != PEL_FORM_NUMBER)
         return read_relative(reader, thickness, &contact->relative_thickness);
     contact->thickness = thickness->number;

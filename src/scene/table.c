@@ -244,7 +244,12 @@ static const pel_scene_row rows[] = {
      .doc = "bodies that intersect at the start: an error, or those pairs are left alone until they are apart"},
     {"contact.sweeps", INTEGER, COUNT_FROM(1), .preset = "10", .doc = "sweeps over the contacts after a step, at most"},
     {"contact.limit", INTEGER, COUNT_FROM(0), .preset = "0",
-     .doc = "the most contacts, 0 for 8 per vertex; what does not fit is stepped back instead"},
+     .doc = "the most contacts, 0 for 64 per vertex; what does not fit is stepped back instead"},
+    {"contact.memory_limit", NUMBER_OR("auto"), .unit = "bytes", POSITIVE, .preset = "auto",
+     .doc =
+         "memory for pairs that come near each other in a step. The search keeps fewer pairs for later steps as this "
+         "fills; a step whose own pairs exceed it ends the run: use a smaller dt then. auto: 1 GiB, or 4 KiB per "
+         "triangle if that is more"},
 
     {"solver", MAP, .preset = "{}", .doc = "how the equations are stepped"},
     {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent"),

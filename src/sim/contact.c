@@ -41,7 +41,7 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
         pel_fail_remedy(error, "give a thickness above 0, such as 1e-4 of the size of the bodies");
         return PEL_BAD_ARGUMENT;
     }
-    if (def->sweeps < 0 || def->limit < 0)
+    if (def->sweeps < 0 || def->limit < 0 || def->memory_limit < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count of contact is below 0");
     return PEL_OK;
 }
@@ -385,6 +385,7 @@ static pel_status search(pel_sim *sim, double distance, pel_collision_result *fo
 {
     pel_sim_contacts *contacts = sim->contacts;
     double began = seconds_now();
+    contacts->way_is_searched = false;
     pel_collision_query query = pel_collision_query_default();
     query.start = (const double *)contacts->start;
     query.end = (const double *)contacts->end;
@@ -452,6 +453,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     pel_sim_contacts *contacts = sim->contacts;
     contacts->list.count = 0;
     pel_contact_points(sim);
+    contacts->way_is_searched = false;
     expect_tools(sim);
     expect_vertices(sim);
     double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
@@ -463,14 +465,30 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     return status == PEL_OK ? merge(sim, &found, NULL, tool_reach, error) : status;
 }
 
+/* what comes too near between start and end, and the conflicts among it; nothing is searched twice */
+static pel_status search_way(pel_sim *sim, pel_collision_result *found, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    if (contacts->way_is_searched) {
+        *found = contacts->on_way;
+        return PEL_OK;
+    }
+    pel_status status = search(sim, contacts->thickness, found, error);
+    double began = seconds_now();
+    if (status == PEL_OK)
+        status = pel_contact_find_conflicts(sim, found, error);
+    contacts->statistics.guard_seconds += seconds_now() - began;
+    contacts->on_way = *found;
+    contacts->way_is_searched = status == PEL_OK;
+    return status;
+}
+
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     pel_collision_result found;
     pel_contact_points(sim);
-    pel_status status = search(sim, contacts->thickness, &found, error);
-    if (status == PEL_OK)
-        status = pel_contact_find_conflicts(sim, &found, error);
+    pel_status status = search_way(sim, &found, error);
     contacts->statistics.rounds++;
     return status == PEL_OK ? merge(sim, &found, contacts->impacts, HUGE_VAL, error) : status;
 }
@@ -501,6 +519,7 @@ static void correct(pel_sim *sim, int32_t sweeps)
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&contacts->list, state->position_next, state->position) < tolerance)
             break;
+    contacts->way_is_searched = false;
     for (int32_t p = 0; p < contacts->place_count; p++)
         pel_vertex_position(state->position_next, p, contacts->end[p]);
     if (state->velocity_next != NULL)
@@ -529,11 +548,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     bool once = contacts->def.response == PEL_CONTACT_AFTER;
     for (int round = 0;; round++) {
         pel_collision_result found;
-        pel_status status = search(sim, contacts->thickness, &found, error);
-        double looked = seconds_now();
-        if (status == PEL_OK)
-            status = pel_contact_find_conflicts(sim, &found, error);
-        contacts->statistics.guard_seconds += seconds_now() - looked;
+        pel_status status = search_way(sim, &found, error);
         if (status != PEL_OK || round == (once ? 1 : ROUND_LIMIT) || (round > 0 && contacts->conflict_count == 0))
             return status;
         /* without conflicts, what the solver swept over needs no more */
@@ -573,6 +588,7 @@ static pel_status step(pel_sim *sim, double longest, pel_error *error)
     contacts->statistics.guard_seconds += seconds_now() - began;
     contacts->statistics.contacts += contacts->list.count;
     if (status == PEL_OK && contacts->tangles.count > 0) {
+        contacts->way_is_searched = false;
         memcpy(contacts->start, contacts->end, (size_t)contacts->point_count * sizeof *contacts->start);
         status = pel_tangles_find(sim, error);
     }

@@ -98,6 +98,9 @@ struct pel_sim_contacts {
     double (*start)[3], (*end)[3];                 /* (point_count) */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of tools) */
     int64_t substep;                               /* number of the substep, of all steps */
+    bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
+                                                      every writer of these but pel_contact_points clears it */
+    pel_collision_result on_way;                   /* the collider's */
     bool minds_sides;                              /* impacts whose normal leans over a triangle are left to that */
 
     /* contacts, sorted by their keys; the second ones are scratch of merging */
@@ -159,7 +162,8 @@ pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error);
 bool pel_contact_surface_is_present(const pel_sim *sim);
 /* after refinement */
 pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error);
-/* start from the present positions and poses before the step, end from the next positions and present poses */
+/* start from the present positions and poses before the step, end from the next positions and present poses; if they
+   differ from those of the last search it no longer holds */
 void pel_contact_points(pel_sim *sim);
 /* start alone, from the present positions and poses */
 void pel_contact_present_points(pel_sim *sim);

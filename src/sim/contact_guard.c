@@ -332,17 +332,19 @@ static void find_zone_velocities(pel_sim *sim)
     }
 }
 
-/* A zone that nothing holds keeps its momentum: its points get their mean velocity, however far they went. What met a
-   tool or a fixed vertex has the velocity of the way that was left to it. */
-static void set_velocity(pel_sim *sim, int32_t p)
+/* What nothing holds keeps its momentum: the points of a zone get their mean velocity, however far they went, others
+   keep theirs. What met a tool or a fixed vertex has the velocity of the way that was left to it. */
+static void set_velocity(pel_sim *sim, int32_t p, bool moved)
 {
     const pel_sim_contacts *contacts = sim->contacts;
     const pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)];
-    bool goes_as_one = zone->is_joined && !zone->is_held;
-    for (int k = 0; k < 3; k++)
-        sim->state->velocity_next[p][k] =
-            (pel_real)(goes_as_one ? zone->momentum[k] / zone->mass
-                                   : (contacts->end[p][k] - contacts->start[p][k]) / sim->step.dt);
+    pel_record *velocity = &sim->state->velocity_next[p];
+    for (int k = 0; k < 3; k++) {
+        if (zone->is_held && moved)
+            (*velocity)[k] = (pel_real)((contacts->end[p][k] - contacts->start[p][k]) / sim->step.dt);
+        else if (!zone->is_held && zone->is_joined)
+            (*velocity)[k] = (pel_real)(zone->momentum[k] / zone->mass);
+    }
 }
 
 static bool has_moved(const pel_sim_contacts *contacts, int32_t p)
@@ -357,11 +359,10 @@ static void finish(pel_sim *sim)
     if (sim->state->velocity_next != NULL)
         find_zone_velocities(sim);
     for (int32_t p = 0; p < contacts->place_count; p++) {
-        const pel_zone *zone = &contacts->zones[find_zone(contacts->zones, p)];
         bool moved = has_moved(contacts, p);
         contacts->statistics.fall_backs += moved;
-        if (sim->state->velocity_next != NULL && (moved || (zone->is_joined && !zone->is_held)))
-            set_velocity(sim, p);
+        if (sim->state->velocity_next != NULL)
+            set_velocity(sim, p, moved);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->statistics.tools_held += sim->tools[i].is_held_back;
@@ -376,6 +377,7 @@ pel_status pel_contact_look(pel_sim *sim, pel_error *error)
     query.min_separation = contacts->guarded;
     query.near = contacts->near;
     pel_collision_result found;
+    contacts->way_is_searched = false;
     pel_status status = pel_collider_detect(contacts->collider, &query, &found, error);
     pel_contact_count_search(contacts, &found);
     return status == PEL_OK ? pel_contact_find_conflicts(sim, &found, error) : status;
@@ -385,6 +387,7 @@ pel_status pel_contact_guard(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     int32_t node_count = contacts->place_count + sim->tool_count;
+    contacts->way_is_searched = false;
     memcpy(contacts->solved, contacts->end, (size_t)contacts->place_count * sizeof *contacts->solved);
     for (int32_t i = 0; i < sim->tool_count; i++)
         contacts->wanted[i] = sim->tools[i].pose;

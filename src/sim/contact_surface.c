@@ -62,23 +62,42 @@ void pel_contact_tool_points(const pel_contact_tool *tool, const pel_pose *pose,
 
 /* ---- points ---- */
 
+/* false if the point was there already */
+static bool set_point(const double x[3], double point[3])
+{
+    bool differs = x[0] != point[0] || x[1] != point[1] || x[2] != point[2];
+    pel_vec3_copy(x, point);
+    return differs;
+}
+
 void pel_contact_points(pel_sim *sim)
 {
     pel_sim_contacts *contacts = sim->contacts;
     const pel_state *state = sim->state;
+    bool differs = false;
+    double x[3];
     for (int32_t p = 0; p < contacts->place_count; p++) {
-        pel_vertex_position(state->position, p, contacts->start[p]);
-        pel_vertex_position(state->position_next, p, contacts->end[p]);
+        pel_vertex_position(state->position, p, x);
+        differs |= set_point(x, contacts->start[p]);
+        pel_vertex_position(state->position_next, p, x);
+        differs |= set_point(x, contacts->end[p]);
     }
     for (int32_t i = 0; i < sim->tool_count; i++) {
-        pel_contact_tool_points(&contacts->tools[i], &sim->tools[i].pose_before, contacts->start);
-        pel_contact_tool_points(&contacts->tools[i], &sim->tools[i].pose, contacts->end);
+        const pel_contact_tool *tool = &contacts->tools[i];
+        for (int32_t p = tool->point_begin; p < tool->point_end; p++) {
+            pel_pose_to_world(&sim->tools[i].pose_before, tool->local[p - tool->point_begin], x);
+            differs |= set_point(x, contacts->start[p]);
+            pel_pose_to_world(&sim->tools[i].pose, tool->local[p - tool->point_begin], x);
+            differs |= set_point(x, contacts->end[p]);
+        }
     }
+    contacts->way_is_searched &= !differs;
 }
 
 void pel_contact_present_points(pel_sim *sim)
 {
     pel_sim_contacts *contacts = sim->contacts;
+    contacts->way_is_searched = false;
     for (int32_t p = 0; p < contacts->place_count; p++)
         pel_vertex_position(sim->state->position, p, contacts->start[p]);
     for (int32_t i = 0; i < sim->tool_count; i++)
@@ -118,6 +137,7 @@ pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
     if (pel_contact_surface_is_present(sim))
         return PEL_OK;
     set_triangles(sim);
+    contacts->way_is_searched = false;
     pel_status status =
         pel_collider_set_surface(contacts->collider, (const double(*)[3])contacts->start, contacts->point_count,
                                  (const int32_t(*)[3])contacts->triangles, contacts->triangle_count, error);
@@ -214,6 +234,7 @@ pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error)
     def.mesh = &mesh;
     contacts->mean_edge = mean_edge(contacts);
     def.margin = 0.2 * contacts->mean_edge;
+    def.memory_limit = contacts->def.memory_limit;
     status = pel_collider_create(&def, &contacts->collider, error);
     if (status != PEL_OK)
         return status;

@@ -272,6 +272,42 @@ static void test_refusals(void **unused)
     free_surface(&s);
 }
 
+/* near the limit the margin goes, and not a pair with it */
+static void test_limit_shrinks_margin(void **unused)
+{
+    (void)unused;
+    surface s = make_folded_sheet(12, 0.01);
+    pel_candidates *tight = make_candidates(&s, 0), *c = make_candidates(&s, 0.3);
+    update(tight, &s, 0.01, NULL);
+    int64_t pairs = (int64_t)(tight->vertex_face_count + tight->edge_edge_count);
+    update(c, &s, 0.01, NULL);
+    assert_true(c->has_kept && c->counts.kept > pairs);
+    pel_candidates_destroy(c);
+    c = make_candidates(&s, 0.3);
+    c->search.limit = tight->counts.kept;
+    for (int n = 0; n < 3; n++) {
+        update(c, &s, 0.01, NULL);
+        assert_false(c->has_kept);
+        assert_int_equal(c->vertex_face_count + c->edge_edge_count, pairs);
+        check_lists(c);
+    }
+    /* the search with the margin is not tried in every step */
+    assert_int_equal(c->counts.searches, 4);
+    pel_candidates_destroy(c);
+    /* kept pairs that would grow beyond the limit are found anew */
+    c = make_candidates(&s, 0.02);
+    update(c, &s, 0.01, NULL);
+    c->search.limit = c->counts.kept;
+    for (int32_t v = 0; v < s.vertex_count / 10; v++)
+        s.end[v][2] += 0.5;
+    update(c, &s, 0.01, NULL);
+    check_lists(c);
+    assert_false(c->has_kept);
+    pel_candidates_destroy(c);
+    pel_candidates_destroy(tight);
+    free_surface(&s);
+}
+
 static pel_status update_case(const void *data, pel_error *error)
 {
     const surface *s = data;
@@ -301,9 +337,15 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_motion),   cmocka_unit_test(test_extension),   cmocka_unit_test(test_pause),
-        cmocka_unit_test(test_threads),  cmocka_unit_test(test_rebuild),     cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_motion),
+        cmocka_unit_test(test_extension),
+        cmocka_unit_test(test_pause),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_rebuild),
+        cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_limit_shrinks_margin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

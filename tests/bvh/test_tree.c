@@ -359,7 +359,7 @@ static void test_limit(void **unused)
     assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, NULL), PEL_OK);
     search.limit = count - 1;
     assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, &error), PEL_BAD_ARGUMENT);
-    assert_non_null(strstr(error.what, "pairs are near each other"));
+    assert_non_null(strstr(error.what, "pairs come near each other"));
     pel_pair_search_clear(&search);
     free_feature_boxes(&boxes);
     pel_tree_destroy(tree);

@@ -568,6 +568,42 @@ static void test_limit(void **unused)
     scene_end(&scene, sim);
 }
 
+/* steps of a sheet that crumples; the hash of the state at the end, 0 if the memory did not do */
+static uint64_t crumple(int64_t memory_limit, pel_error *error)
+{
+    contact_scene scene;
+    uint64_t random = 5;
+    scene_begin(&scene, PEL_METHOD_XPBD);
+    scene_body(&scene, make_sheet(12, 0.06));
+    scene.def.contact.memory_limit = memory_limit;
+    pel_sim *sim = scene_create(&scene);
+    shake(sim, 0, 4, &random);
+    pel_status status = PEL_OK;
+    for (int n = 0; n < 10 && status == PEL_OK; n++)
+        status = pel_sim_step(sim, error);
+    uint64_t hash = status == PEL_OK ? pel_sim_hash(sim) : 0;
+    if (status != PEL_OK)
+        assert_int_equal(status, PEL_BAD_ARGUMENT);
+    scene_end(&scene, sim);
+    return hash;
+}
+
+/* less memory costs time, and changes nothing until what a step itself needs does not fit */
+static void test_memory_limit(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    uint64_t expected = crumple(0, &error), hash = expected;
+    assert_true(expected != 0);
+    for (int64_t memory = 1 << 24; hash != 0; memory = memory * 4 / 5) {
+        hash = crumple(memory, &error);
+        assert_true(hash == 0 || hash == expected);
+        assert_true(memory > 1 << 12);
+    }
+    assert_non_null(strstr(error.what, "memory limit"));
+    assert_non_null(strstr(error.remedy, "smaller dt"));
+}
+
 static void test_nothing_moves(void **unused)
 {
     (void)unused;
@@ -726,6 +762,7 @@ int main(void)
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_bad_input),
         cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_memory_limit),
         cmocka_unit_test(test_nothing_moves),
         cmocka_unit_test(test_paper_method),
         cmocka_unit_test(test_paper_method_is_guarded),

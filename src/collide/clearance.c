@@ -1,0 +1,185 @@
+#include "collide/clearance.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "math/vec3.h"
+#include "pellicle/geometry.h"
+
+#include <string.h>
+
+enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64 };
+
+/* of lengths: more than the rounding of distances */
+#define SLACK 1e-6
+
+pel_status pel_clearance_create(int32_t point_count, pel_clearance *clearance, pel_error *error)
+{
+    *clearance = (pel_clearance){.point_count = point_count};
+    clearance->positions = pel_allocate((size_t)point_count, sizeof *clearance->positions);
+    return clearance->positions != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+void pel_clearance_clear(pel_clearance *clearance)
+{
+    pel_free(clearance->positions);
+    pel_free(clearance->vertex_face.pairs);
+    pel_free(clearance->edge_edge.pairs);
+    *clearance = (pel_clearance){0};
+}
+
+/* ---- motion ---- */
+
+/* the box around the displacements of all points between two sets of positions */
+typedef struct motion_job {
+    const double (*from)[3], (*to)[3];
+    int32_t point_count;
+    double low[PARTS][3], high[PARTS][3];
+    bool is_finite[PARTS];
+} motion_job;
+
+static void measure_part(void *context, int32_t part)
+{
+    motion_job *job = context;
+    int64_t count = job->point_count;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, bad = 0;
+    for (int64_t p = count * part / PARTS; p < count * (part + 1) / PARTS; p++)
+        for (int k = 0; k < 3; k++) {
+            double way = job->to[p][k] - job->from[p][k];
+            low[k] = way < low[k] ? way : low[k];
+            high[k] = way > high[k] ? way : high[k];
+            bad += way - way;
+        }
+    memcpy(job->low[part], low, sizeof low);
+    memcpy(job->high[part], high, sizeof high);
+    job->is_finite[part] = bad == 0;
+}
+
+/* how much any two points approached each other at most; infinite if a displacement is not finite */
+static double longest_approach(const double (*from)[3], const double (*to)[3], int32_t point_count, pel_pool *pool)
+{
+    motion_job job = {.from = from, .to = to, .point_count = point_count};
+    pel_pool_run(pool, PARTS, measure_part, &job);
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int part = 0; part < PARTS; part++) {
+            low = fmin(low, job.low[part][k]);
+            high = fmax(high, job.high[part][k]);
+            if (!job.is_finite[part])
+                return HUGE_VAL;
+        }
+        square += high > low ? (high - low) * (high - low) : 0;
+    }
+    return sqrt(square);
+}
+
+bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double needed,
+                          pel_pool *pool)
+{
+    double room = clearance->reach - needed * (1 + SLACK);
+    if (!(room > 0))
+        return false;
+    const double(*from)[3] = (const double(*)[3])clearance->positions;
+    bool serves = longest_approach(from, start, clearance->point_count, pool) < room &&
+                  (end == start || longest_approach(from, end, clearance->point_count, pool) < room);
+    clearance->uses += serves;
+    return serves;
+}
+
+/* ---- pairs ---- */
+
+/* pairs of one kind, of which the near ones are kept: those of a part at the beginning of its range */
+typedef struct near_job {
+    const pel_tree *tree;
+    const double (*positions)[3];
+    double square;
+    bool edge_edge;
+    pel_pair *pairs;
+    size_t count, kept[PARTS];
+} near_job;
+
+static size_t part_begin(const near_job *job, int32_t part)
+{
+    return job->count * (size_t)part / PARTS;
+}
+
+static bool is_near(const near_job *job, pel_pair pair)
+{
+    const double(*x)[3] = job->positions;
+    double weights[4];
+    if (job->edge_edge) {
+        const int32_t *a = job->tree->edges[pair.first], *b = job->tree->edges[pair.second];
+        return !(pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights) > job->square);
+    }
+    const int32_t *t = job->tree->triangles[pair.second];
+    return !(pel_closest_point_triangle(x[pair.first], x[t[0]], x[t[1]], x[t[2]], weights) > job->square);
+}
+
+static void keep_near_of_part(void *context, int32_t part)
+{
+    near_job *job = context;
+    size_t begin = part_begin(job, part), end = part_begin(job, part + 1), kept = begin;
+    for (size_t i = begin; i < end; i++) {
+        job->pairs[kept] = job->pairs[i];
+        kept += is_near(job, job->pairs[i]);
+    }
+    job->kept[part] = kept - begin;
+}
+
+/* copies the pairs that are near to the list; they are reordered */
+static bool keep_near(near_job *job, pel_pair *pairs, size_t count, pel_pool *pool, pel_pair_list *list)
+{
+    job->pairs = pairs;
+    job->count = count;
+    list->count = 0;
+    if (count == 0)
+        return true;
+    pel_pool_run(pool, PARTS, keep_near_of_part, job);
+    size_t total = 0;
+    for (int part = 0; part < PARTS; part++)
+        total += job->kept[part];
+    if (!pel_reserve((void **)&list->pairs, &list->capacity, total, sizeof *list->pairs))
+        return false;
+    for (int part = 0; part < PARTS; part++) {
+        if (job->kept[part] > 0)
+            memcpy(list->pairs + list->count, pairs + part_begin(job, part), job->kept[part] * sizeof *pairs);
+        list->count += job->kept[part];
+    }
+    return true;
+}
+
+/* counts slow steps in which a try is put off, longer each time that the last one served few */
+static bool is_worth_it(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double margin,
+                        pel_pool *pool)
+{
+    if (!(margin > 0) || !(WORTH_STEPS * longest_approach(start, end, clearance->point_count, pool) < margin))
+        return false;
+    if (clearance->reach > 0) {
+        int32_t length = clearance->pause_length == 0 ? 2 : 2 * clearance->pause_length;
+        clearance->pause_length = clearance->uses >= WORTH_USES ? 0 : length < PAUSE_LIMIT ? length : PAUSE_LIMIT;
+        clearance->pause = clearance->pause_length;
+        clearance->reach = 0;
+    }
+    clearance->pause -= clearance->pause > 0;
+    return clearance->pause == 0;
+}
+
+bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, const double (*start)[3],
+                         const double (*end)[3], double needed, double margin, pel_pool *pool)
+{
+    if (!is_worth_it(clearance, start, end, margin, pool))
+        return false;
+    double reach = needed * (1 + 2 * SLACK) + margin;
+    clearance->uses = 0;
+    if (pel_candidates_at_rest(candidates, start, reach, pool, NULL) != PEL_OK)
+        return false;
+    near_job job = {.tree = candidates->tree, .positions = start, .square = reach * reach};
+    if (!keep_near(&job, candidates->vertex_face, candidates->vertex_face_count, pool, &clearance->vertex_face))
+        return false;
+    job.edge_edge = true;
+    if (!keep_near(&job, candidates->edge_edge, candidates->edge_edge_count, pool, &clearance->edge_edge))
+        return false;
+    memcpy(clearance->positions, start, (size_t)clearance->point_count * sizeof *start);
+    clearance->reach = reach;
+    return true;
+}

@@ -1,0 +1,40 @@
+/* A certificate that no new pairs can come near: the positions of a surface at one time, and all pairs of its features
+   that were nearer to each other than `reach` then.
+
+   Let d(p) be the displacement of a point p from those positions. Two points of the surface can approach each other by
+   |d(p) - d(q)| at most. Displacements of all points lie in the box around those of the vertices, because points of
+   features are means of vertices and the ways are straight: so the diagonal of that box bounds every approach. The
+   larger of the diagonals at the start and at the end of a step bounds it on the whole way. As long as
+
+       needed + diagonal < reach,
+
+   every pair that comes nearer than `needed` in the step is among the known ones, and no tree needs to be searched. A
+   common translation of all points costs nothing. */
+#ifndef PEL_COLLIDE_CLEARANCE_H
+#define PEL_COLLIDE_CLEARANCE_H
+
+#include "bvh/candidates.h"
+
+typedef struct pel_clearance {
+    double (*positions)[3]; /* (point_count) */
+    int32_t point_count;
+    double reach; /* m; 0 = nothing is known */
+    pel_pair_list vertex_face, edge_edge;
+    int32_t uses;                /* queries that the present pairs served */
+    int32_t pause, pause_length; /* slow steps to wait for before the next try; length of the last such pause */
+} pel_clearance;
+
+/* PEL_OUT_OF_MEMORY */
+pel_status pel_clearance_create(int32_t point_count, pel_clearance *clearance, pel_error *error);
+void pel_clearance_clear(pel_clearance *clearance);
+
+/* Whether all pairs that come nearer than `needed` [m] on the way from start to end (point_count) are known. */
+bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double needed,
+                          pel_pool *pool);
+
+/* Searches all pairs nearer than needed + margin at `start`, if the way to `end` is so short that they will serve many
+   steps like this one. True = they are known now, and serve this step. False on failure too. */
+bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, const double (*start)[3],
+                         const double (*end)[3], double needed, double margin, pel_pool *pool);
+
+#endif

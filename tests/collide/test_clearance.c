@@ -1,0 +1,188 @@
+/* Known pairs against all pairs: as long as the clearance serves, nothing else comes near, whatever the motion. */
+#include "check.h"
+#include "failing_malloc.h"
+#include "random.h"
+
+#include "collide/clearance.h"
+#include "collide/collider.h"
+#include "pellicle/geometry.h"
+#include "pellicle/shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FREQUENCY = 4, STEPS = 60 };
+
+static const double needed = 0.05, margin = 0.1;
+
+typedef struct pieces {
+    pel_mesh *mesh; /* a sphere whose opposite sides are pressed together, so that pairs are near */
+    pel_candidates *candidates;
+    pel_clearance clearance;
+} pieces;
+
+static void begin(pieces *p)
+{
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    def.frequency = FREQUENCY;
+    assert_int_equal(pel_shape_create(&def, &p->mesh, NULL), PEL_OK);
+    for (int32_t v = 0; v < p->mesh->vertex_count; v++)
+        p->mesh->positions[v][2] *= 0.1;
+    assert_int_equal(pel_candidates_create((const double(*)[3])p->mesh->positions, p->mesh->vertex_count,
+                                           (const int32_t(*)[3])p->mesh->triangles, p->mesh->triangle_count, margin,
+                                           INT64_MAX, &p->candidates, NULL),
+                     PEL_OK);
+    assert_int_equal(pel_clearance_create(p->mesh->vertex_count, &p->clearance, NULL), PEL_OK);
+}
+
+static void end(pieces *p)
+{
+    pel_clearance_clear(&p->clearance);
+    pel_candidates_destroy(p->candidates);
+    pel_mesh_destroy(p->mesh);
+}
+
+static bool has_pair(const pel_pair_list *list, int32_t first, int32_t second)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (list->pairs[i].first == first && list->pairs[i].second == second)
+            return true;
+    return false;
+}
+
+static bool shares(const int32_t *a, int count_a, const int32_t *b, int count_b)
+{
+    for (int i = 0; i < count_a; i++)
+        for (int k = 0; k < count_b; k++)
+            if (a[i] == b[k])
+                return true;
+    return false;
+}
+
+/* every pair nearer than `distance` is known; returns how many there are */
+static int64_t check_known(const pieces *p, const double (*x)[3], double distance)
+{
+    const pel_tree *tree = p->candidates->tree;
+    double weights[4];
+    int64_t count = 0;
+    for (int32_t v = 0; v < tree->vertex_count; v++)
+        for (int32_t t = 0; t < tree->triangle_count; t++) {
+            const int32_t *c = tree->triangles[t];
+            if (shares(&v, 1, c, 3) ||
+                !(pel_closest_point_triangle(x[v], x[c[0]], x[c[1]], x[c[2]], weights) < distance * distance))
+                continue;
+            assert_true(has_pair(&p->clearance.vertex_face, v, t));
+            count++;
+        }
+    for (int32_t e = 0; e < tree->edge_count; e++)
+        for (int32_t f = e + 1; f < tree->edge_count; f++) {
+            const int32_t *a = tree->edges[e], *b = tree->edges[f];
+            if (shares(a, 2, b, 2) ||
+                !(pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights) < distance * distance))
+                continue;
+            assert_true(has_pair(&p->clearance.edge_edge, e, f));
+            count++;
+        }
+    return count;
+}
+
+static void move(const pel_mesh *mesh, double (*x)[3], double noise, const double shift[3], random_state *random)
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            x[v][k] += shift[k] + noise * random_between(random, -1, 1);
+}
+
+static void test_known_pairs(void **unused)
+{
+    (void)unused;
+    pieces p;
+    begin(&p);
+    random_state random = {7};
+    size_t size = (size_t)p.mesh->vertex_count * sizeof(double[3]);
+    double(*start)[3] = malloc(size), (*next)[3] = malloc(size);
+    const double shift[3] = {0.4, -1, 0.1};
+    memcpy(start, p.mesh->positions, size);
+    assert_false(pel_clearance_serves(&p.clearance, (const double(*)[3])start, (const double(*)[3])start, 0, NULL));
+    assert_true(pel_clearance_renew(&p.clearance, p.candidates, (const double(*)[3])start, (const double(*)[3])start,
+                                    needed, margin, NULL));
+    assert_true(check_known(&p, (const double(*)[3])start, needed + margin) > 100);
+    int served = 0;
+    for (int n = 0; n < STEPS; n++) {
+        memcpy(next, start, size);
+        move(p.mesh, next, 0.006, shift, &random);
+        if (!pel_clearance_serves(&p.clearance, (const double(*)[3])start, (const double(*)[3])next, needed, NULL))
+            break;
+        check_known(&p, (const double(*)[3])next, needed);
+        memcpy(start, next, size);
+        served++;
+    }
+    /* noise adds up until they no longer serve, and the common translation does not count */
+    assert_true(served > 2 && served < STEPS);
+    assert_false(pel_clearance_serves(&p.clearance, (const double(*)[3])start, (const double(*)[3])next, needed, NULL));
+    free(start);
+    free(next);
+    end(&p);
+}
+
+/* two points that approach each other by exactly the room that is left end it, at the start of a step or at its end;
+   what is not finite does too */
+static void test_bound(void **unused)
+{
+    (void)unused;
+    pieces p;
+    begin(&p);
+    const double(*rest)[3] = (const double(*)[3])p.mesh->positions;
+    size_t size = (size_t)p.mesh->vertex_count * sizeof(double[3]);
+    double(*moved)[3] = malloc(size);
+    memcpy(moved, rest, size);
+    assert_true(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
+    moved[3][1] += 0.5 * margin;
+    moved[8][1] -= 0.499 * margin;
+    assert_true(pel_clearance_serves(&p.clearance, rest, (const double(*)[3])moved, needed, NULL));
+    assert_false(pel_clearance_serves(&p.clearance, rest, (const double(*)[3])moved, 1.01 * needed, NULL));
+    moved[8][1] -= 0.002 * margin;
+    assert_false(pel_clearance_serves(&p.clearance, rest, (const double(*)[3])moved, needed, NULL));
+    assert_false(pel_clearance_serves(&p.clearance, (const double(*)[3])moved, rest, needed, NULL));
+    memcpy(moved, rest, size);
+    moved[5][0] = nan("");
+    assert_false(pel_clearance_serves(&p.clearance, rest, (const double(*)[3])moved, needed, NULL));
+    moved[5][0] = HUGE_VAL;
+    assert_false(pel_clearance_serves(&p.clearance, (const double(*)[3])moved, rest, needed, NULL));
+    free(moved);
+    end(&p);
+}
+
+/* fast steps are not worth a search, and slow ones after pairs that served little wait */
+static void test_worth(void **unused)
+{
+    (void)unused;
+    pieces p;
+    begin(&p);
+    const double(*rest)[3] = (const double(*)[3])p.mesh->positions;
+    size_t size = (size_t)p.mesh->vertex_count * sizeof(double[3]);
+    double(*moved)[3] = malloc(size);
+    memcpy(moved, rest, size);
+    moved[3][1] += 0.1 * margin;
+    const double(*far)[3] = (const double(*)[3])moved;
+    assert_false(pel_clearance_renew(&p.clearance, p.candidates, rest, far, needed, margin, NULL));
+    assert_false(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, 0, NULL));
+    assert_int_equal(p.candidates->counts.searches, 0);
+    assert_true(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
+    assert_false(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
+    assert_true(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
+    assert_int_equal(p.candidates->counts.searches, 2);
+    free(moved);
+    end(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_known_pairs),
+        cmocka_unit_test(test_bound),
+        cmocka_unit_test(test_worth),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
