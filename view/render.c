@@ -209,6 +209,8 @@ static void survey_tools(job *j, view_shot shot)
     for (int32_t t = 0; t < view_run_tool_count(run); ++t) {
         double position[3], rotation[4];
         const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
+        if (tool->shape == PEL_TOOL_SUPPORT)
+            continue;
         double radius = tool_radius(tool);
         if (radius < 0.35 * body_size(j))
             view_camera_see(&j->camera, position, radius);

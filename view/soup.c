@@ -260,6 +260,8 @@ pel_status view_soup_add_tool(view_soup *soup, const view_camera *camera, const 
         return add_box(soup, &f, tool->half_extents, error);
     case PEL_TOOL_MESH:
         return add_mesh(soup, &f, tool->mesh, error);
+    case PEL_TOOL_SUPPORT:
+        return PEL_OK;
     }
     return PEL_OK;
 }

@@ -110,6 +110,8 @@ const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
    it is a cavity within the rest of the mesh. The order of triangles and vertices stays, the last two corners of these
    triangles change places. So pressure acts on the enclosed volume whichever way the mesh was turned. */
 int32_t pel_model_turned_count(const pel_model *model, int32_t body);
+/* Vertices of a body's mesh that are pinned. */
+int32_t pel_model_pinned_count(const pel_model *model, int32_t body);
 /* True when the body's mesh has no boundary: it encloses a volume. */
 bool pel_model_is_closed(const pel_model *model, int32_t body);
 const char *pel_model_body_name(const pel_model *model, int32_t body);

@@ -75,7 +75,8 @@ typedef enum pel_tool_shape {
     PEL_TOOL_SPHERE,  /* radius */
     PEL_TOOL_CAPSULE, /* radius; axis along the tool's z from -half_length to +half_length */
     PEL_TOOL_BOX,     /* half_extents; sharp */
-    PEL_TOOL_MESH     /* mesh; needs contact (pel_contact_def) */
+    PEL_TOOL_MESH,    /* mesh; needs contact (pel_contact_def) */
+    PEL_TOOL_SUPPORT  /* a support that moves on keys: no surface; holds `vertices` of `body` from the first step on */
 } pel_tool_shape;
 
 /* Pose of a tool at a time: x -> exp(rotation_vector) rotation x + position.
@@ -106,7 +107,15 @@ typedef struct pel_tool_def {
                      grasp_until. A mesh has an inside when it is closed; of an open one its surface counts */
     double grasp_from, grasp_until; /* s */
     double reach;                   /* m */
-    double friction; /* Coulomb's coefficient, see pel_contact_def; below 0, as by default: that of contact */
+    double friction;        /* Coulomb's coefficient, see pel_contact_def; below 0, as by default: that of contact */
+    double grasp_max_force; /* N; 0 = no limit. Largest sum of the magnitudes of the forces on the held vertices. Where
+                               a step ends above it, the vertices with the largest forces are released first, until the
+                               forces of the rest are within it */
+    /* PEL_TOOL_SUPPORT: x = R (X - center) + position with the vertex at rest X and the pose (R, position) of the keys,
+       so position = center and no rotation is the shape at rest, where the support starts. The body must not refine */
+    const int32_t *vertices; /* (vertex_count) mesh vertices of `body`, none of them pinned, each once; copied */
+    int32_t vertex_count;
+    double center[3]; /* m, at rest */
 } pel_tool_def;
 
 pel_tool_def pel_tool_def_default(void);
@@ -243,11 +252,29 @@ const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool);
 typedef struct pel_tool_reading {
     double position[3];
     double rotation[4];
-    double force[3];       /* N, on the tool */
-    double torque[3];      /* N m about the tool's position */
-    int32_t contact_count; /* vertices touched or held */
+    double force[3];         /* N, on the tool */
+    double torque[3];        /* N m about the tool's position */
+    int32_t contact_count;   /* vertices touched or held */
+    int32_t held_count;      /* vertices that the grasp holds from now on */
+    bool is_held_back;       /* contact held the tool back in the last step, because a body could not give way */
+    int64_t lost_count;      /* vertices that tore out of the grasp since the start (grasp_max_force) */
+    double lost_time;        /* s, end of the step that lost the first ones; 0 = none yet */
+    int64_t held_back_count; /* steps in which the tool was held back, since the start */
+    double held_back_time;   /* s, end of the first of them; 0 = none yet */
 } pel_tool_reading;
 void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
+
+/* What a body does to its supports: pinned vertices, and tools of PEL_TOOL_SUPPORT.
+
+   Position-based methods: the multipliers of the constraints at the pinned vertices and the loads on them, mean of the
+   last step. Other methods: the forces of the body and the loads at the pinned vertices in the present state. The
+   weight of the pinned vertices counts; contacts on pinned vertices do not. */
+typedef struct pel_support_reading {
+    double force[3];      /* N, on the supports */
+    double torque[3];     /* N m, about the origin */
+    int32_t vertex_count; /* vertices pinned or held by them; 0 = the body has no support */
+} pel_support_reading;
+void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *reading);
 
 /* What contact did and cost, summed over all steps since the start. All zero without contact. */
 typedef struct pel_contact_statistics {
@@ -287,7 +314,7 @@ typedef struct pel_solver_reading {
                          act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
     int32_t substeps; /* of the last step; of the next one before the first step */
     int32_t least_substeps, most_substeps; /* of all steps so far */
-    int32_t needed_substeps;               /* xpbd: what automatic substeps would be without max_substeps */
+    int32_t needed_substeps;               /* xpbd: the most that automatic substeps would be without max_substeps */
     bool second_order;                     /* xpbd: in use */
     double softness, most_softness;        /* pel_sim_softness, and the largest so far */
 } pel_solver_reading;

@@ -550,6 +550,15 @@ bool pel_model_is_closed(const pel_model *model, int32_t body)
     return model->bodies[body].closed;
 }
 
+int32_t pel_model_pinned_count(const pel_model *model, int32_t body)
+{
+    const pel_body *own = &model->bodies[body];
+    int32_t count = 0;
+    for (int32_t v = 0; v < own->mesh->vertex_count; v++)
+        count += !(model->inverse_mass[own->slot_of_vertex[v]] > 0);
+    return count;
+}
+
 const char *pel_model_body_name(const pel_model *model, int32_t body)
 {
     return model->bodies[body].name;

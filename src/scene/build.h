@@ -30,6 +30,10 @@ typedef struct pel_scene_body_source {
 pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const pel_scene_value *map, const char *key,
                                     const char *row_path, pel_quantity *quantity);
 
+/* The vertices of a region, listed also when it is all of them; a null value is none. */
+pel_status pel_scene_read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
+                                   const int32_t **vertices, int32_t *count);
+
 /* Membrane, bending, fibres and pressure of a body (build_shell.c). */
 pel_status pel_scene_build_shell(const pel_scene_body_source *source, pel_shell_def *shell);
 

@@ -136,9 +136,8 @@ static pel_status read_materials(const pel_scene_body_source *source, pel_body_d
     return status;
 }
 
-/* the vertices of a region, listed also when it is all of them */
-static pel_status read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
-                                const int32_t **vertices, int32_t *count)
+pel_status pel_scene_read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
+                                   const int32_t **vertices, int32_t *count)
 {
     if (value == NULL)
         return PEL_OK;
@@ -222,7 +221,7 @@ static pel_status read_refine(const pel_scene_body_source *source, pel_refine_de
     const pel_scene_value *levels = pel_scene_value_entry(value, "region_levels");
     refine->region_levels = (int32_t)levels->number;
     if (refine->region_levels <= refine->levels)
-        return read_vertices(source, region, &refine->region, &refine->region_count);
+        return pel_scene_read_vertices(source, region, &refine->region, &refine->region_count);
     pel_scene_fail(source->reader, &levels->place, "region_levels is %d, the body has %d levels",
                    (int)refine->region_levels, (int)refine->levels);
     pel_fail_remedy(source->reader->error, "raise levels, or give at most %d", (int)refine->levels);
@@ -243,7 +242,11 @@ static pel_status read_body(const pel_scene_body_source *source, pel_body_def *b
         status = pel_scene_build_shell(source, &body->shell);
     if (status != PEL_OK)
         return status;
-    return read_vertices(source, pel_scene_value_entry(source->value, "pinned"), &body->pinned, &body->pinned_count);
+    /* a support that moves is a tool (build_sim.c) */
+    if (pel_scene_value_entry(source->value, "support") != NULL)
+        return PEL_OK;
+    return pel_scene_read_vertices(source, pel_scene_value_entry(source->value, "pinned"), &body->pinned,
+                                   &body->pinned_count);
 }
 
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,

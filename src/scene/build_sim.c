@@ -98,7 +98,9 @@ static pel_status read_loads(pel_scene_reader *reader, const pel_scene_value *li
     return status;
 }
 
-static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *list, pel_tool_def *tool)
+/* positions are about an origin */
+static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *list, const double origin[3],
+                              pel_tool_def *tool)
 {
     int32_t count = 0;
     pel_pose_key *keys = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *keys);
@@ -108,6 +110,8 @@ static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *l
         pel_pose_key *key = &keys[count++];
         key->time = pel_scene_value_number(value, "time");
         pel_scene_value_numbers(pel_scene_value_entry(value, "position"), key->position);
+        for (int i = 0; i < 3; i++)
+            key->position[i] += origin[i];
         key->rotation[3] = 1;
         pel_status status =
             pel_scene_rotation_vector(reader, pel_scene_value_entry(value, "rotation"), key->rotation_vector);
@@ -181,21 +185,63 @@ static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *val
         status = find_body(reader, body, model, &tool->body);
     if (status == PEL_OK && grasp != NULL) {
         tool->reach = pel_scene_value_number(grasp, "reach");
+        tool->grasp_max_force =
+            pel_scene_value_entry(grasp, "max_force") != NULL ? pel_scene_value_number(grasp, "max_force") : 0;
         status = read_times(reader, grasp, &tool->grasp_from, &tool->grasp_until);
     }
-    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), tool) : status;
+    static const double origin[3] = {0};
+    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), origin, tool) : status;
 }
 
-static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *list, const mesh_store *store,
+/* pinned vertices that move; the motion is that of the center, from where it is at rest */
+static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *value, const pel_body_def *body,
+                               int32_t number, pel_tool_def *tool)
+{
+    const pel_scene_value *support = pel_scene_value_entry(value, "support");
+    size_t size = strlen(body->name) + sizeof "_support";
+    char *name = pel_arena_take(reader->arena, size, 1);
+    if (name == NULL)
+        return pel_fail_memory(reader->error);
+    snprintf(name, size, "%s_support", body->name);
+    *tool = pel_tool_def_default();
+    tool->name = name;
+    tool->shape = PEL_TOOL_SUPPORT;
+    tool->body = number;
+    tool->press = false;
+    pel_scene_value_numbers(pel_scene_value_entry(support, "center"), tool->center);
+    const pel_scene_body_source source = {reader, value, body->mesh};
+    pel_status status =
+        pel_scene_read_vertices(&source, pel_scene_value_entry(value, "pinned"), &tool->vertices, &tool->vertex_count);
+    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(support, "motion"), tool->center, tool)
+                            : status;
+}
+
+/* after the tools of the scene */
+static pel_status read_supports(pel_scene_reader *reader, const pel_scene_value *bodies, const pel_scene *scene,
+                                pel_tool_def *tools, int32_t *count)
+{
+    pel_status status = PEL_OK;
+    int32_t b = 0;
+    for (const pel_scene_value *value = bodies->first; status == PEL_OK && value != NULL; value = value->next, b++)
+        if (pel_scene_value_entry(value, "support") != NULL)
+            status = read_support(reader, value, &scene->model.bodies[b], b, &tools[(*count)++]);
+    return status;
+}
+
+static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *root, const mesh_store *store,
                              pel_scene *scene)
 {
-    pel_tool_def *tools = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *tools);
+    const pel_scene_value *list = pel_scene_value_entry(root, "tools"), *bodies = pel_scene_value_entry(root, "bodies");
+    size_t most = (size_t)pel_scene_value_count(list) + (size_t)pel_scene_value_count(bodies);
+    pel_tool_def *tools = pel_arena_take(reader->arena, most, sizeof *tools);
     if (tools == NULL)
         return pel_fail_memory(reader->error);
     pel_status status = pel_scene_check_names(reader, list);
     int32_t count = 0;
     for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
         status = read_tool(reader, value, &scene->model, store, &tools[count++]);
+    if (status == PEL_OK)
+        status = read_supports(reader, bodies, scene, tools, &count);
     scene->sim.tools = tools;
     scene->sim.tool_count = count;
     return status;
@@ -333,7 +379,7 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     read_stop(pel_scene_value_entry(root, "stop"), scene);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
-        status = read_tools(reader, pel_scene_value_entry(root, "tools"), &store, scene);
+        status = read_tools(reader, root, &store, scene);
     if (status == PEL_OK)
         status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;

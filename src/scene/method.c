@@ -12,6 +12,15 @@ static bool is_pinned(const pel_model *model, int32_t body)
     return false;
 }
 
+/* held by a support that moves */
+static bool is_supported(const pel_scene *scene, int32_t body)
+{
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        if (scene->sim.tools[t].shape == PEL_TOOL_SUPPORT && scene->sim.tools[t].body == body)
+            return true;
+    return false;
+}
+
 /* a force that a free body cannot balance: gravity, a load, a pressure on an open surface or on a part of it */
 static bool is_driven(const pel_scene *scene, const pel_model *model, int32_t b)
 {
@@ -39,7 +48,7 @@ static bool is_caving(const pel_shell *shell)
 static bool has_rest(const pel_scene *scene, const pel_model *model)
 {
     for (int32_t b = 0; b < model->body_count; b++) {
-        bool held = is_pinned(model, b) || model->bodies[b].has_volumetric;
+        bool held = is_pinned(model, b) || is_supported(scene, b) || model->bodies[b].has_volumetric;
         if ((!held && is_driven(scene, model, b)) || is_caving(model->bodies[b].shell))
             return false;
     }

@@ -23,6 +23,7 @@ typedef struct pel_run_totals {
     int64_t rise_count;        /* frames whose volume is more than that of the frame before */
     double rise_sum, rise_max; /* of the volume ratio in these */
     pel_warning_tallies warnings;
+    int64_t lost_count;             /* vertices that grasps have lost */
     pel_contact_statistics contact; /* at the last frame */
 } pel_run_totals;
 

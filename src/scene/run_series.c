@@ -16,9 +16,9 @@ static const char first_columns[] = "frame,time,volume_ratio,area_ratio,kinetic_
                                     "max_force,vertices,triangles,contacts,step_ms";
 enum { FIRST_COLUMN_COUNT = 12 };
 
-static const char *const tool_columns[] = {"force", "force_x", "force_y", "force_z",  "contacts",
-                                           "x",     "y",       "z",       "force_max"};
-enum { TOOL_COLUMN_COUNT = sizeof tool_columns / sizeof tool_columns[0], LONGEST_TOOL_COLUMN = 16 };
+static const char *const tool_columns[] = {"force", "force_x", "force_y", "force_z",   "contacts",
+                                           "x",     "y",       "z",       "force_max", "held"};
+enum { TOOL_COLUMN_COUNT = sizeof tool_columns / sizeof tool_columns[0], LONGEST_TOOL_COLUMN = 20 };
 
 static pel_status fail_series(const pel_run_series *series, int number, pel_error *error)
 {
@@ -52,8 +52,8 @@ static void put_count(pel_run_series *series, const char *before, int64_t value)
     put_text(series, text);
 }
 
-/* a column's name, in quotes when the tool's name has a character that separates columns */
-static void put_tool_column(pel_run_series *series, const char *tool, const char *column)
+/* a column's name, in quotes when the name of the tool or body has a character that separates columns */
+static void put_named_column(pel_run_series *series, const char *tool, const char *column)
 {
     bool quoted = strpbrk(tool, ",\"\r\n") != NULL;
     put_text(series, quoted ? ",\"" : ",");
@@ -64,6 +64,15 @@ static void put_tool_column(pel_run_series *series, const char *tool, const char
     put_text(series, "_");
     put_text(series, column);
     put_text(series, quoted ? "\"" : "");
+}
+
+static const char *const support_columns[] = {"support_force", "support_force_x", "support_force_y", "support_force_z"};
+enum { SUPPORT_COLUMN_COUNT = sizeof support_columns / sizeof support_columns[0] };
+
+/* a body whose pins have no tool for columns */
+static bool has_pins(const pel_sim *sim, int32_t body)
+{
+    return pel_model_pinned_count(pel_sim_model(sim), body) > 0;
 }
 
 static const char *const shell_columns[] = {"membrane_energy", "bending_energy", "fibre_energy"};
@@ -89,7 +98,11 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     put_text(series, first_columns);
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         for (int c = 0; c < TOOL_COLUMN_COUNT; c++)
-            put_tool_column(series, pel_sim_tool_name(sim, t), tool_columns[c]);
+            put_named_column(series, pel_sim_tool_name(sim, t), tool_columns[c]);
+    const pel_model *model = pel_sim_model(sim);
+    for (int32_t b = 0; b < pel_model_body_count(model); b++)
+        for (int c = 0; has_pins(sim, b) && c < SUPPORT_COLUMN_COUNT; c++)
+            put_named_column(series, pel_model_body_name(model, b), support_columns[c]);
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++) {
         put_text(series, ",");
         put_text(series, shell_columns[c]);
@@ -117,6 +130,17 @@ static void put_tool(pel_run_series *series, const pel_sim *sim, int32_t tool, d
     for (int i = 0; i < 3; i++)
         put_number(series, reading.position[i]);
     put_number(series, force_max);
+    put_count(series, ",", reading.held_count);
+}
+
+static void put_support(pel_run_series *series, pel_sim *sim, int32_t body)
+{
+    pel_support_reading reading;
+    pel_sim_get_support(sim, body, &reading);
+    const double *f = reading.force;
+    put_number(series, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+    for (int i = 0; i < 3; i++)
+        put_number(series, f[i]);
 }
 
 static void put_ledger(pel_run_series *series, const pel_sim_ledger *ledger)
@@ -154,12 +178,14 @@ static void put_contact(pel_run_series *series, const pel_run_row *row)
 
 static pel_status prepare(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error)
 {
-    size_t tool_room = TOOL_COLUMN_COUNT * (2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE);
+    size_t name_room = 2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE;
+    size_t tool_room = TOOL_COLUMN_COUNT * name_room;
     *series = (pel_run_series){.descriptor = -1, .path = path};
     series->room =
         sizeof first_columns +
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT) * PEL_NUMBER_SIZE +
-        (size_t)pel_sim_tool_count(sim) * tool_room;
+        (size_t)pel_sim_tool_count(sim) * tool_room +
+        (size_t)pel_model_body_count(pel_sim_model(sim)) * SUPPORT_COLUMN_COUNT * name_room;
     series->line = pel_allocate(series->room, 1);
     return series->line != NULL ? PEL_OK : pel_fail_memory(error);
 }
@@ -244,7 +270,7 @@ pel_status pel_run_series_resume(pel_run_series *series, const char *path, const
     return PEL_OK;
 }
 
-pel_status pel_run_series_add(pel_run_series *series, const pel_sim *sim, const pel_run_row *row, pel_error *error)
+pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_run_row *row, pel_error *error)
 {
     const pel_sim_measures *m = &row->measures;
     series->length = 0;
@@ -259,6 +285,9 @@ pel_status pel_run_series_add(pel_run_series *series, const pel_sim *sim, const 
     put_number(series, round(row->step_ms * 1e5) / 1e5);
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
         put_tool(series, sim, t, row->tool_force_max[t]);
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
+        if (has_pins(sim, b))
+            put_support(series, sim, b);
     const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++)
         put_number(series, energies[c]);

@@ -31,7 +31,7 @@ pel_status pel_run_series_resume(pel_run_series *series, const char *path, const
                                  pel_error *error);
 
 /* On failure the file is as it was. */
-pel_status pel_run_series_add(pel_run_series *series, const pel_sim *sim, const pel_run_row *row, pel_error *error);
+pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_run_row *row, pel_error *error);
 
 void pel_run_series_close(pel_run_series *series);
 

@@ -115,6 +115,22 @@ static void count_entry(pel_file_writer *writer, const char *key, int64_t value)
     pel_file_writer_printf(writer, "%" PRId64, value);
 }
 
+static void write_event(pel_file_writer *writer, const char *count_key, int64_t count, const char *time_key,
+                        double time)
+{
+    pel_file_writer_printf(writer, ", \"%s\": %" PRId64 ", \"%s\": ", count_key, count, time_key);
+    write_number(writer, count > 0 ? time : (double)NAN);
+}
+
+static void write_tool_states(pel_file_writer *writer, const pel_sim *sim, int32_t tool)
+{
+    pel_tool_reading reading;
+    pel_sim_get_tool(sim, tool, &reading);
+    pel_file_writer_printf(writer, ", \"held\": %d", (int)reading.held_count);
+    write_event(writer, "lost", reading.lost_count, "lost_time", reading.lost_time);
+    write_event(writer, "held_back_steps", reading.held_back_count, "held_back_time", reading.held_back_time);
+}
+
 static void write_tools(pel_file_writer *writer, const pel_run_state *run)
 {
     int32_t count = pel_sim_tool_count(run->sim);
@@ -125,6 +141,7 @@ static void write_tools(pel_file_writer *writer, const pel_run_state *run)
         write_text(writer, pel_sim_tool_name(run->sim, t));
         pel_file_writer_printf(writer, ", \"max_force\": ");
         write_number(writer, run->tool_force[count + t]);
+        write_tool_states(writer, run->sim, t);
         pel_file_writer_printf(writer, "}");
     }
     pel_file_writer_printf(writer, "]");

@@ -78,7 +78,22 @@ static const pel_scene_row rows[] = {
      .doc = "volumetric springs and damping grow with the area of a vertex, so that finer meshes behave alike"},
     {"bodies[].reference_count", INTEGER, COUNT_FROM(1), .preset = "252",
      .doc = "with scale_with_area: the numbers are those of a vertex with this fraction of the area (paper A: 252)"},
-    {"bodies[].pinned", REGION, .doc = "vertices that never move; leave out for none"},
+    {"bodies[].pinned", REGION, .doc = "vertices that never move, or move with `support`; leave out for none"},
+    {"bodies[].support", MAP, .needs = "pinned",
+     .doc = "moves the pinned vertices as a rigid support; leave out to keep them still"},
+    {"bodies[].support.center", VECTOR, .unit = "m", .preset = "[0, 0, 0]",
+     .doc = "point at rest that rotations are about"},
+    {"bodies[].support.motion", LIST, COUNT_FROM(1), REQUIRED,
+     .doc = "poses over time, linear between the keys in position and angle; before the first and after the last it "
+            "stands still"},
+    {"bodies[].support.motion[]", MAP, .doc = "one pose"},
+    {"bodies[].support.motion[].time", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "time of the pose"},
+    {"bodies[].support.motion[].position", VECTOR, .unit = "m", .preset = "[0, 0, 0]",
+     .doc = "displacement of the center from where it is at rest"},
+    {"bodies[].support.motion[].rotation", MAP, .doc = "turns the support about its center; leave out for none"},
+    {"bodies[].support.motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
+    {"bodies[].support.motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
+     .doc = "angle, counter-clockwise; 720 is two turns from 0"},
 
     {"bodies[].membrane", MAP,
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); leave out for none"},
@@ -197,6 +212,9 @@ static const pel_scene_row rows[] = {
     {"tools[].grasp.reach", NUMBER, .unit = "m", POSITIVE, REQUIRED,
      .doc = "when it closes it holds the vertices inside it (of a mesh: if it is closed) and those this near to its "
             "surface"},
+    {"tools[].grasp.max_force", NUMBER, .unit = "N", POSITIVE,
+     .doc = "largest sum of the magnitudes of the forces on the held vertices; above it the vertices with the largest "
+            "forces tear out first; leave out for no limit"},
     {"tools[].motion", LIST, COUNT_FROM(1), REQUIRED,
      .doc = "poses over time, linear between the keys in position and angle; one key for a tool that stands still"},
     {"tools[].motion[]", MAP, .doc = "one pose"},

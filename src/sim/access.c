@@ -39,7 +39,7 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
 }
 
 /* forces of eq. and of shells with the loads at the present time, into sim->force; once for each state */
-static void compute_forces(pel_sim *sim)
+void pel_sim_compute_forces(pel_sim *sim)
 {
     const pel_state *state = sim->state;
     if (sim->force_is_present)
@@ -54,7 +54,7 @@ static void compute_forces(pel_sim *sim)
 
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
 {
-    compute_forces(sim);
+    pel_sim_compute_forces(sim);
     copy_out(sim, body, sim->force, forces);
 }
 
@@ -289,7 +289,7 @@ void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
 {
     const pel_model *model = sim->model;
     double spring_sum = 0, volumetric_sum = 0, kinetic_sum = 0;
-    compute_forces(sim);
+    pel_sim_compute_forces(sim);
     for (int32_t slice = 0; slice < model->slice_count; slice++) {
         pel_wide spring, volumetric;
         pel_slice_energy(model, sim->state, slice, &spring, &volumetric);

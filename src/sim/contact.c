@@ -600,7 +600,7 @@ static pel_status step(pel_sim *sim, double longest, pel_error *error)
         return status;
     double began = seconds_now();
     for (int32_t i = 0; i < sim->tool_count; i++)
-        sim->tools[i].blocked = false;
+        sim->tools[i].is_held_back = false;
     /* the cubic may have missed some */
     if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
         status = pel_contact_look(sim, error);

@@ -296,9 +296,13 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
             descent->penalty = fmin(STIFFENING * descent->penalty, MOST_PENALTY);
         before = error_of_gaps;
         status = find_constraints(sim, is_last, &again, error);
+        /* nothing touches: go on minimising until the forces balance */
         if (descent->count == 0 && !had_any) {
             sum->converged = round.converged;
-            break;
+            problem.goes_on = true;
+            if (round.stuck)
+                break;
+            continue;
         }
         closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= 1;
         sum->converged = closed && round.residual <= tolerance_of(sim, loads);

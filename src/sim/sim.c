@@ -138,6 +138,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
+        status = pel_supports_create(sim, error);
+    if (status == PEL_OK)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
@@ -174,6 +176,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_ledger_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
+    pel_supports_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
@@ -308,9 +311,11 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
     }
+    pel_supports_read(sim);
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(state);
+    pel_tools_end_step(sim, next);
     pel_weights_follow(sim);
     if (stepper->accept != NULL)
         stepper->accept(sim);
@@ -387,4 +392,10 @@ void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *readin
     memcpy(reading->force, t->force, sizeof reading->force);
     memcpy(reading->torque, t->torque, sizeof reading->torque);
     reading->contact_count = t->contact_count;
+    reading->held_count = t->held_count;
+    reading->lost_count = t->tally.lost_count;
+    reading->lost_time = t->tally.lost_time;
+    reading->is_held_back = t->is_held_back;
+    reading->held_back_count = t->tally.held_back_count;
+    reading->held_back_time = t->tally.held_back_time;
 }

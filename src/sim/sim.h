@@ -60,6 +60,12 @@ typedef struct pel_plane {
 /* planes a tool remembers at most; they matter where it touches few, large triangles */
 enum { PEL_PLANE_LIMIT = 1024 };
 
+/* What happened to a tool since the start. */
+typedef struct pel_tool_tally {
+    int64_t held_back_count, lost_count; /* steps; vertices */
+    double held_back_time, lost_time;    /* s, of the first one; 0 = none yet */
+} pel_tool_tally;
+
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;              /* of a mesh: the sphere about it */
@@ -73,15 +79,21 @@ typedef struct pel_tool {
     int32_t body;
     bool press, grasp;
     double grasp_from, grasp_until, reach;
+    double grasp_max_force; /* N, 0 = no limit */
 
     pel_pose pose, pose_before; /* at present; at the start of the step */
     pel_pose pose_wanted;       /* at the end of the step, if nothing holds the tool back */
     pel_pose pose_substep;      /* at the start of the substep */
-    bool blocked;               /* the last step held it back */
+    bool blocked;               /* it was held back, and has not caught up with its keys yet */
+    bool is_held_back;          /* the last step held it back */
+    pel_tool_tally tally;       /* what happened to it so far; in snapshots */
     bool driven;                /* the caller sets the pose, keys are not used any more */
     pel_pose driven_pose;
     pel_grasp_phase phase;
     int32_t held_count;
+    int32_t *support; /* (support_count) of a keyed support: the places that it holds; else null */
+    int32_t support_count;
+    double center[3];     /* of a keyed support at rest */
     int32_t *held;        /* (held_count) vertices held */
     double (*anchors)[3]; /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
@@ -136,6 +148,7 @@ typedef struct pel_sim_solids pel_sim_solids;
 /* Substeps of xpbd at present and so far; in snapshots. */
 typedef struct pel_substeps_now {
     int32_t count, least, most;
+    int32_t needed;     /* the most so far, without max_substeps */
     int32_t is_stale;   /* the surface or the state has changed: choose anew before the next step */
     int32_t interval;   /* steps from the last look to the next one */
     int64_t next;       /* the step before which the next look is due */
@@ -177,25 +190,27 @@ struct pel_sim {
     int32_t load_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_sim_contacts *contacts;   /* (contact.h) null = none */
-    bool contact_in_loop;         /* the solver sweeps over them too */
-    bool self_contact;            /* no body can cut itself */
-    pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
-    bool force_is_present;        /* it holds the forces of the present state */
-    pel_tool_search *tool_search; /* null without tools */
-    int32_t *near_triangles;      /* (triangle_count) scratch of the tools; null without tools */
-    int32_t *plane_of_triangle;   /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
-    int64_t *looked_at;           /* (triangle_count) by place in near_triangles: pushes when it was looked at */
-    int64_t *moved_at;            /* (vertex_count) push that moved it last */
-    int64_t *cornered_at;         /* (vertex_count) the pressing that looked at it as a corner last */
-    int64_t push_count;           /* of all steps */
-    int64_t press_count;          /* likewise */
-    uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
-    pel_boundary boundary;        /* what tools hold; its arrays: */
-    int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */
-    double (*held_targets)[3];    /* (vertex_count) likewise */
-    bool held_is_listed;          /* the boundary is that of the tools */
-    pel_sim_solids *solids;       /* (tool_solid.h) methods with substeps; null = no tool presses */
+    pel_sim_contacts *contacts;    /* (contact.h) null = none */
+    bool contact_in_loop;          /* the solver sweeps over them too */
+    bool self_contact;             /* no body can cut itself */
+    pel_record *force;             /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;         /* it holds the forces of the present state */
+    pel_tool_search *tool_search;  /* null without tools */
+    int32_t *near_triangles;       /* (triangle_count) scratch of the tools; null without tools */
+    int32_t *plane_of_triangle;    /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
+    int64_t *looked_at;            /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;             /* (vertex_count) push that moved it last */
+    int64_t *cornered_at;          /* (vertex_count) the pressing that looked at it as a corner last */
+    int64_t push_count;            /* of all steps */
+    int64_t press_count;           /* likewise */
+    uint8_t *held;                 /* (vertex_count) 1 = a tool holds it */
+    pel_boundary boundary;         /* what tools hold; its arrays: */
+    int32_t *held_vertices;        /* (vertex_count) null when no tool grasps */
+    double (*held_targets)[3];     /* (vertex_count) likewise */
+    double (*grip_forces)[3];      /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
+    bool held_is_listed;           /* the boundary is that of the tools */
+    pel_sim_solids *solids;        /* (tool_solid.h) methods with substeps; null = no tool presses */
+    pel_support_reading *supports; /* (body_count) of pinned vertices, projected methods; null = nothing is pinned */
     pel_ledger ledger;
 };
 
@@ -289,7 +304,16 @@ void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
 
+/* ---- support.c ---- */
+/* PEL_OUT_OF_MEMORY */
+pel_status pel_supports_create(pel_sim *sim, pel_error *error);
+void pel_supports_destroy(pel_sim *sim);
+/* Projected methods: reads the forces on pinned vertices after a step, before it is accepted. */
+void pel_supports_read(pel_sim *sim);
+
 /* ---- access.c ---- */
+/* Forces of bodies and loads at the present state, into sim->force. */
+void pel_sim_compute_forces(pel_sim *sim);
 /* Fills the energies of the present state; other members stay as they are. */
 void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures);
 
@@ -380,6 +404,9 @@ void pel_tools_return(pel_sim *sim);
 void pel_tools_press(pel_sim *sim, double longest, bool only_round);
 /* Reads the forces of the step. */
 void pel_tools_read(pel_sim *sim, double time);
+/* After a step that is accepted, to `time`: grasps lose what exceeds their force, tools that were held back are
+   counted. (tool_grip.c) */
+void pel_tools_end_step(pel_sim *sim, double time);
 /* true when a point lies inside a closed body */
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 /* a keyed pose at a time */

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 3 };
+enum { SNAPSHOT_VERSION = 4 };
 
 typedef struct header {
     char magic[8];
@@ -134,6 +134,8 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
     transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
     transfer(at, &tool->driven, sizeof tool->driven);
     transfer(at, &tool->blocked, sizeof tool->blocked);
+    transfer(at, &tool->is_held_back, sizeof tool->is_held_back);
+    transfer(at, &tool->tally, sizeof tool->tally);
     transfer(at, &tool->phase, sizeof tool->phase);
     transfer(at, &tool->held_count, sizeof tool->held_count);
     transfer(at, &tool->contact_count, sizeof tool->contact_count);
@@ -206,8 +208,8 @@ static bool is_flag(const bool *flag)
 static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
 {
     const pel_model *model = sim->model;
-    if (!is_flag(&tool->driven) || !is_flag(&tool->blocked) || (unsigned)tool->phase > PEL_GRASP_DONE ||
-        tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
+    if (!is_flag(&tool->driven) || !is_flag(&tool->blocked) || !is_flag(&tool->is_held_back) ||
+        (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
         return false;
     for (int32_t p = 0; p < tool->plane_count; p++)
         if (tool->planes[p].triangle < 0 || tool->planes[p].triangle >= model->triangle_begin[model->body_count])
@@ -224,7 +226,7 @@ static bool restore_tools(pel_sim *sim)
     for (int32_t t = 0; !whole && t < sim->tool_count; t++) {
         pel_tool *tool = &sim->tools[t];
         tool->held_count = tool->plane_count = 0;
-        tool->driven = tool->blocked = false;
+        tool->driven = tool->blocked = tool->is_held_back = false;
         tool->phase = PEL_GRASP_DONE;
     }
     return whole;
@@ -275,6 +277,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, sim->loads[l].force, sizeof sim->loads[l].force);
     for (int32_t t = 0; t < sim->tool_count; t++)
         transfer_tool(at, &sim->tools[t], count);
+    if (sim->supports != NULL)
+        transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)

@@ -84,6 +84,8 @@ static void note(pel_sim *sim)
     now->least = now->least > 0 && now->least < now->count ? now->least : now->count;
     now->most = now->most > now->count ? now->most : now->count;
     now->softness = fmax(now->softness, pel_sim_softness(sim));
+    int32_t needed = needed_substeps(sim);
+    now->needed = now->needed > needed ? now->needed : needed;
 }
 
 static int32_t clamp_substeps(const pel_sim *sim, int32_t count)
@@ -219,7 +221,7 @@ void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading)
     reading->substeps = sim->solver.substeps;
     reading->least_substeps = compliant ? sim->substeps.now.least : sim->solver.substeps;
     reading->most_substeps = compliant ? sim->substeps.now.most : sim->solver.substeps;
-    reading->needed_substeps = compliant ? needed_substeps(sim) : sim->solver.substeps;
+    reading->needed_substeps = compliant ? sim->substeps.now.needed : sim->solver.substeps;
     reading->second_order = compliant && sim->solver.second_order != PEL_NO;
     reading->softness = pel_sim_softness(sim);
     reading->most_softness = sim->substeps.now.softness;

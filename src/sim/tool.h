@@ -88,6 +88,10 @@ double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
 /* a pose between two; share 0 and 1 give them exactly */
 void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
 
+/* ---- tool_grip.c ---- */
+/* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */
+void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
+
 /* ---- press.c ---- */
 /* Depth of one triangle in the tool, with the deepest point and the way out in the tool's frame (see pel_solid_depth).
  */

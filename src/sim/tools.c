@@ -18,6 +18,8 @@
 enum { ROUND_LIMIT = 4 };
 /* turns of a key at most: angles of more lose their digits */
 enum { MOST_TURNS = 1000000 };
+/* of a tool's size */
+#define CAUGHT_UP 1e-6
 static const double FULL_TURN = 6.283185307179586476925;
 
 pel_tool_def pel_tool_def_default(void)
@@ -66,6 +68,25 @@ static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *
     return PEL_OK;
 }
 
+static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error)
+{
+    if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
+        return refuse(error, tool, "support has no body or no vertices", "give a body and vertices of its mesh");
+    if (sim->given->bodies[def->body].detail != NULL)
+        return refuse(error, tool, "keyed support of a body that refines",
+                      "switch refine off for this body, or hold it by a tool with grasp");
+    if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
+        return refuse(error, tool, "center of the support is not finite", "give a point in metres");
+    for (int32_t i = 0; i < def->vertex_count; i++) {
+        int32_t v = def->vertices[i];
+        if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
+            return refuse(error, tool, "support names a vertex that does not exist", "give vertices of the mesh");
+        if (!(sim->model->inverse_mass[sim->model->bodies[def->body].slot_of_vertex[v]] > 0))
+            return refuse(error, tool, "support holds a vertex that is pinned", "pin it or let the support hold it");
+    }
+    return PEL_OK;
+}
+
 static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32_t tool, pel_error *error)
 {
     const pel_tool_def *def = &defs[tool];
@@ -91,7 +112,10 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
     if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
         return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
                       "give grasp_from < grasp_until and a reach of at least 0");
-    return check_shape(def, tool, error);
+    if (def->grasp && !(def->grasp_max_force >= 0))
+        return refuse(error, tool, "the largest force of a grasp is below 0 or not a number",
+                      "give grasp_max_force > 0 in newtons, or 0 for no limit");
+    return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
 }
 
 /* copies the mesh; the solid becomes the sphere about it */
@@ -107,6 +131,26 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
 
 static void sum_spins(pel_tool *tool);
 
+/* A keyed support grasps its vertices for ever. It starts at rest; where its first key is elsewhere it goes there in
+   the first step. Its size, for rotations, is that of the body. */
+static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
+{
+    const pel_body *body = &sim->model->bodies[def->body];
+    tool->support = pel_allocate((size_t)def->vertex_count, sizeof *tool->support);
+    if (tool->support == NULL)
+        return pel_fail_memory(error);
+    for (int32_t i = 0; i < def->vertex_count; i++)
+        tool->support[i] = body->slot_of_vertex[def->vertices[i]];
+    tool->support_count = def->vertex_count;
+    tool->grasp = true;
+    tool->grasp_from = 0;
+    tool->grasp_until = (double)INFINITY;
+    tool->press = false;
+    tool->solid.radius = tool->press_solid.radius = body->diameter;
+    pel_vec3_copy(def->center, tool->center);
+    return PEL_OK;
+}
+
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
     size_t vertex_count = (size_t)sim->model->vertex_count;
@@ -114,7 +158,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
                                            [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
                                            [PEL_TOOL_BOX] = PEL_SOLID_BOX,
-                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE};
+                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE,
+                                           [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
     tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
     memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
     tool->press_solid = tool->solid;
@@ -132,24 +177,35 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
     tool->friction = def->friction;
+    tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
     tool->planes_before = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes_before);
     tool->touches = pel_allocate(vertex_count, sizeof *tool->touches);
     tool->touch_of_vertex = pel_allocate(vertex_count, sizeof *tool->touch_of_vertex);
-    if (def->grasp) {
+    if (def->shape == PEL_TOOL_SUPPORT) {
+        pel_status status = create_support(sim, def, tool, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    if (tool->grasp) {
         tool->held = pel_allocate(vertex_count, sizeof *tool->held);
         tool->anchors = pel_allocate(vertex_count, sizeof *tool->anchors);
     }
     if (tool->keys == NULL || tool->key_spins == NULL || tool->planes == NULL || tool->planes_before == NULL ||
         tool->touches == NULL || tool->touch_of_vertex == NULL ||
-        (def->grasp && (tool->held == NULL || tool->anchors == NULL)))
+        (tool->grasp && (tool->held == NULL || tool->anchors == NULL)))
         return pel_fail_memory(error);
     memcpy(tool->keys, def->keys, (size_t)def->key_count * sizeof *tool->keys);
     tool->key_count = def->key_count;
     sum_spins(tool);
-    tool->pose = tool->pose_before = pel_tool_pose_at(tool, 0);
+    tool->pose = pel_tool_pose_at(tool, 0);
+    if (tool->support != NULL) {
+        tool->pose = (pel_pose){.rotation = {0, 0, 0, 1}};
+        pel_vec3_copy(tool->center, tool->pose.position);
+    }
+    tool->pose_before = tool->pose;
     return PEL_OK;
 }
 
@@ -161,7 +217,8 @@ static pel_status create_grips(pel_sim *sim, pel_error *error)
     size_t count = (size_t)sim->model->vertex_count;
     sim->held_vertices = pel_allocate(count, sizeof *sim->held_vertices);
     sim->held_targets = pel_allocate(count, sizeof *sim->held_targets);
-    if (sim->held_vertices == NULL || sim->held_targets == NULL)
+    sim->grip_forces = pel_allocate(count, sizeof *sim->grip_forces);
+    if (sim->held_vertices == NULL || sim->held_targets == NULL || sim->grip_forces == NULL)
         return pel_fail_memory(error);
     return sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
 }
@@ -186,14 +243,14 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     pel_status status = pel_tool_search_create(sim->model, &sim->tool_search, error);
     bool grasps = false;
     for (int32_t i = 0; i < count; i++)
-        grasps |= defs[i].grasp;
+        grasps |= defs[i].grasp || defs[i].shape == PEL_TOOL_SUPPORT;
     if (status == PEL_OK && grasps)
         status = create_grips(sim, error);
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
         status = check_tool(sim, defs, i, error);
         if (status == PEL_OK)
             status = create_tool(sim, &defs[i], &sim->tools[i], error);
-        if (status == PEL_OK && defs[i].press && defs[i].shape != PEL_TOOL_MESH)
+        if (status == PEL_OK && sim->tools[i].press && defs[i].shape != PEL_TOOL_MESH)
             status = check_outside(sim, i, error);
     }
     return status;
@@ -203,8 +260,9 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes, tool->planes_before,
-                          tool->touches, tool->touch_of_vertex, tool->held,   tool->anchors};
+        void *arrays[] = {tool->keys,          tool->key_spins, tool->planes,
+                          tool->planes_before, tool->touches,   tool->touch_of_vertex,
+                          tool->held,          tool->anchors,   tool->support};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
         pel_mesh_destroy(tool->mesh);
@@ -220,6 +278,7 @@ void pel_tools_destroy(pel_sim *sim)
     pel_free(sim->cornered_at);
     pel_free(sim->held_vertices);
     pel_free(sim->held_targets);
+    pel_free(sim->grip_forces);
 }
 
 /* ---- frames ---- */
@@ -352,6 +411,22 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
     }
 }
 
+/* anchors of a support are places at rest */
+static void hold_support(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->support_count; i++) {
+        int32_t v = tool->support[i];
+        double rest[3];
+        if (sim->held[v])
+            continue;
+        sim->held[v] = 1;
+        sim->state->position[v][3] = 0;
+        pel_vertex_position(sim->model->rest, v, rest);
+        pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
+        tool->held[tool->held_count++] = v;
+    }
+}
+
 static void release(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->held_count; i++) {
@@ -370,9 +445,11 @@ static bool update_grasp(pel_sim *sim, pel_tool *tool, double time)
         return false;
     if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
         tool->phase = PEL_GRASP_HOLDING;
-        for (int32_t b = 0; b < sim->model->body_count; b++)
+        for (int32_t b = 0; tool->support == NULL && b < sim->model->body_count; b++)
             if (pel_tool_acts_on(tool, b))
                 grasp_body(sim, tool, b);
+        if (tool->support != NULL)
+            hold_support(sim, tool);
         changed = true;
     }
     if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
@@ -396,6 +473,13 @@ static void list_held(pel_sim *sim)
         pel_projector_hold(sim->projector, sim->boundary.is_held);
 }
 
+/* force of a held vertex at a point on its tool */
+static void add_grip(pel_sim *sim, pel_tool *tool, int32_t v, const double point[3], const double force[3])
+{
+    pel_vec3_add(sim->grip_forces[v], force, sim->grip_forces[v]);
+    pel_tool_add_reaction(tool, point, force);
+}
+
 /* held vertices go where the tool takes them */
 static void carry(pel_sim *sim, pel_tool *tool)
 {
@@ -415,7 +499,7 @@ static void carry(pel_sim *sim, pel_tool *tool)
             state->velocity_next[v][c] = (pel_real)velocity[c];
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
-        pel_tool_add_reaction(tool, target, change);
+        add_grip(sim, tool, v, target, change);
     }
 }
 
@@ -461,14 +545,34 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
         if (sim->descent != NULL && !sim->held[touch->vertex] && (tool->mesh == NULL || pel_descent_sees_contacts(sim)))
             continue;
         static_force(sim, touch->vertex, force);
-        if (!sim->held[touch->vertex])
-            hold_against(sim, tool, touch->vertex, touch->push, force);
         pel_vertex_position(sim->state->position_next, touch->vertex, x);
-        pel_tool_add_reaction(tool, x, force);
+        if (sim->held[touch->vertex]) {
+            add_grip(sim, tool, touch->vertex, x, force);
+        } else {
+            hold_against(sim, tool, touch->vertex, touch->push, force);
+            pel_tool_add_reaction(tool, x, force);
+        }
     }
 }
 
-/* what the substeps recorded on held vertices, what draws them to their rest places, and their inertia */
+/* adds drag and damping of a held vertex, by its mean velocity in the step */
+static void add_damping(const pel_sim *sim, int32_t v, const double *factors, double force[3])
+{
+    const pel_model *model = sim->model;
+    const pel_record next = sim->state->position_next[v], before = sim->state->position[v];
+    double drag = factors[PEL_SPRING_DAMPING] * (double)model->damping[v] + sim->solver.drag * (double)model->mass[v];
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v], velocity[3], offset[3];
+    for (int k = 0; k < 3; k++) {
+        velocity[k] = (double)(next[k] - before[k]) / sim->step.dt;
+        offset[k] = (double)(next[k] - model->rest[v][k]);
+    }
+    double square = pel_vec3_squared_length(offset);
+    double along = square > 0 ? radial * pel_vec3_dot(velocity, offset) / square : 0;
+    pel_vec3_along(force, -drag, velocity, force);
+    pel_vec3_along(force, -along, offset, force);
+}
+
+/* what the substeps recorded on held vertices, what draws them to their rest places, damping and inertia */
 static void read_grip(pel_sim *sim, pel_tool *tool)
 {
     const pel_model *model = sim->model;
@@ -484,7 +588,8 @@ static void read_grip(pel_sim *sim, pel_tool *tool)
                 spring * (x[k] - (double)model->rest[v][k]) -
                 (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
         }
-        pel_tool_add_reaction(tool, x, force);
+        add_damping(sim, v, factors, force);
+        add_grip(sim, tool, v, x, force);
         pel_tool_touch(tool, v);
     }
 }
@@ -537,12 +642,13 @@ double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
     return pel_vec3_distance(a->position, b->position) + pel_vec3_length(turn) * pel_tool_size(tool);
 }
 
-/* a tool that was held back comes after its keys step by step: twice as fast as they go, or an eighth of the way */
+/* a tool that was held back catches up at twice its keyed speed, or by an eighth of the lag per step if that is more;
+   a lag below CAUGHT_UP of its size is closed at once */
 static pel_pose catch_up(const pel_tool *tool, double time, double dt)
 {
     pel_pose wanted = pel_tool_pose_at(tool, time), last = pel_tool_pose_at(tool, time - dt), pose;
     double behind = pel_tool_way(tool, &tool->pose, &wanted), stride = 2 * pel_tool_way(tool, &last, &wanted);
-    double share = behind > 0 ? fmax(stride / behind, 0.125) : 1;
+    double share = behind > CAUGHT_UP * pel_tool_size(tool) ? fmax(stride / behind, 0.125) : 1;
     pel_tool_pose_between(&tool->pose, &wanted, fmin(share, 1), &pose);
     return pose;
 }
@@ -591,6 +697,8 @@ void pel_tools_begin(pel_sim *sim, double time)
     for (int32_t i = 0; i < sim->tool_count; i++) {
         begin_tool(sim, &sim->tools[i], time);
         changed |= update_grasp(sim, &sim->tools[i], time);
+        for (int32_t k = 0; k < sim->tools[i].held_count; k++)
+            pel_vec3_set(sim->grip_forces[sim->tools[i].held[k]], 0, 0, 0);
     }
     if (sim->held_vertices != NULL && (changed || !sim->held_is_listed))
         list_held(sim);
@@ -646,7 +754,8 @@ static bool presses(const pel_tool *tool, bool only_round)
 
 void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 {
-    bool moved = true;
+    /* the substeps have kept solids out (tool_solid.h), and no guard looks at them */
+    bool moved = !pel_sim_is_projected(sim) || sim->contacts != NULL;
     for (int round = 0; moved && round < (sim->tool_count > 1 ? ROUND_LIMIT : 1); round++) {
         moved = false;
         for (int32_t i = 0; i < sim->tool_count; i++)
@@ -727,10 +836,7 @@ static void release_places(pel_sim *sim, pel_tool *tool)
             continue;
         for (int32_t i = 0; i < tool->held_count; i++)
             if (tool->held[i] == active->released[r]) {
-                tool->held[i] = tool->held[--tool->held_count];
-                pel_vec3_copy(tool->anchors[tool->held_count], tool->anchors[i]);
-                sim->held[active->released[r]] = 0;
-                sim->held_is_listed = false;
+                pel_tool_let_go(sim, tool, i);
                 break;
             }
     }

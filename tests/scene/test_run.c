@@ -22,7 +22,7 @@ static void test_files(void **unused)
     check_contains(test.run, "series.csv",
                    "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,max_force,"
                    "vertices,triangles,contacts,step_ms,probe_force,probe_force_x,probe_force_y,probe_force_z,"
-                   "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,clamp_force,");
+                   "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,probe_held,clamp_force,");
     check_contains(test.run, "summary.json", "{\n  \"status\": \"done\",\n  \"frames\": 10,\n  \"steps\": 60,\n");
     check_contains(test.run, "summary.json", "\"self_intersections_final\": 0,");
     assert_int_equal(test.summary.self_intersections_final, 0);
@@ -450,9 +450,42 @@ static void test_allocation_failures(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* pins that move are a tool of the body's name, those that do not move have columns of their own */
+static void test_supports(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "version: 1\nbodies:\n"
+        "  - { name: top, mesh: { shape: grid, nx: 4, ny: 4 }, membrane: { young: 1e4, thickness: 0.01 },\n"
+        "      pinned: { vertices: [0, 1] } }\n"
+        "  - { name: flag, mesh: { shape: grid, nx: 4, ny: 4 }, membrane: { young: 1e4, thickness: 0.01 },\n"
+        "      pinned: { vertices: [0, 4] },\n"
+        "      support: { center: [1, 2, 3], motion: [{ time: 0 }, { time: 0.1, position: [0, 0, 0.5],\n"
+        "        rotation: { axis: [0, 0, 1], angle: 90 } }] } }\n"
+        "gravity: [0, 0, -9.81]\nsolver: { method: xpbd, dt: 0.01 }\nduration: 0.2\noutput: { every_frame: 5 }\n";
+    char path[256];
+    pel_run_summary summary;
+    pel_scene *scene = load_scene(text, NULL, 0);
+    assert_int_equal(scene->sim.tool_count, 1);
+    const pel_tool_def *tool = &scene->sim.tools[0];
+    assert_string_equal(tool->name, "flag_support");
+    assert_true(tool->shape == PEL_TOOL_SUPPORT && tool->body == 1 && tool->vertex_count == 2 &&
+                tool->vertices[1] == 4);
+    assert_true(tool->keys[0].position[1] == 2 && tool->keys[1].position[2] == 3.5 && tool->center[0] == 1);
+    assert_true(scene->model.bodies[1].pinned_count == 0 && scene->model.bodies[0].pinned_count == 2);
+    pel_run_def def = pel_run_def_default();
+    def.folder = in_folder(path, "supported", "");
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
+    pel_scene_destroy(scene);
+    check_contains("supported", "series.csv", ",flag_support_force,flag_support_force_x,");
+    check_contains("supported", "series.csv", ",flag_support_held,top_support_force,top_support_force_x,");
+    check_contains("supported", "summary.json", "{\"name\": \"flag_support\", ");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_supports),
         cmocka_unit_test(test_files),
         cmocka_unit_test(test_frame_fields),
         cmocka_unit_test(test_refinement),

@@ -123,6 +123,35 @@ static void test_unconverged(void **unused)
     assert_null(find_warning(&summary, "unconverged"));
 }
 
+/* a grasp that tears out is told with its tool, vertices and time; the count goes through checkpoints */
+static void test_lost_grasp(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"tools.1.grasp.max_force=0.05"};
+    pel_run_summary summary;
+    run_scene(busy, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "grasp-lost");
+    assert_non_null(warning);
+    const pel_run_warning whole = *warning;
+    const char *lost_text = strstr(whole.text, "tool 'clamp' lost ");
+    assert_non_null(lost_text);
+    assert_non_null(strstr(lost_text, " vertices at t = "));
+    assert_true(warning->first_frame >= 1 && warning->count >= 1);
+    check_contains("warned", "summary.json", "{\"name\": \"clamp\", \"max_force\": ");
+    char lost[40];
+    snprintf(lost, sizeof lost, "\"lost\": %ld, \"lost_time\": 0.",
+             strtol(lost_text + strlen("tool 'clamp' lost "), NULL, 10));
+    check_contains("warned", "summary.json", lost);
+    check_contains("warned", "summary.json", "\"lost\": 0, \"lost_time\": null, \"held_back_steps\": 0");
+    run_scene(busy, overrides, 1, NULL, 4, &summary);
+    run_scene(busy, overrides, 1, "checkpoint", 0, &summary);
+    warning = find_warning(&summary, "grasp-lost");
+    assert_true(warning->first_frame == whole.first_frame && warning->count == whole.count);
+    assert_string_equal(warning->text, whole.text);
+    run_scene(busy, NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "grasp-lost"));
+}
+
 static void test_millimetres(void **unused)
 {
     (void)unused;
@@ -155,7 +184,7 @@ static void test_coarse_mesh(void **unused)
     run_scene(SHELL, overrides, 3, NULL, 1, &summary);
     const pel_run_warning *warning = find_warning(&summary, "coarse-mesh");
     assert_non_null(warning);
-    assert_non_null(strstr(warning->text, "subdivide the mesh 1 times"));
+    assert_non_null(strstr(warning->text, "pellicle subdivide -n 1"));
     run_scene(SHELL, overrides, 4, NULL, 1, &summary);
     assert_null(find_warning(&summary, "coarse-mesh"));
     overrides[0] = "bodies.0.membrane={ young: 1e6, thickness: 0.01 }";
@@ -202,6 +231,23 @@ static void test_energy_appears(void **unused)
     overrides[2] = "solver={ method: descent, iterations: 2000 }";
     run_scene(SHELL, overrides, 3, NULL, 0, &summary);
     assert_null(find_warning(&summary, "energy-appears"));
+}
+
+/* a grasp that closes beside the body, or before the tool is there, is told; one that holds is not */
+static void test_grasp_empty(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"tools=[{ name: grip, shape: sphere, radius: 0.02, press: false, grasp: { reach: 0.001, "
+                               "from: 0.01 }, motion: [{ position: [0, 0, 0.08] }] }]",
+                               "tools.0.motion.0.position=[0, 0, 0.06]"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "grasp-empty");
+    assert_non_null(warning);
+    assert_true(warning->first_frame == 1 && warning->count == 4);
+    assert_non_null(strstr(warning->text, "'grip'"));
+    run_scene(SHELL, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "grasp-empty"));
 }
 
 /* ---- without a run ---- */
@@ -287,11 +333,18 @@ static int two_threads(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clean_run),      cmocka_unit_test(test_softness),
-        cmocka_unit_test(test_unconverged),    cmocka_unit_test(test_millimetres),
-        cmocka_unit_test(test_coarse_mesh),    cmocka_unit_test(test_inverted_mesh),
-        cmocka_unit_test(test_energy_appears), cmocka_unit_test(test_tallies),
-        cmocka_unit_test(test_frames),         cmocka_unit_test(test_every_kind_has_a_text),
+        cmocka_unit_test(test_clean_run),
+        cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_unconverged),
+        cmocka_unit_test(test_lost_grasp),
+        cmocka_unit_test(test_millimetres),
+        cmocka_unit_test(test_coarse_mesh),
+        cmocka_unit_test(test_inverted_mesh),
+        cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_grasp_empty),
+        cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);
     return failures + cmocka_run_group_tests(tests, two_threads, clear_folder);
