@@ -107,6 +107,7 @@ typedef struct pel_tool_def {
                      grasp_until. A mesh has an inside when it is closed; of an open one its surface counts */
     double grasp_from, grasp_until; /* s */
     double reach;                   /* m */
+    double friction;        /* Coulomb's coefficient, see pel_contact_def; below 0, as by default: that of contact */
     double grasp_max_force; /* N; 0 = no limit. Largest sum of the magnitudes of the forces on the held vertices. Where
                                a step ends above it, the vertices with the largest forces are released first, until the
                                forces of the rest are within it */
@@ -140,8 +141,9 @@ typedef struct pel_contact_def {
     double thickness;          /* m, distance that is kept; 0 = relative_thickness */
     double relative_thickness; /* times the diagonal of the box about all bodies; at most half the shortest edge is
                                   taken, see pel_sim_contact_thickness */
-    double friction;           /* Coulomb's coefficient */
-    pel_ccd_method method;     /* how contacts are found; what guards the end of a step is always conservative */
+    double friction; /* Coulomb's coefficient of bodies and tools that have none of their own; a pair has the geometric
+                        mean of both (the mixing rule of Box2D: a smooth partner makes the pair smooth) */
+    pel_ccd_method method; /* how contacts are found; what guards the end of a step is always conservative */
     pel_contact_response response;
     bool allow_tangled; /* a start with intersections is accepted: those pairs are left alone until they are apart */
     int32_t sweeps;     /* over the contacts after a step, at most; 0 = 10 */

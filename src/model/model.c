@@ -28,6 +28,7 @@ pel_body_def pel_body_def_default(void)
         .volumetric_stiffness = {.value = 1.5},
         .volumetric_damping = {.value = 0.5},
         .reference_count = 252,
+        .friction = -1,
         .refine = {.rings = 2, .dwell = 50, .interval = 10, .memory_limit = (size_t)2 << 30},
         .shell = pel_shell_def_default(),
         .cookie = BODY_COOKIE,
@@ -70,6 +71,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         return pel_body_refuse(error, body, "mesh", 0, "give each body a mesh");
     if (!(b->mass > 0 && isfinite(b->mass)))
         return pel_body_refuse(error, body, "mass", b->mass, "give a finite mass above 0");
+    if (!isfinite(b->friction))
+        return pel_body_refuse(error, body, "friction", b->friction, "give a finite coefficient");
     if (b->reference_count < 1)
         return pel_body_refuse(error, body, "reference_count", b->reference_count, "give at least 1");
     const struct {
@@ -392,6 +395,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
     body->uniform_spring = body->plain_spring = k->field != NULL ? -1 : pel_quantity_at(k, 0);
     body->diameter = bounding_diagonal(def->mesh);
+    body->friction = def->friction;
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
 }

@@ -126,6 +126,9 @@ static pel_status read_materials(const pel_scene_body_source *source, pel_body_d
         {"volumetric", "stiffness", "bodies[].volumetric", &body->volumetric_stiffness},
         {"volumetric", "damping", "bodies[].volumetric", &body->volumetric_damping},
     };
+    const pel_scene_value *contact = pel_scene_value_entry(source->value, "contact");
+    if (contact != NULL)
+        body->friction = pel_scene_value_number(contact, "friction");
     pel_status status = read_mass(source, body);
     for (size_t i = 0; status == PEL_OK && i < sizeof quantities / sizeof quantities[0]; i++)
         status = pel_scene_build_quantity(source, pel_scene_value_entry(source->value, quantities[i].group),

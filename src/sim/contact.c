@@ -188,13 +188,31 @@ void pel_contacts_destroy(pel_sim *sim)
     if (contacts == NULL)
         return;
     pel_collider_destroy(contacts->collider);
-    void *arrays[] = {
-        contacts->triangles,      contacts->group_of_point, contacts->may_meet,    contacts->revisions,
-        contacts->tools,          contacts->start,          contacts->end,         contacts->substep_start,
-        contacts->substep_end,    contacts->list.contacts,  contacts->keys,        contacts->other_keys,
-        contacts->other_contacts, contacts->conflicts,      contacts->impacts,     contacts->solved,
-        contacts->zones,          contacts->rings,          contacts->wanted,      contacts->tangles.pairs,
-        contacts->tangles.keys,   contacts->before_event,   contacts->body_shares, contacts->body_impacts};
+    void *arrays[] = {contacts->triangles,
+                      contacts->group_of_point,
+                      contacts->friction_of_group,
+                      contacts->may_meet,
+                      contacts->revisions,
+                      contacts->tools,
+                      contacts->start,
+                      contacts->end,
+                      contacts->substep_start,
+                      contacts->substep_end,
+                      contacts->list.contacts,
+                      contacts->keys,
+                      contacts->other_keys,
+                      contacts->other_contacts,
+                      contacts->conflicts,
+                      contacts->impacts,
+                      contacts->solved,
+                      contacts->zones,
+                      contacts->rings,
+                      contacts->wanted,
+                      contacts->tangles.pairs,
+                      contacts->tangles.keys,
+                      contacts->before_event,
+                      contacts->body_shares,
+                      contacts->body_impacts};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(contacts);
@@ -208,7 +226,10 @@ static bool make_contact(const pel_sim *sim, const pel_collision *pair, const pe
 {
     const pel_sim_contacts *contacts = sim->contacts;
     double separation = contacts->thickness, free = 0;
-    *contact = (pel_contact){.friction = (pel_real)contacts->def.friction};
+    /* points 0 and 3 are of either side */
+    const int32_t *group = contacts->group_of_point;
+    double friction = pel_contact_friction(contacts, group[pair->vertices[0]], group[pair->vertices[3]]);
+    *contact = (pel_contact){.friction = (pel_real)friction};
     double drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = pair->vertices[i];

@@ -93,6 +93,7 @@ struct pel_sim_contacts {
     int32_t triangle_limit;
     int32_t *group_of_point; /* (point_count) its body, or body_count and its tool */
     uint8_t *may_meet;
+    double *friction_of_group;                     /* (bodies, then tools) */
     int64_t *revisions;                            /* (body_count) of the surface in the collider */
     pel_contact_tool *tools;                       /* (tool_count) */
     double (*start)[3], (*end)[3];                 /* (point_count) */
@@ -173,6 +174,9 @@ void pel_contact_tool_points(const pel_contact_tool *tool, const pel_pose *pose,
 int32_t pel_contact_tool_of(const pel_sim *sim, int32_t point);
 /* the triangles at the present positions, as a mesh that nothing is to be freed of */
 pel_mesh pel_contact_mesh(const pel_sim *sim);
+
+/* Coulomb's coefficient between two groups: bodies, then tools */
+double pel_contact_friction(const pel_sim_contacts *contacts, int32_t a, int32_t b);
 
 /* ---- contact_round.c ---- */
 /* Adds a conflict for each triangle that comes too near to a sphere or capsule between start and end. */

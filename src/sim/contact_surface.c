@@ -168,6 +168,22 @@ static void set_groups(pel_sim *sim)
     }
 }
 
+static void set_friction(pel_sim *sim)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    for (int32_t i = 0; i < sim->model->body_count + sim->tool_count; i++) {
+        int32_t tool = i - sim->model->body_count;
+        double own = tool < 0 ? sim->model->bodies[i].friction : sim->tools[tool].friction;
+        contacts->friction_of_group[i] = own >= 0 ? own : contacts->def.friction;
+    }
+}
+
+double pel_contact_friction(const pel_sim_contacts *contacts, int32_t a, int32_t b)
+{
+    double first = contacts->friction_of_group[a], second = contacts->friction_of_group[b];
+    return first == second ? first : sqrt(first * second);
+}
+
 static pel_status allocate_surface(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
@@ -186,6 +202,7 @@ static pel_status allocate_surface(pel_sim *sim, pel_error *error)
     contacts->triangles = pel_allocate((size_t)contacts->triangle_limit, sizeof *contacts->triangles);
     contacts->group_of_point = pel_allocate((size_t)point_count, sizeof *contacts->group_of_point);
     contacts->may_meet = pel_allocate((size_t)group_count * (size_t)group_count, sizeof *contacts->may_meet);
+    contacts->friction_of_group = pel_allocate((size_t)group_count, sizeof *contacts->friction_of_group);
     contacts->revisions = pel_allocate((size_t)model->body_count, sizeof *contacts->revisions);
     contacts->start = pel_allocate((size_t)point_count, sizeof *contacts->start);
     contacts->end = pel_allocate((size_t)point_count, sizeof *contacts->end);
@@ -193,8 +210,8 @@ static pel_status allocate_surface(pel_sim *sim, pel_error *error)
     contacts->substep_start = pel_allocate(tool_points, sizeof *contacts->substep_start);
     contacts->substep_end = pel_allocate(tool_points, sizeof *contacts->substep_end);
     bool made = contacts->triangles != NULL && contacts->group_of_point != NULL && contacts->may_meet != NULL &&
-                contacts->revisions != NULL && contacts->start != NULL && contacts->end != NULL &&
-                contacts->substep_start != NULL && contacts->substep_end != NULL;
+                contacts->friction_of_group != NULL && contacts->revisions != NULL && contacts->start != NULL &&
+                contacts->end != NULL && contacts->substep_start != NULL && contacts->substep_end != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -227,6 +244,7 @@ pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error)
     if (status != PEL_OK)
         return status;
     set_groups(sim);
+    set_friction(sim);
     set_triangles(sim);
     pel_contact_points(sim);
     pel_mesh mesh = pel_contact_mesh(sim);

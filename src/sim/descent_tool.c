@@ -173,10 +173,10 @@ static pel_status find(pel_sim *sim, int32_t tool, double longest, pel_error *er
     double free_depth = pel_tool_press_tolerance(sim, t);
     tool_search search = {sim, tool, REACH_SHARE * longest, SLACK_SHARE * free_depth, {.triangle = -1, .tool = tool}};
     search.blank.tolerance = GAP_TOLERANCE * free_depth;
-    search.blank.friction = pel_sim_friction(sim);
     int32_t near_count = pel_tool_near_triangles(sim, t, sim->state->position_next, search.reach);
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < near_count; i++) {
+        search.blank.friction = pel_sim_friction(sim, t, sim->model->triangles[sim->near_triangles[i]][0]);
         if (pel_tool_is_round(t))
             status = add_round(&search, sim->near_triangles[i], error);
         else

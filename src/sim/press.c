@@ -77,9 +77,12 @@ typedef struct surface_point {
     int count;
 } surface_point;
 
-double pel_sim_friction(const pel_sim *sim)
+double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v)
 {
-    return sim->contacts != NULL ? sim->contacts->def.friction : 0;
+    if (sim->contacts == NULL)
+        return 0;
+    return pel_contact_friction(sim->contacts, sim->model->body_of_slice[v / PEL_WIDTH],
+                                sim->model->body_count + (int32_t)(tool - sim->tools));
 }
 
 /* the part of a vector across the unit normal, turned round and at most `limit` long; false when it is nothing */
@@ -119,7 +122,7 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     double impulse = approach / inertia, back[3], force[3];
     change_velocity(sim, at, impulse, normal);
     pel_vec3_scale(normal, -impulse / sim->step.dt, force);
-    if (oppose_across(relative, normal, pel_sim_friction(sim) * approach, back)) {
+    if (oppose_across(relative, normal, pel_sim_friction(sim, tool, at->vertices[0]) * approach, back)) {
         change_velocity(sim, at, 1 / inertia, back);
         pel_vec3_along(force, -1 / (inertia * sim->step.dt), back, force);
     }
@@ -141,7 +144,7 @@ static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *a
     pel_pose_to_local(&tool->pose, now, local);
     pel_pose_to_world(&tool->pose_before, local, slip);
     pel_vec3_subtract(slip, start, slip);
-    if (!oppose_across(slip, normal, pel_sim_friction(sim) * depth, back))
+    if (!oppose_across(slip, normal, pel_sim_friction(sim, tool, at->vertices[0]) * depth, back))
         return;
     for (int c = 0; c < at->count; c++) {
         int32_t v = at->vertices[c];
@@ -167,7 +170,7 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
         pel_touch *touch = pel_tool_touch(tool, v);
         pel_vec3_along(touch->push, share, normal, touch->push);
     }
-    if (pel_sim_friction(sim) > 0)
+    if (pel_sim_friction(sim, tool, at->vertices[0]) > 0)
         rub_point(sim, tool, at, depth, normal, inertia);
     if (sim->state->velocity_next != NULL)
         stop_point(sim, tool, at, normal, inertia);
@@ -237,9 +240,9 @@ static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, do
 }
 
 /* Without friction a corner that was looked at is out, and stays there while corners are pushed: once is enough. */
-static bool is_done(pel_sim *sim, int32_t v)
+static bool is_done(pel_sim *sim, const pel_tool *tool, int32_t v)
 {
-    bool done = sim->cornered_at[v] == sim->press_count && !(pel_sim_friction(sim) > 0);
+    bool done = sim->cornered_at[v] == sim->press_count && !(pel_sim_friction(sim, tool, v) > 0);
     sim->cornered_at[v] = sim->press_count;
     return done;
 }
@@ -250,7 +253,7 @@ static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *bo
     const int32_t *corners = sim->model->triangles[t];
     for (int c = 0; c < 3; c++) {
         const int32_t corner[3] = {corners[c], corners[c], corners[c]};
-        if (!is_done(sim, corners[c]) && !is_beside(box, sim->state->position_next, corner))
+        if (!is_done(sim, tool, corners[c]) && !is_beside(box, sim->state->position_next, corner))
             *moved |= press_corner(sim, tool, t, c, tolerance);
     }
 }
@@ -295,10 +298,11 @@ static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
     double tolerance = pel_tool_press_tolerance(sim, tool);
     pel_search_box box = pel_tool_box(tool, 0);
     bool moved = false, again = true;
-    /* what rests has to be pushed in every step, or it would creep where friction holds it */
-    double corner_tolerance = pel_sim_friction(sim) > 0 ? 0 : tolerance;
     sim->press_count++;
     for (int32_t i = 0; i < near_count; i++) {
+        /* what rests has to be pushed in every step, or it would creep where friction holds it */
+        int32_t v = sim->model->triangles[sim->near_triangles[i]][0];
+        double corner_tolerance = pel_sim_friction(sim, tool, v) > 0 ? 0 : tolerance;
         press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
         sim->looked_at[i] = -1;
     }

@@ -102,7 +102,9 @@ uint64_t pel_sim_fingerprint(const pel_sim *sim)
     }
     if (sim->contacts != NULL) {
         const pel_contact_def *def = &sim->contacts->def;
-        hash = hash_double(hash_double(hash, sim->contacts->thickness), def->friction);
+        hash = hash_double(hash, sim->contacts->thickness);
+        for (int32_t i = 0; i < sim->model->body_count + sim->tool_count; i++)
+            hash = hash_double(hash, sim->contacts->friction_of_group[i]);
         hash = pel_hash_word(hash, (uint64_t)def->method * 8 + (uint64_t)def->response * 4 + (uint64_t)def->self * 2 +
                                        (uint64_t)def->between);
         hash = pel_hash_word(hash, (uint64_t)def->sweeps << 32 | (uint64_t)(uint32_t)sim->contacts->limit);

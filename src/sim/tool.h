@@ -104,8 +104,8 @@ pel_search_box pel_tool_box(const pel_tool *tool, double margin);
 int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin);
 /* the depth that pressing leaves [m] */
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool);
-/* Coulomb's coefficient, 0 without contact */
-double pel_sim_friction(const pel_sim *sim);
+/* Coulomb's coefficient between a tool and the body of a vertex, 0 without contact */
+double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v);
 /* Pushes the new positions out of one tool; true when anything moved. longest: bound of the length of an edge. */
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest);
 

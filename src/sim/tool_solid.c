@@ -59,7 +59,8 @@ static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t
         return pel_fail_memory(error);
     solids->pairs[count] = (pel_solid_pair){tool, triangle, vertex};
     pel_contact *contact = &solids->list.contacts[count];
-    *contact = (pel_contact){.friction = (pel_real)pel_sim_friction(sim)};
+    *contact = (pel_contact){.friction = (pel_real)pel_sim_friction(
+                                 sim, &sim->tools[tool], triangle < 0 ? vertex : sim->model->triangles[triangle][0])};
     for (int i = 0; i < 4; i++)
         contact->vertices[i] = triangle < 0 ? vertex : sim->model->triangles[triangle][i < 3 ? i : 0];
     contact->weights[0] = triangle < 0;

@@ -24,7 +24,8 @@ static const double FULL_TURN = 6.283185307179586476925;
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){.shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .grasp_until = (double)INFINITY};
+    return (pel_tool_def){
+        .shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .friction = -1, .grasp_until = (double)INFINITY};
 }
 
 /* ---- creation ---- */
@@ -106,6 +107,8 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
         if (k > 0 && !(key->time > key[-1].time))
             return refuse(error, tool, "keys are not in order", "give keys with increasing times");
     }
+    if (!isfinite(def->friction))
+        return refuse(error, tool, "the friction of a tool is not finite", "give a coefficient of at least 0");
     if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
         return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
                       "give grasp_from < grasp_until and a reach of at least 0");
@@ -173,6 +176,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->grasp_from = def->grasp_from;
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
+    tool->friction = def->friction;
     tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
@@ -521,11 +525,11 @@ static void static_force(const pel_sim *sim, int32_t v, double force[3])
 }
 
 /* what of a force presses against the tool, which cannot pull, and what of the rest friction holds */
-static void hold_against(const pel_sim *sim, const double push[3], double force[3])
+static void hold_against(const pel_sim *sim, const pel_tool *tool, int32_t v, const double push[3], double force[3])
 {
     double square = pel_vec3_squared_length(push), pressing[3], across[3];
     double along = square > 0 ? fmin(pel_vec3_dot(force, push) / square, 0) : 0;
-    double friction = pel_sim_friction(sim);
+    double friction = pel_sim_friction(sim, tool, v);
     pel_vec3_scale(push, along, pressing);
     pel_vec3_subtract(force, pressing, across);
     double limit = friction * pel_vec3_length(pressing), length = pel_vec3_length(across);
@@ -545,7 +549,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
         if (sim->held[touch->vertex]) {
             add_grip(sim, tool, touch->vertex, x, force);
         } else {
-            hold_against(sim, touch->push, force);
+            hold_against(sim, tool, touch->vertex, touch->push, force);
             pel_tool_add_reaction(tool, x, force);
         }
     }

@@ -268,17 +268,20 @@ static void add_floor(contact_scene *scene, pel_tool_shape shape)
 }
 
 /* way along x of a sheet on a floor of slope 1/2 after a time, and the force on the floor over the weight */
-static double slide(pel_tool_shape shape, pel_method method, double friction, double time, double force[3])
+static double slide_with(pel_tool_shape shape, pel_method method, const double friction[3], double time,
+                         double force[3])
 {
     contact_scene scene;
     scene_begin(&scene, method);
     scene.def.solver.dt = 5e-3;
-    scene.def.contact.friction = friction;
+    scene.def.contact.friction = friction[0];
     scene.gravity = -8;
     scene.gravity_along = 4;
     scene_body(&scene, make_sheet(3, 0));
     scene.bodies[0].spring_damping.value = scene.bodies[0].volumetric_damping.value = 0;
     add_floor(&scene, shape);
+    scene.bodies[0].friction = friction[1];
+    scene.tools[0].friction = friction[2];
     pel_transform transform = pel_transform_default();
     transform.translation[0] = transform.translation[1] = -0.5;
     transform.translation[2] = 2e-4;
@@ -298,6 +301,32 @@ static double slide(pel_tool_shape shape, pel_method method, double friction, do
         force[k] = reading.force[k] / (16 * 0.01);
     scene_end(&scene, sim);
     return way;
+}
+
+static double slide(pel_tool_shape shape, pel_method method, double friction, double time, double force[3])
+{
+    const double all[3] = {friction, -1, -1};
+    return slide_with(shape, method, all, time, force);
+}
+
+/* the geometric mean of both sides, whatever that of contact is; one smooth side makes the pair smooth */
+static void test_friction_of_pairs(void **unused)
+{
+    (void)unused;
+    static const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_MESH, PEL_TOOL_CAPSULE};
+    static const pel_method methods[] = {PEL_METHOD_XPBD, PEL_METHOD_EXPLICIT};
+    static const double own[3] = {7, 0.8, 0.1125}, smooth[3] = {7, 0.8, 0}, half[3] = {0.1125, 0.8, -1};
+    for (int s = 0; s < 3; s++)
+        for (int m = 0; m < 2; m++) {
+            double force[3], expected[3];
+            double way = slide(shapes[s], methods[m], 0.3, 0.2, expected);
+            assert_near(slide_with(shapes[s], methods[m], own, 0.2, force), way, 1e-6);
+            assert_near(force[0], expected[0], 1e-4);
+            assert_near(slide_with(shapes[s], methods[m], half, 0.2, force), way, 1e-6);
+            assert_near(slide_with(shapes[s], methods[m], smooth, 0.2, force),
+                        slide(shapes[s], methods[m], 0, 0.2, expected), 1e-6);
+            assert_true(way < 0.9 * slide(shapes[s], methods[m], 0, 0.2, expected));
+        }
 }
 
 /* Coulomb's law on a slope of tangent 1/2: above it what lies there stays, below it slides with g (sin - friction cos),
@@ -755,6 +784,7 @@ int main(void)
         cmocka_unit_test(test_mesh_tool),
         cmocka_unit_test(test_fast_round_tools),
         cmocka_unit_test(test_friction_on_slope),
+        cmocka_unit_test(test_friction_of_pairs),
         cmocka_unit_test(test_no_rebound),
         cmocka_unit_test(test_shaken),
         cmocka_unit_test(test_refinement),
