@@ -309,7 +309,7 @@ typedef struct pel_solver_reading {
                          act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
     int32_t substeps; /* of the last step; of the next one before the first step */
     int32_t least_substeps, most_substeps; /* of all steps so far */
-    int32_t needed_substeps;               /* xpbd: what automatic substeps would be without max_substeps */
+    int32_t needed_substeps;               /* xpbd: the most that automatic substeps would be without max_substeps */
     bool second_order;                     /* xpbd: in use */
     double softness, most_softness;        /* pel_sim_softness, and the largest so far */
 } pel_solver_reading;

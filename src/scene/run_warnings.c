@@ -13,7 +13,7 @@
 /* stretch beyond the material's, as a share */
 #define SOFTNESS_LIMIT 0.05
 /* of descent, in each round, in a scene that leaves them to the method */
-enum { DEFAULT_ITERATIONS = 50 };
+enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
 /* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
 #define JAM_SHARE 0.1
 enum { JAM_STEPS = 10 };
@@ -29,6 +29,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
     [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
     [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -182,6 +183,21 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
 
 /* ---- steps and frames ---- */
 
+/* closed grasps of tools that touch nothing; the value is the number of the tool, negated so that the first is kept */
+static void check_grasps(pel_run_state *run, int64_t frame)
+{
+    const pel_sim_def *def = &run->scene->sim;
+    double time = pel_sim_time(run->sim);
+    for (int32_t t = 0; t < def->tool_count; t++) {
+        pel_tool_reading reading;
+        if (!def->tools[t].grasp || time < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
+            continue;
+        pel_sim_get_tool(run->sim, t, &reading);
+        if (reading.contact_count == 0 && reading.lost_count == 0)
+            pel_warn(&run->totals.warnings, PEL_WARN_GRASP_EMPTY, frame, -(double)t);
+    }
+}
+
 /* steps in which any tool was held back or lost vertices, and the largest number of lost vertices of a tool */
 static void check_tools(pel_run_state *run, int64_t frame)
 {
@@ -220,6 +236,7 @@ void pel_warnings_check_step(pel_run_state *run)
     double share = (double)(now.fall_backs - run->contact_before.fall_backs) / (double)vertex_count;
     if (share >= JAM_SHARE)
         pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
+    check_grasps(run, frame);
     run->contact_before = now;
     check_tools(run, frame);
 }
@@ -268,7 +285,7 @@ static void tell_coarseness(const text_context *at)
     snprintf(
         at->text, at->size,
         "the edges of body '%s' are %.3g m long on average, but its shell bends over sqrt(R h) = %.3g m. subdivide "
-        "the mesh %.0f times (pellicle subdivide), or use bodies.%s.refine",
+        "the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
         name, flagged->value, flagged->limit, fmax(ceil(log2(flagged->value / flagged->limit)), 1), name);
 }
 
@@ -301,22 +318,25 @@ static void tell_inverted_volume(const text_context *at)
 
 static void tell_unconverged(const text_context *at)
 {
-    const pel_solver_def *solver = &at->run->scene->sim.solver;
+    const pel_sim_def *sim = &at->run->scene->sim;
+    bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
+    int32_t automatic = in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS;
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64 " steps did not converge: a residual of up to %.3g N is left. use "
              "solver.iterations above %d, or let loads and tools move over more steps",
              at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst,
-             solver->iterations > 0 ? (int)solver->iterations : DEFAULT_ITERATIONS);
+             (int)(sim->solver.iterations > 0 ? sim->solver.iterations : automatic));
 }
 
-static const char *energy_remedy(pel_method method)
+static const char *energy_remedy(const pel_sim_def *sim)
 {
-    switch (method) {
+    switch (sim->solver.method) {
     case PEL_METHOD_PBD:
     case PEL_METHOD_PBD_DISTANCE:
         return "use the method xpbd: pbd does not follow the material";
     case PEL_METHOD_XPBD:
-        return "use more solver.substeps";
+        /* pairs that touch are found once a step: substeps do not add any */
+        return sim->contact.enabled ? "use a smaller solver.dt" : "use more solver.substeps";
     case PEL_METHOD_DESCENT:
         return "raise solver.iterations, or let loads and tools move over more steps";
     default:
@@ -327,7 +347,7 @@ static const char *energy_remedy(pel_method method)
 static void tell_energy(const text_context *at)
 {
     double supplied = at->run->ledger.supplied, worst = at->tally->worst;
-    const char *remedy = energy_remedy(at->run->scene->sim.solver.method);
+    const char *remedy = energy_remedy(&at->run->scene->sim);
     if (supplied > 0)
         snprintf(at->text, at->size, "%.3g J appeared: %.3g %% of the %.3g J that were supplied. %s", worst,
                  100 * worst / supplied, supplied, remedy);
@@ -403,6 +423,17 @@ static void tell_grasp(const text_context *at)
              at->tally->count > 1 ? " and later" : "");
 }
 
+static void tell_empty_grasp(const text_context *at)
+{
+    const pel_sim_def *def = &at->run->scene->sim;
+    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    snprintf(at->text, at->size,
+             "the grasp of tool '%s' holds nothing in %" PRId64
+             " steps: when it closed, no vertex was inside the tool or "
+             "within grasp.reach of it. move the tool there before grasp.from, or raise grasp.reach",
+             t < def->tool_count ? def->tools[t].name : "", at->tally->count);
+}
+
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
@@ -414,6 +445,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_JAMMED] = tell_jam,
     [PEL_WARN_TOOL_HELD] = tell_tool,
     [PEL_WARN_GRASP_LOST] = tell_grasp,
+    [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
 };
 
 /* energy that appears is measured against all that the run supplied in the end */

@@ -584,7 +584,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
     if (!pel_sim_has_loop_contacts(sim))
         sim->contacts->list.count = 0;
     pel_contacts_begin(&sim->contacts->list);
-    if (sim->descent == NULL && !pel_sim_is_projected(sim))
+    if (!sim->stepper->moves_tools)
         pel_tools_move(sim, time);
     pel_status status = step(sim, longest, error);
     if (status != PEL_OK) {

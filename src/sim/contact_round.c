@@ -14,6 +14,8 @@ typedef struct round_tool {
 
 /* of the guarded distance: what starts so near is at zero distance but for rounding */
 #define TOUCHING 0.01
+/* of the radius: straight ways that come nearer to the axis than this went through the tool */
+#define CHORD_SHARE 0.5
 
 /* numbers of the corners of a triangle's edges */
 static const int edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
@@ -116,9 +118,13 @@ static double conflict_time(const pel_sim_contacts *contacts, const round_tool *
     double separation = fmin(contacts->guarded, 0.99 * gap);
     if (approach == 0 || gap - 2 * approach > separation)
         return 2;
+    double left = end_gap(round, end);
     /* touching from the start on: tools may begin a little in a body, and press it out */
     if (gap < TOUCHING * contacts->guarded && approach < round->radius)
-        return end_gap(round, end) >= fmin(gap, 0) ? 2 : 0;
+        return left >= fmin(gap, 0) ? 2 : 0;
+    /* what slides over a round tool ends as free as it began; only the straight way between cuts a corner */
+    if (left >= separation)
+        separation = (CHORD_SHARE - 1) * round->radius;
     return impact_time(round, start, end, round->radius + separation);
 }
 

@@ -296,9 +296,13 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
             descent->penalty = fmin(STIFFENING * descent->penalty, MOST_PENALTY);
         before = error_of_gaps;
         status = find_constraints(sim, is_last, &again, error);
+        /* nothing touches: go on minimising until the forces balance */
         if (descent->count == 0 && !had_any) {
             sum->converged = round.converged;
-            break;
+            problem.goes_on = true;
+            if (round.stuck)
+                break;
+            continue;
         }
         closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= 1;
         sum->converged = closed && round.residual <= tolerance_of(sim, loads);
@@ -373,7 +377,7 @@ static void minimise_alone(pel_descent_context *context, double loads)
     descent->result.converged |= descent->result.residual <= tolerance_of(context->sim, loads);
 }
 
-pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)
+static pel_status step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_state *state = sim->state;
     pel_descent_context context = {.sim = sim, .state = *state, .time = (double)(state->step + 1) * sim->step.dt};
@@ -427,7 +431,7 @@ static double find_stiff_force(pel_sim *sim, double edge)
     return stability.stiffness_bound * edge * sqrt(square);
 }
 
-pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error)
+static pel_status create(pel_sim *sim, pel_error *error)
 {
     pel_sim_descent *descent = sim->descent = pel_allocate(1, sizeof *descent);
     if (descent == NULL)
@@ -472,3 +476,19 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     reading->residual = result->residual;
     reading->converged = result->converged;
 }
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    (void)sim;
+    pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
+}
+
+const pel_stepper pel_descent_kind = {
+    .is_at_end = true,
+    .moves_tools = true,
+    .create = create,
+    .check_start = pel_descent_check_start,
+    .step = step,
+    .mark_contacts = pel_descent_contacts_mark,
+    .advise = advise,
+};

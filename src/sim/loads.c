@@ -215,11 +215,11 @@ static pel_record record_of(const double a[3])
 }
 
 /* adds force / mass, times the gains, to the new position and velocity of a vertex */
-typedef struct gains {
+typedef struct real_gains {
     pel_real position, velocity;
-} gains;
+} real_gains;
 
-static bool push(pel_sim *sim, int32_t v, gains gain, pel_record acceleration)
+static bool push(pel_sim *sim, int32_t v, real_gains gain, pel_record acceleration)
 {
     sim->state->position_next[v] += gain.position * acceleration;
     if (sim->state->velocity_next != NULL)
@@ -227,15 +227,7 @@ static bool push(pel_sim *sim, int32_t v, gains gain, pel_record acceleration)
     return pel_sim_is_inside(sim, v);
 }
 
-static gains gains_of(const pel_sim *sim)
-{
-    double dt = sim->step.dt;
-    if (!pel_sim_is_explicit(sim))
-        return (gains){(pel_real)(sim->step.alpha * dt * dt), 0};
-    return (gains){(pel_real)(sim->step.symplectic ? dt * dt : 0), (pel_real)dt};
-}
-
-static bool apply_gravity(pel_sim *sim, const pel_body *body, gains gain)
+static bool apply_gravity(pel_sim *sim, const pel_body *body, real_gains gain)
 {
     const pel_model *model = sim->model;
     pel_record gravity = record_of(model->gravity);
@@ -247,9 +239,9 @@ static bool apply_gravity(pel_sim *sim, const pel_body *body, gains gain)
     return inside;
 }
 
-bool pel_loads_apply(pel_sim *sim)
+bool pel_loads_apply(pel_sim *sim, pel_gains gains)
 {
-    gains gain = gains_of(sim);
+    const real_gains gain = {(pel_real)gains.position, (pel_real)gains.velocity};
     double time = pel_sim_time(sim), force[3];
     bool inside = true;
     for (int32_t l = 0; l < sim->load_count; l++) {
@@ -292,7 +284,7 @@ static double mean_factor(const pel_sim *sim, const pel_load *load, double from,
 {
     bool at_from = from >= load->from && from < load->until, at_to = to >= load->from && to < load->until;
     if (!pel_sim_is_explicit(sim))
-        at_from = at_to = sim->descent != NULL ? at_to : at_from;
+        at_from = at_to = sim->stepper->is_at_end ? at_to : at_from;
     return 0.5 * ((at_from ? pel_curve_value(load->keys, load->key_count, from) : 0) +
                   (at_to ? pel_curve_value(load->keys, load->key_count, to) : 0));
 }

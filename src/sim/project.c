@@ -1,5 +1,6 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
  */
+#include "base/status.h"
 #include "sim/contact.h"
 #include "sim/tool_solid.h"
 #include "solve/contact.h"
@@ -9,10 +10,8 @@
 /* of a step with contacts that were not foreseen */
 enum { REPEAT_LIMIT = 2 };
 
-pel_status pel_project_create(pel_sim *sim, pel_error *error)
+static pel_status create(pel_sim *sim, pel_error *error)
 {
-    if (!pel_sim_is_projected(sim))
-        return PEL_OK;
     pel_solver_def *solver = &sim->solver;
     sim->contact_in_loop = true;
     pel_status status = pel_substeps_create(sim, error);
@@ -136,7 +135,7 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, bool normal_pressure, pel_
     return status;
 }
 
-pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error)
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
     pel_substeps_follow(sim);
@@ -154,3 +153,24 @@ pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *er
     result->diverged = !pel_sim_all_inside(sim);
     return status;
 }
+
+static void accept(pel_sim *sim)
+{
+    pel_projector_accept(sim->projector, sim->state);
+}
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    if (pel_sim_softness(sim) > 1)
+        pel_substeps_remedy(sim, error);
+    else
+        pel_fail_remedy(error, "make solver dt (%g) smaller, or use more substeps, or smaller loads", sim->step.dt);
+}
+
+#define PROJECTS                                                                                                       \
+    .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step, .accept = accept, \
+    .advise = advise
+
+const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true};
+const pel_stepper pel_project_distance_kind = {PROJECTS};
+const pel_stepper pel_project_xpbd_kind = {PROJECTS, .is_compliant = true};

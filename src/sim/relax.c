@@ -13,8 +13,6 @@ pel_status pel_sim_relax_create(pel_sim *sim, pel_error *error)
 {
     double dt = sim->step.dt, factor = sim->step.alpha * dt * dt;
     pel_stability stability;
-    if (sim->solver.method != PEL_METHOD_QUASI_STATIC)
-        return PEL_OK;
     pel_stability_bound(sim->model, &stability);
     /* an alpha beyond the bound by rows is stable on the base as a whole: there is no telling of other rows */
     bool by_rows =

@@ -9,10 +9,8 @@
 
 static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
 {
-    pel_method method = sim->solver.method;
-    bool by_position = method == PEL_METHOD_PBD || method == PEL_METHOD_PBD_DISTANCE || method == PEL_METHOD_XPBD;
     for (int32_t r = 0; r < shell->region_count; r++)
-        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE && !by_position)
+        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE && !pel_sim_is_projected(sim))
             return "anisotropy that caves in is a rule of position-based methods, not a force";
     return NULL;
 }
@@ -65,44 +63,16 @@ static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_rea
         sim->state->velocity_next[v] += velocity_gain * acceleration;
 }
 
-/* Leapfrog: velocities belong to the middle of a step. The first kick is half as long, as they belong to its begin, and
-   drag acts for half a step before and after each kick. */
-static void correct_velocities(pel_sim *sim)
+void pel_shells_apply(pel_sim *sim, pel_gains gains)
 {
-    pel_state *state = sim->state;
-    double dt = sim->step.dt, half_drag = exp(-0.5 * sim->solver.drag * dt);
-    bool first = state->step == 0 && sim->shells != NULL && sim->solver.symplectic;
-    pel_real kept = (pel_real)(first ? half_drag : half_drag * half_drag);
-    pel_real kick = (pel_real)(first ? 0.5 : half_drag), step = (pel_real)dt;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
-        pel_record change = state->velocity_next[v] - state->velocity[v];
-        pel_record velocity = kept * state->velocity[v] + kick * change;
-        if (sim->solver.symplectic) {
-            pel_record next = state->position[v] + step * velocity;
-            next[3] = state->position_next[v][3];
-            state->position_next[v] = next;
-        }
-        state->velocity_next[v] = velocity;
-    }
-}
-
-bool pel_shells_apply(pel_sim *sim)
-{
-    pel_state *state = sim->state;
-    bool is_explicit = pel_sim_is_explicit(sim);
-    if (sim->shells != NULL) {
-        double dt = sim->step.dt;
-        pel_real position_gain =
-            (pel_real)(is_explicit ? (sim->solver.symplectic ? dt * dt : 0) : sim->step.alpha * dt * dt);
-        memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
-        pel_shell_forces_follow(sim->shells, state->position);
-        pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
-        for (int32_t v = 0; v < sim->model->vertex_count; v++)
-            push_vertex(sim, v, position_gain, (pel_real)dt);
-    }
-    if (is_explicit && (sim->shells != NULL || sim->solver.drag > 0))
-        correct_velocities(sim);
-    return sim->shells == NULL || pel_sim_all_inside(sim);
+    const pel_record *positions = sim->state->position;
+    if (sim->shells == NULL)
+        return;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_shell_forces_follow(sim->shells, positions);
+    pel_shell_forces_add(sim->shells, positions, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        push_vertex(sim, v, (pel_real)gains.position, (pel_real)gains.velocity);
 }
 
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)

@@ -7,7 +7,6 @@
 #include "sim/descent.h"
 #include "sim/tool.h"
 #include "sim/tool_solid.h"
-#include "solve/shell_stability.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -17,8 +16,6 @@ enum { SIM_COOKIE = 0x73696d21 };
 /* below this many chunks (of 512 vertices) threads cost more than they give */
 enum { CHUNKS_WORTH_THREADS = 4 };
 
-/* share of the stability limit that the automatic alpha takes */
-#define SAFE_SHARE 0.9
 /* positions farther than this many model sizes from the model count as diverged */
 #define BOUND_SIZES 1e3
 
@@ -67,104 +64,6 @@ pel_status pel_sim_check_def(const pel_sim_def *def, pel_error *error)
     return PEL_OK;
 }
 
-/* an enclosed gas is as stiff as its pressure */
-static bool has_gas(const pel_sim *sim)
-{
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_shell *shell = sim->model->bodies[b].shell;
-        if (shell != NULL && shell->pressure.kind == PEL_PRESSURE_GAS)
-            return true;
-    }
-    return false;
-}
-
-static pel_status refuse_alpha(const pel_sim *sim, pel_error *error)
-{
-    pel_fail(error, PEL_UNSTABLE, "alpha %.6g is unstable on this mesh: the limit is %.6g", sim->step.alpha,
-             sim->alpha_limit);
-    pel_fail_remedy(error, "use at most %.4g, or leave alpha out for a safe value", SAFE_SHARE * sim->alpha_limit);
-    return PEL_UNSTABLE;
-}
-
-static pel_status refuse_dt(const pel_sim *sim, double limit, pel_error *error)
-{
-    pel_fail(error, PEL_UNSTABLE, "dt %.6g is unstable on this mesh: the limit is %.6g", sim->step.dt, limit);
-    pel_fail_remedy(error, "use at most %.4g, or a softer material%s", SAFE_SHARE * limit,
-                    has_gas(sim) ? ", or a gas of lower pressure" : "");
-    return PEL_UNSTABLE;
-}
-
-static pel_status refine_stability(const pel_sim *sim, pel_stability *stability, pel_error *error)
-{
-    if (sim->shells == NULL)
-        return pel_stability_refine(sim->model, stability, error);
-    return pel_shell_stability_refine(sim->model, sim->state, sim->shells, sim->pool, stability, error);
-}
-
-/* the safe bound decides most cases; only beyond it the true limit is worth its cost */
-static pel_status choose_alpha(pel_sim *sim, pel_error *error)
-{
-    const pel_solver_def *solver = &sim->solver;
-    pel_stability stability;
-    pel_stability_bound(sim->model, &stability);
-    pel_shell_stability_bound(sim->shells, &stability);
-    sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness_bound, solver->dt, solver->keep_velocity);
-    sim->step.alpha = solver->alpha > 0 ? solver->alpha : SAFE_SHARE * sim->alpha_limit;
-    if (!isfinite(sim->step.alpha))
-        sim->step.alpha = 1;
-    if (sim->step.alpha < sim->alpha_limit)
-        return PEL_OK;
-    pel_status status = refine_stability(sim, &stability, error);
-    if (status != PEL_OK)
-        return status;
-    sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness, solver->dt, solver->keep_velocity);
-    if (sim->step.alpha >= sim->alpha_limit)
-        return refuse_alpha(sim, error);
-    return PEL_OK;
-}
-
-static pel_status check_dt_here(pel_sim *sim, pel_error *error)
-{
-    pel_stability stability;
-    pel_stability_bound(sim->model, &stability);
-    pel_shell_stability_bound(sim->shells, &stability);
-    bool symplectic = sim->solver.symplectic;
-    if (sim->step.dt <= pel_stability_dt(&stability, stability.stiffness_bound, symplectic))
-        return PEL_OK;
-    pel_status status = refine_stability(sim, &stability, error);
-    if (status != PEL_OK)
-        return status;
-    double limit = pel_stability_dt(&stability, stability.stiffness, symplectic);
-    if (sim->step.dt <= limit)
-        return PEL_OK;
-    if (limit > 0)
-        return refuse_dt(sim, limit, error);
-    pel_fail(error, PEL_UNSTABLE, "forward Euler is unstable at every dt without damping");
-    pel_fail_remedy(error, "give the springs a damping above 0, or use the symplectic integrator");
-    return PEL_UNSTABLE;
-}
-
-/* on the base and, where a body refines, on its finest level too */
-static pel_status check_dt(pel_sim *sim, pel_error *error)
-{
-    pel_status status = check_dt_here(sim, error);
-    if (status != PEL_OK || sim->active == NULL)
-        return status;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        pel_refine_everywhere(sim, b, true);
-    status = check_dt_here(sim, error);
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        pel_refine_everywhere(sim, b, false);
-    if (status == PEL_UNSTABLE && error != NULL) {
-        double limit = sim->step.dt;
-        pel_fail_remedy(error,
-                        "the finest level of detail needs a smaller dt than %g: make it smaller, or use fewer "
-                        "levels, or the quasi-static method",
-                        limit);
-    }
-    return status;
-}
-
 static double position_bound(const pel_model *model)
 {
     double size = 0, far = 0;
@@ -198,25 +97,11 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     return status;
 }
 
-static pel_status start_refinement(pel_sim *sim, pel_error *error)
-{
-    pel_status status = pel_sim_relax_create(sim, error);
-    return status == PEL_OK ? pel_refine_start(sim, error) : status;
-}
-
-static pel_status prepare_method(pel_sim *sim, pel_error *error)
-{
-    if (pel_sim_is_projected(sim))
-        return pel_project_create(sim, error);
-    if (sim->solver.method == PEL_METHOD_DESCENT)
-        return pel_sim_descent_create(sim, error);
-    return pel_sim_is_explicit(sim) ? check_dt(sim, error) : choose_alpha(sim, error);
-}
-
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->model = sim->given = def->model;
     sim->solver = def->solver;
+    sim->stepper = pel_stepper_of(def->solver.method);
     pel_substeps_configure(sim, def);
     if (pel_model_refines(def->model)) {
         pel_status refines = pel_active_create(def->model, &sim->active, error);
@@ -243,9 +128,9 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         pel_weights_start(sim);
     if (status == PEL_OK)
-        status = prepare_method(sim, error);
+        status = sim->stepper->create(sim, error);
     if (status == PEL_OK && sim->active != NULL)
-        status = start_refinement(sim, error);
+        status = pel_refine_start(sim, error);
     if (status == PEL_OK)
         pel_substeps_follow(sim);
     if (status == PEL_OK)
@@ -258,8 +143,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
-    if (status == PEL_OK && sim->descent != NULL)
-        status = pel_descent_check_start(sim, error);
+    if (status == PEL_OK && sim->stepper->check_start != NULL)
+        status = sim->stepper->check_start(sim, error);
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
@@ -346,16 +231,7 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
     pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
              (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
     pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
-    if (pel_sim_softness(sim) > 1)
-        pel_substeps_remedy(sim, error);
-    else if (pel_sim_is_projected(sim))
-        pel_fail_remedy(error, "make solver dt (%g) smaller, or use more substeps, or smaller loads", sim->step.dt);
-    else if (pel_sim_is_explicit(sim))
-        pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads, or raise the spring damping", sim->step.dt);
-    else if (sim->solver.method == PEL_METHOD_DESCENT)
-        pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
-    else
-        pel_fail_remedy(error, "make solver alpha (%g) smaller, or the loads", sim->step.alpha);
+    sim->stepper->advise(sim, error);
     return PEL_DIVERGED;
 }
 
@@ -385,38 +261,13 @@ static void mark_contacts(pel_sim *sim)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
     if (sim->contacts != NULL)
         pel_contacts_mark(sim);
-    if (sim->descent != NULL)
-        pel_descent_contacts_mark(sim);
+    if (sim->stepper->mark_contacts != NULL)
+        sim->stepper->mark_contacts(sim);
 }
 
 double pel_sim_longest_edge(const pel_sim *sim)
 {
     return pel_longest_spring(sim->model, sim->state->position_next, sim->pool, sim->chunk_longest);
-}
-
-/* new positions and velocities from those of the start of the step, without tools */
-static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
-{
-    bool descends = sim->solver.method == PEL_METHOD_DESCENT;
-    if (pel_sim_is_projected(sim) || descends) {
-        pel_status status = PEL_OK;
-        if (descends)
-            status = pel_sim_descent_step(sim, result, error);
-        else
-            status = pel_project_step(sim, result, error);
-        /* nothing bounds how far these steps go: what tools look for goes by the new edges */
-        if (status == PEL_OK && !result->diverged && (sim->tool_count > 0 || sim->contacts != NULL))
-            result->longest = pel_sim_longest_edge(sim);
-        return status;
-    }
-    if (pel_sim_is_explicit(sim))
-        pel_step_explicit(sim->model, sim->state, &sim->step, result);
-    else
-        pel_step_quasi_static(sim->model, sim->state, &sim->step, result);
-    result->diverged |= !pel_loads_apply(sim);
-    result->diverged |= !pel_shells_apply(sim);
-    result->diverged |= !pel_sim_relax(sim);
-    return PEL_OK;
 }
 
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
@@ -435,24 +286,27 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
             return ready;
     }
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
-    bool descends = sim->solver.method == PEL_METHOD_DESCENT, tools_moved = descends || pel_sim_is_projected(sim);
-    update_factors(sim, descends ? next : time);
+    const pel_stepper *stepper = sim->stepper;
+    update_factors(sim, stepper->is_at_end ? next : time);
     pel_step_result result = {0};
-    pel_status status = solve(sim, &result, error);
+    pel_status status = stepper->step(sim, &result, error);
+    /* nothing bounds how far some methods go: what tools look for goes by the new edges */
+    if (status == PEL_OK && !result.diverged && !stepper->bounds_motion &&
+        (sim->tool_count > 0 || sim->contacts != NULL))
+        result.longest = pel_sim_longest_edge(sim);
     if (status == PEL_OK && result.diverged)
         status = report_divergence(sim, error);
     /* a surface that never cuts itself cannot turn inside out */
     if (status == PEL_OK && !pel_sim_has_self_contact(sim))
         status = pel_shells_check_volume(sim, error);
-    /* they moved before or in the solver */
-    if (status != PEL_OK && tools_moved)
+    if (status != PEL_OK && stepper->moves_tools)
         pel_tools_return(sim);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
     if (status != PEL_OK)
         return status;
     if (sim->contacts == NULL && sim->tool_count > 0) {
-        if (!tools_moved)
+        if (!stepper->moves_tools)
             pel_tools_move(sim, next);
         pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
@@ -463,8 +317,8 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     accept(state);
     pel_tools_end_step(sim, next);
     pel_weights_follow(sim);
-    if (sim->projector != NULL)
-        pel_projector_accept(sim->projector, state);
+    if (stepper->accept != NULL)
+        stepper->accept(sim);
     return PEL_OK;
 }
 

@@ -9,6 +9,7 @@
 #include "model/boundary.h"
 #include "pellicle/sim.h"
 #include "sim/ledger.h"
+#include "sim/stepper.h"
 #include "sim/tool_search.h"
 #include "solve/descent.h"
 #include "solve/project.h"
@@ -146,6 +147,7 @@ typedef struct pel_sim_solids pel_sim_solids;
 /* Substeps of xpbd at present and so far; in snapshots. */
 typedef struct pel_substeps_now {
     int32_t count, least, most;
+    int32_t needed;     /* the most so far, without max_substeps */
     int32_t is_stale;   /* the surface or the state has changed: choose anew before the next step */
     int32_t interval;   /* steps from the last look to the next one */
     int64_t next;       /* the step before which the next look is due */
@@ -170,6 +172,7 @@ struct pel_sim {
     pel_refine_body *refine; /* (body_count) null as well */
     pel_state *state;
     pel_solver_def solver;
+    const pel_stepper *stepper; /* of its method */
     pel_step step;
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
@@ -212,7 +215,7 @@ struct pel_sim {
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
 {
-    return sim->solver.method == PEL_METHOD_EXPLICIT;
+    return sim->stepper->is_explicit;
 }
 
 static inline bool pel_sim_has_self_contact(const pel_sim *sim)
@@ -228,14 +231,13 @@ static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
 
 static inline bool pel_sim_is_projected(const pel_sim *sim)
 {
-    pel_method method = sim->solver.method;
-    return method == PEL_METHOD_PBD || method == PEL_METHOD_PBD_DISTANCE || method == PEL_METHOD_XPBD;
+    return sim->stepper->has_substeps;
 }
 
 /* velocities are part of the state */
 static inline bool pel_sim_has_velocity(const pel_sim *sim)
 {
-    return pel_sim_is_explicit(sim) || pel_sim_is_projected(sim);
+    return sim->stepper->has_velocity;
 }
 
 /* whether the new position of a vertex is within the bound; not so when it is NaN */
@@ -246,6 +248,15 @@ static inline bool pel_sim_is_inside(const pel_sim *sim, int32_t v)
     return pel_vec3_squared_length(x) < bound * bound;
 }
 
+/* Of an acceleration, to the new positions [s2] and velocities [s]. */
+typedef struct pel_gains {
+    double position, velocity;
+} pel_gains;
+
+/* ---- step_explicit.c ---- */
+/* The true limit of stability instead of the safe bound. */
+pel_status pel_sim_refine_stability(const pel_sim *sim, pel_stability *stability, pel_error *error);
+
 /* ---- sim.c ---- */
 pel_status pel_sim_check_def(const pel_sim_def *def, pel_error *error);
 /* True when this is so for every vertex. */
@@ -254,12 +265,8 @@ bool pel_sim_all_inside(const pel_sim *sim);
 double pel_sim_longest_edge(const pel_sim *sim);
 
 /* ---- project.c ---- */
-/* Lays out the constraints when the method is position-based, and fills in open numbers of the solver. */
-pel_status pel_project_create(pel_sim *sim, pel_error *error);
 /* After an event of refinement: shells and constraints of the body on its new surface. */
 void pel_project_follow(pel_sim *sim, int32_t body);
-/* New positions and velocities of a step; what may touch takes part in the sweeps. Errors of pel_contacts_find. */
-pel_status pel_project_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 /* ---- softness.c ---- */
 /* Fills in what the def leaves open: iterations, the limit of substeps, whether second order is on. */
 void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def);
@@ -284,7 +291,7 @@ bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);
 void pel_loads_destroy(pel_sim *sim);
 /* Moves the new positions and velocities by the loads at the present time. False when a vertex leaves the bound. */
-bool pel_loads_apply(pel_sim *sim);
+bool pel_loads_apply(pel_sim *sim, pel_gains gains);
 /* Adds the loads at a time, gravity included, to force (vertex_count). */
 void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 
@@ -310,11 +317,7 @@ void pel_sim_compute_forces(pel_sim *sim);
 void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures);
 
 /* ---- descent.c ---- */
-pel_status pel_sim_descent_create(pel_sim *sim, pel_error *error);
 void pel_sim_descent_destroy(pel_sim *sim);
-/* New positions of least energy, loads included, under what contacts and tools allow; the tools move. Errors of
-   pel_contacts_find. */
-pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
 /* ---- relax.c ---- */
 /* On the base, before anything is refined: sets the relaxation of the active model. */
@@ -332,9 +335,8 @@ void pel_weights_follow(pel_sim *sim);
 /* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
 pel_status pel_shells_create(pel_sim *sim, pel_error *error);
 void pel_shells_destroy(pel_sim *sim);
-/* Moves the new positions and velocities of a method that goes by forces, after all other forces. False when a vertex
-   leaves the bound. */
-bool pel_shells_apply(pel_sim *sim);
+/* Adds the forces of shells at the present positions to the new positions and velocities. */
+void pel_shells_apply(pel_sim *sim, pel_gains gains);
 /* PEL_DIVERGED when a pressure turned a body inside out in this step */
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 

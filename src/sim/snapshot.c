@@ -267,7 +267,7 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
     }
-    if (sim->solver.method == PEL_METHOD_XPBD)
+    if (sim->stepper->is_compliant)
         transfer(at, (pel_substeps_now *)(uintptr_t)&sim->substeps.now, sizeof sim->substeps.now);
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
@@ -363,7 +363,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
     pel_ledger_follow(sim);
-    if (sim->solver.method == PEL_METHOD_XPBD && !pel_substeps_restore(sim))
+    if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, "snapshot is damaged: its number of substeps is out of range", damage_remedy);
     return restore_tools(sim)
                ? PEL_OK

@@ -39,7 +39,7 @@ static bool has_stiff_pressure(const pel_model *model)
 void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
 {
     pel_solver_def *solver = &sim->solver;
-    bool compliant = solver->method == PEL_METHOD_XPBD;
+    bool compliant = sim->stepper->is_compliant;
     if (!pel_sim_is_projected(sim))
         return;
     sim->substeps.is_automatic = compliant && solver->substeps == 0;
@@ -84,6 +84,8 @@ static void note(pel_sim *sim)
     now->least = now->least > 0 && now->least < now->count ? now->least : now->count;
     now->most = now->most > now->count ? now->most : now->count;
     now->softness = fmax(now->softness, pel_sim_softness(sim));
+    int32_t needed = needed_substeps(sim);
+    now->needed = now->needed > needed ? now->needed : needed;
 }
 
 static int32_t clamp_substeps(const pel_sim *sim, int32_t count)
@@ -119,7 +121,7 @@ static void look(pel_sim *sim)
 
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
 {
-    if (sim->solver.method != PEL_METHOD_XPBD)
+    if (!sim->stepper->is_compliant)
         return PEL_OK;
     pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
     if (status != PEL_OK)
@@ -139,7 +141,7 @@ void pel_substeps_destroy(pel_sim *sim)
 void pel_substeps_follow(pel_sim *sim)
 {
     pel_sim_substeps *substeps = &sim->substeps;
-    if (sim->solver.method != PEL_METHOD_XPBD || (!substeps->now.is_stale && sim->state->step < substeps->now.next))
+    if (!sim->stepper->is_compliant || (!substeps->now.is_stale && sim->state->step < substeps->now.next))
         return;
     look(sim);
     int32_t count = clamp_substeps(sim, needed_substeps(sim)), present = sim->solver.substeps;
@@ -183,6 +185,7 @@ pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_e
         return status;
     pel_sim sim = {.model = def->model, .given = def->model, .solver = def->solver, .step.dt = def->solver.dt};
     sim.solver.method = PEL_METHOD_XPBD;
+    sim.stepper = pel_stepper_of(PEL_METHOD_XPBD);
     pel_substeps_configure(&sim, def);
     status = pel_state_create(sim.model, true, &sim.state, error);
     if (status == PEL_OK)
@@ -198,7 +201,7 @@ pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_e
 
 double pel_sim_softness(const pel_sim *sim)
 {
-    if (sim->solver.method != PEL_METHOD_XPBD)
+    if (!sim->stepper->is_compliant)
         return 0;
     double tau = sim->step.dt / sim->solver.substeps * (sim->solver.second_order ? 2.0 / 3 : 1);
     return pel_softness_after(0.5 * tau * tau * sim->substeps.now.found.rate, sim->solver.iterations);
@@ -214,11 +217,11 @@ void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading)
 {
     if (!pel_sim_is_projected(sim))
         return;
-    bool compliant = sim->solver.method == PEL_METHOD_XPBD;
+    bool compliant = sim->stepper->is_compliant;
     reading->substeps = sim->solver.substeps;
     reading->least_substeps = compliant ? sim->substeps.now.least : sim->solver.substeps;
     reading->most_substeps = compliant ? sim->substeps.now.most : sim->solver.substeps;
-    reading->needed_substeps = compliant ? needed_substeps(sim) : sim->solver.substeps;
+    reading->needed_substeps = compliant ? sim->substeps.now.needed : sim->solver.substeps;
     reading->second_order = compliant && sim->solver.second_order != PEL_NO;
     reading->softness = pel_sim_softness(sim);
     reading->most_softness = sim->substeps.now.softness;

@@ -551,7 +551,24 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
     }
 }
 
-/* what the substeps recorded on held vertices, what draws them to their rest places, and their inertia */
+/* adds drag and damping of a held vertex, by its mean velocity in the step */
+static void add_damping(const pel_sim *sim, int32_t v, const double *factors, double force[3])
+{
+    const pel_model *model = sim->model;
+    const pel_record next = sim->state->position_next[v], before = sim->state->position[v];
+    double drag = factors[PEL_SPRING_DAMPING] * (double)model->damping[v] + sim->solver.drag * (double)model->mass[v];
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v], velocity[3], offset[3];
+    for (int k = 0; k < 3; k++) {
+        velocity[k] = (double)(next[k] - before[k]) / sim->step.dt;
+        offset[k] = (double)(next[k] - model->rest[v][k]);
+    }
+    double square = pel_vec3_squared_length(offset);
+    double along = square > 0 ? radial * pel_vec3_dot(velocity, offset) / square : 0;
+    pel_vec3_along(force, -drag, velocity, force);
+    pel_vec3_along(force, -along, offset, force);
+}
+
+/* what the substeps recorded on held vertices, what draws them to their rest places, damping and inertia */
 static void read_grip(pel_sim *sim, pel_tool *tool)
 {
     const pel_model *model = sim->model;
@@ -567,6 +584,7 @@ static void read_grip(pel_sim *sim, pel_tool *tool)
                 spring * (x[k] - (double)model->rest[v][k]) -
                 (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
         }
+        add_damping(sim, v, factors, force);
         add_grip(sim, tool, v, x, force);
         pel_tool_touch(tool, v);
     }
@@ -732,7 +750,8 @@ static bool presses(const pel_tool *tool, bool only_round)
 
 void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 {
-    bool moved = true;
+    /* the substeps have kept solids out (tool_solid.h), and no guard looks at them */
+    bool moved = !pel_sim_is_projected(sim) || sim->contacts != NULL;
     for (int round = 0; moved && round < (sim->tool_count > 1 ? ROUND_LIMIT : 1); round++) {
         moved = false;
         for (int32_t i = 0; i < sim->tool_count; i++)

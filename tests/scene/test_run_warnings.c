@@ -184,7 +184,7 @@ static void test_coarse_mesh(void **unused)
     run_scene(SHELL, overrides, 3, NULL, 1, &summary);
     const pel_run_warning *warning = find_warning(&summary, "coarse-mesh");
     assert_non_null(warning);
-    assert_non_null(strstr(warning->text, "subdivide the mesh 1 times"));
+    assert_non_null(strstr(warning->text, "pellicle subdivide -n 1"));
     run_scene(SHELL, overrides, 4, NULL, 1, &summary);
     assert_null(find_warning(&summary, "coarse-mesh"));
     overrides[0] = "bodies.0.membrane={ young: 1e6, thickness: 0.01 }";
@@ -231,6 +231,23 @@ static void test_energy_appears(void **unused)
     overrides[2] = "solver={ method: descent, iterations: 2000 }";
     run_scene(SHELL, overrides, 3, NULL, 0, &summary);
     assert_null(find_warning(&summary, "energy-appears"));
+}
+
+/* a grasp that closes beside the body, or before the tool is there, is told; one that holds is not */
+static void test_grasp_empty(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"tools=[{ name: grip, shape: sphere, radius: 0.02, press: false, grasp: { reach: 0.001, "
+                               "from: 0.01 }, motion: [{ position: [0, 0, 0.08] }] }]",
+                               "tools.0.motion.0.position=[0, 0, 0.06]"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "grasp-empty");
+    assert_non_null(warning);
+    assert_true(warning->first_frame == 1 && warning->count == 4);
+    assert_non_null(strstr(warning->text, "'grip'"));
+    run_scene(SHELL, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "grasp-empty"));
 }
 
 /* ---- without a run ---- */
@@ -324,6 +341,7 @@ int main(void)
         cmocka_unit_test(test_coarse_mesh),
         cmocka_unit_test(test_inverted_mesh),
         cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_grasp_empty),
         cmocka_unit_test(test_tallies),
         cmocka_unit_test(test_frames),
         cmocka_unit_test(test_every_kind_has_a_text),

@@ -6,17 +6,31 @@
 typedef struct golden_case {
     pel_solver_def solver;
     uint64_t hash;
+    bool contact, shell, refines;
 } golden_case;
 
-static uint64_t run_case(const pel_solver_def *solver, int thread_count)
+static uint64_t run_case(const golden_case *given, int thread_count)
 {
-    pel_mesh *mesh = make_sphere(18);
+    const pel_solver_def *solver = &given->solver;
+    bool is_small = solver->method == PEL_METHOD_DESCENT || given->refines;
+    pel_mesh *mesh = make_sphere(is_small ? 8 : 18);
     pel_body_def body = pel_body_def_default();
     body.name = "ball";
     body.mesh = mesh;
     body.volumetric_by_area = true;
+    if (given->shell) {
+        body.shell.membrane.on = true;
+        body.shell.membrane.young.value = 500;
+        body.shell.membrane.poisson = 0.3;
+        body.shell.membrane.thickness.value = 0.01;
+        body.shell.bending.model = PEL_BENDING_HINGE;
+    }
+    if (given->refines) {
+        body.refine.levels = 1;
+        body.refine.near_tools = 0.2;
+    }
     pel_model *model = make_model(&body);
-    const int32_t pulled[3] = {7, 100, 911};
+    const int32_t pulled[3] = {7, 100, is_small ? 501 : 911};
     pel_load_def load = pel_load_def_default();
     load.force[0] = 0.5;
     load.force[1] = -0.25;
@@ -38,6 +52,8 @@ static uint64_t run_case(const pel_solver_def *solver, int thread_count)
     def.tools = &tool;
     def.tool_count = 1;
     def.thread_count = thread_count;
+    def.contact.enabled = given->contact;
+    def.contact.friction = 0.3;
     pel_sim *sim = make_sim(&def);
     run_steps(sim, (int)(1.5 / solver->dt + 0.5));
     uint64_t hash = pel_sim_hash(sim);
@@ -48,10 +64,29 @@ static uint64_t run_case(const pel_solver_def *solver, int thread_count)
 }
 
 static const golden_case cases[] = {
-    {{.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 50}, UINT64_C(0x584d1616326a71eb)},
-    {{.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 15, .keep_velocity = true}, UINT64_C(0xff8feeb56245ef52)},
-    {{.method = PEL_METHOD_EXPLICIT, .dt = 0.001}, UINT64_C(0x44fceb1b1c78e541)},
-    {{.method = PEL_METHOD_EXPLICIT, .dt = 0.01, .symplectic = true}, UINT64_C(0xe556640eb37ed050)},
+    {.solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 50}, .hash = UINT64_C(0x584d1616326a71eb)},
+    {.solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .alpha = 15, .keep_velocity = true},
+     .hash = UINT64_C(0xff8feeb56245ef52)},
+    {.solver = {.method = PEL_METHOD_EXPLICIT, .dt = 0.001}, .hash = UINT64_C(0x44fceb1b1c78e541)},
+    {.solver = {.method = PEL_METHOD_EXPLICIT, .dt = 0.01, .symplectic = true}, .hash = UINT64_C(0xe556640eb37ed050)},
+    {.solver = {.method = PEL_METHOD_PBD, .dt = 0.01}, .hash = UINT64_C(0x0d88ac60648ac5bf), .shell = true},
+    {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
+     .hash = UINT64_C(0x0ca946af0dc80e82),
+     .shell = true},
+    {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 4, .second_order = PEL_YES},
+     .hash = UINT64_C(0x812da8e0dedff6b2),
+     .shell = true},
+    {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
+     .hash = UINT64_C(0x10e722ce61c419c9),
+     .shell = true,
+     .contact = true},
+    {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
+     .hash = UINT64_C(0xc913b9cf6562c874),
+     .refines = true},
+    {.solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01}, .hash = UINT64_C(0x9d21f4f31ef335ef), .refines = true},
+    {.solver = {.method = PEL_METHOD_DESCENT, .dt = 0.05, .iterations = 20},
+     .hash = UINT64_C(0x29ca0b54cf38b6d8),
+     .shell = true},
 };
 
 static void test_hashes(void **unused)
@@ -61,8 +96,8 @@ static void test_hashes(void **unused)
         skip(); /* the constants are those of double */
     int wrong = 0;
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
-        for (int threads = 1; threads <= 4; threads *= 2) {
-            uint64_t hash = run_case(&cases[c].solver, threads);
+        for (int threads = 1; threads <= (IS_SLOW ? 1 : 4); threads *= 2) {
+            uint64_t hash = run_case(&cases[c], threads);
             if (hash != cases[c].hash)
                 print_error("case %d, %d threads: hash 0x%016llx\n", (int)c, threads, (unsigned long long)hash);
             wrong += hash != cases[c].hash;

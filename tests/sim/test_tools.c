@@ -323,6 +323,47 @@ static void check_refused(const pel_tool_def *tool, const char *word)
     end_stage(&s);
 }
 
+/* a ball that is held as a whole and pulled at a steady speed: the hand feels the damping of all its vertices, by the
+   velocity (springs) and by that along the way from rest (volumetric), and the drag of the solver */
+static void test_grip_feels_damping(void **unused)
+{
+    (void)unused;
+    const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD, PEL_METHOD_PBD};
+    const pel_pose_key keys[2] = {{0, {0, 0, 0}, {0, 0, 0, 1}, {0}}, {1, {0.5, 0, 0}, {0, 0, 0, 1}, {0}}};
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+        pel_mesh *mesh = make_sphere(3);
+        pel_body_def body = pel_body_def_default();
+        body.name = "ball";
+        body.mesh = mesh;
+        body.spring_damping.value = 0.4;
+        body.volumetric_stiffness.value = 0;
+        body.volumetric_damping.value = 0.3;
+        pel_model *model = make_model(&body);
+        pel_tool_def tool = pel_tool_def_default();
+        tool.name = "hand";
+        tool.radius = 2;
+        tool.press = false;
+        tool.grasp = true;
+        tool.keys = keys;
+        tool.key_count = 2;
+        pel_sim_def def = pel_sim_def_default();
+        def.model = model;
+        def.solver.method = methods[m];
+        def.solver.drag = 0.01;
+        def.tools = &tool;
+        def.tool_count = 1;
+        pel_sim *sim = make_sim(&def);
+        run_steps(sim, 50);
+        pel_tool_reading reading;
+        pel_sim_get_tool(sim, 0, &reading);
+        double truth = (0.4 + 0.3 + 0.01) * 0.5 * mesh->vertex_count;
+        assert_near(reading.force[0], -truth, 1e-3 * truth);
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 static void test_refusals(void **unused)
 {
     (void)unused;
@@ -438,13 +479,10 @@ static void test_damaged_snapshot(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_press),
-        cmocka_unit_test(test_force_balances_at_rest),
-        cmocka_unit_test(test_grasp),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_driven_tool),
-        cmocka_unit_test(test_settles),
-        cmocka_unit_test(test_damaged_snapshot),
+        cmocka_unit_test(test_press),    cmocka_unit_test(test_force_balances_at_rest),
+        cmocka_unit_test(test_grasp),    cmocka_unit_test(test_grip_feels_damping),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_driven_tool),
+        cmocka_unit_test(test_settles),  cmocka_unit_test(test_damaged_snapshot),
         cmocka_unit_test(test_momentum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,14 @@
+#include "sim/stepper.h"
+
+const pel_stepper *pel_stepper_of(pel_method method)
+{
+    static const pel_stepper *const kinds[] = {
+        [PEL_METHOD_QUASI_STATIC] = &pel_step_quasi_static_kind,
+        [PEL_METHOD_EXPLICIT] = &pel_step_explicit_kind,
+        [PEL_METHOD_PBD] = &pel_project_pbd_kind,
+        [PEL_METHOD_PBD_DISTANCE] = &pel_project_distance_kind,
+        [PEL_METHOD_XPBD] = &pel_project_xpbd_kind,
+        [PEL_METHOD_DESCENT] = &pel_descent_kind,
+    };
+    return kinds[method];
+}

@@ -1,0 +1,42 @@
+/* Methods as steppers: one table row each, one file for each family. The step (sim.c) is the same for all of them; what
+   it, loads, contact and the ledger have to know of a method are the traits of its row. Nothing outside the files of
+   the methods asks which method runs. */
+#ifndef PEL_SIM_STEPPER_H
+#define PEL_SIM_STEPPER_H
+
+#include "pellicle/sim.h"
+#include "solve/step.h"
+
+typedef struct pel_stepper {
+    /* traits */
+    bool has_velocity;  /* velocities are a part of the state */
+    bool is_explicit;   /* forces at the start of the step kick the velocities */
+    bool has_substeps;  /* constraints are projected in substeps, in which contacts, solids and grasps take part */
+    bool is_compliant;  /* of these: constraints have the compliance of the material, and substeps are automatic */
+    bool weighs;        /* of these: the weight of bending follows the volume where it is automatic */
+    bool is_at_end;     /* loads and keyed numbers act as they are at the end of the step */
+    bool moves_tools;   /* tools and what they hold move inside the step, else after it */
+    bool bounds_motion; /* the step finds the longest edge itself */
+
+    /* what the method needs, when model, state and shells are there; fills in open numbers of the solver */
+    pel_status (*create)(pel_sim *sim, pel_error *error);
+    /* when loads, tools and contacts are there as well; nullable */
+    pel_status (*check_start)(pel_sim *sim, pel_error *error);
+    /* New positions and velocities from those at the start of the step. Errors of pel_contacts_find. */
+    pel_status (*step)(pel_sim *sim, pel_step_result *result, pel_error *error);
+    /* marks what touches beyond tools and the list of contacts; nullable */
+    void (*mark_contacts)(const pel_sim *sim);
+    /* after a step that is accepted; nullable */
+    void (*accept)(pel_sim *sim);
+    /* the remedy for a step that diverged */
+    void (*advise)(const pel_sim *sim, pel_error *error);
+} pel_stepper;
+
+/* the rows, each in the file of its method */
+extern const pel_stepper pel_step_quasi_static_kind, pel_step_explicit_kind, pel_project_pbd_kind,
+    pel_project_distance_kind, pel_project_xpbd_kind, pel_descent_kind;
+
+/* The row of a method that pel_sim_check_def let pass. */
+const pel_stepper *pel_stepper_of(pel_method method);
+
+#endif
