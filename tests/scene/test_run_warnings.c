@@ -333,18 +333,12 @@ static int two_threads(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clean_run),
-        cmocka_unit_test(test_softness),
-        cmocka_unit_test(test_unconverged),
-        cmocka_unit_test(test_lost_grasp),
-        cmocka_unit_test(test_millimetres),
-        cmocka_unit_test(test_coarse_mesh),
-        cmocka_unit_test(test_inverted_mesh),
-        cmocka_unit_test(test_energy_appears),
-        cmocka_unit_test(test_grasp_empty),
-        cmocka_unit_test(test_tallies),
-        cmocka_unit_test(test_frames),
-        cmocka_unit_test(test_every_kind_has_a_text),
+        cmocka_unit_test(test_clean_run),     cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_unconverged),   cmocka_unit_test(test_lost_grasp),
+        cmocka_unit_test(test_millimetres),   cmocka_unit_test(test_coarse_mesh),
+        cmocka_unit_test(test_inverted_mesh), cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_grasp_empty),   cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_frames),        cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);
     return failures + cmocka_run_group_tests(tests, two_threads, clear_folder);
