@@ -36,6 +36,8 @@ typedef struct pel_membrane_def {
     double mooney_ratio;    /* 0.2 by default */
     double extension_limit; /* gent; 50 by default */
     double stiffening;      /* fung; 10 by default */
+    double strain_limit; /* pbd, xpbd: principal stretches stay within 1 - strain_limit .. 1 + strain_limit, 0 <= it <
+                            1; 0 = no limit (Provot 1995). Other methods refuse it */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {

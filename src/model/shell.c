@@ -89,6 +89,12 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
     const pel_membrane_def *membrane = &def->shell.membrane;
     if (!membrane->on)
         return PEL_OK;
+    if (!(membrane->strain_limit >= 0 && membrane->strain_limit < 1)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "strain limit of the membrane is %g", membrane->strain_limit);
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give 0 < strain_limit < 1, or 0 for no limit");
+        return PEL_BAD_ARGUMENT;
+    }
     pel_status status = pel_quantity_check(&membrane->young, def->mesh->vertex_count, body, "young", false, error);
     if (status == PEL_OK)
         status = pel_quantity_check(&membrane->thickness, def->mesh->vertex_count, body, "thickness", false, error);
@@ -222,6 +228,7 @@ static pel_status create_triangles(const pel_body_def *def, const pel_body *body
     }
     shell->mean_edge = edges;
     shell->has_membrane = def->shell.membrane.on;
+    shell->strain_limit = shell->has_membrane ? def->shell.membrane.strain_limit : 0;
     shell->material = material_at(&def->shell.membrane, mesh->triangles[0][0]);
     shell->material.young = shell->triangles[0].young;
     shell->material.thickness = shell->triangles[0].thickness;

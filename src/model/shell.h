@@ -46,6 +46,8 @@ struct pel_shell {
     int32_t triangle_count, triangle_limit;
     pel_shell_triangle *triangles; /* (triangle_count) also without a membrane */
 
+    double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
+
     pel_bending_model bending;
     double bending_weight; /* k_B; negative = automatic */
     int32_t hinge_count, hinge_limit;

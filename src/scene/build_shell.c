@@ -18,6 +18,8 @@ static pel_status read_membrane(const pel_scene_body_source *source, pel_membran
     membrane->mooney_ratio = pel_scene_value_number(value, "mooney_ratio");
     membrane->extension_limit = pel_scene_value_number(value, "extension_limit");
     membrane->stiffening = pel_scene_value_number(value, "stiffening");
+    const pel_scene_value *limit = pel_scene_value_entry(value, "strain_limit");
+    membrane->strain_limit = limit != NULL ? limit->number : 0;
     pel_status status = pel_scene_build_quantity(source, value, "young", "bodies[].membrane", &membrane->young);
     if (status == PEL_OK)
         status = pel_scene_build_quantity(source, value, "thickness", "bodies[].membrane", &membrane->thickness);

@@ -35,9 +35,11 @@ static bool is_driven(const pel_scene *scene, const pel_model *model, int32_t b)
     return driven;
 }
 
-/* what only position-based methods know */
-static bool is_caving(const pel_shell *shell)
+/* what only position-based methods know: strain limits, regions that cave in */
+static bool needs_projection(const pel_shell *shell)
 {
+    if (shell != NULL && shell->strain_limit > 0)
+        return true;
     for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
         if (shell->regions[r].def.mode == PEL_FIBRE_CAVE)
             return true;
@@ -49,7 +51,7 @@ static bool has_rest(const pel_scene *scene, const pel_model *model)
 {
     for (int32_t b = 0; b < model->body_count; b++) {
         bool held = is_pinned(model, b) || is_supported(scene, b) || model->bodies[b].has_volumetric;
-        if ((!held && is_driven(scene, model, b)) || is_caving(model->bodies[b].shell))
+        if ((!held && is_driven(scene, model, b)) || needs_projection(model->bodies[b].shell))
             return false;
     }
     return true;

@@ -113,6 +113,9 @@ static const pel_scene_row rows[] = {
      .doc = "gent: I1 - 3 at which the chains are stretched to their end; rubber has 30 to 100"},
     {"bodies[].membrane.stiffening", NUMBER, POSITIVE, .preset = "10",
      .doc = "fung: b of the stiffness that grows as exp(b e^2 / 2) with the strain e of a pull"},
+    {"bodies[].membrane.strain_limit", NUMBER, .range = {true, true, 0, 0.99},
+     .doc = "pbd and xpbd, for cloth: principal stretches stay within 1 - strain_limit and 1 + strain_limit; leave out "
+            "for no limit"},
     {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); leave out for none"},
     {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge"), .preset = "hinge",
      .doc = "isometric: paper B's, pulls a curved rest shape flat; isometric-rest: the same less the energy at rest; "

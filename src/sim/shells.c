@@ -15,19 +15,30 @@ static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
     return NULL;
 }
 
+static pel_status refuse_shell(int32_t body, const char *what, const char *remedy, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
 static pel_status check_shells(const pel_sim *sim, pel_error *error)
 {
+    bool limits = sim->solver.method == PEL_METHOD_PBD || sim->solver.method == PEL_METHOD_XPBD;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         if (body->shell == NULL)
             continue;
         const char *refusal = mode_refusal(sim, body->shell);
-        if (refusal != NULL) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "%s", refusal);
-            pel_fail_element(error, "body", b);
-            pel_fail_remedy(error, "use the method pbd, or one of the modes strain, active and curl");
-            return PEL_BAD_ARGUMENT;
-        }
+        if (refusal != NULL)
+            return refuse_shell(b, refusal, "use the method pbd, or one of the modes strain, active and curl", error);
+        if (body->shell->strain_limit > 0 && !limits)
+            return refuse_shell(
+                b, "strain_limit is a constraint of the methods pbd and xpbd",
+                "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
+                "stiffen",
+                error);
     }
     return PEL_OK;
 }

@@ -55,7 +55,8 @@ static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
                               material->extension_limit, material->stiffening,   (double)shell->bending,
                               shell->bending_weight,     (double)pressure->kind, (double)pressure->form,
                               pressure->value,           pressure->gamma,        pressure->outside.value,
-                              pressure->target.value,    pressure->bulk,         (double)shell->hinge_count};
+                              pressure->target.value,    pressure->bulk,         (double)shell->hinge_count,
+                              shell->strain_limit};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         hash = hash_double(hash, numbers[i]);
     for (int32_t h = 0; h < shell->hinge_count; h++)

@@ -12,6 +12,9 @@
  */
 enum { PEL_BATCH_GROUP = 4 };
 
+/* passes of a strain limit in a sweep */
+enum { PEL_LIMIT_PASSES = 6 };
+
 /* what a batch asks for, with its numbers per constraint; "compliant" ones are those of xpbd */
 typedef enum pel_constraint {
     PEL_CONSTRAINT_DISTANCE, /* rest length */
@@ -29,6 +32,7 @@ typedef enum pel_constraint {
     PEL_CONSTRAINT_FIBRE_COMPLIANT, /* the image weights and 1 / (area stiffness weight) */
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
     PEL_CONSTRAINT_CAVE,     /* image weights, then as in pel_cave_number */
+    PEL_CONSTRAINT_LIMIT,    /* inverse of the rest matrix (3): principal stretches between two limits */
     PEL_CONSTRAINT_PRESSURE, /* weight; no constraint: adds forces to `target` */
     PEL_CONSTRAINT_COUNT
 } pel_constraint;
@@ -50,6 +54,8 @@ typedef struct pel_batch_law {
     double modulus;                    /* membrane: shear modulus of the law over young */
     pel_real poisson;                  /* membrane: Poisson's ratio at small strain */
     pel_real weight;                   /* bending of pbd: k_B */
+    pel_real least_strain;             /* limit: Green strain of the least principal stretch */
+    pel_real most_strain;              /* limit: of the largest one */
     pel_real rest_length;              /* fibres: factor on the length at rest, now */
     pel_real strength;                 /* pressure: a sixth of it [Pa] */
     pel_real square_time;              /* s2, of the substep, times the factor of a keyed stiffness */

@@ -123,7 +123,7 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
     const pel_shell_triangle *t = &p->body->shell->triangles[batch->sources[i]];
     for (int j = 0; j < 3; j++)
         *number_at(batch, i, j) = (pel_real)t->rest.inverse[j];
-    if (!p->compliant)
+    if (!p->compliant || batch->kind == PEL_CONSTRAINT_LIMIT)
         return;
     double stiffness = t->rest.area * t->young * t->thickness;
     int traits = pel_membrane_law_traits((pel_membrane_kind)(batch->kind - PEL_CONSTRAINT_STRAIN));
@@ -292,6 +292,16 @@ static pel_status add_membrane(plan *p, pel_error *error)
     return add_batch(p, batch, -1, error);
 }
 
+/* after everything else that acts on the triangles, so that a sweep ends with it */
+static pel_status add_limit(plan *p, pel_error *error)
+{
+    double limit = p->body->shell->strain_limit, least = 1 - limit, most = 1 + limit;
+    pel_batch batch = {.kind = PEL_CONSTRAINT_LIMIT, .arity = 3, .number_count = 3};
+    batch.law.least_strain = (pel_real)(0.5 * (least * least - 1));
+    batch.law.most_strain = (pel_real)(0.5 * (most * most - 1));
+    return add_batch(p, batch, -1, error);
+}
+
 static pel_status add_bending(plan *p, pel_error *error)
 {
     const pel_shell *shell = p->body->shell;
@@ -328,7 +338,7 @@ static bool has_springs(const plan *p)
 static pel_status add_batches(plan *p, pel_error *error)
 {
     const pel_shell *shell = p->solver->method == PEL_METHOD_PBD_DISTANCE ? NULL : p->body->shell;
-    int32_t most = 2 + (shell != NULL ? 1 + shell->region_count : 0);
+    int32_t most = 2 + (shell != NULL ? 2 + shell->region_count : 0);
     p->made->batches = pel_allocate((size_t)most, sizeof *p->made->batches);
     p->made->is_on = pel_allocate((size_t)most, sizeof *p->made->is_on);
     if (p->made->batches == NULL || p->made->is_on == NULL)
@@ -350,6 +360,8 @@ static pel_status add_batches(plan *p, pel_error *error)
     for (int32_t r = 0; status == PEL_OK && r < shell->region_count; r++)
         if (shell->regions[r].def.mode != PEL_FIBRE_CURL)
             status = add_region(p, r, error);
+    if (status == PEL_OK && shell->strain_limit > 0)
+        status = add_limit(p, error);
     return status;
 }
 

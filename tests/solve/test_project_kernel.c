@@ -380,6 +380,57 @@ static void test_cave(void **unused)
     }
 }
 
+static void check_linear_momentum(const sample *s, int count)
+{
+    for (int lane = 0; lane < PEL_BLOCK; lane++)
+        for (int i = 0; i < 3; i++) {
+            double sum = 0;
+            for (int k = 0; k < count; k++) {
+                const pel_record *a = &s->before[k * PEL_BLOCK + lane], *b = &s->x[k * PEL_BLOCK + lane];
+                sum += ((double)(*b)[i] - (double)(*a)[i]) / (double)(*a)[3];
+            }
+            assert_near(sum, 0, 100 * (double)PEL_REAL_EPSILON);
+        }
+}
+
+/* sweeps bring the principal stretches within the limits, keep momentum and leave what is within them alone */
+static void test_limit(void **unused)
+{
+    (void)unused;
+    static sample s;
+    random_state random = {12};
+    const double least = 0.9, most = 1.1;
+    for (int n = 0; n < ROUNDS; n++) {
+        pel_rest_triangle rest[PEL_BLOCK];
+        make_batch(&s, PEL_CONSTRAINT_LIMIT, 3, 3, 0);
+        s.batch.law.least_strain = (pel_real)(0.5 * (least * least - 1));
+        s.batch.law.most_strain = (pel_real)(0.5 * (most * most - 1));
+        random_points(&random, &s, n % 2 == 0 ? 0.4 : 0.02, false);
+        set_rest_triangles(&s, rest);
+        project(&s);
+        check_linear_momentum(&s, 3);
+        if (n % 2 == 1)
+            assert_memory_equal(s.before, s.x, sizeof s.x);
+        for (int i = 0; i < 40; i++)
+            project(&s);
+        for (int lane = 0; lane < PEL_BLOCK; lane++) {
+            double x[4][3], f[2][3], c[3];
+            points_of(&s, s.x, lane, x);
+            for (int k = 0; k < 3; k++) {
+                double a = x[0][k] - x[2][k], b = x[1][k] - x[2][k];
+                f[0][k] = (double)s.numbers[lane] * a;
+                f[1][k] = (double)s.numbers[PEL_BLOCK + lane] * a + (double)s.numbers[2 * PEL_BLOCK + lane] * b;
+            }
+            c[0] = pel_vec3_dot(f[0], f[0]);
+            c[1] = pel_vec3_dot(f[1], f[1]);
+            c[2] = pel_vec3_dot(f[0], f[1]);
+            double radius = hypot((c[0] - c[1]) / 2, c[2]), mean = (c[0] + c[1]) / 2;
+            double close = sizeof(pel_real) == 8 ? 1e-6 : 1e-5;
+            assert_true(sqrt(mean + radius) < most + close && sqrt(mean - radius) > least - close);
+        }
+    }
+}
+
 /* triangles that are a point, a line, folded over, or all pinned: finite, and no vertex flies away */
 static void test_collapsed(void **unused)
 {
@@ -485,6 +536,7 @@ int main(void)
         cmocka_unit_test(test_strain_forms_reach_the_stress),
         cmocka_unit_test(test_bending),
         cmocka_unit_test(test_fibres),
+        cmocka_unit_test(test_limit),
         cmocka_unit_test(test_cave),
         cmocka_unit_test(test_compliance),
         cmocka_unit_test(test_collapsed),
