@@ -364,10 +364,12 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     sim->state->step = head.step;
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
+    /* first, so that readings of tools are whole whatever else is damaged */
+    bool has_tools = restore_tools(sim);
     pel_ledger_follow(sim);
+    if (!has_tools)
+        return refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, "snapshot is damaged: its number of substeps is out of range", damage_remedy);
-    return restore_tools(sim)
-               ? PEL_OK
-               : refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);
+    return PEL_OK;
 }

@@ -346,7 +346,7 @@ static double swing_error(int32_t substeps, bool changes)
     pel_sim *sim = make_sim(&def);
     double x[3 * 12], error = 0;
     for (int i = 0; i < 36; i++)
-        x[i] = mesh->positions[0][i] + (i % 3 == 0 ? 0.1 : 0);
+        x[i] = mesh->positions[i / 3][i % 3] + (i % 3 == 0 ? 0.1 : 0);
     assert_int_equal(pel_sim_set_positions(sim, 0, x, NULL), PEL_OK);
     for (int step = 0; step < 40; step++) {
         if (changes && step > 0)

@@ -486,7 +486,7 @@ static double longest_cave(const pel_solver_def *solver, double strength, double
     size_t count = 3 * (size_t)mesh->vertex_count;
     double *x = malloc(count * sizeof *x), *y = malloc(count * sizeof *y), edge = 0, farthest = 0;
     for (size_t i = 0; i < count; i++)
-        x[i] = radius * mesh->positions[0][i];
+        x[i] = radius * mesh->positions[i / 3][i % 3];
     assert_int_equal(pel_sim_set_positions(sim, 0, x, NULL), PEL_OK);
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const int32_t *v = mesh->triangles[t];
