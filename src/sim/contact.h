@@ -26,7 +26,6 @@ typedef struct pel_contact_key {
     int32_t points[4];
     double place[4]; /* weights where it was found */
     /* in substeps (contact_refresh.c) */
-    bool is_border;       /* the closest point of the triangle lies on its border */
     bool is_off;          /* does not act at present */
     bool has_side;        /* the normal tells the side on which the pair touches */
     bool has_pushed;      /* in any substep of this step */

@@ -137,18 +137,6 @@ static pel_descent_problem make_problem(pel_descent_context *context)
 
 /* ---- under constraints ---- */
 
-static pel_status begin_tools(pel_sim *sim, double time, pel_error *error)
-{
-    pel_sim_descent *descent = sim->descent;
-    if (!pel_reserve((void **)&descent->wanted, &descent->wanted_capacity, (size_t)sim->tool_count,
-                     sizeof *descent->wanted))
-        return pel_fail_memory(error);
-    pel_tools_move(sim, time);
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        descent->wanted[i] = sim->tools[i].pose;
-    return PEL_OK;
-}
-
 /* how many parts the way of the tools takes, so that none passes through what it presses; and the longest way [m] */
 static int count_parts(const pel_sim *sim, double *longest)
 {
@@ -170,7 +158,7 @@ static int count_parts(const pel_sim *sim, double *longest)
 static void set_poses(pel_sim *sim, double share)
 {
     for (int32_t i = 0; i < sim->tool_count; i++)
-        pel_tool_pose_between(&sim->tools[i].pose_before, &sim->descent->wanted[i], share, &sim->tools[i].pose);
+        pel_tool_pose_between(&sim->tools[i].pose_before, &sim->tools[i].pose_wanted, share, &sim->tools[i].pose);
     pel_tools_carry(sim);
 }
 
@@ -341,10 +329,9 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
         sim->tools[i].pose_before = sim->tools[i].pose;
     /* before the tools move: it asks from where they come */
     pel_status status = pel_descent_sees_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
-    if (status == PEL_OK)
-        status = begin_tools(sim, context->time, error);
     if (status != PEL_OK)
         return status;
+    pel_tools_move(sim, context->time);
     context->is_constrained = true;
     int part_count = count_parts(sim, &way);
     sim->descent->penalty = PENALTY;
@@ -456,8 +443,8 @@ void pel_sim_descent_destroy(pel_sim *sim)
     if (descent == NULL)
         return;
     pel_descent_destroy(descent->minimiser);
-    void *arrays[] = {descent->external, descent->constraint_of_vertex, descent->shares,
-                      descent->wanted,   descent->constraints,          descent->others};
+    void *arrays[] = {descent->external, descent->constraint_of_vertex, descent->shares, descent->constraints,
+                      descent->others};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(descent);

@@ -49,9 +49,7 @@ struct pel_sim_descent {
     size_t capacity, other_capacity;
     int32_t count, tool_count;
     int32_t *constraint_of_vertex; /* (vertex_count) scratch of one tool: its number plus 1, 0 = none */
-    pel_pose *wanted;              /* (tools) poses at the end of the step */
-    size_t wanted_capacity;
-    double *shares; /* (vertex_count) scratch: of its way up to where it runs into something */
+    double *shares;                /* (vertex_count) scratch: of its way up to where it runs into something */
 };
 
 /* what the energy is evaluated with */
