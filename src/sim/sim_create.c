@@ -6,7 +6,6 @@
 #include "sim/descent.h"
 #include "sim/tool_solid.h"
 
-
 enum { SIM_COOKIE = 0x73696d21 };
 
 /* below this many chunks (of 512 vertices) threads cost more than they give */
