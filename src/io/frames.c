@@ -40,9 +40,9 @@ static bool is_newer(const int version[3])
 }
 
 /* refuses a run of a newer version, as one of its files tells; a file that is not there tells nothing */
-static pel_status check_version(const char *folder, const char *name, const char *mark, pel_error *error)
+static pel_status check_version(const char *folder, pel_run_file file, const char *mark, pel_error *error)
 {
-    char *path = join_path(folder, name), *text = NULL;
+    char *path = join_path(folder, pel_run_file_name(file)), *text = NULL;
     size_t size;
     int version[3];
     if (path == NULL)
@@ -132,7 +132,7 @@ static pel_status parse_list(pel_frames *frames, const char *path, const char *a
 
 static pel_status read_list(pel_frames *frames, pel_error *error)
 {
-    char *path = join_path(frames->folder, "frames.pvd"), *text = NULL;
+    char *path = join_path(frames->folder, pel_run_file_name(PEL_RUN_FRAMES)), *text = NULL;
     size_t size;
     if (path == NULL)
         return pel_fail_memory(error);
@@ -159,9 +159,9 @@ pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *e
         pel_frames_close(made);
         return pel_fail_memory(error);
     }
-    status = check_version(folder, "summary.json", "\"version\": \"", error);
+    status = check_version(folder, PEL_RUN_SUMMARY, "\"version\": \"", error);
     if (status == PEL_OK)
-        status = check_version(folder, "scene.yaml", "# a scene of pellicle ", error);
+        status = check_version(folder, PEL_RUN_SCENE, "# a scene of pellicle ", error);
     if (status == PEL_OK)
         status = read_list(made, error);
     if (status != PEL_OK) {

@@ -75,11 +75,11 @@ static pel_status read_text(const pel_report_run *run, const char *name, char **
 }
 
 /* the member `key` with the text of a file; what is too long becomes fewer rows, or is cut */
-static pel_status put_text(pel_report_run *run, const char *key, const char *name, bool table, pel_error *error)
+static pel_status put_text(pel_report_run *run, const char *key, pel_run_file file, bool table, pel_error *error)
 {
     char *text;
     size_t size;
-    pel_status status = read_text(run, name, &text, &size, error);
+    pel_status status = read_text(run, pel_run_file_name(file), &text, &size, error);
     if (status != PEL_OK)
         return status;
     if (size > PEL_REPORT_TEXT_LIMIT && table)
@@ -165,11 +165,11 @@ pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_
     pel_json_print(json, ",\n\"notes\":[");
     put_plan_notes(run, log);
     pel_json_print(json, "]");
-    pel_status status = put_text(run, "series", "series.csv", true, error);
+    pel_status status = put_text(run, "series", PEL_RUN_SERIES, true, error);
     if (status == PEL_OK)
-        status = put_text(run, "summary", "summary.json", false, error);
+        status = put_text(run, "summary", PEL_RUN_SUMMARY, false, error);
     if (status == PEL_OK)
-        status = put_text(run, "scene", "scene.yaml", false, error);
+        status = put_text(run, "scene", PEL_RUN_SCENE, false, error);
     pel_json_print(json, "}");
     if (status == PEL_OK && json->failed)
         status = pel_fail_memory(error);

@@ -195,7 +195,7 @@ static pel_status write_scene(const pel_run_state *run, bool finished, pel_error
     pel_file_writer writer;
     char path[PEL_RUN_FILE_SIZE];
     const char *text = pel_scene_text(run->scene);
-    pel_status status = pel_file_writer_open(&writer, pel_run_path(path, run->def->folder, "scene.yaml"), error);
+    pel_status status = pel_file_writer_open(&writer, pel_run_path(path, run->def->folder, PEL_RUN_SCENE), error);
     if (status != PEL_OK)
         return status;
     pel_file_writer_write(&writer, text, strlen(text));
@@ -424,7 +424,7 @@ static pel_status write_results(pel_run_state *run, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
     pel_status status = pel_run_frames_list(&run->frames, error);
-    pel_run_path(path, run->def->folder, "final.ply");
+    pel_run_path(path, run->def->folder, PEL_RUN_FINAL);
     if (status == PEL_OK)
         status = pel_run_surface_write_final(&run->frames.surface, run->sim, path, error);
     if (status == PEL_OK)
@@ -439,7 +439,7 @@ static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *er
     if (!over && (run->checkpoint_path[0] == '\0' || run->checkpoint_step != pel_sim_step_count(run->sim)))
         return pel_run_checkpoint_write(run, false, error);
     if (over && run->plan.checkpoint_steps == 0) {
-        unlink(pel_run_path(path, run->def->folder, "checkpoint"));
+        unlink(pel_run_path(path, run->def->folder, PEL_RUN_CHECKPOINT));
         run->checkpoint_path[0] = '\0';
     }
     return PEL_OK;

@@ -80,7 +80,7 @@ pel_status pel_run_checkpoint_write(pel_run_state *run, bool numbered, pel_error
         status =
             write_buffer(run, pel_run_checkpoint_path(path, run->def->folder, pel_sim_step_count(run->sim)), error);
     if (status == PEL_OK)
-        status = write_buffer(run, pel_run_path(path, run->def->folder, "checkpoint"), error);
+        status = write_buffer(run, pel_run_path(path, run->def->folder, PEL_RUN_CHECKPOINT), error);
     return status;
 }
 

@@ -14,10 +14,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char *pel_run_path(char path[PEL_RUN_FILE_SIZE], const char *folder, const char *name)
+static const char *join(char path[PEL_RUN_FILE_SIZE], const char *folder, const char *name)
 {
     snprintf(path, PEL_RUN_FILE_SIZE, "%s/%s", folder, name);
     return path;
+}
+
+const char *pel_run_path(char path[PEL_RUN_FILE_SIZE], const char *folder, pel_run_file file)
+{
+    return join(path, folder, pel_run_file_name(file));
 }
 
 const char *pel_run_frame_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t frame)
@@ -55,7 +60,7 @@ static bool make_folder(const char *path)
 pel_status pel_run_folder_open(const char *folder, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
-    pel_run_path(path, folder, "frames");
+    join(path, folder, "frames");
     for (char *slash = path + 1; *slash != '\0'; slash++) {
         if (*slash != '/' || slash[-1] == '/')
             continue;
@@ -92,12 +97,15 @@ static bool is_temporary(const char *name)
     return strncmp(name, ".pellicle-", 10) == 0 && length > 4 && strcmp(name + length - 4, ".tmp") == 0;
 }
 
+static bool is_file(const char *name, pel_run_file file)
+{
+    return strcmp(name, pel_run_file_name(file)) == 0;
+}
+
 static bool is_run_file(const char *name)
 {
-    static const char *const names[] = {"scene.yaml", "series.csv", "summary.json",
-                                        "frames.pvd", "final.ply",  "checkpoint"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (strcmp(name, names[i]) == 0)
+    for (int file = 0; file < PEL_RUN_FILE_COUNT; file++)
+        if (is_file(name, (pel_run_file)file))
             return true;
     return number_in_name(name, "checkpoint-", ".pel") >= 0;
 }
@@ -108,7 +116,7 @@ static bool is_stale(const char *name, bool frames, int64_t first_frame, bool re
         return true;
     if (frames)
         return number_in_name(name, "f", ".vtp") >= first_frame;
-    return resume ? strcmp(name, "summary.json") == 0 || strcmp(name, "final.ply") == 0 : is_run_file(name);
+    return resume ? is_file(name, PEL_RUN_SUMMARY) || is_file(name, PEL_RUN_FINAL) : is_run_file(name);
 }
 
 static pel_status clear_folder(const char *folder, bool frames, int64_t first_frame, bool resume, bool *removed,
@@ -140,7 +148,7 @@ pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool re
     *removed = false;
     pel_status status = clear_folder(folder, false, first_frame, resume, removed, error);
     if (status == PEL_OK)
-        status = clear_folder(pel_run_path(path, folder, "frames"), true, first_frame, resume, removed, error);
+        status = clear_folder(join(path, folder, "frames"), true, first_frame, resume, removed, error);
     return status;
 }
 
@@ -162,7 +170,7 @@ static const char reserve_name[] = ".pellicle-reserve.tmp";
 bool pel_run_folder_reserve(const char *folder, size_t size)
 {
     char path[PEL_RUN_FILE_SIZE];
-    int descriptor = open(pel_run_path(path, folder, reserve_name), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    int descriptor = open(join(path, folder, reserve_name), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor < 0)
         return false;
     bool reserved = posix_fallocate(descriptor, 0, (off_t)size) == 0;
@@ -175,5 +183,5 @@ bool pel_run_folder_reserve(const char *folder, size_t size)
 void pel_run_folder_release(const char *folder)
 {
     char path[PEL_RUN_FILE_SIZE];
-    unlink(pel_run_path(path, folder, reserve_name));
+    unlink(join(path, folder, reserve_name));
 }

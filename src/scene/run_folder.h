@@ -2,13 +2,14 @@
 #ifndef PEL_SCENE_RUN_FOLDER_H
 #define PEL_SCENE_RUN_FOLDER_H
 
+#include "pellicle/frames.h"
 #include "pellicle/run.h"
 
 /* room for the path of any file of a run */
 enum { PEL_RUN_FILE_SIZE = PEL_RUN_PATH_SIZE + 64 };
 
-/* folder/name */
-const char *pel_run_path(char path[PEL_RUN_FILE_SIZE], const char *folder, const char *name);
+/* folder/series.csv and the like */
+const char *pel_run_path(char path[PEL_RUN_FILE_SIZE], const char *folder, pel_run_file file);
 /* folder/frames/f00012.vtp; without a folder relative to it */
 const char *pel_run_frame_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t frame);
 /* folder/checkpoint-120.pel */

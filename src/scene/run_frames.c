@@ -44,7 +44,7 @@ pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error)
             bool is_last = i + 1 == count && frames->last_time > 0;
             times[i] = is_last ? frames->last_time : pel_run_plan_time(frames->plan, (int64_t)i);
         }
-        pel_run_path(path, frames->folder, "frames.pvd");
+        pel_run_path(path, frames->folder, PEL_RUN_FRAMES);
         status = pel_pvd_write(path, names, times, (int32_t)count, error);
         frames->listed_count = frames->frame_count;
         frames->listed_at = pel_run_clock();
@@ -167,7 +167,7 @@ pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int6
                                 pel_error *error)
 {
     frames->frame_count = frame_count;
-    pel_run_path(frames->series_path, frames->folder, "series.csv");
+    pel_run_path(frames->series_path, frames->folder, PEL_RUN_SERIES);
     if (!resume)
         return pel_run_series_create(&frames->series, frames->series_path, sim, error);
     pel_status status = pel_run_series_resume(&frames->series, frames->series_path, sim, frame_count, error);

@@ -284,7 +284,7 @@ pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary
 {
     pel_file_writer writer;
     char path[PEL_RUN_FILE_SIZE], text[1200];
-    pel_status status = pel_file_writer_open(&writer, pel_run_path(path, run->def->folder, "summary.json"), error);
+    pel_status status = pel_file_writer_open(&writer, pel_run_path(path, run->def->folder, PEL_RUN_SUMMARY), error);
     if (status != PEL_OK)
         return status;
     pel_file_writer_printf(&writer, "{\n  \"status\": \"%s\"", summary->status);
