@@ -4,9 +4,9 @@
 #include "base/memory.h"
 #include "failing_malloc.h"
 #include "io/file.h"
+#include "io/report_pack.h"
 #include "pellicle/report.h"
 #include "pellicle/shape.h"
-#include "results/report_pack.h"
 #include "run_folder.h"
 
 #include <zlib.h>
