@@ -37,7 +37,7 @@ typedef struct pel_stepper {
 
 /* the rows, each in the file of its method */
 extern const pel_stepper pel_step_quasi_static_kind, pel_step_explicit_kind, pel_project_pbd_kind,
-    pel_project_distance_kind, pel_project_xpbd_kind, pel_descent_kind;
+    pel_project_distance_kind, pel_project_xpbd_kind, pel_descent_kind, pel_step_static_kind, pel_step_implicit_kind;
 
 /* The row of a method that pel_sim_create let pass. */
 const pel_stepper *pel_stepper_of(pel_method method);
