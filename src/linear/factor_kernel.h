@@ -1,4 +1,5 @@
-/* Dense kernels of a front, over `number` (float or double) and its `square_root`, which the including source defines.
+/* Dense kernels of a front, over `number` (float or double), which the including source defines with its square_root
+   and LEAST_PIVOT.
 
    A front is column-major with its columns on cache lines. One tile, two vectors high and TILE wide, stays in registers
    while it runs over k: a column of the left factor is loaded once, entries of the right one are broadcast. Nothing is

@@ -121,8 +121,7 @@ static bool factor_block(const job *w, pel_factor_pivot *pivot)
 {
     int32_t below = pel_front_pad(w->last);
     number smallest = (number)pivot->value;
-    const number epsilon = sizeof(number) == sizeof(float) ? (number)1.2e-7 : (number)2.3e-16;
-    int32_t done = factor_pivots(w->panel, w->stride, w->first, w->last, below, epsilon, &smallest);
+    int32_t done = factor_pivots(w->panel, w->stride, w->first, w->last, below, LEAST_PIVOT, &smallest);
     pivot->value = (double)smallest;
     if (done < w->last)
         pivot->failed = w->front->first_pivot + done;
@@ -242,11 +241,16 @@ void PEL_FACTOR_COMPUTE(pel_factor *factor, const pel_matrix *matrix, double shi
     pel_pool_run(pool, plan->task_count, factor_task, &r);
     pel_factor_pivot *upper = &factor->pivots[plan->task_count];
     *upper = (pel_factor_pivot){-1, INFINITY};
+    /* fronts before the first failure have all below them, and one of them may fail earlier still */
+    int32_t last_pivot = plan->unknown_count;
     for (int32_t t = 0; t < plan->task_count; t++)
-        if (factor->pivots[t].failed >= 0)
-            return;
+        if (factor->pivots[t].failed >= 0 && factor->pivots[t].failed < last_pivot)
+            last_pivot = factor->pivots[t].failed;
     for (int32_t k = 0; k < plan->upper_count && upper->failed < 0; k++) {
-        job w = job_of(factor, matrix, shift, &plan->fronts[plan->upper[k]]);
+        const pel_front *front = &plan->fronts[plan->upper[k]];
+        if (front->first_pivot > last_pivot)
+            break;
+        job w = job_of(factor, matrix, shift, front);
         factor_upper(&w, pool, upper);
     }
 }

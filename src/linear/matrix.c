@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* sizes of chunks: some 20 microseconds each */
-enum { ROWS_PER_CHUNK = 256, GROUPS_PER_CHUNK = 8 };
+enum { ROWS_PER_CHUNK = 256, ELEMENTS_PER_PIECE = 64 };
 enum { COLORS_PER_ROUND = 64, CLASS_COUNT = 256 * (PEL_ELEMENT_SIZE_LIMIT + 1) };
 /* values behind the last one that a product may load */
 enum { OVERHANG = 4 };
@@ -21,7 +21,8 @@ typedef struct builder {
     pel_matrix *matrix;
     int32_t *use_start, *use_element, *use_corner; /* elements at each node, and as which of their nodes */
     int32_t *stamp;                                /* (node_count) last row that has seen a node, later its block */
-    int32_t *class_of, *color_of, *by_class;       /* (element_count) */
+    int32_t *key, *sorted;                         /* (element_count) of elements or pieces */
+    int32_t *piece;                                /* (element_count + 1) first elements of pieces, in sorted */
     uint64_t *used;                                /* (node_count) colors of one round */
     int32_t *counts;                               /* for counting sorts */
 } builder;
@@ -32,7 +33,8 @@ void pel_matrix_destroy(pel_matrix *matrix)
         return;
     void *arrays[] = {matrix->first_unknown, matrix->row_start,     matrix->column,        matrix->block_start,
                       matrix->values,        matrix->element_start, matrix->element_place, matrix->element_node,
-                      matrix->node_start,    matrix->ordered,       matrix->group_start,   matrix->color_start};
+                      matrix->node_start,    matrix->ordered,       matrix->group_start,   matrix->piece_start,
+                      matrix->color_start};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(matrix);
@@ -40,8 +42,8 @@ void pel_matrix_destroy(pel_matrix *matrix)
 
 static void release_builder(builder *b)
 {
-    void *arrays[] = {b->use_start, b->use_element, b->use_corner, b->stamp, b->class_of,
-                      b->color_of,  b->by_class,    b->used,       b->counts};
+    void *arrays[] = {b->use_start, b->use_element, b->use_corner, b->stamp, b->key,
+                      b->sorted,    b->piece,       b->used,       b->counts};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
 }
@@ -80,8 +82,8 @@ static pel_status check_def(const pel_matrix_def *def, pel_error *error)
     }
     for (int32_t e = 0; e < def->element_count; e++) {
         int32_t begin = def->element_start[e], end = def->element_start[e + 1], size = 0;
-        if (begin > end || (e == 0 && begin != 0))
-            return refuse(error, "element", e, "the starts of the elements must ascend from 0");
+        if (begin >= end || (e == 0 && begin != 0))
+            return refuse(error, "element", e, "an element needs nodes, and starts of elements ascend from 0");
         for (int32_t i = begin; i < end; i++) {
             if (def->element_node[i] < 0 || def->element_node[i] >= def->node_count)
                 return refuse(error, "element", e, "an element has a node out of range");
@@ -132,15 +134,15 @@ static pel_status allocate_builder(builder *b, pel_error *error)
     b->use_element = pel_allocate(corners, sizeof *b->use_element);
     b->use_corner = pel_allocate(corners, sizeof *b->use_corner);
     b->stamp = pel_allocate(nodes, sizeof *b->stamp);
-    b->class_of = pel_allocate(elements, sizeof *b->class_of);
-    b->color_of = pel_allocate(elements, sizeof *b->color_of);
-    b->by_class = pel_allocate(elements, sizeof *b->by_class);
+    b->key = pel_allocate(elements, sizeof *b->key);
+    b->sorted = pel_allocate(elements, sizeof *b->sorted);
+    b->piece = pel_allocate(elements + 1, sizeof *b->piece);
     b->used = pel_allocate(nodes, sizeof *b->used);
-    b->counts = pel_allocate((elements > CLASS_COUNT ? elements : CLASS_COUNT) + 2, sizeof *b->counts);
+    b->counts = pel_allocate(nodes + elements + CLASS_COUNT + 1, sizeof *b->counts);
     if (m->first_unknown == NULL || m->row_start == NULL || m->node_start == NULL || m->element_start == NULL ||
         m->element_node == NULL || m->ordered == NULL || b->use_start == NULL || b->use_element == NULL ||
-        b->use_corner == NULL || b->stamp == NULL || b->class_of == NULL || b->color_of == NULL ||
-        b->by_class == NULL || b->used == NULL || b->counts == NULL)
+        b->use_corner == NULL || b->stamp == NULL || b->key == NULL || b->sorted == NULL || b->piece == NULL ||
+        b->used == NULL || b->counts == NULL)
         return pel_fail_memory(error);
     return PEL_OK;
 }
@@ -254,70 +256,99 @@ static void sort_by_key(const int32_t *items, int32_t count, const int32_t *key,
     }
 }
 
-/* colors for as many of the elements as 64 colors allow; the others go to the front of the list, their number back */
-static int32_t color_round(builder *b, int32_t *elements, int32_t count, int32_t first_color, int32_t *color_count)
+/* nodes of an element of the matrix under work, by its place in the sorted list */
+static const int32_t *nodes_of(const builder *b, int32_t place, int32_t *count)
 {
     const pel_matrix *m = b->matrix;
-    int32_t left = 0;
-    memset(b->used, 0, (size_t)m->node_count * sizeof *b->used);
-    for (int32_t k = 0; k < count; k++) {
-        int32_t e = elements[k];
-        uint64_t used = 0;
+    int32_t element = b->sorted[place];
+    *count = m->node_start[element + 1] - m->node_start[element];
+    return &m->element_node[m->node_start[element]];
+}
+
+/* Sorts the elements by class (kind and size), then by their first node, and cuts each class into pieces: elements of a
+   piece lie together as far as nodes with near numbers do. Leaves the classes in key. */
+static int32_t cut_pieces(builder *b)
+{
+    pel_matrix *m = b->matrix;
+    int32_t piece_count = 0;
+    for (int32_t e = 0; e < m->element_count; e++) {
+        b->key[e] = m->node_count - 1;
         for (int32_t i = m->node_start[e]; i < m->node_start[e + 1]; i++)
-            used |= b->used[m->element_node[i]];
+            b->key[e] = m->element_node[i] < b->key[e] ? m->element_node[i] : b->key[e];
+    }
+    sort_by_key(NULL, m->element_count, b->key, m->node_count, b->counts, m->ordered);
+    for (int32_t e = 0; e < m->element_count; e++) {
+        int32_t kind = b->def->element_kind == NULL ? 0 : b->def->element_kind[e];
+        b->key[e] = kind * (PEL_ELEMENT_SIZE_LIMIT + 1) + element_size(m, e);
+    }
+    sort_by_key(m->ordered, m->element_count, b->key, CLASS_COUNT, b->counts, b->sorted);
+    for (int32_t i = 0; i < m->element_count; i++)
+        if (i == 0 || b->key[b->sorted[i]] != b->key[b->sorted[i - 1]] ||
+            i - b->piece[piece_count - 1] == ELEMENTS_PER_PIECE)
+            b->piece[piece_count++] = i;
+    b->piece[piece_count] = m->element_count;
+    return piece_count;
+}
+
+/* colors for as many of the pieces that have none (-1) as 64 colors allow; returns the number of those left */
+static int32_t color_round(builder *b, int32_t piece_count, int32_t *colors)
+{
+    pel_matrix *m = b->matrix;
+    int32_t left = 0, first_color = m->color_count, count;
+    memset(b->used, 0, (size_t)m->node_count * sizeof *b->used);
+    for (int32_t p = 0; p < piece_count; p++) {
+        uint64_t used = 0;
+        if (colors[p] >= 0)
+            continue;
+        for (int32_t i = b->piece[p]; i < b->piece[p + 1]; i++) {
+            const int32_t *nodes = nodes_of(b, i, &count);
+            for (int32_t k = 0; k < count; k++)
+                used |= b->used[nodes[k]];
+        }
         if (used == UINT64_MAX) {
-            elements[left++] = e;
+            left++;
             continue;
         }
         int32_t color = __builtin_ctzll(~used);
-        b->color_of[e] = first_color + color;
-        *color_count = color + first_color + 1 > *color_count ? color + first_color + 1 : *color_count;
-        for (int32_t i = m->node_start[e]; i < m->node_start[e + 1]; i++)
-            b->used[m->element_node[i]] |= (uint64_t)1 << color;
+        colors[p] = first_color + color;
+        m->color_count = colors[p] + 1 > m->color_count ? colors[p] + 1 : m->color_count;
+        for (int32_t i = b->piece[p]; i < b->piece[p + 1]; i++) {
+            const int32_t *nodes = nodes_of(b, i, &count);
+            for (int32_t k = 0; k < count; k++)
+                b->used[nodes[k]] |= (uint64_t)1 << color;
+        }
     }
     return left;
 }
 
-/* orders the elements by class (kind and size) and color; elements of one color share no node */
-static void color_elements(builder *b)
-{
-    pel_matrix *m = b->matrix;
-    for (int32_t e = 0; e < m->element_count; e++) {
-        int32_t kind = b->def->element_kind == NULL ? 0 : b->def->element_kind[e];
-        b->class_of[e] = kind * (PEL_ELEMENT_SIZE_LIMIT + 1) + element_size(m, e);
-    }
-    sort_by_key(NULL, m->element_count, b->class_of, CLASS_COUNT, b->counts, b->by_class);
-    memcpy(m->ordered, b->by_class, (size_t)m->element_count * sizeof *m->ordered);
-    m->color_count = 0;
-    for (int32_t begin = 0, end; begin < m->element_count; begin = end) {
-        end = begin + 1;
-        while (end < m->element_count && b->class_of[b->by_class[end]] == b->class_of[b->by_class[begin]])
-            end++;
-        for (int32_t left = end - begin; left > 0;)
-            left = color_round(b, &m->ordered[begin], left, m->color_count, &m->color_count);
-    }
-    sort_by_key(b->by_class, m->element_count, b->color_of, m->color_count, b->counts, m->ordered);
-}
-
+/* writes the pieces in the order of their colors, and the groups of each */
 static pel_status group_elements(builder *b, pel_error *error)
 {
     pel_matrix *m = b->matrix;
-    color_elements(b);
-    /* a color has at least one element, so groups are counted by runs */
+    m->piece_count = cut_pieces(b);
+    int32_t *colors = b->key, *order = b->use_element;
+    memset(colors, 0xff, (size_t)m->piece_count * sizeof *colors);
+    while (color_round(b, m->piece_count, colors) > 0)
+        ;
+    sort_by_key(NULL, m->piece_count, colors, m->color_count, b->counts, order);
     m->color_start = pel_allocate((size_t)m->color_count + 1, sizeof *m->color_start);
+    m->piece_start = pel_allocate((size_t)m->piece_count + 1, sizeof *m->piece_start);
     m->group_start = pel_allocate((size_t)m->element_count + 1, sizeof *m->group_start);
-    if (m->color_start == NULL || m->group_start == NULL)
+    if (m->color_start == NULL || m->piece_start == NULL || m->group_start == NULL)
         return pel_fail_memory(error);
-    for (int32_t i = 0; i < m->element_count; i++) {
-        int32_t color = b->color_of[m->ordered[i]];
-        bool begins_color = i == 0 || color != b->color_of[m->ordered[i - 1]];
-        if (begins_color)
-            m->color_start[color] = m->group_count;
-        if (begins_color || i - m->group_start[m->group_count - 1] == PEL_MATRIX_GROUP)
-            m->group_start[m->group_count++] = i;
+    int32_t count = 0;
+    for (int32_t k = 0; k < m->piece_count; k++) {
+        int32_t p = order[k];
+        m->color_start[colors[p] + 1] = k + 1;
+        m->piece_start[k] = m->group_count;
+        for (int32_t i = b->piece[p]; i < b->piece[p + 1]; i++) {
+            if ((i - b->piece[p]) % PEL_MATRIX_GROUP == 0)
+                m->group_start[m->group_count++] = count;
+            m->ordered[count++] = b->sorted[i];
+        }
     }
-    m->color_start[m->color_count] = m->group_count;
-    m->group_start[m->group_count] = m->element_count;
+    m->piece_start[m->piece_count] = m->group_count;
+    m->group_start[m->group_count] = count;
     return PEL_OK;
 }
 
@@ -346,12 +377,12 @@ pel_status pel_matrix_create(const pel_matrix_def *def, pel_matrix **matrix, pel
     return status;
 }
 
-/* one color of elements on its way into the matrix */
+/* one color of pieces on its way into the matrix */
 typedef struct assembly {
     pel_matrix *matrix;
     pel_matrix_function *function;
     void *context;
-    int32_t first_group, last_group;
+    int32_t first_piece;
 } assembly;
 
 /* adds a dense matrix (row-major, size x size) of one element at its places */
@@ -381,8 +412,8 @@ static void assemble_chunk(void *context, int32_t chunk)
     const assembly *a = context;
     pel_matrix *m = a->matrix;
     double blocks[PEL_MATRIX_GROUP * PEL_ELEMENT_SIZE_LIMIT * PEL_ELEMENT_SIZE_LIMIT];
-    int32_t begin = a->first_group + chunk * GROUPS_PER_CHUNK, end = begin + GROUPS_PER_CHUNK;
-    for (int32_t group = begin; group < (end < a->last_group ? end : a->last_group); group++) {
+    const int32_t *groups = &m->piece_start[a->first_piece + chunk];
+    for (int32_t group = groups[0]; group < groups[1]; group++) {
         const int32_t *elements = &m->ordered[m->group_start[group]];
         int32_t count = m->group_start[group + 1] - m->group_start[group], size = element_size(m, elements[0]);
         a->function(a->context, elements, count, blocks);
@@ -395,9 +426,8 @@ void pel_matrix_assemble(pel_matrix *matrix, pel_pool *pool, pel_matrix_function
 {
     memset(matrix->values, 0, (size_t)matrix->block_start[matrix->block_count] * sizeof *matrix->values);
     for (int32_t color = 0; color < matrix->color_count; color++) {
-        assembly a = {matrix, function, context, matrix->color_start[color], matrix->color_start[color + 1]};
-        pel_pool_run(pool, (a.last_group - a.first_group + GROUPS_PER_CHUNK - 1) / GROUPS_PER_CHUNK, assemble_chunk,
-                     &a);
+        assembly a = {matrix, function, context, matrix->color_start[color]};
+        pel_pool_run(pool, matrix->color_start[color + 1] - a.first_piece, assemble_chunk, &a);
     }
 }
 
@@ -497,6 +527,24 @@ static void multiply_row3(const pel_matrix *m, int32_t row, const double *x, dou
     y[2] = even[2];
 }
 
+/* a row of one unknown: its values lie as its columns do */
+static double multiply_row1(const pel_matrix *m, int32_t row, const double *x)
+{
+    double sum = 0;
+    const double *values = &m->values[m->block_start[m->row_start[row]]];
+    for (int32_t block = m->row_start[row]; block < m->row_start[row + 1]; block++) {
+        const double *part = &x[m->first_unknown[m->column[block]]];
+        int32_t size = size_of(m, m->column[block]);
+        if (size == 3)
+            sum += (values[0] * part[0] + values[1] * part[1]) + values[2] * part[2];
+        else
+            for (int32_t b = 0; b < size; b++)
+                sum += values[b] * part[b];
+        values += size;
+    }
+    return sum;
+}
+
 static void multiply_row(const pel_matrix *m, int32_t row, int32_t size, const double *x, double *y)
 {
     double sum[PEL_NODE_SIZE_LIMIT] = {0};
@@ -517,6 +565,8 @@ static void multiply_chunk(void *context, int32_t chunk)
         int32_t size = size_of(m, i);
         if (size == 3)
             multiply_row3(m, i, p->x, &p->y[m->first_unknown[i]]);
+        else if (size == 1)
+            p->y[m->first_unknown[i]] = multiply_row1(m, i, p->x);
         else
             multiply_row(m, i, size, p->x, &p->y[m->first_unknown[i]]);
     }
