@@ -40,8 +40,9 @@ pel_status pel_factor_create(const pel_factor_plan *plan, pel_factor_precision p
 void pel_factor_destroy(pel_factor *factor);
 
 /* How a factorization went. A matrix that is not positive definite (or holds NaN) has no factor: the first unknown in
-   the order of elimination whose pivot is not above the rounding of the precision is told, the same for any number of
-   threads. Free motions of a body show up as such a pivot. */
+   the order of elimination is told whose pivot, over the diagonal entry, is not above 4e-15 (double) or 1e-7 (float);
+   it is the same for any number of threads. The last unknown of a part that moves freely has such a pivot, or one that
+   is little above it. */
 typedef struct pel_factor_result {
     bool positive_definite;
     int32_t node, component; /* of the pivot that failed, else -1 */

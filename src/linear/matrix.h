@@ -1,8 +1,10 @@
 /* Block sparse symmetric matrices over nodes of 1 to 6 unknowns: vertices of 3, edges of 1, rigid bodies of 6.
 
-   The pattern comes from lists of the nodes of each element and is built once. Elements are colored so that those of
-   one color share no node: the elements of a color are summed in parallel, colors one after the other, and so the sums
-   have the same bits for any number of threads. Both triangles are stored: a product is then one pass over rows. */
+   The pattern comes from lists of the nodes of each element and is built once. Elements are cut into pieces that lie
+   together, and pieces colored so that those of one color share no node: the pieces of a color are summed in parallel,
+   colors one after the other, and so the sums have the same bits for any number of threads. (Coloring elements one by
+   one was tried: ten times slower, because each color then runs through the whole matrix.) Both triangles are stored:
+   a product is one pass over rows. */
 #ifndef PEL_LINEAR_MATRIX_H
 #define PEL_LINEAR_MATRIX_H
 
@@ -24,14 +26,15 @@ typedef struct pel_matrix {
     int32_t *block_start;   /* (block_count + 1) */
     double *values;         /* (block_start[block_count], then four zeros) */
 
-    int32_t element_count, group_count, color_count;
+    int32_t element_count, group_count, piece_count, color_count;
     int32_t *element_start; /* (element_count + 1) places of each element */
     int32_t *element_place; /* n^2 for an element of n nodes, row-major: block_start of the pair's block */
     int32_t *element_node;  /* (sum of n) nodes of the elements */
     int32_t *node_start;    /* (element_count + 1) in element_node */
-    int32_t *ordered;       /* (element_count) elements by kind, size, color and number */
-    int32_t *group_start;   /* (group_count + 1) in ordered: groups of one kind, size and color */
-    int32_t *color_start;   /* (color_count + 1) in group_start: what may run at once */
+    int32_t *ordered;       /* (element_count) elements in the order of their sums */
+    int32_t *group_start;   /* (group_count + 1) in ordered: groups of one kind and size */
+    int32_t *piece_start;   /* (piece_count + 1) in group_start */
+    int32_t *color_start;   /* (color_count + 1) in piece_start: what may run at once */
 } pel_matrix;
 
 typedef struct pel_matrix_def {

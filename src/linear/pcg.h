@@ -5,18 +5,9 @@
 
 #include "linear/matrix.h"
 
-/* y = M^-1 x for a symmetric positive definite M near the matrix, both (unknown_count); pel_factor_solve is one */
+/* y = M^-1 x for a symmetric positive definite M near the matrix, both (unknown_count); pel_factor_solve and
+   pel_jacobi_apply are two */
 typedef void pel_preconditioner(void *context, pel_pool *pool, const double *x, double *y);
-
-/* Inverses of the diagonal blocks. */
-typedef struct pel_jacobi pel_jacobi;
-pel_status pel_jacobi_create(const pel_matrix *matrix, pel_jacobi **jacobi, pel_error *error);
-void pel_jacobi_destroy(pel_jacobi *jacobi);
-/* Inverts the diagonal blocks of a matrix of the same pattern. False when one is not positive definite: that node then
-   takes the absolute values of its diagonal instead (1 for 0). Allocates nothing. */
-bool pel_jacobi_compute(pel_jacobi *jacobi, const pel_matrix *matrix);
-/* a pel_preconditioner */
-void pel_jacobi_apply(void *jacobi, pel_pool *pool, const double *x, double *y);
 
 /* Scratch of a solve; one thread at a time uses it. */
 typedef struct pel_pcg pel_pcg;
@@ -35,15 +26,16 @@ typedef struct pel_pcg_def {
 typedef enum pel_pcg_end {
     PEL_PCG_CONVERGED,
     PEL_PCG_LIMIT,      /* iterations are used up; the solution is the last iterate */
-    PEL_PCG_INDEFINITE, /* a direction of curvature <= 0: the solution is the last iterate before it */
-    PEL_PCG_STALLED     /* the residual no longer falls (rounding), the preconditioner is not positive, or NaN */
+    PEL_PCG_INDEFINITE, /* a direction of curvature <= 0 (within rounding): the solution is the last iterate before it
+                         */
+    PEL_PCG_BROKEN      /* the preconditioner is not positive definite, or a number is NaN or infinite */
 } pel_pcg_end;
 
 typedef struct pel_pcg_result {
     pel_pcg_end end;
-    int32_t iterations;      /* products with the matrix, the one of a start apart */
-    double residual;         /* |b - A x| / |b| by its recurrence */
-    double curvature;        /* smallest p.A p / p.p seen: an upper bound of the least eigenvalue */
+    int32_t iterations; /* products with the matrix, the one of a start apart */
+    double residual;    /* |b - A x| / |b| by its recurrence */
+    double curvature;   /* smallest p.A p / p.p seen: an upper bound of the least eigenvalue; 0 without iterations */
     const double *direction; /* PEL_PCG_INDEFINITE: the direction, until the next solve; else null */
 } pel_pcg_result;
 
