@@ -25,7 +25,7 @@ static bool has_hinges(const pel_shell *shell)
 
 static bool has_springs(const pel_model *model, int32_t body)
 {
-    return model->bodies[body].uniform_spring != 0;
+    return model->bodies[body].plain_spring != 0; /* the same on a refined surface */
 }
 
 static bool depends_on_volume(const pel_shell *shell)
