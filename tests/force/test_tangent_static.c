@@ -242,7 +242,7 @@ static void heavy_strip_is_an_elastica(void **unused)
     int iterations = solve_static(&on.on, on.load, on.is_fixed, 1, 40);
     solve_rod(0, gamma, exact);
     tip_of(&on, 1, tip);
-    assert_in_range(iterations, 1, 20);
+    assert_in_range(iterations, 1, 12);
     assert_near(tip[0] / exact[0], 1, 0.005);
     assert_near(-tip[2] / exact[1], 1, 0.005);
     free_strip(&on);
@@ -265,13 +265,14 @@ static void cantilever_bends_under_an_end_shear(void **unused)
         }
     int iterations = solve_static(&on.on, on.load, on.is_fixed, 10, 40);
     tip_of(&on, 10, tip);
-    assert_in_range(iterations, 1, 20);
+    assert_in_range(iterations, 1, 12);
     assert_near(tip[2], 6.698, 0.01 * 6.698);
     assert_near(10 - tip[0], 3.286, 0.01 * 3.286);
     free_strip(&on);
 }
 
-/* a moment of 2 pi D / L on the end, a force on the rotation of its edges, rolls a strip up to a full circle */
+/* A moment of 2 pi D / L on the end, a force on the rotation of its edges, rolls a strip up to a full circle. Its
+   vertices keep their y: a moment that turns with its edge in space has no potential. */
 static void end_moment_rolls_a_strip_up(void **unused)
 {
     (void)unused;
@@ -279,16 +280,18 @@ static void end_moment_rolls_a_strip_up(void **unused)
     const double young = 1e6, thickness = 0.01, width = 0.1;
     strip on = make_strip(32, 2, 1, width, young, thickness);
     int32_t first = 3 * on.on.pattern->vertex_count;
+    for (int32_t v = 0; v < on.on.model->vertex_count; v++)
+        on.is_fixed[3 * v + 1] = 1;
     double moment = 2 * acos(-1.0) * pel_bending_stiffness(young, 0, thickness), tip[3];
     for (int step = 1; step <= LOAD_STEPS; step++) {
         for (int32_t e = 0; e < on.on.pattern->edge_count; e++)
             if (edge_is_at(&on, e, 1))
                 on.load[first + e] = moment * width / 2 * step / LOAD_STEPS;
-        assert_in_range(solve_static(&on.on, on.load, on.is_fixed, 1, 40), 1, 20);
+        assert_in_range(solve_static(&on.on, on.load, on.is_fixed, 1, 40), 1, 8);
         double angle = 2 * acos(-1.0) * step / LOAD_STEPS;
         tip_of(&on, 1, tip);
-        assert_near(tip[0], sin(angle) / angle, 0.01);
-        assert_near(fabs(tip[2]), (1 - cos(angle)) / angle, 0.01);
+        assert_near(tip[0], sin(angle) / angle, 0.003);
+        assert_near(fabs(tip[2]), (1 - cos(angle)) / angle, 0.003);
     }
     free_strip(&on);
 }
@@ -296,8 +299,8 @@ static void end_moment_rolls_a_strip_up(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bent_sheets_have_a_plates_energy),    cmocka_unit_test(twisted_plates_are_exact),
-        cmocka_unit_test(heavy_strip_is_an_elastica),          cmocka_unit_test(cantilever_bends_under_an_end_shear),
+        cmocka_unit_test(bent_sheets_have_a_plates_energy), cmocka_unit_test(twisted_plates_are_exact),
+        cmocka_unit_test(heavy_strip_is_an_elastica),       cmocka_unit_test(cantilever_bends_under_an_end_shear),
         cmocka_unit_test(end_moment_rolls_a_strip_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
