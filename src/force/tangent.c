@@ -10,17 +10,14 @@
 typedef struct tangent_loop {
     pel_tangent *tangent;
     const pel_tangent_input *input;
-    double *gradient; /* null = not asked for, and so on */
-    pel_element_sink *sink;
-    void *context;
+    double *gradient; /* null = not asked for */
     const double *step;
-    double *stresses;
+    double *stresses; /* extrapolates over the step; both null = not asked for */
 } tangent_loop;
 
-/* the element at hand: its derivatives, and where its stresses stand */
+/* the element at hand: its vertices, its part of the step, and where its derivatives go */
 typedef struct tangent_element {
     double x[PEL_TANGENT_UNKNOWNS], step[PEL_TANGENT_UNKNOWNS];
-    double gradient[PEL_TANGENT_UNKNOWNS], hessian[PEL_TANGENT_UNKNOWNS * PEL_TANGENT_UNKNOWNS];
     pel_tangent_sum sum;
 } tangent_element;
 
@@ -165,24 +162,20 @@ static void load_element(const tangent_loop *loop, const pel_tangent_part *part,
     const pel_tangent *tangent = loop->tangent;
     const int32_t *nodes = tangent->nodes + tangent->node_begin[number];
     int vertices = (part->unknowns - part->nodes) / 2;
-    size_t n = (size_t)part->unknowns, edges = 2 * (size_t)tangent->pattern.vertex_count;
+    size_t edges = 2 * (size_t)tangent->pattern.vertex_count;
     pel_tangent_points(loop->input->unknowns, nodes, vertices, element->x);
     if (loop->step != NULL) {
         pel_tangent_points(loop->step, nodes, vertices, element->step);
         for (int k = vertices; k < part->nodes; k++)
             element->step[2 * vertices + k] = loop->step[edges + (size_t)nodes[k]];
     }
-    element->sum = (pel_tangent_sum){loop->gradient != NULL ? element->gradient : NULL,
-                                     loop->sink != NULL ? element->hessian : NULL, part->unknowns};
-    memset(element->gradient, 0, n * sizeof(double));
-    if (loop->sink != NULL)
-        memset(element->hessian, 0, n * n * sizeof(double));
 }
 
-static void evaluate_element(const tangent_loop *loop, const pel_tangent_part *part, int32_t i,
-                             pel_tangent_energy *energy)
+/* element i of a part: adds its derivatives to `sum` */
+static void add_element(const tangent_loop *loop, const pel_tangent_part *part, int32_t i, pel_tangent_sum sum,
+                        pel_tangent_energy *energy)
 {
-    tangent_element element;
+    tangent_element element = {.sum = sum};
     load_element(loop, part, part->first + i, &element);
     if (part->kind == PEL_PART_TRIANGLES)
         add_triangle(loop, part, i, &element, energy);
@@ -192,11 +185,22 @@ static void evaluate_element(const tangent_loop *loop, const pel_tangent_part *p
         add_spring(loop, part, i, &element, energy);
     else
         add_point(loop, i, &element, energy);
-    size_t n = (size_t)part->unknowns;
-    if (loop->gradient != NULL)
-        memcpy(loop->tangent->rows + part->first_row + (size_t)i * n, element.gradient, n * sizeof(double));
-    if (loop->sink != NULL)
-        loop->sink(loop->context, part->first + i, element.hessian);
+}
+
+void pel_tangent_matrices(void *context, const int32_t *elements, int32_t count, double *blocks)
+{
+    pel_tangent *tangent = context;
+    const tangent_loop loop = {.tangent = tangent, .input = &tangent->input};
+    for (int32_t k = 0; k < count; k++) {
+        const pel_tangent_part *part = tangent->parts;
+        while (elements[k] >= part->first + part->count)
+            part++;
+        size_t n = (size_t)part->unknowns;
+        double *matrix = blocks + (size_t)k * n * n;
+        pel_tangent_energy energy = {0};
+        memset(matrix, 0, n * n * sizeof *matrix);
+        add_element(&loop, part, elements[k] - part->first, (pel_tangent_sum){NULL, matrix, part->unknowns}, &energy);
+    }
 }
 
 static void element_chunk(void *context, int32_t chunk)
@@ -208,8 +212,15 @@ static void element_chunk(void *context, int32_t chunk)
         part++;
     pel_tangent_energy energy = {0};
     int32_t first = (chunk - part->first_chunk) * PEL_TANGENT_CHUNK, end = first + PEL_TANGENT_CHUNK;
-    for (int32_t i = first; i < end && i < part->count; i++)
-        evaluate_element(loop, part, i, &energy);
+    for (int32_t i = first; i < end && i < part->count; i++) {
+        size_t n = (size_t)part->unknowns;
+        pel_tangent_sum sum = {.gradient = NULL};
+        if (loop->gradient != NULL) {
+            sum.gradient = tangent->rows + part->first_row + (size_t)i * n;
+            memset(sum.gradient, 0, n * sizeof *sum.gradient);
+        }
+        add_element(loop, part, i, sum, &energy);
+    }
     tangent->energies[chunk] = energy;
 }
 
@@ -284,7 +295,7 @@ static double find_pressure(const tangent_loop *loop, pel_tangent_shell *own)
     if (conservative || own->rank_one != NULL)
         volume = shell_volume(loop, own);
     own->pressure = pel_pressure_difference(shell, time, volume, body->rest_volume);
-    if (own->rank_one != NULL && loop->sink != NULL)
+    if (own->rank_one != NULL && loop->gradient != NULL)
         fill_rank_one(loop, own, pel_pressure_slope(shell, volume, body->rest_volume));
     return conservative ? pel_pressure_potential(shell, time, volume, body->rest_volume) : 0;
 }
@@ -344,9 +355,10 @@ static pel_tangent_energy run_loop(tangent_loop *loop, pel_pool *pool)
 }
 
 pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_input *input, pel_pool *pool,
-                                        double *gradient, pel_element_sink *sink, void *context)
+                                        double *gradient)
 {
-    tangent_loop loop = {tangent, input, gradient, sink, context, NULL, NULL};
+    tangent->input = *input;
+    tangent_loop loop = {tangent, input, gradient, NULL, NULL};
     return run_loop(&loop, pool);
 }
 
@@ -358,7 +370,7 @@ double pel_tangent_energy_sum(const pel_tangent_energy *energy)
 void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,
                              double *stresses)
 {
-    tangent_loop loop = {tangent, input, NULL, NULL, NULL, step, stresses};
+    tangent_loop loop = {tangent, input, NULL, step, stresses};
     run_loop(&loop, pool);
 }
 

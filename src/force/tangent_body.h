@@ -63,8 +63,10 @@ struct pel_tangent {
     pel_tangent_spring *springs;
     int32_t *points; /* (point_count) vertices in use */
     int32_t *node_begin, *nodes;
-    double *rows;          /* (all unknowns of all elements) gradients */
-    int32_t *gather_begin; /* (nodes + 1) rows of a node */
+    uint8_t *element_kind;
+    pel_tangent_input input; /* of the last evaluation */
+    double *rows;            /* (all unknowns of all elements) gradients */
+    int32_t *gather_begin;   /* (nodes + 1) rows of a node */
     int32_t *gather;
     double *half_angles;          /* (edge_count) (theta - theta_rest) / 2; 0 on the boundary */
     double *settle[4];            /* (edge_count) scratch */

@@ -143,14 +143,15 @@ static bool allocate_lists(pel_tangent *tangent)
     tangent->points = pel_allocate((size_t)tangent->model->vertex_count, sizeof *tangent->points);
     tangent->node_begin = pel_allocate(room.elements + 1, sizeof *tangent->node_begin);
     tangent->nodes = pel_allocate(room.nodes, sizeof *tangent->nodes);
+    tangent->element_kind = pel_allocate(room.elements, sizeof *tangent->element_kind);
     tangent->rows = pel_allocate(room.rows, sizeof *tangent->rows);
     tangent->gather_begin =
         pel_allocate((size_t)tangent->model->vertex_count + room.edges + 2, sizeof *tangent->gather_begin);
     tangent->gather = pel_allocate(room.nodes, sizeof *tangent->gather);
     tangent->energies = pel_allocate(room.chunks, sizeof *tangent->energies);
     return all && tangent->springs != NULL && tangent->points != NULL && tangent->node_begin != NULL &&
-           tangent->nodes != NULL && tangent->rows != NULL && tangent->gather_begin != NULL &&
-           tangent->gather != NULL && tangent->energies != NULL;
+           tangent->nodes != NULL && tangent->element_kind != NULL && tangent->rows != NULL &&
+           tangent->gather_begin != NULL && tangent->gather != NULL && tangent->energies != NULL;
 }
 
 /* ---- shells ---- */
@@ -340,6 +341,7 @@ static void fill_nodes(pel_tangent *tangent)
         const pel_tangent_part *part = &tangent->parts[p];
         for (int32_t i = 0; i < part->count; i++) {
             tangent->node_begin[part->first + i] = count;
+            tangent->element_kind[part->first + i] = (uint8_t)(2 * part->kind + (part->nodes > 3));
             fill_nodes_of(tangent, part, i, tangent->nodes + count);
             count += part->nodes;
         }
@@ -425,6 +427,7 @@ pel_status pel_tangent_create(const pel_model *model, pel_tangent **made, pel_er
     }
     tangent->pattern.node_begin = tangent->node_begin;
     tangent->pattern.nodes = tangent->nodes;
+    tangent->pattern.element_kind = tangent->element_kind;
     tangent->pattern.rank_ones = tangent->rank_ones;
     pel_tangent_rebuild(tangent);
     *made = tangent;
@@ -453,7 +456,7 @@ void pel_tangent_destroy(pel_tangent *tangent)
                       tangent->springs,   tangent->points,       tangent->node_begin, tangent->nodes,
                       tangent->rows,      tangent->gather_begin, tangent->gather,     tangent->half_angles,
                       tangent->settle[0], tangent->settle[1],    tangent->settle[2],  tangent->settle[3],
-                      tangent->energies};
+                      tangent->energies,  tangent->element_kind};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         pel_free(arrays[k]);
     pel_free(tangent);

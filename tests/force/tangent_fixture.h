@@ -66,10 +66,9 @@ static inline int32_t first_unknown(const pel_tangent_pattern *pattern, int32_t 
     return node < pattern->vertex_count ? 3 * node : 2 * pattern->vertex_count + node;
 }
 
-/* an element sink into the dense Hessian; for one thread */
-static inline void add_element(void *context, int32_t element, const double *matrix)
+/* adds an element's matrix to the dense Hessian */
+static inline void add_element(tangents *on, int32_t element, const double *matrix)
 {
-    tangents *on = context;
     const int32_t *nodes = on->pattern->nodes + on->pattern->node_begin[element];
     int32_t node_count = on->pattern->node_begin[element + 1] - on->pattern->node_begin[element];
     int32_t unknowns[24], n = 0;
@@ -101,7 +100,12 @@ static inline void evaluate_tangents(tangents *on, pel_tangent_input input)
 {
     input.unknowns = on->unknowns;
     memset(on->hessian, 0, (size_t)on->count * (size_t)on->count * sizeof(double));
-    on->energy = pel_tangent_evaluate(on->tangent, &input, NULL, on->gradient, add_element, on);
+    on->energy = pel_tangent_evaluate(on->tangent, &input, NULL, on->gradient);
+    for (int32_t element = 0; element < on->pattern->element_count; element++) {
+        double matrix[144];
+        pel_tangent_matrices(on->tangent, &element, 1, matrix);
+        add_element(on, element, matrix);
+    }
     add_rank_ones(on);
 }
 
@@ -111,7 +115,7 @@ static inline double energy_after(tangents *on, pel_tangent_input input, const d
     memcpy(moved, on->unknowns, (size_t)on->count * sizeof *moved);
     pel_tangent_advance(on->tangent, moved, step, scale, NULL);
     input.unknowns = moved;
-    pel_tangent_energy energy = pel_tangent_evaluate(on->tangent, &input, NULL, NULL, NULL, NULL);
+    pel_tangent_energy energy = pel_tangent_evaluate(on->tangent, &input, NULL, NULL);
     free(moved);
     return pel_tangent_energy_sum(&energy);
 }

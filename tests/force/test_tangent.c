@@ -204,19 +204,24 @@ static void springs_to_points_pull(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* keeps every matrix at a place of its own */
+/* a loop over elements in groups of one kind, as an assembly has it */
 typedef struct kept_matrices {
     double *matrices; /* (elements x 144) */
-    const pel_tangent_pattern *pattern;
+    pel_tangent *tangent;
 } kept_matrices;
 
-static void keep_matrix(void *context, int32_t element, const double *matrix)
+static void keep_matrices(void *context, int32_t chunk)
 {
     kept_matrices *kept = context;
-    size_t n = 0;
-    for (int32_t i = kept->pattern->node_begin[element]; i < kept->pattern->node_begin[element + 1]; i++)
-        n += kept->pattern->nodes[i] < kept->pattern->vertex_count ? 3 : 1;
-    memcpy(kept->matrices + 144 * (size_t)element, matrix, n * n * sizeof(double));
+    const pel_tangent_pattern *pattern = pel_tangent_pattern_of(kept->tangent);
+    const int32_t elements[2] = {2 * chunk, 2 * chunk + 1};
+    bool pair = elements[1] < pattern->element_count &&
+                pattern->element_kind[elements[0]] == pattern->element_kind[elements[1]];
+    double blocks[288] = {0};
+    pel_tangent_matrices(kept->tangent, elements, pair ? 2 : 1, blocks);
+    memcpy(kept->matrices + 288 * (size_t)chunk, blocks, sizeof blocks);
+    if (!pair && elements[1] < pattern->element_count)
+        pel_tangent_matrices(kept->tangent, elements + 1, 1, kept->matrices + 288 * (size_t)chunk + 144);
 }
 
 static void threads_give_the_same_bits(void **unused)
@@ -229,7 +234,7 @@ static void threads_give_the_same_bits(void **unused)
     pel_tangent *tangent;
     assert_int_equal(pel_tangent_create(model, &tangent, NULL), PEL_OK);
     const pel_tangent_pattern *pattern = pel_tangent_pattern_of(tangent);
-    size_t count = (size_t)pattern->unknown_count, numbers = 144 * (size_t)pattern->element_count;
+    size_t count = (size_t)pattern->unknown_count, numbers = 144 * ((size_t)pattern->element_count + 1);
     double *unknowns[3], *gradient[3], *stresses[3], *step = calloc(count, sizeof *step);
     kept_matrices kept[3];
     for (size_t i = 0; i < count; i++)
@@ -240,14 +245,15 @@ static void threads_give_the_same_bits(void **unused)
         unknowns[k] = calloc(count, sizeof(double));
         gradient[k] = calloc(count, sizeof(double));
         stresses[k] = calloc((size_t)pattern->stress_count, sizeof(double));
-        kept[k] = (kept_matrices){calloc(numbers, sizeof(double)), pattern};
+        kept[k] = (kept_matrices){calloc(numbers, sizeof(double)), tangent};
         for (int32_t v = 0; v < model->vertex_count; v++)
             pel_vertex_position(model->rest, v, unknowns[k] + 3 * v);
         const pel_tangent_input input = {.unknowns = unknowns[k]};
         pel_tangent_extrapolate(tangent, &input, step, pool, stresses[k]);
         pel_tangent_advance(tangent, unknowns[k], step, 1, pool);
         const pel_tangent_input mixed = {.unknowns = unknowns[k], .stresses = stresses[k]};
-        pel_tangent_energy energy = pel_tangent_evaluate(tangent, &mixed, pool, gradient[k], keep_matrix, &kept[k]);
+        pel_tangent_energy energy = pel_tangent_evaluate(tangent, &mixed, pool, gradient[k]);
+        pel_pool_run(pool, (pattern->element_count + 1) / 2, keep_matrices, &kept[k]);
         gradient[k][0] += pel_tangent_energy_sum(&energy);
         pel_pool_destroy(pool);
         assert_memory_equal(unknowns[k], unknowns[0], count * sizeof(double));
@@ -298,7 +304,8 @@ static void steps_allocate_nothing(void **unused)
     tangents on = make_tangents(&body);
     const pel_tangent_input input = {.unknowns = on.unknowns};
     failing_malloc_begin(0);
-    pel_tangent_evaluate(on.tangent, &input, NULL, on.gradient, add_element, &on);
+    pel_tangent_evaluate(on.tangent, &input, NULL, on.gradient);
+    pel_tangent_matrices(on.tangent, &(int32_t){3}, 1, on.hessian);
     pel_tangent_extrapolate(on.tangent, &input, on.gradient, NULL, on.stresses);
     pel_tangent_settle_edges(on.tangent, on.unknowns, NULL);
     pel_tangent_rebuild(on.tangent);
@@ -394,9 +401,9 @@ static void surfaces_may_refine(void **unused)
     for (int32_t v = 0; v < active->model.vertex_count; v++)
         pel_vertex_position(active->model.rest, v, unknowns + 3 * v);
     const pel_tangent_input input = {.unknowns = unknowns};
-    pel_tangent_energy rest = pel_tangent_evaluate(tangent, &input, NULL, NULL, NULL, NULL);
+    pel_tangent_energy rest = pel_tangent_evaluate(tangent, &input, NULL, NULL);
     unknowns[3 * pattern->nodes[0]] += 0.01;
-    pel_tangent_energy moved = pel_tangent_evaluate(tangent, &input, NULL, NULL, NULL, NULL);
+    pel_tangent_energy moved = pel_tangent_evaluate(tangent, &input, NULL, NULL);
     assert_near(rest.bending, 0, (sizeof(pel_real) == 8 ? 1e-12 : 1e-5) * moved.bending);
     free(unknowns);
     pel_tangent_destroy(tangent);
