@@ -7,8 +7,9 @@
    matrices it is psi (measure/midedge.h): pel_tangent_advance adds a step.
 
    Nodes are vertices (3 unknowns) and, from vertex_count on, edges (1 unknown). An element lists its vertices, then its
-   edges; its matrix is dense and symmetric over their unknowns in this order. Every vertex has an element of its own,
-   which may be zero. The pattern changes with the surface only. */
+   edges; its matrix is dense and symmetric over their unknowns in this order. Every vertex in use has an element of its
+   own, which may be zero. The pattern changes with the surface only; it and pel_tangent_matrices are what
+   linear/matrix.h assembles. */
 #ifndef PEL_FORCE_TANGENT_H
 #define PEL_FORCE_TANGENT_H
 
@@ -28,11 +29,12 @@ typedef struct pel_tangent_pattern {
     int32_t vertex_count, edge_count;
     int32_t unknown_count; /* 3 vertex_count + edge_count */
     int32_t element_count;
-    const int32_t *node_begin; /* (element_count + 1) */
-    const int32_t *nodes;
-    int32_t stress_count; /* numbers that pel_tangent_extrapolate writes */
+    const int32_t *node_begin;   /* (element_count + 1) */
+    const int32_t *nodes;        /* (node_begin[element_count]) */
+    const uint8_t *element_kind; /* (element_count) elements of one kind have one number of nodes and one code */
+    int32_t stress_count;        /* numbers that pel_tangent_extrapolate writes */
     int32_t rank_one_count;
-    const pel_rank_one *rank_ones; /* (rank_one_count) of the last evaluation */
+    const pel_rank_one *rank_ones; /* (rank_one_count) of the last evaluation with a gradient */
 } pel_tangent_pattern;
 
 /* An edge of mid-edge bending. */
@@ -71,19 +73,20 @@ typedef struct pel_tangent_energy {
     double pressure; /* where it is conservative (pel_pressure_is_conservative), else 0 */
 } pel_tangent_energy;
 
-/* Receives the matrix of an element, row by row; called from any of the threads, once for each element. */
-typedef void pel_element_sink(void *context, int32_t element, const double *matrix);
-
-/* Evaluates at the input; gradient (unknown_count) and sink may be null. Same bits for any number of threads. The
-   gradient of pressure in the vertex-normal form is that form's; its matrices are those of the consistent form. */
+/* Evaluates at the input; gradient (unknown_count) may be null. Same bits for any number of threads. */
 pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_input *input, pel_pool *pool,
-                                        double *gradient, pel_element_sink *sink, void *context);
+                                        double *gradient);
+
+/* Matrices of `count` elements at the input of the last evaluation, whose arrays have to live: blocks (count x n x n)
+   for elements of n unknowns, all of one kind. From any number of threads at once; has the form of a
+   pel_matrix_function. Pressure in the vertex-normal form has the matrices of the consistent form. */
+void pel_tangent_matrices(void *tangent, const int32_t *elements, int32_t count, double *blocks);
 
 /* The sum of an energy's parts. */
 double pel_tangent_energy_sum(const pel_tangent_energy *energy);
 
 /* MIP: stresses (stress_count) at the input plus their linear change over a step (unknown_count). Input of the next
-   evaluation, at the end of the step. */
+   evaluation, at the end of the step. Ends the evaluation before. */
 void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,
                              double *stresses);
 

@@ -2,9 +2,9 @@
    one rotation per edge as an unknown (Grinspun et al. 2006, the Morley element; theory page, section 16). It is a
    plate's bending with its Poisson's ratio on every mesh.
 
-   Strains. Edge i of a triangle runs from corner i to corner i + 1. alpha_i is the angle from the normal of the
-   triangle to the normal of the edge, less that at rest. Between two triangles with the dihedral angle theta and the
-   edge's unknown xi
+   Strains. Edge i of a triangle runs from corner i to corner i + 1. alpha_i is the angle by which the normal of the
+   triangle is turned about it from the normal of the edge, towards the tip, less that at rest. Between two triangles
+   with the dihedral angle theta and the edge's unknown xi
 
        alpha = (theta - theta_rest) / 2 + xi in the first triangle, (theta - theta_rest) / 2 - xi in the second
 
@@ -25,7 +25,9 @@
    the exact second derivative along these finite steps.
 
    Conditions on psi: free on the boundary is a free edge. psi = 0 on an edge whose vertices are held is a clamped edge:
-   its normal stays. A given increment turns the clamp; a moment M [N m] on an edge is a force M on psi. */
+   its normal stays. A given increment turns the clamp. A moment M [N m] on a boundary edge is a force M on psi; unless
+   the edge keeps its direction such a moment has no potential, and Newton's method with this symmetric Hessian
+   converges linearly. */
 #ifndef PEL_MEASURE_MIDEDGE_H
 #define PEL_MEASURE_MIDEDGE_H
 
