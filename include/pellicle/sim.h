@@ -26,7 +26,9 @@ typedef enum pel_method {
     PEL_METHOD_PBD,          /* paper B: each energy is a constraint, met by `iterations` sweeps of Gauss-Seidel */
     PEL_METHOD_PBD_DISTANCE, /* position-based dynamics on edge lengths alone */
     PEL_METHOD_XPBD,         /* extended position-based dynamics, strain form, `substeps` of one iteration each */
-    PEL_METHOD_DESCENT /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
+    PEL_METHOD_DESCENT,      /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
+    PEL_METHOD_STATIC,       /* states of rest by Newton's method, under tools and contacts */
+    PEL_METHOD_IMPLICIT      /* m a = F at the end of a step (BDF2, implicit midpoint), by Newton's method */
 } pel_method;
 
 /* A choice that may be left to the library. */

@@ -261,12 +261,13 @@ static const pel_scene_row rows[] = {
          "triangle if that is more"},
 
     {"solver", MAP, .preset = "{}", .doc = "how the equations are stepped"},
-    {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent"),
+    {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"),
      .preset = "quasi-static",
      .doc =
          "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper B; "
          "pbd-distance: position-based dynamics on edges; xpbd: position-based dynamics that feels stiffness; "
-         "descent: minimises the energy under tools and contacts. Left out beside a membrane: xpbd"},
+         "descent: minimises the energy under tools and contacts; static: states of rest by Newton's method; implicit: "
+         "m a = F at the end of a step by Newton's method. Left out beside a membrane: xpbd"},
     {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
     {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
      .doc = "quasi-static: how far a step goes; auto takes a value that is safe for the mesh"},

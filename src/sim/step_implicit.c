@@ -11,6 +11,7 @@
 
    The midpoint rule keeps the energy where nothing takes it away; BDF2 damps what a step cannot follow; Euler begins,
    and follows what touches. */
+#include "base/status.h"
 #include "sim/contact.h"
 #include "sim/step_newton.h"
 

@@ -45,8 +45,6 @@ struct pel_newton {
     pel_factor_precision precision;
     bool has_factor, was_kept;
     pel_pcg *pcg;
-    size_t *value_begin; /* (element_count + 1) in values */
-    double *values;      /* matrices of the elements */
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
     double *walked;                                           /* (unknown_count) sum of the steps of a run */
     double *stresses;                                         /* (stress_count) */
@@ -87,6 +85,7 @@ static pel_status create_matrix(pel_newton *newton, pel_error *error)
         .element_count = pattern->element_count,
         .element_start = pattern->node_begin,
         .element_node = pattern->nodes,
+        .element_kind = pattern->element_kind,
     };
     pel_status status = pel_matrix_create(&def, &newton->matrix, error);
     pel_free(sizes);
@@ -142,24 +141,12 @@ static void measure(pel_newton *newton)
 static bool make_room(pel_newton *newton)
 {
     const pel_tangent_pattern *pattern = newton->pattern;
-    size_t count = (size_t)pattern->unknown_count, size = 0;
-    newton->value_begin = pel_allocate((size_t)pattern->element_count + 1, sizeof *newton->value_begin);
-    if (newton->value_begin == NULL)
-        return false;
-    for (int32_t e = 0; e < pattern->element_count; e++) {
-        size_t unknowns = 0;
-        for (int32_t i = pattern->node_begin[e]; i < pattern->node_begin[e + 1]; i++)
-            unknowns += pattern->nodes[i] < pattern->vertex_count ? 3 : 1;
-        newton->value_begin[e] = size;
-        size += unknowns * unknowns;
-    }
-    newton->value_begin[pattern->element_count] = size;
-    newton->values = pel_allocate(size, sizeof *newton->values);
+    size_t count = (size_t)pattern->unknown_count;
     newton->stresses = pel_allocate((size_t)pattern->stress_count + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
     double **vectors[] = {&newton->gradient, &newton->right,          &newton->step,
                           &newton->start,    &newton->start_gradient, &newton->masses, &newton->walked};
-    bool room = newton->values != NULL && newton->stresses != NULL && newton->fixed != NULL;
+    bool room = newton->stresses != NULL && newton->fixed != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
     return room;
@@ -204,7 +191,7 @@ void pel_newton_destroy(pel_newton *newton)
     pel_factor_plan_destroy(newton->plan);
     pel_matrix_destroy(newton->matrix);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {newton->value_begin, newton->values, newton->gradient,       newton->right,  newton->step,
+    void *arrays[] = {newton->gradient,       newton->right,  newton->step,
                       newton->start,       newton->masses, newton->start_gradient, newton->stresses, newton->fixed, newton->walked};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
@@ -232,23 +219,6 @@ pel_factor_cost pel_newton_cost(const pel_newton *newton)
 }
 
 /* ---- energy, forces, matrix ---- */
-
-static void keep_values(void *context, int32_t element, const double *matrix)
-{
-    const pel_newton *newton = context;
-    const size_t *begin = newton->value_begin + element;
-    memcpy(newton->values + begin[0], matrix, (begin[1] - begin[0]) * sizeof *matrix);
-}
-
-static void give_values(void *context, const int32_t *elements, int32_t count, double *blocks)
-{
-    const pel_newton *newton = context;
-    for (int32_t i = 0; i < count; i++) {
-        const size_t *begin = newton->value_begin + elements[i];
-        memcpy(blocks, newton->values + begin[0], (begin[1] - begin[0]) * sizeof *blocks);
-        blocks += begin[1] - begin[0];
-    }
-}
 
 /* loads are constant forces on positions and moments on edges; a moment has no part in the energy */
 static double add_loads(const newton_run *run)
@@ -282,8 +252,8 @@ static void measure_forces(const newton_run *run)
     run->result->held_force = sqrt(held);
 }
 
-/* energy and gradient at the unknowns; the matrices of the elements on request */
-static void evaluate(newton_run *run, bool with_matrix)
+/* energy and gradient at the unknowns */
+static void evaluate(newton_run *run)
 {
     pel_newton *newton = run->newton;
     const pel_newton_problem *problem = run->problem;
@@ -296,8 +266,7 @@ static void evaluate(newton_run *run, bool with_matrix)
         .point_stiffness = problem->point_stiffness,
         .points = problem->points,
     };
-    pel_tangent_energy energy = pel_tangent_evaluate(newton->tangent, &input, newton->pool, newton->gradient,
-                                                     with_matrix ? keep_values : NULL, newton);
+    pel_tangent_energy energy = pel_tangent_evaluate(newton->tangent, &input, newton->pool, newton->gradient);
     double loads = add_loads(run), terms = 0;
     if (problem->terms != NULL)
         terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
@@ -367,7 +336,7 @@ static bool has_volume_terms(const pel_newton *newton)
 static void assemble(newton_run *run)
 {
     pel_newton *newton = run->newton;
-    pel_matrix_assemble(newton->matrix, newton->pool, give_values, newton);
+    pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
     if (run->problem->terms != NULL)
         run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
     if (run->shift > 0)
@@ -417,7 +386,7 @@ static pel_pcg_result solve(newton_run *run, int32_t products)
     const pel_pcg_def def = {
         .matrix = newton->matrix,
         .add_product = has_volume_terms(newton) ? add_rank_ones : NULL,
-        .context = newton,
+        .added = newton,
         .precondition = pel_factor_solve,
         .preconditioner = newton->factors[newton->precision],
         .tolerance = SOLVE_TOLERANCE,
@@ -444,7 +413,7 @@ static bool find_step(newton_run *run)
     if (!make_factor(run))
         return false;
     pel_pcg_end end = solve(run, MOST_PRODUCTS).end;
-    return end == PEL_PCG_CONVERGED || end == PEL_PCG_STALLED || end == PEL_PCG_LIMIT;
+    return end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT;
 }
 
 /* ---- steps ---- */
@@ -507,7 +476,7 @@ static bool go_full_steps(newton_run *run)
     int since = 0;
     for (;;) {
         run->kind = PEL_TANGENT_EXACT;
-        evaluate(run, result->iterations < run->problem->iterations);
+        evaluate(run);
         if (!is_finite(run))
             return false;
         if (result->iterations == 0)
@@ -521,7 +490,7 @@ static bool go_full_steps(newton_run *run)
         if (!find_step(run)) {
             run->kind = PEL_TANGENT_POSITIVE;
             run->has_stresses = false;
-            evaluate(run, true);
+            evaluate(run);
             if (run->status != PEL_OK || !find_step(run))
                 return false;
         }
@@ -531,7 +500,7 @@ static bool go_full_steps(newton_run *run)
         go(run);
         /* as near as the rounding of positions allows */
         if (longest < SHORT_SHARE * run->newton->size && scale == 1) {
-            evaluate(run, false);
+            evaluate(run);
             result->stuck = !has_converged(run);
             return is_finite(run);
         }
@@ -587,7 +556,7 @@ static bool go_downhill(newton_run *run, double most)
     while (find_shifted_step(run, most)) {
         double slope = slope_of(newton);
         go(run);
-        evaluate(run, true);
+        evaluate(run);
         double fall = energy - run->result->energy;
         if (is_finite(run) && (fall >= -DECREASE * slope - ROUNDING * parts ||
                                (fall >= -ROUNDING * parts && run->result->residual < residual))) {
@@ -595,7 +564,7 @@ static bool go_downhill(newton_run *run, double most)
             return true;
         }
         memcpy(run->unknowns, newton->start, bytes);
-        evaluate(run, true);
+        evaluate(run);
         run->shift = fmax(GROW * run->shift, LEAST_SHIFT * most);
         if (run->result->iterations >= run->problem->iterations)
             return false;
@@ -620,7 +589,7 @@ static void go_down(newton_run *run)
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     go_to_targets(run);
-    evaluate(run, true);
+    evaluate(run);
     assemble(run);
     double most = MOST_SHIFT * stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
@@ -640,7 +609,7 @@ static bool is_stable(newton_run *run)
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     run->shift = 0;
-    evaluate(run, true);
+    evaluate(run);
     assemble(run);
     return make_factor(run);
 }
