@@ -44,7 +44,8 @@ typedef struct pel_pcg_result {
     const double *direction; /* PEL_PCG_INDEFINITE: the direction, until the next solve; else null */
 } pel_pcg_result;
 
-/* Solves A x = right, A the matrix and what is added to it, both (unknown_count). Allocates nothing; the same bits for any number of threads. */
+/* Solves A x = right, A the matrix and what is added to it, both (unknown_count). Allocates nothing; the same bits for
+ * any number of threads. */
 pel_pcg_result pel_pcg_solve(pel_pcg *pcg, const pel_pcg_def *def, pel_pool *pool, const double *right,
                              double *solution);
 

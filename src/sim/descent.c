@@ -382,9 +382,8 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
     pel_descent_context context = {.sim = sim, .state = *state, .time = (double)(state->step + 1) * sim->step.dt};
     pel_shell_forces_follow(sim->shells, state->position);
     double loads = find_external(sim, context.time);
-    pel_status status = pel_sim_has_velocity(sim)
-                            ? PEL_OK
-                            : pel_descent_check_held(sim, sim->descent->external, context.time, error);
+    pel_status status =
+        pel_sim_has_velocity(sim) ? PEL_OK : pel_descent_check_held(sim, sim->descent->external, context.time, error);
     if (status != PEL_OK)
         return status;
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);

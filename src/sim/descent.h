@@ -47,12 +47,12 @@ struct pel_sim_descent {
     pel_descent_minimise *minimise;
     pel_descent *minimiser; /* of the method descent, else null */
     pel_sim_newton *newton; /* of the others, else null */
-    pel_record *external; /* (vertex_count) forces that stay during a step */
-    double mean_edge;     /* m */
-    double stiff_force;   /* N, moves every vertex by an edge, by the bound of the stiffness */
-    double acted;         /* N, largest force that has acted since the start */
-    double stiffness;     /* 1/s2, bound of that of the bodies over mass */
-    double penalty;       /* stiffness of constraints over that bound */
+    pel_record *external;   /* (vertex_count) forces that stay during a step */
+    double mean_edge;       /* m */
+    double stiff_force;     /* N, moves every vertex by an edge, by the bound of the stiffness */
+    double acted;           /* N, largest force that has acted since the start */
+    double stiffness;       /* 1/s2, bound of that of the bodies over mass */
+    double penalty;         /* stiffness of constraints over that bound */
     pel_descent_result result;
 
     /* those of tools, then those of surfaces; the others are what was known when they were found anew */

@@ -1,7 +1,7 @@
 /* The method `implicit`: m a + c v = F at the end of a step, solved by Newton's method (theory page, section 16).
 
-   In a step inertia and drag are springs of the vertices to points. With x and v at its begin, x' and v' one step before
-   and the unknown positions y, each scheme has the form
+   In a step inertia and drag are springs of the vertices to points. With x and v at its begin, x' and v' one step
+   before and the unknown positions y, each scheme has the form
 
      u = rate (y - anchor),     m rate (u - carried) + c u = F(y)
 
@@ -18,9 +18,9 @@
 #include <string.h>
 
 typedef struct scheme {
-    double rate;                           /* times dt */
-    double position[2], velocity[2];       /* anchor and carried: of the begin of the step, of one step before */
-    double end;                            /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
+    double rate;                     /* times dt */
+    double position[2], velocity[2]; /* anchor and carried: of the begin of the step, of one step before */
+    double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
 } scheme;
 
 static const scheme euler = {1, {1, 0}, {1, 0}, 1};
@@ -55,7 +55,8 @@ static const scheme *choose_scheme(const pel_sim *sim)
 static double drag_of(const pel_sim *sim, int32_t v)
 {
     const double *factors = sim->state->factors[sim->model->body_of_slice[v / PEL_WIDTH]];
-    return factors[PEL_SPRING_DAMPING] * (double)sim->model->damping[v] + sim->solver.drag * (double)sim->model->mass[v];
+    return factors[PEL_SPRING_DAMPING] * (double)sim->model->damping[v] +
+           sim->solver.drag * (double)sim->model->mass[v];
 }
 
 static double anchor_of(const pel_state *state, const scheme *s, int32_t v, int k)

@@ -26,8 +26,8 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     newton->fixed = pel_allocate(count, sizeof *newton->fixed);
     newton->position = pel_allocate_aligned(vertices, sizeof *newton->position);
     newton->force = pel_allocate_aligned(vertices, sizeof *newton->force);
-    bool room = newton->unknowns != NULL && newton->target != NULL && newton->loads != NULL &&
-                newton->fixed != NULL && newton->position != NULL && newton->force != NULL;
+    bool room = newton->unknowns != NULL && newton->target != NULL && newton->loads != NULL && newton->fixed != NULL &&
+                newton->position != NULL && newton->force != NULL;
     if (is_dynamic) {
         newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
         newton->points = pel_allocate(vertices, sizeof *newton->points);
@@ -84,6 +84,86 @@ static void find_loads(pel_sim *sim, double time)
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++)
             newton->loads[3 * v + k] = (double)newton->force[v][k];
+}
+
+/* ---- free bodies ---- */
+
+static bool is_held(const pel_sim *sim, int32_t v)
+{
+    return !(sim->model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v]);
+}
+
+static bool is_free(const pel_sim *sim, int32_t body)
+{
+    const pel_body *own = &sim->model->bodies[body];
+    for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
+        if (sim->model->mesh_vertex[v] >= 0 && is_held(sim, v))
+            return false;
+    return !own->has_volumetric;
+}
+
+static int largest_component(const double x[3])
+{
+    int largest = 0;
+    for (int k = 1; k < 3; k++)
+        largest = fabs(x[k]) > fabs(x[largest]) ? k : largest;
+    return largest;
+}
+
+static void way_between(const pel_sim_newton *newton, int32_t from, int32_t to, double way[3])
+{
+    pel_vec3_subtract(newton->unknowns + 3 * (size_t)to, newton->unknowns + 3 * (size_t)from, way);
+}
+
+/* the vertex farthest from one, or from the line along `axis` through it */
+static int32_t find_farthest(const pel_sim *sim, int32_t body, int32_t from, const double *axis)
+{
+    const pel_body *own = &sim->model->bodies[body];
+    double most = -1;
+    int32_t farthest = from;
+    for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+        double way[3], across[3];
+        if (sim->model->mesh_vertex[v] < 0)
+            continue;
+        way_between(sim->descent->newton, from, v, way);
+        if (axis != NULL)
+            pel_vec3_cross(axis, way, across);
+        double square = pel_vec3_squared_length(axis != NULL ? across : way);
+        if (square > most) {
+            most = square;
+            farthest = v;
+        }
+    }
+    return farthest;
+}
+
+static void fix(pel_sim_newton *newton, int32_t v, int k)
+{
+    newton->fixed[3 * v + k] = 1;
+    newton->target[3 * v + k] = newton->unknowns[3 * v + k];
+}
+
+/* A body that nothing holds, under loads in balance: six components of three vertices take its rigid motions away and
+   feel no force. All of one vertex; of a second one those across the way to it; of a third one that across their plane.
+ */
+static void support_free_body(pel_sim *sim, int32_t body)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
+    while (sim->model->mesh_vertex[first] < 0)
+        first++;
+    int32_t second = find_farthest(sim, body, first, NULL);
+    double axis[3], way[3], normal[3];
+    way_between(newton, first, second, axis);
+    int32_t third = find_farthest(sim, body, first, axis);
+    way_between(newton, first, third, way);
+    pel_vec3_cross(axis, way, normal);
+    for (int k = 0; k < 3; k++) {
+        fix(newton, first, k);
+        if (k != largest_component(axis))
+            fix(newton, second, k);
+    }
+    fix(newton, third, largest_component(normal));
 }
 
 /* ---- constraints ---- */
@@ -163,6 +243,9 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     const pel_newton_terms terms = {sim, evaluate_constraints, add_constraints};
     take_positions(sim);
     find_loads(sim, context->time);
+    for (int32_t b = 0; b < sim->model->body_count && !is_dynamic && !context->is_constrained; b++)
+        if (is_free(sim, b))
+            support_free_body(sim, b);
     const pel_newton_problem own = {
         .time = context->time,
         .state = sim->state,
@@ -176,8 +259,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .held_share = problem->held_share,
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
-        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations
-                                                 : (is_dynamic ? DYNAMIC_ITERATIONS : STATIC_ITERATIONS),
+        .iterations =
+            sim->solver.iterations > 0 ? sim->solver.iterations : (is_dynamic ? DYNAMIC_ITERATIONS : STATIC_ITERATIONS),
         .keeps_factor = is_dynamic,
         .is_dynamic = is_dynamic,
     };

@@ -7,10 +7,10 @@
 
 struct pel_sim_newton {
     pel_newton *newton;
-    double *unknowns; /* (unknown_count) positions at the end of the step, and the xi of edges */
-    double *target;   /* (unknown_count) of fixed ones */
-    double *loads;    /* (unknown_count) N */
-    uint8_t *fixed;   /* (unknown_count) */
+    double *unknowns;             /* (unknown_count) positions at the end of the step, and the xi of edges */
+    double *target;               /* (unknown_count) of fixed ones */
+    double *loads;                /* (unknown_count) N */
+    uint8_t *fixed;               /* (unknown_count) */
     pel_record *position, *force; /* (vertex_count) what constraints see of the unknowns, and answer */
     double *point_stiffness;      /* (vertex_count) N/m, inertia and drag; null in statics */
     double (*points)[3];          /* (vertex_count) m */

@@ -109,8 +109,7 @@ static pel_status create_plan(pel_newton *newton, pel_error *error)
         pel_vertex_position(newton->model->rest, v, places[v]);
     for (int32_t e = 0; e < pattern->edge_count; e++)
         edge_midpoint(newton, e, places[pattern->vertex_count + e]);
-    pel_status status =
-        pel_factor_plan_create(newton->matrix, (const double(*)[3])places, &newton->plan, error);
+    pel_status status = pel_factor_plan_create(newton->matrix, (const double(*)[3])places, &newton->plan, error);
     pel_free(places);
     return status;
 }
@@ -144,8 +143,8 @@ static bool make_room(pel_newton *newton)
     size_t count = (size_t)pattern->unknown_count;
     newton->stresses = pel_allocate((size_t)pattern->stress_count + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
-    double **vectors[] = {&newton->gradient, &newton->right,          &newton->step,
-                          &newton->start,    &newton->start_gradient, &newton->masses, &newton->walked};
+    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,  &newton->start,
+                          &newton->start_gradient, &newton->masses, &newton->walked};
     bool room = newton->stresses != NULL && newton->fixed != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
@@ -191,8 +190,8 @@ void pel_newton_destroy(pel_newton *newton)
     pel_factor_plan_destroy(newton->plan);
     pel_matrix_destroy(newton->matrix);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {newton->gradient,       newton->right,  newton->step,
-                      newton->start,       newton->masses, newton->start_gradient, newton->stresses, newton->fixed, newton->walked};
+    void *arrays[] = {newton->gradient,       newton->right,    newton->step,  newton->start, newton->masses,
+                      newton->start_gradient, newton->stresses, newton->fixed, newton->walked};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -657,8 +656,7 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
         memset(newton->walked, 0, bytes);
         go_down(&run);
     }
-    if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) &&
-        run.status == PEL_OK) {
+    if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK) {
         result->unstable = true;
         nudge(&run);
         go_down(&run);
