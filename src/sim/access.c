@@ -240,6 +240,7 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     if (sim->descent == NULL)
         return;
     const pel_descent_result *result = &sim->descent->result;
+    reading->solves = true;
     reading->iterations = result->iterations;
     reading->evaluations = result->evaluations;
     reading->energy = result->energy;

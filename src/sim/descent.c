@@ -1,6 +1,7 @@
 /* The method `descent`: each step minimises the energy of springs, shells, pressure and loads at the step's end, from
-   where the bodies are. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) acts
-   as it is at the begin of the step: the steps together find the balance.
+   where the bodies are, by L-BFGS with the factored second derivatives at its begin as preconditioner. A pressure that
+   has no potential (vertex-normal form, a part of the surface, open meshes) acts as it is at the begin of the step: the
+   steps together find the balance.
 
    With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, bring the
    loads of the constraints, look for what touches now. Where something ran into something else on its way, the next
@@ -31,6 +32,8 @@ enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12
 #define ROUNDING_ERRORS 32
 /* of the mean edge that a vertex goes in one iteration at most */
 #define MOVE_SHARE 0.3
+/* of the size of the bodies: who would go no farther than this is there; forces of stiff bodies round to more */
+#define SHORT_SHARE 1e-9
 
 /* what a round leaves of the gradient that it begins with; the first one, and one after something went back */
 #define FIRST_REDUCTION 1e-3
@@ -131,6 +134,7 @@ static pel_descent_problem make_problem(pel_descent_context *context)
         .context = context,
         .held_share = LOAD_SHARE,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
+        .short_move = SHORT_SHARE * sim->descent->size,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
         .gradient_only = sim->solver.gradient_only,
     };
@@ -258,7 +262,8 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
 /* a step in time goes by what was left of the forces that it began with */
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
-    return pel_sim_has_velocity(sim) ? round->converged : round->residual <= tolerance_of(sim, loads);
+    return round->converged &&
+           (pel_sim_has_velocity(sim) || round->is_near || round->residual <= tolerance_of(sim, loads));
 }
 
 /* rounds until gaps are closed and forces balanced; the last part of a step looks for surfaces as well */
@@ -447,6 +452,8 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, 
         descent->shares[v] = 1;
     sim->contact_in_loop = true;
     descent->mean_edge = find_mean_edge(sim->model);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        descent->size = fmax(descent->size, sim->model->bodies[b].diameter);
     descent->stiff_force = find_stiff_force(sim, descent->mean_edge);
     return PEL_OK;
 }
@@ -455,14 +462,23 @@ static pel_status run_minimiser(pel_descent_context *context, const pel_descent_
                                 pel_descent_result *result, pel_error *error)
 {
     (void)error;
-    pel_descent_run(context->sim->descent->minimiser, problem, context->sim->state->position_next, result);
+    pel_sim *sim = context->sim;
+    pel_descent_problem own = *problem;
+    if (sim->descent->newton != NULL && pel_sim_newton_approximate(context))
+        own.precondition = pel_sim_newton_precondition;
+    pel_descent_run(sim->descent->minimiser, &own, sim->state->position_next, result);
     return PEL_OK;
 }
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
     pel_status status = pel_sim_descent_create(sim, run_minimiser, error);
-    return status == PEL_OK ? pel_descent_create(sim->model->vertex_count, &sim->descent->minimiser, error) : status;
+    if (status == PEL_OK)
+        status = pel_descent_create(sim->model->vertex_count, &sim->descent->minimiser, error);
+    /* the pattern of a matrix goes with a surface */
+    if (status == PEL_OK && sim->active == NULL && !sim->solver.gradient_only)
+        status = pel_sim_newton_create(sim, false, error);
+    return status;
 }
 
 void pel_sim_descent_destroy(pel_sim *sim)

@@ -49,6 +49,7 @@ struct pel_sim_descent {
     pel_sim_newton *newton; /* of the others, else null */
     pel_record *external;   /* (vertex_count) forces that stay during a step */
     double mean_edge;       /* m */
+    double size;            /* m, of the largest body */
     double stiff_force;     /* N, moves every vertex by an edge, by the bound of the stiffness */
     double acted;           /* N, largest force that has acted since the start */
     double stiffness;       /* 1/s2, bound of that of the bodies over mass */

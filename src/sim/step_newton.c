@@ -259,6 +259,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .held_share = problem->held_share,
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
+        .short_move = problem->short_move,
         .iterations =
             sim->solver.iterations > 0 ? sim->solver.iterations : (is_dynamic ? DYNAMIC_ITERATIONS : STATIC_ITERATIONS),
         .keeps_factor = is_dynamic,
@@ -277,10 +278,39 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .first_residual = run.first_residual,
         .held_force = run.held_force,
         .converged = run.converged,
+        .is_near = run.is_near,
         .stuck = run.stuck,
     };
     add_result(&newton->result, &run);
     return status;
+}
+
+/* ---- the preconditioner of descent ---- */
+
+bool pel_sim_newton_approximate(pel_descent_context *context)
+{
+    pel_sim *sim = context->sim;
+    pel_sim_newton *newton = sim->descent->newton;
+    const pel_newton_terms terms = {sim, evaluate_constraints, add_constraints};
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            newton->unknowns[3 * v + k] = newton->target[3 * v + k] = (double)sim->state->position_next[v][k];
+            newton->fixed[3 * v + k] = sim->held != NULL && sim->held[v];
+        }
+    const pel_newton_problem problem = {
+        .time = context->time,
+        .state = sim->state,
+        .fixed = newton->fixed,
+        .target = newton->target,
+        .terms = context->is_constrained ? &terms : NULL,
+    };
+    return pel_newton_approximate(newton->newton, &problem, newton->unknowns);
+}
+
+void pel_sim_newton_precondition(void *context, double *vector)
+{
+    const pel_descent_context *at = context;
+    pel_newton_precondition(at->sim->descent->newton->newton, vector);
 }
 
 /* ---- readings ---- */

@@ -28,6 +28,10 @@ void pel_sim_newton_begin(pel_sim *sim);
 /* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
                                    pel_descent_result *result, pel_error *error);
+/* Prepares the preconditioner of a minimisation from position_next; false where there is none. */
+bool pel_sim_newton_approximate(pel_descent_context *context);
+/* a pel_descent_precondition; the context is that of the minimisation */
+void pel_sim_newton_precondition(void *context, double *vector);
 /* What tools feel: loads of constraints, and what holds grasped vertices. */
 void pel_sim_newton_read_tools(pel_sim *sim);
 

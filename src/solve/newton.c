@@ -12,7 +12,7 @@
 enum { PATIENCE = 12 };
 /* no vertex goes farther than this share of the model's size in one step */
 #define LONGEST_SHARE 0.5
-/* a full step shorter than this share of the size ends the run: rounding of positions */
+/* fixed unknowns this near to their targets, of the size, are there: rounding */
 #define SHORT_SHARE 1e-12
 /* of conjugate gradients, relative */
 #define SOLVE_TOLERANCE 1e-8
@@ -497,11 +497,11 @@ static bool go_full_steps(newton_run *run)
         double scale = fmin(1, LONGEST_SHARE * run->newton->size / fmax(longest, DBL_MIN));
         extrapolate(run, scale);
         go(run);
-        /* as near as the rounding of positions allows */
-        if (longest < SHORT_SHARE * run->newton->size && scale == 1) {
+        if (longest <= run->problem->short_move && scale == 1) {
             evaluate(run);
-            result->stuck = !has_converged(run);
-            return is_finite(run);
+            has_converged(run);
+            result->converged = result->is_near = is_finite(run);
+            return result->converged;
         }
     }
 }
@@ -663,4 +663,31 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
         result->unstable = !result->converged || !is_stable(&run);
     }
     return run.status;
+}
+
+/* ---- a preconditioner ---- */
+
+/* on the diagonal: free bodies have motions that no energy holds */
+#define FREE_SHIFT 1e-6
+
+bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns)
+{
+    pel_newton_result result = {0};
+    memcpy(newton->start, unknowns, (size_t)newton->pattern->unknown_count * sizeof *unknowns);
+    newton_run run = {.newton = newton, .problem = problem, .unknowns = newton->start, .result = &result};
+    run.kind = PEL_TANGENT_POSITIVE;
+    double pivot;
+    fix_unknowns(&run);
+    evaluate(&run);
+    assemble(&run);
+    return compute_factor(&run, FREE_SHIFT, &pivot);
+}
+
+void pel_newton_precondition(pel_newton *newton, double *vector)
+{
+    size_t vertices = 3 * (size_t)newton->pattern->vertex_count;
+    memcpy(newton->right, vector, vertices * sizeof *vector);
+    memset(newton->right + vertices, 0, (size_t)newton->pattern->edge_count * sizeof *vector);
+    pel_factor_solve(newton->factors[newton->precision], newton->pool, newton->right, newton->step);
+    memcpy(vector, newton->step, vertices * sizeof *vector);
 }

@@ -39,6 +39,7 @@ typedef struct pel_newton_problem {
     double held_share; /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
     double reduction;  /* it has converged as well at this share of what there was at the begin; 0 = no such end */
     double enough;     /* N, when it is no more than this */
+    double short_move; /* m, and after a full step in which no vertex goes farther than this */
     int32_t iterations;
     bool keeps_factor; /* conjugate gradients with an older factor, while they need few iterations */
     bool is_dynamic;   /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
@@ -52,6 +53,7 @@ typedef struct pel_newton_result {
     double first_residual; /* N, that at the start, held vertices at their targets apart */
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
     bool converged;
+    bool is_near;  /* by short_move */
     bool stuck;    /* no step makes the energy fall: as near as rounding allows */
     bool unstable; /* the balance that was found is no minimum */
 } pel_newton_result;
@@ -73,5 +75,11 @@ pel_factor_cost pel_newton_cost(const pel_newton *newton);
    a factor in double is needed: PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                           pel_newton_result *result, pel_error *error);
+
+/* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
+   terms, fixed as in the problem. False where it has no factor. pel_newton_precondition multiplies a vector
+   (3 vertex_count) by its inverse, with edges free to follow. */
+bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns);
+void pel_newton_precondition(pel_newton *newton, double *vector);
 
 #endif
