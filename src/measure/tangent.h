@@ -57,8 +57,8 @@ typedef enum pel_line_kind {
 
 typedef struct pel_line {
     pel_line_kind kind;
-    int count; /* vertices, 1 to 4 */
-    double weight[4];
+    int count;        /* vertices, 2 to 4 */
+    double weight[4]; /* sum to 0 */
     double stiffness, rest;
 } pel_line;
 
