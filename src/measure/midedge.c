@@ -1,9 +1,7 @@
 /* Bending by angles: the hinge, and mid-edge bending with rotations of edges. */
-#define PEL_LANE_DOUBLE
 #include "measure/midedge.h"
 
 #include "measure/face_turn.h"
-#include "measure/hinge.h"
 #include "measure/strain_point.h"
 
 #include <math.h>
@@ -28,21 +26,24 @@ static void add_turn_hessian(const pel_face_turn *turn, const int corners[3], do
         }
 }
 
-static double angle_from_rest(const double *x, double rest_angle)
+double pel_angle_from_rest(const double *x, double rest_angle)
 {
-    pel_particle p[4];
-    for (int k = 0; k < 4; k++)
-        p[k] = (pel_particle){{x[3 * k], x[3 * k + 1], x[3 * k + 2]}, 0};
-    return pel_hinge_of(p, cos(rest_angle), sin(rest_angle)).difference;
+    const double turn = 6.283185307179586;
+    double p[4][3];
+    memcpy(p, x, sizeof p);
+    double angle = pel_dihedral_angle((const double(*)[3])p, NULL) - rest_angle;
+    return fabs(angle) <= 0.5 * turn ? angle : remainder(angle, turn);
 }
 
 double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,
                          const pel_tangent_sum *sum)
 {
     static const int corners[2][3] = {{0, 1, 2}, {1, 0, 3}};
-    double factor = stiffness * hinge->factor, angle = angle_from_rest(x, hinge->rest_angle);
+    double factor = stiffness * hinge->factor, angle = pel_angle_from_rest(x, hinge->rest_angle);
     pel_strain_point point = {
         .energy = 0.5 * factor * angle * angle, .stress = {factor * angle}, .tangent = {{factor}}};
+    if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
+        return point.energy;
     pel_lead_matrix lead;
     pel_lead_clear(&lead, 4);
     for (int side = 0; side < 2; side++) {

@@ -73,6 +73,9 @@ pel_line pel_line_of_fibre(const pel_rest_triangle *rest, bool squared, double s
                            const double direction[2]);
 pel_line pel_line_of_isometric(const pel_bending_isometric *stencil, double stiffness);
 
+/* The dihedral angle of four points (12) less that at rest, the short way round [rad]. */
+double pel_angle_from_rest(const double *x, double rest_angle);
+
 /* Hinge of the bending stiffness D [N m], x (12) as in pellicle/bending.h. */
 double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,
                          const pel_tangent_sum *sum);
