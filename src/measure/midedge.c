@@ -145,7 +145,8 @@ static void transport(const double vector[3], const double from[3], const double
         moved[c] = (along - 1) * vector[c] + turned[c] + lift * axis[c];
 }
 
-/* the angle from a direction to the normal of a triangle about its edge, towards the tip */
+/* the angle from a direction to the normal of a triangle about its edge, towards the tip; a part of the direction along
+   the edge does not count */
 static double turn_from(const double direction[3], const pel_face_turn *turn)
 {
     double side[3];
@@ -165,7 +166,5 @@ double pel_midedge_turn(const double before[3][3], const double after[3][3])
 double pel_midedge_angle(const double x[3][3], const double normal[3])
 {
     const pel_face_turn turn = pel_face_turn_of(x[0], x[1], x[2]);
-    double direction[3];
-    pel_vec3_along(normal, -pel_vec3_dot(normal, turn.along), turn.along, direction);
-    return turn_from(direction, &turn);
+    return turn_from(normal, &turn);
 }
