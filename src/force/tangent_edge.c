@@ -1,9 +1,7 @@
 /* The edges of mid-edge bending: angles, finite steps, and the minimum of the bending energy over their rotations. */
 #include "force/tangent_body.h"
 #include "math/vec3.h"
-#include "pellicle/bending.h"
 
-#include <math.h>
 #include <string.h>
 
 /* a loop over the edges */
@@ -14,21 +12,15 @@ typedef struct edge_loop {
     double *xi; /* null = angles */
 } edge_loop;
 
-/* the angle the short way round */
-static double wrapped(double angle)
-{
-    return remainder(angle, 2 * acos(-1.0));
-}
-
 static void find_angle(const edge_loop *loop, int32_t e)
 {
     const pel_tangent_edge *edge = &loop->tangent->edges[e];
-    double x[4][3];
+    double x[12];
     loop->tangent->half_angles[e] = 0;
     if (edge->triangles[1] < 0)
         return;
-    pel_tangent_points(loop->unknowns, edge->vertices, 4, x[0]);
-    loop->tangent->half_angles[e] = 0.5 * wrapped(pel_dihedral_angle((const double(*)[3])x, NULL) - edge->rest_angle);
+    pel_tangent_points(loop->unknowns, edge->vertices, 4, x);
+    loop->tangent->half_angles[e] = 0.5 * pel_angle_from_rest(x, edge->rest_angle);
 }
 
 /* the finite turn of one triangle of an edge over the step */

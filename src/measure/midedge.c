@@ -1,9 +1,7 @@
 /* Bending by angles: the hinge, and mid-edge bending with rotations of edges. */
-#define PEL_LANE_DOUBLE
 #include "measure/midedge.h"
 
 #include "measure/face_turn.h"
-#include "measure/hinge.h"
 #include "measure/strain_point.h"
 
 #include <math.h>
@@ -11,34 +9,43 @@
 
 /* ---- hinge ---- */
 
-/* adds scale times the Hessian of gamma of a triangle with the given corners of the element */
-static void add_turn_hessian(const pel_face_turn *turn, const int corners[3], double scale, const pel_tangent_sum *sum)
+/* adds scale times the Hessian of gamma of a triangle with the given corners of the element, the last of four left out
+ */
+static void add_turn_hessian(const pel_face_turn *turn, const int corners[3], double scale, pel_lead_matrix *lead)
 {
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            double own[3] = {0, 0, 0}, other[3] = {0, 0, 0};
-            pel_face_turn_add_second(turn, scale, i, j, own);
-            pel_face_turn_add_second(turn, scale, j, i, other);
-            pel_block_add_product(sum, corners[i], corners[j], own, turn->normal);
-            pel_block_add_product(sum, corners[i], corners[j], turn->normal, other);
+    double v[3][3][3];
+    memset(v, 0, sizeof v);
+    int count = corners[2] < 3 ? 3 : 2;
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++)
+            pel_face_turn_add_second(turn, scale, i, j, v[i][j]);
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++) {
+            pel_lead_add_product(lead, corners[i], corners[j], v[i][j], turn->normal);
+            pel_lead_add_product(lead, corners[i], corners[j], turn->normal, v[j][i]);
         }
 }
 
-static double angle_from_rest(const double *x, double rest_angle)
+double pel_angle_from_rest(const double *x, double rest_angle)
 {
-    pel_particle p[4];
-    for (int k = 0; k < 4; k++)
-        p[k] = (pel_particle){{x[3 * k], x[3 * k + 1], x[3 * k + 2]}, 0};
-    return pel_hinge_of(p, cos(rest_angle), sin(rest_angle)).difference;
+    const double turn = 6.283185307179586;
+    double p[4][3];
+    memcpy(p, x, sizeof p);
+    double angle = pel_dihedral_angle((const double(*)[3])p, NULL) - rest_angle;
+    return fabs(angle) <= 0.5 * turn ? angle : remainder(angle, turn);
 }
 
 double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,
                          const pel_tangent_sum *sum)
 {
     static const int corners[2][3] = {{0, 1, 2}, {1, 0, 3}};
-    double factor = stiffness * hinge->factor, angle = angle_from_rest(x, hinge->rest_angle);
+    double factor = stiffness * hinge->factor, angle = pel_angle_from_rest(x, hinge->rest_angle);
     pel_strain_point point = {
         .energy = 0.5 * factor * angle * angle, .stress = {factor * angle}, .tangent = {{factor}}};
+    if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
+        return point.energy;
+    pel_lead_matrix lead;
+    pel_lead_clear(&lead, 4);
     for (int side = 0; side < 2; side++) {
         const int *v = corners[side];
         pel_face_turn turn = pel_face_turn_of(x + 3 * v[0], x + 3 * v[1], x + 3 * v[2]);
@@ -47,9 +54,9 @@ double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double 
             pel_vec3_along(row, pel_face_turn_slope(&turn, i), turn.normal, row);
         }
         if (sum->hessian != NULL && request->kind != PEL_TANGENT_POSITIVE)
-            add_turn_hessian(&turn, v, pel_strain_geometric(&point, request)[0], sum);
+            add_turn_hessian(&turn, v, pel_strain_geometric(&point, request)[0], &lead);
     }
-    pel_strain_add(&point, PEL_HINGE_STRAINS, 12, request, sum);
+    pel_strain_add(&point, PEL_HINGE_STRAINS, 4, 0, &lead, request, sum);
     return point.energy;
 }
 
@@ -85,19 +92,19 @@ void pel_midedge_moments(const pel_midedge *element, const double alpha[3], doub
 }
 
 /* sum over the edges of moment times the Hessian of gamma; the normal is that of all */
-static void add_turns(const pel_face_turn turn[3], const double moment[3], const pel_tangent_sum *sum)
+static void add_turns(const pel_face_turn turn[3], const double moment[3], pel_lead_matrix *lead)
 {
-    double v[3][3][3];
+    double v[2][2][3];
     memset(v, 0, sizeof v);
     /* edge l has tail l, head l + 1, tip l + 2 */
     for (int l = 0; l < 3; l++)
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                pel_face_turn_add_second(&turn[l], moment[l], i, j, v[(l + i) % 3][(l + j) % 3]);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            pel_block_add_product(sum, i, j, v[i][j], turn[0].normal);
-            pel_block_add_product(sum, i, j, turn[0].normal, v[j][i]);
+        for (int i = 0; i < 2; i++)
+            for (int j = 0; j < 2; j++)
+                pel_face_turn_add_second(&turn[l], moment[l], (i + 3 - l) % 3, (j + 3 - l) % 3, v[i][j]);
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 2; j++) {
+            pel_lead_add_product(lead, i, j, v[i][j], turn[0].normal);
+            pel_lead_add_product(lead, i, j, turn[0].normal, v[j][i]);
         }
 }
 
@@ -110,6 +117,8 @@ double pel_midedge_tangent(const pel_midedge *element, const double alpha[3], co
     point.energy = 0.5 * pel_vec3_dot(alpha, point.stress);
     if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
         return point.energy;
+    pel_lead_matrix lead;
+    pel_lead_clear(&lead, 3);
     pel_strain_tangent_set(element->stiffness, 1, &point);
     for (int l = 0; l < 3; l++) {
         turn[l] = pel_face_turn_of(x + 3 * l, x + 3 * ((l + 1) % 3), x + 3 * ((l + 2) % 3));
@@ -119,8 +128,8 @@ double pel_midedge_tangent(const pel_midedge *element, const double alpha[3], co
             point.gradient[l][9 + k] = k == l ? sign[l] : 0;
     }
     if (sum->hessian != NULL && request->kind != PEL_TANGENT_POSITIVE)
-        add_turns(turn, pel_strain_geometric(&point, request), sum);
-    pel_strain_add(&point, PEL_MIDEDGE_STRAINS, 12, request, sum);
+        add_turns(turn, pel_strain_geometric(&point, request), &lead);
+    pel_strain_add(&point, PEL_MIDEDGE_STRAINS, 3, 3, &lead, request, sum);
     return point.energy;
 }
 
@@ -136,7 +145,8 @@ static void transport(const double vector[3], const double from[3], const double
         moved[c] = (along - 1) * vector[c] + turned[c] + lift * axis[c];
 }
 
-/* the angle from a direction to the normal of a triangle about its edge, towards the tip */
+/* the angle from a direction to the normal of a triangle about its edge, towards the tip; a part of the direction along
+   the edge does not count */
 static double turn_from(const double direction[3], const pel_face_turn *turn)
 {
     double side[3];
@@ -156,7 +166,5 @@ double pel_midedge_turn(const double before[3][3], const double after[3][3])
 double pel_midedge_angle(const double x[3][3], const double normal[3])
 {
     const pel_face_turn turn = pel_face_turn_of(x[0], x[1], x[2]);
-    double direction[3];
-    pel_vec3_along(normal, -pel_vec3_dot(normal, turn.along), turn.along, direction);
-    return turn_from(direction, &turn);
+    return turn_from(normal, &turn);
 }

@@ -78,13 +78,14 @@ static void clamp_stress(const double stress[3], double positive[3])
 }
 
 /* t11 Hess e11 + ...: (w1 t11 w1 + w2 t22 w2 + w1 t12 w2 + w2 t12 w1) times the unit matrix */
-static void add_green_geometric(const triangle_shape *shape, const double stress[3], const pel_tangent_sum *sum)
+static void add_green_geometric(const triangle_shape *shape, const double stress[3], pel_lead_matrix *lead)
 {
     const double *p = shape->weight[0], *q = shape->weight[1];
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++)
-            pel_block_add_unit(
-                sum, a, b, stress[0] * p[a] * p[b] + stress[1] * q[a] * q[b] + stress[2] * (p[a] * q[b] + q[a] * p[b]));
+    for (int a = 0; a < 2; a++)
+        for (int b = 0; b < 2; b++) {
+            double scale = stress[0] * p[a] * p[b] + stress[1] * q[a] * q[b];
+            pel_lead_add_unit(lead, a, b, scale + stress[2] * (p[a] * q[b] + q[a] * p[b]));
+        }
 }
 
 /* ---- membrane in the frame of its first axis ---- */
@@ -172,7 +173,7 @@ static void add_quotient(const jet6 *q, const jet6 *a, double scale, double hess
 }
 
 static void add_aligned_geometric(const triangle_shape *shape, const pel_factor *r, const double stress[3],
-                                  const pel_tangent_sum *sum)
+                                  pel_lead_matrix *lead)
 {
     const double t[2][3] = {{r->t1.x, r->t1.y, r->t1.z}, {r->t2.x, r->t2.y, r->t2.z}};
     double normal[3], hessian[6][6];
@@ -184,11 +185,11 @@ static void add_aligned_geometric(const triangle_shape *shape, const pel_factor 
             hessian[i][j] = stress[0] * length.hessian[i][j];
     add_quotient(&area, &length, stress[1], hessian);
     add_quotient(&product, &length, stress[2], hessian);
-    for (int a = 0; a < 9; a++)
-        for (int b = 0; b < 9; b++)
+    for (int a = 0; a < 6; a++)
+        for (int b = 0; b < 6; b++)
             for (int p = 0; p < 2; p++)
                 for (int q = 0; q < 2; q++)
-                    sum->hessian[a * sum->stride + b] +=
+                    lead->entry[a][b] +=
                         shape->weight[p][a / 3] * shape->weight[q][b / 3] * hessian[3 * p + a % 3][3 * q + b % 3];
 }
 
@@ -197,13 +198,15 @@ double pel_membrane_tangent(const pel_rest_triangle *rest, const pel_membrane_la
 {
     triangle_shape shape = shape_of(rest, x);
     pel_strain_point point;
+    pel_lead_matrix lead;
     bool positive = request->kind == PEL_TANGENT_POSITIVE, geometric = sum->hessian != NULL;
+    pel_lead_clear(&lead, 3);
     if (pel_law_traits(law->kind) & PEL_LAW_ALIGNED) {
         const pel_gradient f = {{shape.f1[0], shape.f1[1], shape.f1[2]}, {shape.f2[0], shape.f2[1], shape.f2[2]}};
         pel_factor factor = pel_factor_of(&f);
         set_aligned(rest, law, &shape, &factor, request->kind, &point);
         if (geometric && !positive)
-            add_aligned_geometric(&shape, &factor, pel_strain_geometric(&point, request), sum);
+            add_aligned_geometric(&shape, &factor, pel_strain_geometric(&point, request), &lead);
     } else {
         set_green(rest, law, &shape, request->kind, &point);
         double stress[3];
@@ -211,9 +214,9 @@ double pel_membrane_tangent(const pel_rest_triangle *rest, const pel_membrane_la
         if (positive)
             clamp_stress(stress, stress);
         if (geometric)
-            add_green_geometric(&shape, stress, sum);
+            add_green_geometric(&shape, stress, &lead);
     }
-    pel_strain_add(&point, PEL_MEMBRANE_STRAINS, 9, request, sum);
+    pel_strain_add(&point, PEL_MEMBRANE_STRAINS, 3, 0, &lead, request, sum);
     return point.energy;
 }
 
@@ -261,15 +264,14 @@ static void set_line_gradient(const pel_line *line, double scale, const double y
 }
 
 /* adds weight_a weight_b (scale I + radial y y^T) */
-static void add_line_blocks(const pel_line *line, double scale, double radial, const double y[3],
-                            const pel_tangent_sum *sum)
+static void add_line_blocks(const pel_line *line, double scale, double radial, const double y[3], pel_lead_matrix *lead)
 {
-    for (int a = 0; a < line->count; a++)
-        for (int b = 0; b < line->count; b++) {
+    for (int a = 0; a < line->count - 1; a++)
+        for (int b = 0; b < line->count - 1; b++) {
             double weight = line->weight[a] * line->weight[b], left[3];
             pel_vec3_scale(y, weight * radial, left);
-            pel_block_add_unit(sum, a, b, weight * scale);
-            pel_block_add_product(sum, a, b, left, y);
+            pel_lead_add_unit(lead, a, b, weight * scale);
+            pel_lead_add_product(lead, a, b, left, y);
         }
 }
 
@@ -279,8 +281,11 @@ static double add_line_vector(const pel_line *line, const double y[3], const pel
     set_line_gradient(line, line->stiffness, y, gradient);
     for (int a = 0; sum->gradient != NULL && a < 3 * line->count; a++)
         sum->gradient[a] += gradient[a];
-    if (sum->hessian != NULL)
-        add_line_blocks(line, line->stiffness, 0, y, sum);
+    for (int a = 0; sum->hessian != NULL && a < line->count; a++)
+        for (int b = 0; b < line->count; b++)
+            for (int c = 0; c < 3; c++)
+                sum->hessian[(3 * a + c) * sum->stride + 3 * b + c] +=
+                    line->stiffness * line->weight[a] * line->weight[b];
     return 0.5 * line->stiffness * pel_vec3_squared_length(y);
 }
 
@@ -299,11 +304,13 @@ double pel_line_tangent(const pel_line *line, const double *x, const pel_tangent
     double stress = pel_strain_geometric(&point, request)[0];
     if (request->kind == PEL_TANGENT_POSITIVE)
         stress = fmax(stress, 0);
+    pel_lead_matrix lead;
+    pel_lead_clear(&lead, line->count);
     if (sum->hessian != NULL && squared)
-        add_line_blocks(line, 2 * stress, 0, y, sum);
+        add_line_blocks(line, 2 * stress, 0, y, &lead);
     else if (sum->hessian != NULL)
-        add_line_blocks(line, stress * inverse, -stress * inverse * inverse * inverse, y, sum);
-    pel_strain_add(&point, PEL_LINE_STRAINS, 3 * line->count, request, sum);
+        add_line_blocks(line, stress * inverse, -stress * inverse * inverse * inverse, y, &lead);
+    pel_strain_add(&point, PEL_LINE_STRAINS, line->count, 0, &lead, request, sum);
     return point.energy;
 }
 

@@ -57,8 +57,8 @@ typedef enum pel_line_kind {
 
 typedef struct pel_line {
     pel_line_kind kind;
-    int count; /* vertices, 1 to 4 */
-    double weight[4];
+    int count;        /* vertices, 2 to 4 */
+    double weight[4]; /* sum to 0 */
     double stiffness, rest;
 } pel_line;
 
@@ -72,6 +72,9 @@ pel_line pel_line_of_spring(double stiffness, double rest_length);
 pel_line pel_line_of_fibre(const pel_rest_triangle *rest, bool squared, double stiffness, double rest_length,
                            const double direction[2]);
 pel_line pel_line_of_isometric(const pel_bending_isometric *stencil, double stiffness);
+
+/* The dihedral angle of four points (12) less that at rest, the short way round [rad]. */
+double pel_angle_from_rest(const double *x, double rest_angle);
 
 /* Hinge of the bending stiffness D [N m], x (12) as in pellicle/bending.h. */
 double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,

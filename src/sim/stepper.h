@@ -18,6 +18,7 @@ typedef struct pel_stepper {
     bool is_at_end;     /* loads and keyed numbers act as they are at the end of the step */
     bool moves_tools;   /* tools and what they hold move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */
+    bool turns_edges;   /* rotations of edges are unknowns: PEL_BENDING_MIDEDGE */
 
     /* what the method needs, when model, state and shells are there; fills in open numbers of the solver */
     pel_status (*create)(pel_sim *sim, pel_error *error);

@@ -204,6 +204,41 @@ static void springs_to_points_pull(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* the stresses of a state, given to its own matrices, change nothing; those of another one do */
+static void stresses_stand_by_element(void **unused)
+{
+    (void)unused;
+    random_state random = {9};
+    for (int k = 0; k < VARIANT_COUNT; k++) {
+        pel_mesh *mesh = mesh_of(&variants[k], &random);
+        pel_body_def body = body_of(&variants[k], mesh);
+        tangents on = make_tangents(&body);
+        size_t count = (size_t)on.count;
+        double *step = calloc(count, sizeof *step), *own = calloc(count * count, sizeof *own), difference[2] = {0, 0};
+        double size = 0;
+        shake_unknowns(&on, 0.05, &random);
+        evaluate_tangents(&on, (pel_tangent_input){0});
+        memcpy(own, on.hessian, count * count * sizeof *own);
+        for (int pass = 0; pass < 2; pass++) {
+            const pel_tangent_input here = {.unknowns = on.unknowns};
+            pel_tangent_extrapolate(on.tangent, &here, step, NULL, on.stresses);
+            evaluate_tangents(&on, (pel_tangent_input){.stresses = on.stresses});
+            for (size_t i = 0; i < count * count; i++) {
+                difference[pass] = fmax(difference[pass], fabs(on.hessian[i] - own[i]));
+                size = fmax(size, fabs(own[i]));
+            }
+            for (size_t i = 0; i < count; i++)
+                step[i] = random_between(&random, -0.1, 0.1);
+        }
+        assert_true(difference[0] <= 1e-13 * size);
+        assert_true(difference[1] > 1e-3 * size);
+        free(step);
+        free(own);
+        free_tangents(&on);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 /* a loop over elements in groups of one kind, as an assembly has it */
 typedef struct kept_matrices {
     double *matrices; /* (elements x 144) */
@@ -420,6 +455,7 @@ int main(void)
         cmocka_unit_test(energies_have_these_derivatives),
         cmocka_unit_test(gradients_are_the_forces),
         cmocka_unit_test(springs_to_points_pull),
+        cmocka_unit_test(stresses_stand_by_element),
         cmocka_unit_test(threads_give_the_same_bits),
         cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(steps_allocate_nothing),

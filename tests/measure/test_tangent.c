@@ -340,6 +340,41 @@ static void midedge_hessian_is_that_of_finite_steps(void **unused)
     }
 }
 
+/* over any step, however large, both triangles of an edge together turn by the change of the dihedral angle, and the
+   angle to a normal that goes with the edge changes by the turn */
+static void finite_turns_add_up(void **unused)
+{
+    (void)unused;
+    random_state random = {10};
+    const double turn = 2 * acos(-1.0);
+    for (int round = 0; round < 200; round++) {
+        double x[2][4][3], triangle[2][2][3][3], normal[3];
+        for (int time = 0; time < 2; time++) {
+            for (int i = 0; i < 12; i++)
+                x[time][i / 3][i % 3] = random_normal(&random);
+            static const int corners[2][3] = {{0, 1, 2}, {1, 0, 3}};
+            for (int side = 0; side < 2; side++)
+                for (int k = 0; k < 3; k++)
+                    pel_vec3_copy(x[time][corners[side][k]], triangle[time][side][k]);
+        }
+        double sum = 0;
+        for (int side = 0; side < 2; side++)
+            sum += pel_midedge_turn((const double(*)[3])triangle[0][side], (const double(*)[3])triangle[1][side]);
+        double change =
+            pel_dihedral_angle((const double(*)[3])x[1], NULL) - pel_dihedral_angle((const double(*)[3])x[0], NULL);
+        assert_near(remainder(sum - change, turn), 0, 1e-11);
+        /* the edge stays: its frame does too */
+        pel_vec3_copy(x[0][0], triangle[1][0][0]);
+        pel_vec3_copy(x[0][1], triangle[1][0][1]);
+        pel_vec3_triangle_normal(x[0][0], x[0][1], x[1][3], normal);
+        double angle[2];
+        for (int time = 0; time < 2; time++)
+            angle[time] = pel_midedge_angle((const double(*)[3])triangle[time][0], normal);
+        double turned = pel_midedge_turn((const double(*)[3])triangle[0][0], (const double(*)[3])triangle[1][0]);
+        assert_near(remainder(angle[1] - angle[0] - turned, turn), 0, 1e-11);
+    }
+}
+
 /* a rigid motion turns the gradient with the element: H (omega x x) = omega x gradient, and H applied to a shift is 0;
    at rest without stress both are 0 */
 static void check_rigid(element *e, const double *x, random_state *random)
@@ -354,21 +389,14 @@ static void check_rigid(element *e, const double *x, random_state *random)
         pel_vec3_cross(omega, x + 3 * a, mode + 3 * a);
         pel_vec3_cross(omega, gradient + 3 * a, turned + 3 * a);
     }
-    for (int l = 0; e->tangent == tangent_midedge && l < 3; l++) {
-        double along[3];
-        pel_vec3_subtract(x + 3 * ((l + 1) % 3), x + 3 * l, along);
-        pel_vec3_normalize(along);
-        mode[9 + l] = e->sign[l] * pel_vec3_dot(omega, along);
-    }
     for (int i = 0; i < e->unknowns; i++) {
         double sum = 0, shift[3] = {0, 0, 0};
         for (int j = 0; j < e->unknowns; j++)
             sum += hessian[i][j] * mode[j];
         for (int j = 0; j < 3 * e->vertices; j++)
             shift[j % 3] += hessian[i][j];
-        /* the frame of the rotations does not turn with the body: exact but for that first order change */
         double tolerance = 1e-12 * size * 20;
-        if (e->tangent != tangent_midedge)
+        if (e->tangent != tangent_midedge) /* whose frames turn with the edges */
             assert_near(sum, turned[i], tolerance);
         for (int c = 0; c < 3; c++)
             assert_near(shift[c], 0, tolerance);
@@ -597,6 +625,7 @@ int main(void)
         cmocka_unit_test(gradients_are_those_of_energies),
         cmocka_unit_test(hessians_are_those_of_gradients),
         cmocka_unit_test(midedge_hessian_is_that_of_finite_steps),
+        cmocka_unit_test(finite_turns_add_up),
         cmocka_unit_test(rigid_motions_change_nothing),
         cmocka_unit_test(rest_shapes_are_free_of_stress),
         cmocka_unit_test(positive_parts_are_positive),
