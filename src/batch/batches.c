@@ -138,16 +138,17 @@ static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
     const pel_shell *shell = p->body->shell;
     const pel_shell_hinge *h = &shell->hinges[batch->sources[i]];
     if (shell->bending == PEL_BENDING_HINGE) {
-        *pel_batch_number(batch, i, 0) = (pel_real)cos(h->hinge.rest_angle);
-        *pel_batch_number(batch, i, 1) = (pel_real)sin(h->hinge.rest_angle);
-        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h->stiffness * h->hinge.factor));
+        *pel_batch_number(batch, i, 0) = (pel_real)cos(h->rest_angle);
+        *pel_batch_number(batch, i, 1) = (pel_real)sin(h->rest_angle);
+        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h->stiffness * pel_shell_angle(p->model->rest, h).factor));
         return;
     }
+    const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, h);
     for (int j = 0; j < 3; j++)
-        *pel_batch_number(batch, i, j) = (pel_real)h->isometric.weight[j + 1];
+        *pel_batch_number(batch, i, j) = (pel_real)stencil.weight[j + 1];
     /* E = D / 3 times factor / 2 |K x|^2 stands for a plate (theory page, section 5) */
-    *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h->stiffness * h->isometric.factor));
-    double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * h->isometric.rest_energy / h->isometric.factor;
+    *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h->stiffness * stencil.factor));
+    double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * stencil.rest_energy / stencil.factor;
     *pel_batch_number(batch, i, 4) = (pel_real)square;
 }
 

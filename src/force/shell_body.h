@@ -73,7 +73,7 @@ static inline int32_t pel_shell_fibre_count(const pel_shell_region *region)
 /* rest length of a region's fibres over that of the shape */
 double pel_shell_rest_length(const pel_shell_region *region, double time);
 /* Energy of a hinge over its factor, and its gradient, which may be null. */
-double pel_shell_hinge_energy(const pel_shell *shell, const pel_shell_hinge *hinge, const double x[4][3],
-                              double gradient[4][3]);
+double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
+                              const double x[4][3], double gradient[4][3]);
 
 #endif

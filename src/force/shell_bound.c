@@ -26,20 +26,22 @@ static void strain_norms(const pel_rest_triangle *rest, double norms[3])
     norms[2] = hypot(i[0], i[1] + i[2]);
 }
 
-static void add_hinge_norms(const pel_shell *shell, const pel_shell_hinge *hinge, const double x[4][3], int32_t first,
+static void add_hinge_norms(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge, int32_t first,
                             double *sums)
 {
-    double norms[4], gradient[4][3];
-    double factor = pel_shell_hinge_factor(shell, hinge);
+    double norms[4], gradient[4][3], x[4][3], factor = pel_shell_hinge_factor(shell, hinge);
     if (shell->bending == PEL_BENDING_HINGE) {
-        pel_dihedral_angle(x, gradient);
-        factor *= hinge->hinge.factor;
+        pel_load_points(rest, hinge->vertices, 4, x);
+        pel_dihedral_angle((const double(*)[3])x, gradient);
+        for (int a = 0; a < 4; a++)
+            norms[a] = pel_vec3_length(gradient[a]);
+        factor *= pel_shell_angle(rest, hinge).factor;
     } else {
-        factor *= hinge->isometric.factor;
+        const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
+        for (int a = 0; a < 4; a++)
+            norms[a] = fabs(stencil.weight[a]);
+        factor *= stencil.factor;
     }
-    for (int a = 0; a < 4; a++)
-        norms[a] =
-            shell->bending == PEL_BENDING_HINGE ? pel_vec3_length(gradient[a]) : fabs(hinge->isometric.weight[a]);
     add_norms(factor, hinge->vertices, 4, norms, first, sums);
 }
 
@@ -107,7 +109,7 @@ static void add_triangle(const pel_shell_body *own, int32_t t, double stiffness,
 static double body_bound(const pel_model *model, const pel_shell_body *own, double *sums)
 {
     const pel_shell *shell = own->shell;
-    double bound = 0, volume = volume_bound(model, own, sums), x[4][3];
+    double bound = 0, volume = volume_bound(model, own, sums), x[3][3];
     memset(sums, 0, (size_t)own->place_count * sizeof *sums);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         const pel_shell_triangle *triangle = &shell->triangles[t];
@@ -122,10 +124,8 @@ static double body_bound(const pel_model *model, const pel_shell_body *own, doub
         for (int32_t i = 0; i < pel_shell_fibre_count(region); i++)
             add_triangle(own, region->fibres[i].triangle, stiffness * region->fibres[i].weight, sums);
     }
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        pel_load_points(model->rest, shell->hinges[i].vertices, 4, x);
-        add_hinge_norms(shell, &shell->hinges[i], (const double(*)[3])x, own->first_place, sums);
-    }
+    for (int32_t i = 0; i < shell->hinge_count; i++)
+        add_hinge_norms(shell, model->rest, &shell->hinges[i], own->first_place, sums);
     for (int32_t v = 0; v < own->place_count; v++)
         bound = fmax(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
     return bound + volume;

@@ -40,11 +40,14 @@ double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const dou
     return pel_membrane_law_energy(&own->shell->triangles[t].rest, &law, x, gradient);
 }
 
-double pel_shell_hinge_energy(const pel_shell *shell, const pel_shell_hinge *hinge, const double x[4][3],
-                              double gradient[4][3])
+double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
+                              const double x[4][3], double gradient[4][3])
 {
-    if (shell->bending == PEL_BENDING_HINGE)
-        return pel_hinge_energy(&hinge->hinge, x, gradient);
+    if (shell->bending == PEL_BENDING_HINGE) {
+        const pel_hinge stencil = pel_shell_angle(rest, hinge);
+        return pel_hinge_energy(&stencil, x, gradient);
+    }
+    const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
     pel_bending_form form = shell->bending == PEL_BENDING_ISOMETRIC ? PEL_BENDING_LITERAL : PEL_BENDING_REST_SUBTRACTED;
-    return pel_bending_isometric_energy(&hinge->isometric, form, x, gradient);
+    return pel_bending_isometric_energy(&stencil, form, x, gradient);
 }

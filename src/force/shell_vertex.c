@@ -95,8 +95,8 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
         const pel_shell_hinge *hinge = &shell->hinges[i];
         double x[4][3];
         pel_load_points(position, hinge->vertices, 4, x);
-        double energy =
-            pel_shell_hinge_factor(shell, hinge) * pel_shell_hinge_energy(shell, hinge, (const double(*)[3])x, NULL);
+        double energy = pel_shell_hinge_factor(shell, hinge) *
+                        pel_shell_hinge_energy(shell, forces->model->rest, hinge, (const double(*)[3])x, NULL);
         share(energy, hinge->vertices, 4, &sums.map, bending);
     }
 }
@@ -111,12 +111,12 @@ static int corner_at(const int32_t *vertices, int32_t place)
     return corner;
 }
 
-static void subtract_hinge(const pel_shell *shell, const pel_shell_hinge *hinge, const pel_record *position,
-                           int32_t place, double force[3])
+static void subtract_hinge(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
+                           const pel_record *position, int32_t place, double force[3])
 {
     double x[4][3], gradient[4][3];
     pel_load_points(position, hinge->vertices, 4, x);
-    pel_shell_hinge_energy(shell, hinge, (const double(*)[3])x, gradient);
+    pel_shell_hinge_energy(shell, rest, hinge, (const double(*)[3])x, gradient);
     pel_vec3_along(force, -pel_shell_hinge_factor(shell, hinge), gradient[corner_at(hinge->vertices, place)], force);
 }
 
@@ -168,6 +168,7 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
         if (element < triangle_count)
             subtract_triangle(own, element, position, time, place, force);
         else
-            subtract_hinge(own->shell, &own->shell->hinges[element - triangle_count], position, place, force);
+            subtract_hinge(own->shell, forces->model->rest, &own->shell->hinges[element - triangle_count], position,
+                           place, force);
     }
 }

@@ -18,7 +18,7 @@ static pel_status make_multipliers(const pel_batches *batches)
         for (int32_t i = 0; i < batches->bodies[b].batch_count; i++) {
             pel_batch *batch = &batches->bodies[b].batches[i];
             size_t count = (size_t)batch->capacity * PEL_BLOCK * (size_t)batch->multiplier_count;
-            if (!batch->is_projected || count == 0)
+            if (!batch->is_projected || count == 0 || batch->multipliers != NULL)
                 continue;
             batch->multipliers = pel_allocate_aligned(count, sizeof *batch->multipliers);
             if (batch->multipliers == NULL)

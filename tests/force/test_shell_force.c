@@ -402,6 +402,49 @@ static void test_threads(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* the layouts of all methods give the same forces and energies */
+static void test_methods(void **unused)
+{
+    (void)unused;
+    static const pel_method methods[4] = {PEL_METHOD_EXPLICIT, PEL_METHOD_PBD, PEL_METHOD_PBD_DISTANCE,
+                                          PEL_METHOD_XPBD};
+    static const pel_bending_model models[] = {PEL_BENDING_HINGE, PEL_BENDING_ISOMETRIC, PEL_BENDING_ISOMETRIC_REST};
+    pel_mesh *mesh = make_sphere(6);
+    for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++)
+        for (int bending = 0; bending < 3; bending++) {
+            pel_body_def body = full_body(mesh);
+            body.shell.membrane.kind = (pel_membrane_kind)kind;
+            body.shell.bending.model = models[bending];
+            body.shell.bending.stiffness.value = 5;
+            body.shell.pressure.form = bending == 0 ? PEL_PRESSURE_CONSISTENT : PEL_PRESSURE_VERTEX_NORMAL;
+            pel_record *first = NULL;
+            pel_shell_energy first_energy = {0};
+            for (int m = 0; m < 4; m++) {
+                random_state random = {13};
+                forces on = make_forces_of(&body, methods[m]);
+                shake(on.model, on.state->position, 0.02, &random);
+                pel_shell_energy energy = evaluate(&on, 0, PEL_SHELL_ALL);
+                if (m == 0) {
+                    first = make_records(on.model);
+                    memcpy(first, on.force, (size_t)on.model->vertex_count * sizeof *first);
+                    first_energy = energy;
+                }
+                double scale = largest_force(&on);
+                for (int32_t v = 0; v < on.model->vertex_count; v++)
+                    for (int c = 0; c < 3; c++)
+                        assert_near((double)on.force[v][c] / scale, (double)first[v][c] / scale,
+                                    10 * BALANCE_TOLERANCE);
+                assert_near(energy.membrane / first_energy.membrane, 1, ENERGY_TOLERANCE);
+                assert_near(energy.bending / first_energy.bending, 1, ENERGY_TOLERANCE);
+                assert_near(energy.fibres / first_energy.fibres, 1, ENERGY_TOLERANCE);
+                assert_near(energy.pressure, first_energy.pressure, ENERGY_TOLERANCE * fabs(energy.pressure));
+                free_forces(&on);
+            }
+            free(first);
+        }
+    pel_mesh_destroy(mesh);
+}
+
 /* parts add up, and nothing acts at rest */
 static void test_parts(void **unused)
 {
@@ -535,6 +578,7 @@ int main(void)
         cmocka_unit_test(test_pressure_forms),
         cmocka_unit_test(test_vertex_energies),
         cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_methods),
         cmocka_unit_test(test_parts),
         cmocka_unit_test(test_force_at),
         cmocka_unit_test(test_creation),
