@@ -104,14 +104,17 @@ static void add_hinge(const tangent_loop *loop, const pel_tangent_part *part, in
     const pel_shell *shell = loop->tangent->shells[part->shell].shell;
     const pel_shell_hinge *hinge = &shell->hinges[i];
     const pel_tangent_request request = request_of(loop, element, part->first_stress + i * part->strains);
+    const pel_record *rest = loop->tangent->model->rest;
     if (shell->bending == PEL_BENDING_HINGE) {
-        energy->bending += pel_hinge_tangent(&hinge->hinge, hinge->stiffness, element->x, &request, &element->sum);
+        const pel_hinge stencil = pel_shell_angle(rest, hinge);
+        energy->bending += pel_hinge_tangent(&stencil, hinge->stiffness, element->x, &request, &element->sum);
         return;
     }
-    const pel_line line = pel_line_of_isometric(&hinge->isometric, hinge->stiffness);
+    const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
+    const pel_line line = pel_line_of_isometric(&stencil, hinge->stiffness);
     energy->bending += pel_line_tangent(&line, element->x, &request, &element->sum);
     if (shell->bending == PEL_BENDING_ISOMETRIC_REST)
-        energy->bending -= hinge->stiffness / 3 * hinge->isometric.rest_energy;
+        energy->bending -= hinge->stiffness / 3 * stencil.rest_energy;
 }
 
 static double factor_of(const tangent_loop *loop, int32_t body, pel_parameter parameter)

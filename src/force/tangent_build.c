@@ -204,7 +204,7 @@ static void fill_edges(pel_tangent *tangent, pel_tangent_shell *own)
             own->edges[t][k] = NONE;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge *hinge = &shell->hinges[i];
-        pel_tangent_edge edge = {.body = own->body, .rest_angle = hinge->hinge.rest_angle};
+        pel_tangent_edge edge = {.body = own->body,   .rest_angle = hinge->rest_angle};
         memcpy(edge.vertices, hinge->vertices, sizeof edge.vertices);
         memcpy(edge.triangles, hinge->triangles, sizeof edge.triangles);
         for (int side = 0; side < 2; side++) {
@@ -237,7 +237,7 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
         return;
     fill_edges(tangent, own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        own->midedges[t] = pel_midedge_setup(&shell->triangles[t].rest, shell->triangles[t].bending, poisson);
+        own->midedges[t] = pel_midedge_setup(&shell->triangles[t].rest, shell->parts[t].stiffness, poisson);
 }
 
 /* ---- springs and points ---- */

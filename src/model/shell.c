@@ -244,10 +244,10 @@ static double triangle_bending(const pel_shell *shell, const pel_shell_triangle 
     return pel_bending_stiffness(triangle->young, pel_membrane_law_of(&shell->material).poisson, triangle->thickness);
 }
 
-/* what hinges between parts of a triangle take from it */
+/* bending of triangles: of hinges between their parts, or of mid-edge elements */
 static pel_status create_parts(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
 {
-    if (body->detail == NULL)
+    if (body->detail == NULL && def->shell.bending.model != PEL_BENDING_MIDEDGE)
         return PEL_OK;
     shell->parts = pel_allocate((size_t)shell->triangle_count, sizeof *shell->parts);
     if (shell->parts == NULL)

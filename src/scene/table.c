@@ -117,9 +117,10 @@ static const pel_scene_row rows[] = {
      .doc = "pbd and xpbd, for cloth: principal stretches stay within 1 - strain_limit and 1 + strain_limit; leave out "
             "for no limit"},
     {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); leave out for none"},
-    {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge"), .preset = "hinge",
+    {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
      .doc = "isometric: paper B's, pulls a curved rest shape flat; isometric-rest: the same less the energy at rest; "
-            "hinge: angle between neighbours against that at rest"},
+            "hinge: angle between neighbours against that at rest; midedge: a plate's bending on every mesh, for the "
+            "methods static and implicit"},
     {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
      .doc = "pbd: factor on the correction of positions (paper B, k_B); auto lets the volume fall without jitter"},
     {"bodies[].bending.stiffness", .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP, WORDS("auto"),

@@ -46,6 +46,8 @@ void pel_sim_compute_forces(pel_sim *sim)
     pel_shell_forces_follow(sim->shells, state->position);
     sim->shell_energy =
         pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+    if (sim->stepper->edge_energy != NULL)
+        sim->shell_energy.bending += sim->stepper->edge_energy(sim);
 }
 
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)

@@ -281,6 +281,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .is_near = run.is_near,
         .stuck = run.stuck,
     };
+    newton->edge_energy = pel_newton_pattern(newton->newton)->edge_count > 0 ? run.bending : 0;
     add_result(&newton->result, &run);
     return status;
 }
@@ -315,9 +316,19 @@ void pel_sim_newton_precondition(void *context, double *vector)
 
 /* ---- readings ---- */
 
-void pel_sim_newton_read_tools(pel_sim *sim)
+double pel_sim_newton_edge_energy(const pel_sim *sim)
+{
+    return sim->descent->newton->edge_energy;
+}
+
+void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3])
 {
     const double *gradient = pel_newton_gradient(sim->descent->newton->newton);
+    pel_vec3_scale(gradient + 3 * (size_t)v, -1, force);
+}
+
+void pel_sim_newton_read_tools(pel_sim *sim)
+{
     pel_descent_contacts_read(sim);
     for (int32_t t = 0; t < sim->tool_count; t++) {
         pel_tool *tool = &sim->tools[t];
@@ -325,7 +336,7 @@ void pel_sim_newton_read_tools(pel_sim *sim)
             int32_t v = tool->held[i];
             double x[3], force[3];
             pel_vertex_position(sim->state->position_next, v, x);
-            pel_vec3_scale(gradient + 3 * (size_t)v, -1, force);
+            pel_sim_newton_held_force(sim, v, force);
             pel_tool_add_grip(sim, tool, v, x, force);
         }
     }

@@ -22,11 +22,14 @@ static void advise(const pel_sim *sim, pel_error *error)
 
 const pel_stepper pel_step_static_kind = {
     .is_at_end = true,
+    .turns_edges = true,
     .moves_tools = true,
     .create = create,
     .check_start = pel_descent_check_start,
     .step = step,
     .read_tools = pel_sim_newton_read_tools,
+    .edge_energy = pel_sim_newton_edge_energy,
+    .get_held_force = pel_sim_newton_held_force,
     .mark_contacts = pel_descent_contacts_mark,
     .advise = advise,
 };

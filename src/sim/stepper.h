@@ -30,6 +30,10 @@ typedef struct pel_stepper {
     void (*read_tools)(pel_sim *sim);
     /* marks what touches beyond tools and the list of contacts; nullable */
     void (*mark_contacts)(const pel_sim *sim);
+    /* J, of mid-edge bending at the present state; nullable */
+    double (*edge_energy)(const pel_sim *sim);
+    /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
+    void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
     /* after a step that is accepted; nullable */
     void (*accept)(pel_sim *sim);
     /* the remedy for a step that diverged */
