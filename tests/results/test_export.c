@@ -76,7 +76,7 @@ static const char *next_numbers(const char *json, const char *word, double numbe
 static void check_by_python(const char *path, const char *expected)
 {
     char command[300], said[200] = "";
-    snprintf(command, sizeof command, "python3 " PEL_SOURCE_DIR "/tests/io/check_glb.py %s", path);
+    snprintf(command, sizeof command, "python3 " PEL_SOURCE_DIR "/tests/results/check_glb.py %s", path);
     FILE *stream = popen(command, "r");
     assert_non_null(stream);
     assert_non_null(fgets(said, sizeof said, stream));
