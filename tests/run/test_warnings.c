@@ -233,6 +233,24 @@ static void test_energy_appears(void **unused)
     assert_null(find_warning(&summary, "energy-appears"));
 }
 
+/* what gravity does on a slab that friction holds is rounding alone */
+static void test_energy_of_rest(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    run_scene("version: 1\n"
+              "bodies:\n"
+              "  - mesh: { shape: grid, nx: 5, ny: 12, size_x: 0.3, size_y: 0.8, translate: [0.011, 0.013, 0.001] }\n"
+              "    membrane: { young: 2e5, poisson: 0.4, thickness: 0.004 }\n"
+              "gravity: [2.379, 0, -9.517]\n"
+              "contact: { self: true, friction: 0.3, thickness: 0.001 }\n"
+              "tools: [{ name: ground, shape: box, size: [40, 40, 1], motion: [{ position: [0, 0, -0.5] }] }]\n"
+              "solver: { dt: 0.005 }\n"
+              "duration: 0.5\n",
+              NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
 /* a grasp that closes beside the body, or before the tool is there, is told; one that holds is not */
 static void test_grasp_empty(void **unused)
 {
@@ -333,12 +351,19 @@ static int two_threads(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clean_run),     cmocka_unit_test(test_softness),
-        cmocka_unit_test(test_unconverged),   cmocka_unit_test(test_lost_grasp),
-        cmocka_unit_test(test_millimetres),   cmocka_unit_test(test_coarse_mesh),
-        cmocka_unit_test(test_inverted_mesh), cmocka_unit_test(test_energy_appears),
-        cmocka_unit_test(test_grasp_empty),   cmocka_unit_test(test_tallies),
-        cmocka_unit_test(test_frames),        cmocka_unit_test(test_every_kind_has_a_text),
+        cmocka_unit_test(test_clean_run),
+        cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_unconverged),
+        cmocka_unit_test(test_lost_grasp),
+        cmocka_unit_test(test_millimetres),
+        cmocka_unit_test(test_coarse_mesh),
+        cmocka_unit_test(test_inverted_mesh),
+        cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_energy_of_rest),
+        cmocka_unit_test(test_grasp_empty),
+        cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);
     return failures + cmocka_run_group_tests(tests, two_threads, clear_folder);
