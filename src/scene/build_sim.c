@@ -1,10 +1,10 @@
 #include "scene/build.h"
 
 #include "results/fields.h"
-#include "scene/check.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
 #include "scene/table.h"
+#include "scene/validate.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -262,7 +262,8 @@ static pel_choice choice(const pel_scene_value *value)
 }
 
 /* in the order of pel_method, which is that of the words in the table */
-static const char *const method_names[] = {"quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"};
+static const char *const method_names[] = {"quasi-static", "explicit", "pbd",    "pbd-distance",
+                                           "xpbd",         "descent",  "static", "implicit"};
 
 const char *pel_scene_method_name(pel_method method)
 {

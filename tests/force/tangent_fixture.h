@@ -25,7 +25,7 @@ static inline void set_rest_unknowns(tangents *on)
     for (int32_t b = 0; b < on->model->body_count; b++) {
         const pel_body *body = &on->model->bodies[b];
         for (int32_t v = 0; v < body->mesh->vertex_count; v++)
-            pel_vec3_copy(body->mesh->positions[v], on->unknowns + 3 * (size_t)body->slot_of_vertex[v]);
+            pel_vec3_copy(body->mesh->positions[v], on->unknowns + 3 * (size_t)body->model_index[v]);
     }
 }
 

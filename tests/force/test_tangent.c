@@ -6,7 +6,7 @@
 #include "force/body_force.h"
 #include "force/pressure.h"
 #include "force/shell_force.h"
-#include "model/active.h"
+#include "model/refined_model.h"
 #include "sim/sim.h"
 
 /* what differs between the bodies that are looked at */
@@ -187,7 +187,7 @@ static void springs_to_points_pull(void **unused)
     tangents on = make_tangents(&body);
     size_t count = (size_t)on.model->vertex_count;
     double *stiffness = calloc(count, sizeof *stiffness), (*points)[3] = calloc(count, sizeof *points);
-    int32_t v = on.model->bodies[0].slot_of_vertex[5];
+    int32_t v = on.model->bodies[0].model_index[5];
     evaluate_tangents(&on, (pel_tangent_input){0});
     double before = on.hessian[(size_t)(3 * v + 1) * (size_t)on.count + (size_t)(3 * v + 1)];
     stiffness[v] = 7;
@@ -406,9 +406,9 @@ static void surfaces_may_refine(void **unused)
     pel_body_def body = body_of(&variants[3], mesh);
     body.refine.levels = 2;
     pel_model *model = make_model(&body);
-    pel_active *active;
+    pel_refined_model *active;
     pel_state *state;
-    assert_int_equal(pel_active_create(model, &active, NULL), PEL_OK);
+    assert_int_equal(pel_refined_create(model, &active, NULL), PEL_OK);
     assert_int_equal(pel_state_create(&active->model, false, &state, NULL), PEL_OK);
     pel_tangent *tangent, *fresh;
     assert_int_equal(pel_tangent_create(&active->model, &tangent, NULL), PEL_OK);
@@ -418,7 +418,7 @@ static void surfaces_may_refine(void **unused)
     pel_front *front = active->bodies[0].front;
     pel_front_mark(front, 3, true);
     pel_front_close(front);
-    pel_active_commit(active, 0, state);
+    pel_refined_commit(active, 0, state);
     failing_malloc_begin(0);
     pel_tangent_rebuild(tangent);
     assert_int_equal(failing_malloc_end().calls, 0);
@@ -444,7 +444,7 @@ static void surfaces_may_refine(void **unused)
     pel_tangent_destroy(tangent);
     pel_tangent_destroy(fresh);
     pel_state_destroy(state);
-    pel_active_destroy(active);
+    pel_refined_destroy(active);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
 }

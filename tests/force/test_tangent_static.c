@@ -25,7 +25,7 @@ static pel_body_def plate_body(const pel_mesh *mesh, double young, double poisso
 
 static int32_t place_of(const tangents *on, int32_t vertex)
 {
-    return on->model->bodies[0].slot_of_vertex[vertex];
+    return on->model->bodies[0].model_index[vertex];
 }
 
 /* unknowns of vertices that do not exist */
