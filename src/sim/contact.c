@@ -547,18 +547,24 @@ static void correct(pel_sim *sim, int32_t sweeps)
         pel_contacts_stop(&contacts->list, state->position_next, state->velocity_next, sim->step.dt, VELOCITY_SWEEPS);
 }
 
-/* what was corrected after the solver acts on tools by the change of velocities */
-static void touch_tools(pel_sim *sim)
+/* Forces of what was corrected after the solver, by the change of velocities. Without velocities a correction undoes
+   the step of the forces that press, alpha F dt^2 / m (paper A, eq. A-5), and tools are read from these forces. */
+static void take_corrections(pel_sim *sim)
 {
     const pel_sim_contacts *contacts = sim->contacts;
+    double dt = sim->step.dt, alpha = pel_sim_alpha(sim);
     for (int32_t c = 0; c < contacts->list.count; c++) {
         const pel_contact *contact = &contacts->list.contacts[c];
+        int32_t tool = contacts->keys[c].tool;
         double stopped[3];
-        if (contacts->keys[c].tool < 0 || !(contact->push > 0))
+        if (!(contact->push > 0))
             continue;
         for (int k = 0; k < 3; k++)
             stopped[k] = (double)contact->stopped[k];
-        pel_tool_take(sim, &sim->tools[contacts->keys[c].tool], contact, stopped, 1 / sim->step.dt);
+        if (alpha > 0 && tool < 0)
+            pel_contact_take_push(sim, tool, contact, 1 / (alpha * dt * dt));
+        else
+            pel_contact_take(sim, tool, contact, stopped, 1 / dt);
     }
 }
 
@@ -628,7 +634,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
         pel_tools_return(sim);
         return status;
     }
-    touch_tools(sim);
+    take_corrections(sim);
     pel_tools_read(sim, time);
     return PEL_OK;
 }

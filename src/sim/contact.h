@@ -154,7 +154,7 @@ void pel_contacts_place_tools(pel_sim *sim);
 /* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
    the start of the substep. */
 void pel_contacts_refresh(pel_sim *sim, const pel_record *start);
-/* After the sweeps of a substep: its impulses act on the tools. rate: see pel_tool_take. */
+/* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);
 
 /* ---- contact_surface.c ---- */

@@ -279,7 +279,6 @@ void pel_contacts_tally(pel_sim *sim, double rate)
         if (!(contact->push > 0))
             continue;
         key->has_pushed = true;
-        if (key->tool >= 0)
-            pel_tool_take_push(sim, &sim->tools[key->tool], contact, rate);
+        pel_contact_take_push(sim, key->tool, contact, rate);
     }
 }

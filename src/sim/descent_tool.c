@@ -211,12 +211,26 @@ pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
 
 /* ---- readings ---- */
 
+/* load and drag as forces of the step; both act at the same point but for what a round tool has slid in the last round
+ */
+static void add_action(pel_sim *sim, const pel_descent_contact *constraint, const pel_meeting *meeting)
+{
+    pel_contact_action action = {.vertices = constraint->vertices, .tool = constraint->tool};
+    memcpy(action.weights, meeting->weights, sizeof action.weights);
+    pel_vec3_scale(meeting->normal, constraint->load, action.load);
+    pel_vec3_add(action.load, constraint->drag, action.force);
+    pel_contact_forces_add(sim, &action);
+}
+
 static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
 {
-    pel_tool *tool = &sim->tools[constraint->tool];
     double point[3] = {0, 0, 0}, sum = 0, side = 0, load[3], x[3];
     pel_meeting meeting;
     pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
+    add_action(sim, constraint, &meeting);
+    if (constraint->tool < 0)
+        return;
+    pel_tool *tool = &sim->tools[constraint->tool];
     for (int i = 0; i < 4; i++) {
         int32_t v = constraint->vertices[i];
         if (meeting.weights[i] == 0)
@@ -241,6 +255,6 @@ void pel_descent_contacts_read(pel_sim *sim)
 {
     const pel_sim_descent *descent = sim->descent;
     for (int32_t c = 0; c < descent->count; c++)
-        if (descent->constraints[c].tool >= 0 && descent->constraints[c].load > 0)
+        if (descent->constraints[c].load > 0)
             read_constraint(sim, &descent->constraints[c]);
 }

@@ -11,6 +11,8 @@
 #include "sim/contact.h"
 #include "sim/tool.h"
 
+#include <string.h>
+
 /* sweeps over the near triangles at most */
 enum { SWEEP_LIMIT = 100 };
 /* depth that counts as touching, relative to the tool's size */
@@ -120,12 +122,18 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     if (approach <= 0)
         return;
     double impulse = approach / inertia, back[3], force[3];
+    const int32_t vertices[4] = {at->vertices[0], at->vertices[1], at->vertices[2], at->vertices[0]};
+    pel_contact_action action = {.vertices = vertices, .tool = (int32_t)(tool - sim->tools)};
+    memcpy(action.weights, at->weights, 3 * sizeof *action.weights);
     change_velocity(sim, at, impulse, normal);
-    pel_vec3_scale(normal, -impulse / sim->step.dt, force);
+    pel_vec3_scale(normal, impulse / sim->step.dt, action.load);
+    pel_vec3_copy(action.load, action.force);
     if (oppose_across(relative, normal, pel_sim_friction(sim, tool, at->vertices[0]) * approach, back)) {
         change_velocity(sim, at, 1 / inertia, back);
-        pel_vec3_along(force, -1 / (inertia * sim->step.dt), back, force);
+        pel_vec3_along(action.force, 1 / (inertia * sim->step.dt), back, action.force);
     }
+    pel_contact_forces_add(sim, &action);
+    pel_vec3_scale(action.force, -1, force);
     pel_tool_add_reaction(tool, point, force);
 }
 

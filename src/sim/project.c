@@ -130,6 +130,7 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, bool normal_pressure, pel_
             break;
         pel_contacts_forget_step(sim);
         pel_tools_forget_step(sim);
+        pel_contact_forces_begin(sim);
         run_substeps(sim, normal_pressure);
     }
     return status;

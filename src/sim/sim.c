@@ -23,7 +23,7 @@ pel_sim_def pel_sim_def_default(void)
 {
     return (pel_sim_def){
         .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true, .second_order = PEL_AUTO},
-        .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
+        .contact = {.self = true, .between = true, .relative_thickness = 1e-4, .restitution = -1},
         .cookie = SIM_COOKIE,
     };
 }
@@ -141,8 +141,12 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_supports_create(sim, error);
     if (status == PEL_OK)
         status = pel_solids_create(sim, error);
+    if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
+        status = pel_contact_forces_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK)
+        status = pel_restitution_create(sim, error);
     if (status == PEL_OK && sim->stepper->check_start != NULL)
         status = sim->stepper->check_start(sim, error);
     if (status == PEL_OK)
@@ -174,6 +178,8 @@ void pel_sim_destroy(pel_sim *sim)
     if (sim == NULL)
         return;
     pel_ledger_destroy(sim);
+    pel_free(sim->collisions);
+    pel_contact_forces_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
     pel_supports_destroy(sim);
@@ -285,6 +291,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         if (ready != PEL_OK)
             return ready;
     }
+    pel_contact_forces_begin(sim);
     double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
     const pel_stepper *stepper = sim->stepper;
     update_factors(sim, stepper->is_at_end ? next : time);
@@ -315,10 +322,12 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(state);
+    pel_contact_forces_accept(sim);
     pel_tools_end_step(sim, next);
     pel_weights_follow(sim);
     if (stepper->accept != NULL)
         stepper->accept(sim);
+    pel_restitution_apply(sim);
     return PEL_OK;
 }
 

@@ -75,11 +75,25 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
     pel_vec3_add(tool->torque, torque, tool->torque);
 }
 
-/* Adds to the tool's force what changed the sum of a contact by `change`, times rate over its mobility, and what it
-   touches: with displacements in m the rate is in 1/s2, with velocities in 1/s. */
-void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const double change[3], double rate);
+/* ---- contact_force.c ---- */
+/* What acts at a point of surfaces, a weighted sum of vertices. */
+typedef struct pel_contact_action {
+    const int32_t *vertices; /* (4) */
+    double weights[4];       /* 0 where unused */
+    double force[3];         /* N, on the sum: each vertex has it times its weight */
+    double load[3];          /* N, the part of it along the normal */
+    int32_t tool;            /* that it comes from; -1 = of surfaces of bodies */
+} pel_contact_action;
+
+/* Adds it to the forces of the step. */
+void pel_contact_forces_add(pel_sim *sim, const pel_contact_action *action);
+/* The force of a tool on one vertex, without a load. */
+void pel_contact_forces_add_at(pel_sim *sim, int32_t v, int32_t tool, const double force[3]);
+/* Adds what changed the sum of a contact by `change`, times rate over its mobility: with displacements in m the rate is
+   in 1/s2, with velocities in 1/s. tool: its other side, which takes the reaction and what it touches; -1 = none. */
+void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate);
 /* the same for the push and friction of a substep */
-void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double rate);
+void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate);
 
 /* the pose that a tool goes to in the step to `time` */
 pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt);

@@ -261,5 +261,5 @@ void pel_solids_tally(pel_sim *sim, double rate)
     const pel_sim_solids *solids = sim->solids;
     for (int32_t c = 0; c < solids->list.count; c++)
         if (solids->list.contacts[c].push > 0)
-            pel_tool_take_push(sim, &sim->tools[solids->pairs[c].tool], &solids->list.contacts[c], rate);
+            pel_contact_take_push(sim, solids->pairs[c].tool, &solids->list.contacts[c], rate);
 }
