@@ -109,6 +109,7 @@ typedef struct pel_tool_def {
     double reach;                   /* m */
     double friction;        /* Coulomb's coefficient, see pel_contact_def; below 0, as by default: that of contact */
     double restitution;     /* the same, see pel_contact_def */
+    double thickness;       /* m; the same */
     double grasp_max_force; /* N; 0 = no limit. Largest sum of the magnitudes of the forces on the held vertices. Where
                                a step ends above it, the vertices with the largest forces are released first, until the
                                forces of the rest are within it */
@@ -139,7 +140,8 @@ typedef struct pel_contact_def {
     bool enabled;
     bool self;                 /* parts of one body touch each other */
     bool between;              /* different bodies touch each other */
-    double thickness;          /* m, distance that is kept; 0 = relative_thickness */
+    double thickness;          /* m, of bodies and tools that have none of their own; a pair keeps the sum of both
+                                  halves as distance; 0 = relative_thickness */
     double relative_thickness; /* times the diagonal of the box about all bodies; at most half the shortest edge is
                                   taken, see pel_sim_contact_thickness */
     double friction; /* Coulomb's coefficient of bodies and tools that have none of their own; a pair has the geometric
@@ -305,7 +307,7 @@ typedef struct pel_contact_statistics {
 } pel_contact_statistics;
 void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics);
 
-/* m, the distance that contacts keep; 0 without contact */
+/* m, thickness of bodies and tools that have none of their own; 0 without contact */
 double pel_sim_contact_thickness(const pel_sim *sim);
 
 /* Pairs of triangles of the present surfaces, tools included, that cut each other, by the exact test

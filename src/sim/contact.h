@@ -80,8 +80,10 @@ typedef struct pel_tangles {
 
 struct pel_sim_contacts {
     pel_contact_def def;
-    double thickness; /* m */
-    double guarded;   /* m, distance that the guard keeps */
+    double thickness;           /* m, of bodies and tools that have none of their own */
+    double least, largest;      /* m, of all of them */
+    double *thickness_of_group; /* (bodies, then tools) */
+    double guarded;             /* m, distance that the guard keeps */
     double mean_edge; /* m, of the bodies at rest */
     double near;      /* m, what starts within it needs no time of impact (pel_ccd_batch) */
 
@@ -176,6 +178,9 @@ pel_mesh pel_contact_mesh(const pel_sim *sim);
 
 /* Coulomb's coefficient between two groups: bodies, then tools */
 double pel_contact_friction(const pel_sim_contacts *contacts, int32_t a, int32_t b);
+
+/* m, distance that two groups keep: half the thickness of either */
+double pel_contact_thickness(const pel_sim_contacts *contacts, int32_t a, int32_t b);
 
 /* ---- contact_round.c ---- */
 /* Adds a conflict for each triangle that comes too near to a sphere or capsule between start and end. */

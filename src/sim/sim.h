@@ -69,8 +69,8 @@ typedef struct pel_tool_tally {
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;              /* of a mesh: the sphere about it */
-    pel_solid press_solid;        /* grown by the thickness of contacts */
-    double friction, restitution; /* its own; below 0: that of contact */
+    double press_margin;                     /* m, the largest distance from a body that it keeps */
+    double friction, restitution, thickness; /* its own; below 0: that of contact */
     pel_mesh *mesh;               /* null = the solid */
     struct pel_mesh_query *query; /* of a mesh that grasps: what is inside of it or near; else null */
     pel_pose_key *keys;

@@ -105,7 +105,8 @@ uint64_t pel_sim_fingerprint(const pel_sim *sim)
         const pel_contact_def *def = &sim->contacts->def;
         hash = hash_double(hash, sim->contacts->thickness);
         for (int32_t i = 0; i < sim->model->body_count + sim->tool_count; i++)
-            hash = hash_double(hash, sim->contacts->friction_of_group[i]);
+            hash = hash_double(hash_double(hash, sim->contacts->friction_of_group[i]),
+                               sim->contacts->thickness_of_group[i]);
         for (int32_t i = 0; i < sim->model->body_count; i++)
             hash = hash_double(hash, model->bodies[i].restitution);
         for (int32_t i = 0; i < sim->tool_count; i++)

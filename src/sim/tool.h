@@ -40,6 +40,19 @@ static inline double pel_tool_size(const pel_tool *tool)
     return half[0] + half[1] + half[2];
 }
 
+/* grown by a distance about it */
+static inline pel_solid pel_solid_grown(const pel_solid *solid, double margin)
+{
+    pel_solid grown = *solid;
+    grown.radius += margin;
+    for (int k = 0; k < 3; k++)
+        grown.half_extents[k] += margin;
+    return grown;
+}
+
+/* the solid that the body of a vertex is kept out of */
+pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t v);
+
 static inline bool pel_tool_is_round(const pel_tool *tool)
 {
     return tool->mesh == NULL && tool->solid.kind != PEL_SOLID_BOX;

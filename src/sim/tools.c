@@ -25,7 +25,7 @@ static const double FULL_TURN = 6.283185307179586476925;
 pel_tool_def pel_tool_def_default(void)
 {
     return (pel_tool_def){
-        .shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .friction = -1, .restitution = -1, .grasp_until = (double)INFINITY};
+        .shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .friction = -1, .restitution = -1, .thickness = -1, .grasp_until = (double)INFINITY};
 }
 
 /* ---- creation ---- */
@@ -111,6 +111,8 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
         return refuse(error, tool, "the friction of a tool is not finite", "give a coefficient of at least 0");
     if (!isfinite(def->restitution))
         return refuse(error, tool, "the restitution of a tool is not finite", "give a number from 0 to 1");
+    if (!isfinite(def->thickness))
+        return refuse(error, tool, "the thickness of a tool is not finite", "give a number of metres above 0");
     if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
         return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
                       "give grasp_from < grasp_until and a reach of at least 0");
@@ -148,7 +150,7 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
     tool->grasp_from = 0;
     tool->grasp_until = (double)INFINITY;
     tool->press = false;
-    tool->solid.radius = tool->press_solid.radius = body->diameter;
+    tool->solid.radius = body->diameter;
     pel_vec3_copy(def->center, tool->center);
     return PEL_OK;
 }
@@ -164,7 +166,6 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
                                            [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
     tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
     memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
-    tool->press_solid = tool->solid;
     if (def->shape == PEL_TOOL_MESH) {
         pel_status status = create_mesh(tool, def->mesh, error);
         if (status == PEL_OK && def->grasp)
@@ -180,6 +181,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->reach = def->reach;
     tool->friction = def->friction;
     tool->restitution = def->restitution;
+    tool->thickness = def->thickness;
     tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
