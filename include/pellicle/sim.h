@@ -114,7 +114,8 @@ typedef struct pel_tool_def {
                                a step ends above it, the vertices with the largest forces are released first, until the
                                forces of the rest are within it */
     /* PEL_TOOL_SUPPORT: x = R (X - center) + position with the vertex at rest X and the pose (R, position) of the keys,
-       so position = center and no rotation is the shape at rest, where the support starts. The body must not refine */
+       so position = center and no rotation is the shape at rest, where the support starts. Where the body refines, a
+       vertex between two of them is held as well */
     const int32_t *vertices; /* (vertex_count) mesh vertices of `body`, none of them pinned, each once; copied */
     int32_t vertex_count;
     double center[3]; /* m, at rest */

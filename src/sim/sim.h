@@ -93,6 +93,7 @@ typedef struct pel_tool {
     int32_t held_count;
     int32_t *support; /* (support_count) of a keyed support: the places that it holds; else null */
     int32_t support_count;
+    uint8_t *support_marks; /* (vertices of the finest level) 1 = of the support; null = its body does not refine */
     double center[3];     /* of a keyed support at rest */
     int32_t *held;        /* (held_count) vertices held */
     double (*anchors)[3]; /* (held_count) their places in the tool's frame */
@@ -453,7 +454,7 @@ void pel_tools_read(pel_sim *sim, double time);
 /* After a step that is accepted, to `time`: grasps lose what exceeds their force, tools that were held back are
    counted. (tool_grip.c) */
 void pel_tools_end_step(pel_sim *sim, double time);
-/* true when a point lies inside a closed body */
+/* true when a point lies inside a closed body (tool_start.c) */
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 /* a keyed pose at a time */
 pel_pose pel_tool_pose_at(const pel_tool *tool, double time);

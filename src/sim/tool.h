@@ -115,6 +115,14 @@ double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
 /* a pose between two; share 0 and 1 give them exactly */
 void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
 
+/* ---- tool_start.c ---- */
+/* m, the least way after which a tool is outside a body */
+double pel_tool_way_out(const pel_sim *sim, const pel_tool *tool, int32_t body);
+/* PEL_BAD_ARGUMENT with that way */
+pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t tool, int32_t body, pel_error *error);
+/* the same where a solid is inside a body */
+pel_status pel_tool_check_outside(const pel_sim *sim, int32_t tool, pel_error *error);
+
 /* ---- tool_grip.c ---- */
 /* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);

@@ -72,9 +72,6 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
 {
     if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
         return refuse(error, tool, "support has no body or no vertices", "give a body and vertices of its mesh");
-    if (sim->given->bodies[def->body].detail != NULL)
-        return refuse(error, tool, "keyed support of a body that refines",
-                      "switch refine off for this body, or hold it by a tool with grasp");
     if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
         return refuse(error, tool, "center of the support is not finite", "give a point in metres");
     for (int32_t i = 0; i < def->vertex_count; i++) {
@@ -146,6 +143,15 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
     for (int32_t i = 0; i < def->vertex_count; i++)
         tool->support[i] = body->slot_of_vertex[def->vertices[i]];
     tool->support_count = def->vertex_count;
+    if (sim->given->bodies[def->body].detail != NULL) {
+        const pel_lod_forest *forest = sim->given->bodies[def->body].detail->forest;
+        tool->support_marks = pel_allocate((size_t)forest->levels[forest->depth]->vertex_count, 1);
+        if (tool->support_marks == NULL)
+            return pel_fail_memory(error);
+        for (int32_t i = 0; i < def->vertex_count; i++)
+            tool->support_marks[def->vertices[i]] = 1;
+        pel_detail_spread_marks(forest, tool->support_marks);
+    }
     tool->grasp = true;
     tool->grasp_from = 0;
     tool->grasp_until = (double)INFINITY;
@@ -214,8 +220,6 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     return PEL_OK;
 }
 
-static pel_status check_outside(const pel_sim *sim, int32_t tool, pel_error *error);
-
 /* room for what tools hold */
 static pel_status create_grips(pel_sim *sim, pel_error *error)
 {
@@ -256,7 +260,7 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
         if (status == PEL_OK)
             status = create_tool(sim, &defs[i], &sim->tools[i], error);
         if (status == PEL_OK && sim->tools[i].press && defs[i].shape != PEL_TOOL_MESH)
-            status = check_outside(sim, i, error);
+            status = pel_tool_check_outside(sim, i, error);
     }
     return status;
 }
@@ -267,7 +271,8 @@ void pel_tools_destroy(pel_sim *sim)
         pel_tool *tool = &sim->tools[i];
         void *arrays[] = {tool->keys,          tool->key_spins, tool->planes,
                           tool->planes_before, tool->touches,   tool->touch_of_vertex,
-                          tool->held,          tool->anchors,   tool->support};
+                          tool->held,          tool->anchors,   tool->support,
+                          tool->support_marks};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
         pel_mesh_destroy(tool->mesh);
@@ -416,20 +421,31 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
     }
 }
 
-/* anchors of a support are places at rest */
+/* the anchor is the place at rest */
+static void hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v)
+{
+    double rest[3];
+    if (sim->held[v])
+        return;
+    sim->held[v] = 1;
+    sim->held_is_listed = false;
+    sim->state->position[v][3] = 0;
+    pel_vertex_position(sim->model->rest, v, rest);
+    pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
+    tool->held[tool->held_count++] = v;
+}
+
+/* the vertices that were given, and those between them where the body is refined already */
 static void hold_support(pel_sim *sim, pel_tool *tool)
 {
-    for (int32_t i = 0; i < tool->support_count; i++) {
-        int32_t v = tool->support[i];
-        double rest[3];
-        if (sim->held[v])
-            continue;
-        sim->held[v] = 1;
-        sim->state->position[v][3] = 0;
-        pel_vertex_position(sim->model->rest, v, rest);
-        pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
-        tool->held[tool->held_count++] = v;
-    }
+    for (int32_t i = 0; i < tool->support_count; i++)
+        hold_at_rest(sim, tool, tool->support[i]);
+    if (tool->support_marks == NULL)
+        return;
+    const pel_active_body *own = &sim->active->bodies[tool->body];
+    for (int32_t v = own->fine_begin; v < own->fine_end; v++)
+        if (sim->model->mesh_vertex[v] >= 0 && tool->support_marks[sim->model->mesh_vertex[v]])
+            hold_at_rest(sim, tool, v);
 }
 
 static void release(pel_sim *sim, pel_tool *tool)
@@ -488,7 +504,7 @@ static void add_grip(pel_sim *sim, pel_tool *tool, int32_t v, const double point
     pel_contact_forces_add_at(sim, v, (int32_t)(tool - sim->tools), back);
 }
 
-/* what contacts do to held vertices goes on to the tool that holds them */
+/* what contacts do to held vertices goes on to the tool that holds them; the explicit step needs their mass again */
 static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->held_count; i++) {
@@ -499,6 +515,8 @@ static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
         pel_vec3_add(force, sim->grip_forces[v], force);
         pel_vertex_position(sim->state->position_next, v, x);
         add_grip(sim, tool, v, x, force);
+        if (sim->projector == NULL)
+            sim->state->position_next[v][3] = sim->model->inverse_mass[v];
     }
 }
 
@@ -522,6 +540,8 @@ static void carry(pel_sim *sim, pel_tool *tool)
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
         add_grip(sim, tool, v, target, change);
+        /* what touches it pushes against the tool (pass_contacts_on) */
+        state->position_next[v][3] = 0;
     }
 }
 
@@ -829,97 +849,24 @@ static void release_places(pel_sim *sim, pel_tool *tool)
     }
 }
 
+/* new vertices between those of a support belong to it */
+static void extend_support(pel_sim *sim, int32_t body, pel_tool *tool)
+{
+    const pel_active_body *own = &sim->active->bodies[body];
+    for (int32_t i = 0; i < own->front->added_count; i++) {
+        int32_t v = own->front->added_vertices[i];
+        if (tool->support_marks[v])
+            hold_at_rest(sim, tool, own->place_of_vertex[v]);
+    }
+}
+
 void pel_tools_update(pel_sim *sim, int32_t body)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
-        follow_planes(sim, body, &sim->tools[i]);
-        release_places(sim, &sim->tools[i]);
+        pel_tool *tool = &sim->tools[i];
+        follow_planes(sim, body, tool);
+        release_places(sim, tool);
+        if (tool->support_marks != NULL && tool->body == body && tool->phase == PEL_GRASP_HOLDING)
+            extend_support(sim, body, tool);
     }
-}
-
-/* ---- start ---- */
-
-/* solid angle of a triangle seen from the origin over 4 pi */
-static double winding(const double a[3], const double b[3], const double c[3])
-{
-    double la = pel_vec3_length(a), lb = pel_vec3_length(b), lc = pel_vec3_length(c), n[3];
-    pel_vec3_cross(b, c, n);
-    double divisor = la * lb * lc + pel_vec3_dot(a, b) * lc + pel_vec3_dot(b, c) * la + pel_vec3_dot(c, a) * lb;
-    return atan2(pel_vec3_dot(a, n), divisor) / 6.283185307179586;
-}
-
-bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body)
-{
-    double sum = 0;
-    for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
-        int32_t t = pel_surface_triangle(sim->model, body, i);
-        double corner[3][3];
-        for (int c = 0; c < 3; c++) {
-            pel_vertex_position(sim->state->position, sim->model->triangles[t][c], corner[c]);
-            pel_vec3_subtract(corner[c], point, corner[c]);
-        }
-        sum += winding(corner[0], corner[1], corner[2]);
-    }
-    return fabs(sum) > 0.5;
-}
-
-static pel_status refuse_inside(const pel_tool *tool, int32_t index, const char *body, double depth, pel_error *error)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' starts inside body '%s' (by %.3g m)", tool->name, body, depth);
-    pel_fail_element(error, "tool", index);
-    pel_fail_remedy(error, "move its first key away from the body by at least that much");
-    return PEL_BAD_ARGUMENT;
-}
-
-/* how far the solid extends from its centre along a unit vector of its frame */
-static double extent_along(const pel_solid *solid, const double along[3])
-{
-    const double *half = solid->half_extents;
-    if (solid->kind == PEL_SOLID_BOX)
-        return half[0] * fabs(along[0]) + half[1] * fabs(along[1]) + half[2] * fabs(along[2]);
-    return solid->radius + (solid->kind == PEL_SOLID_CAPSULE ? solid->half_length * fabs(along[2]) : 0);
-}
-
-/* the way out of a body for a tool whose centre is inside: through the nearest point of the surface, by all of the tool
- */
-static double depth_inside(const pel_sim *sim, const pel_tool *tool, int32_t body)
-{
-    double least = HUGE_VAL, corner[3][3], nearest[3] = {0, 0, 0}, weights[3];
-    for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
-        const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, body, i)];
-        for (int c = 0; c < 3; c++)
-            pel_vertex_position(sim->state->position, v[c], corner[c]);
-        double square = pel_closest_point_triangle(tool->pose.position, corner[0], corner[1], corner[2], weights);
-        if (!(square < least))
-            continue;
-        least = square;
-        for (int c = 0; c < 3; c++)
-            nearest[c] = weights[0] * corner[0][c] + weights[1] * corner[1][c] + weights[2] * corner[2][c];
-    }
-    double distance = sqrt(least), along[3] = {0, 0, 1};
-    pel_pose_to_local(&tool->pose, nearest, nearest);
-    if (distance > 0)
-        pel_vec3_scale(nearest, 1 / distance, along);
-    return distance + extent_along(&tool->solid, along);
-}
-
-static pel_status check_outside(const pel_sim *sim, int32_t index, pel_error *error)
-{
-    const pel_tool *tool = &sim->tools[index];
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body *body = &sim->model->bodies[b];
-        if (tool->body >= 0 && tool->body != b)
-            continue;
-        double deepest = 0, weights[3], normal[3];
-        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            int32_t t = pel_surface_triangle(sim->model, b, i);
-            deepest = fmax(deepest,
-                           pel_tool_triangle_depth(sim, tool, &tool->solid, sim->state->position, t, weights, normal));
-        }
-        if (body->closed && pel_tool_is_enclosed(sim, tool->pose.position, b))
-            return refuse_inside(tool, index, body->name, depth_inside(sim, tool, b), error);
-        if (deepest > 1e-3 * pel_tool_size(tool))
-            return refuse_inside(tool, index, body->name, deepest, error);
-    }
-    return PEL_OK;
 }
