@@ -73,8 +73,9 @@ typedef struct pel_body_def {
     int32_t reference_count; /* 252 by default: the vertices of paper A's sphere */
     const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;
-    double friction; /* Coulomb's coefficient in contact, see pel_contact_def; below 0, as by default: that of contact */
-    double restitution; /* the same, see pel_contact_def */
+    double
+        friction; /* Coulomb's coefficient in contact, see pel_contact_def; below 0, as by default: that of contact */
+    double restitution;       /* the same, see pel_contact_def */
     double contact_thickness; /* m; the same */
     pel_refine_def refine;
     pel_shell_def shell; /* membrane, bending, fibres, pressure; the default has none */

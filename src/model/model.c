@@ -76,7 +76,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
     if (!isfinite(b->friction))
         return pel_body_refuse(error, body, "friction", b->friction, "give a finite coefficient");
     if (!isfinite(b->contact_thickness))
-        return pel_body_refuse(error, body, "contact_thickness", b->contact_thickness, "give a number of metres above 0");
+        return pel_body_refuse(error, body, "contact_thickness", b->contact_thickness,
+                               "give a number of metres above 0");
     if (!isfinite(b->restitution))
         return pel_body_refuse(error, body, "restitution", b->restitution, "give a number from 0 to 1");
     if (b->reference_count < 1)

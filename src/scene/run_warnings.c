@@ -22,7 +22,8 @@ enum { JAM_STEPS = 10 };
 #define THIN_SHARE 1e-4
 /* edges of a mesh that turn by less than this are flat */
 #define FLAT_ANGLE 1e-6
-/* of the elastic energy of shells: bending that takes part beside stretching; of the energy supplied: less is rounding */
+/* of the elastic energy of shells: bending that takes part beside stretching; of the energy supplied: less is rounding
+ */
 #define LAYER_SHARE 0.1
 #define LEAST_ENERGY 1e-6
 
@@ -245,9 +246,9 @@ void pel_warnings_check_step(pel_run_state *run)
     check_tools(run, frame);
 }
 
-/* In that layer bending and stretching hold energies of the same size (Pogorelov 1988, Bendings of Surfaces and Stability
-   of Shells, chapter 1). A state of membrane forces bends by h / R of that; one that bends without stretching does so
-   over the length of the body. */
+/* In that layer bending and stretching hold energies of the same size (Pogorelov 1988, Bendings of Surfaces and
+   Stability of Shells, chapter 1). A state of membrane forces bends by h / R of that; one that bends without stretching
+   does so over the length of the body. */
 static bool bends_locally(const pel_sim_measures *measures, const pel_sim_ledger *ledger)
 {
     double bending = measures->bending_energy, both = bending + measures->membrane_energy;
@@ -494,8 +495,7 @@ int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
 /* known before the first step */
 static bool is_of_scene(int kind)
 {
-    return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES ||
-           kind == PEL_WARN_INVERTED_MESH;
+    return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

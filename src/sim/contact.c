@@ -80,8 +80,8 @@ static edge_place shortest_edge(const pel_model *model, int32_t body)
 
 static pel_status refuse_thickness(const pel_sim *sim, double thickness, const edge_place *edge, pel_error *error)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g is more than the shortest edge, %g, of body '%s'", thickness,
-             edge->length, sim->given->bodies[edge->body].name);
+    pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g is more than the shortest edge, %g, of body '%s'",
+             thickness, edge->length, sim->given->bodies[edge->body].name);
     pel_fail_element(error, "vertex", edge->vertex);
     pel_fail_remedy(error, "use at most %.3g, or a mesh without such short edges", 0.5 * edge->length);
     return PEL_BAD_ARGUMENT;

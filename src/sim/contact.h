@@ -84,8 +84,8 @@ struct pel_sim_contacts {
     double least, largest;      /* m, of all of them */
     double *thickness_of_group; /* (bodies, then tools) */
     double guarded;             /* m, distance that the guard keeps */
-    double mean_edge; /* m, of the bodies at rest */
-    double near;      /* m, what starts within it needs no time of impact (pel_ccd_batch) */
+    double mean_edge;           /* m, of the bodies at rest */
+    double near;                /* m, what starts within it needs no time of impact (pel_ccd_batch) */
 
     /* the surface */
     pel_collider *collider;

@@ -68,11 +68,11 @@ typedef struct pel_tool_tally {
 
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
-    pel_solid solid;              /* of a mesh: the sphere about it */
+    pel_solid solid;                         /* of a mesh: the sphere about it */
     double press_margin;                     /* m, the largest distance from a body that it keeps */
     double friction, restitution, thickness; /* its own; below 0: that of contact */
-    pel_mesh *mesh;               /* null = the solid */
-    struct pel_mesh_query *query; /* of a mesh that grasps: what is inside of it or near; else null */
+    pel_mesh *mesh;                          /* null = the solid */
+    struct pel_mesh_query *query;            /* of a mesh that grasps: what is inside of it or near; else null */
     pel_pose_key *keys;
     double (*key_spins)[3]; /* (key_count) spin of the pose at each key */
     int32_t key_count;
@@ -94,9 +94,9 @@ typedef struct pel_tool {
     int32_t *support; /* (support_count) of a keyed support: the places that it holds; else null */
     int32_t support_count;
     uint8_t *support_marks; /* (vertices of the finest level) 1 = of the support; null = its body does not refine */
-    double center[3];     /* of a keyed support at rest */
-    int32_t *held;        /* (held_count) vertices held */
-    double (*anchors)[3]; /* (held_count) their places in the tool's frame */
+    double center[3];       /* of a keyed support at rest */
+    int32_t *held;          /* (held_count) vertices held */
+    double (*anchors)[3];   /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
     bool is_on_its_way, blocked_before; /* in a step, which may fail: what there was before it */
     double force_before[3], torque_before[3];
@@ -179,20 +179,20 @@ typedef struct pel_pair_force {
 /* A pair of groups that collides (restitution.c). */
 typedef struct pel_collision_state {
     uint8_t is_on;
-    int32_t idle_steps;        /* since the pair pressed last */
-    double approach;           /* m/s, largest so far, at the contact */
-    double normal[3];          /* unit, from the higher group to the lower one */
-    double point[3];           /* m */
-    double contact_distance;   /* m, of the centers along the normal while they touched */
-    double risen;              /* m, beyond that */
+    int32_t idle_steps;      /* since the pair pressed last */
+    double approach;         /* m/s, largest so far, at the contact */
+    double normal[3];        /* unit, from the higher group to the lower one */
+    double point[3];         /* m */
+    double contact_distance; /* m, of the centers along the normal while they touched */
+    double risen;            /* m, beyond that */
 } pel_collision_state;
 
 /* Forces of contacts and tools in a step, means where it has substeps (contact_force.c). */
 typedef struct pel_contact_forces {
-    pel_record *vertex, *vertex_next;  /* (vertex_count) N, in the last step and in the present one; null without
-                                          contact and tools */
-    pel_pair_force *pair, *pair_next;  /* (body_count x group_count) on the body of the row; groups are bodies, then
-                                          tools; of two bodies the lower one has the row */
+    pel_record *vertex, *vertex_next; /* (vertex_count) N, in the last step and in the present one; null without
+                                         contact and tools */
+    pel_pair_force *pair, *pair_next; /* (body_count x group_count) on the body of the row; groups are bodies, then
+                                         tools; of two bodies the lower one has the row */
     int32_t group_count;
 } pel_contact_forces;
 

@@ -18,7 +18,8 @@ static void add_force(pel_support_reading *reading, const double point[3], const
     pel_vec3_add(reading->torque, torque, reading->torque);
 }
 
-/* forces (vertex_count) times a factor, and those of contacts, at the pinned vertices of a body, which are at `positions`
+/* forces (vertex_count) times a factor, and those of contacts, at the pinned vertices of a body, which are at
+ * `positions`
  */
 static void sum_pins(const pel_sim *sim, int32_t body, const pel_record *positions, const pel_record *forces,
                      double factor, const pel_record *contacts, pel_support_reading *reading)

@@ -24,8 +24,13 @@ static const double FULL_TURN = 6.283185307179586476925;
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){
-        .shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .friction = -1, .restitution = -1, .thickness = -1, .grasp_until = (double)INFINITY};
+    return (pel_tool_def){.shape = PEL_TOOL_SPHERE,
+                          .body = -1,
+                          .press = true,
+                          .friction = -1,
+                          .restitution = -1,
+                          .thickness = -1,
+                          .grasp_until = (double)INFINITY};
 }
 
 /* ---- creation ---- */
@@ -269,10 +274,9 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys,          tool->key_spins, tool->planes,
-                          tool->planes_before, tool->touches,   tool->touch_of_vertex,
-                          tool->held,          tool->anchors,   tool->support,
-                          tool->support_marks};
+        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes, tool->planes_before,
+                          tool->touches, tool->touch_of_vertex, tool->held,   tool->anchors,
+                          tool->support, tool->support_marks};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
         pel_mesh_destroy(tool->mesh);
