@@ -26,8 +26,8 @@
 #define REST_SHARE 0.05
 /* in steps of gravity: the least approach that bounces */
 #define LEAST_STEPS 2
-/* steps without a push in which a pair that still approaches stays in its collision */
-enum { IDLE_LIMIT = 3 };
+/* of the mean edge: a pair that approaches by so much without a push is no collision any more */
+#define IDLE_SHARE 1.0
 /* of the cube of the trace of the inertia: below it the body is a line */
 #define LEAST_INERTIA 1e-12
 
@@ -315,7 +315,8 @@ static void collide(encounter *e, const pel_pair_force *pair)
     bool has_parted = !presses && speed > 0;
     if (has_parted || (presses && fabs(speed) < REST_SHARE * state->approach))
         part(e, speed, presses);
-    if (has_parted || state->idle_steps > IDLE_LIMIT)
+    double idle_way = state->idle_steps * e->sim->step.dt * state->approach;
+    if (has_parted || idle_way > IDLE_SHARE * e->sim->contacts->mean_edge)
         *state = (pel_collision_state){0};
 }
 

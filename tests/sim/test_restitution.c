@@ -152,9 +152,10 @@ static void test_free_pair(void **unused)
             /* where contacts act the substeps themselves keep angular momentum less well */
             assert_true(pel_vec3_length(drift) < (methods[m] == PEL_METHOD_PBD ? 1e-2 : 2e-3) * 0.05 * size);
             double parting = b.momentum[0] / b.mass - a.momentum[0] / a.mass;
-            /* the normal of two polyhedra leans a little */
+            /* the normal of two polyhedra leans a little; what vibrates in the shells of the leapfrog is not lost, and
+               may not be given back */
             if (off == 0)
-                assert_near(parting, 0.6, 0.03);
+                assert_near(parting, 0.6, is_explicit ? 0.05 : 0.03);
             scene_end(&scene, sim);
         }
 }
