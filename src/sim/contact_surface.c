@@ -125,10 +125,10 @@ static void set_triangles(pel_sim *sim)
 
 bool pel_contact_surface_is_present(const pel_sim *sim)
 {
+    bool is_present = !sim->contacts->is_loaded;
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (sim->contacts->revisions[b] != pel_sim_surface_revision(sim, b))
-            return false;
-    return true;
+        is_present = is_present && sim->contacts->revisions[b] == pel_sim_surface_revision(sim, b);
+    return is_present;
 }
 
 pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
@@ -138,11 +138,14 @@ pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
         return PEL_OK;
     set_triangles(sim);
     contacts->way_is_searched = false;
-    pel_status status =
-        pel_collider_set_surface(contacts->collider, (const double(*)[3])contacts->start, contacts->point_count,
-                                 (const int32_t(*)[3])contacts->triangles, contacts->triangle_count, error);
+    const double(*start)[3] = (const double(*)[3])contacts->start;
+    const int32_t(*triangles)[3] = (const int32_t(*)[3])contacts->triangles;
+    pel_status status = (contacts->is_loaded ? pel_collider_recall : pel_collider_set_surface)(
+        contacts->collider, start, contacts->point_count, triangles, contacts->triangle_count, error);
     if (status != PEL_OK)
         contacts->revisions[0] = -1;
+    else
+        contacts->is_loaded = false;
     return status;
 }
 

@@ -256,6 +256,17 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
     return true;
 }
 
+/* the statistics go on where the collider goes on */
+static void transfer_contacts(cursor *at, pel_sim_contacts *contacts)
+{
+    pel_memory_part parts[PEL_COLLIDER_PARTS];
+    pel_collider_memory(contacts->collider, parts);
+    transfer(at, &contacts->statistics, sizeof contacts->statistics);
+    transfer(at, &contacts->substep, sizeof contacts->substep);
+    for (int i = 0; i < PEL_COLLIDER_PARTS; i++)
+        transfer(at, parts[i].data, parts[i].size);
+}
+
 static void transfer_sim(cursor *at, const pel_sim *sim)
 {
     pel_state *state = sim->state;
@@ -283,9 +294,11 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)
-        transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
-    if (sim->descent != NULL)
+        transfer_contacts(at, sim->contacts);
+    if (sim->descent != NULL) {
         transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
+        transfer(at, &sim->descent->result, sizeof sim->descent->result);
+    }
     /* the cursor writes to the sim only while it loads */
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
     transfer(at, &ledger->sums, sizeof ledger->sums);
@@ -362,8 +375,10 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
             return refuse(error, "snapshot is damaged: its surface does not fit its places", damage_remedy);
     transfer_sim(&place, sim);
     sim->state->step = head.step;
-    if (sim->contacts != NULL)
+    if (sim->contacts != NULL) {
         sim->contacts->tangles.is_known = false;
+        sim->contacts->is_loaded = true;
+    }
     /* first, so that readings of tools are whole whatever else is damaged */
     bool has_tools = restore_tools(sim);
     pel_ledger_follow(sim);
