@@ -142,6 +142,9 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     pel_load *load = &sim->loads[index];
     const pel_body *body = &sim->model->bodies[def->body];
     int32_t count = def->vertices != NULL ? def->vertex_count : body->mesh->vertex_count;
+    if (def->weights != NULL)
+        pel_fingerprint_add_bytes(&sim->fingerprint, PEL_PART_LOADS, def->weights,
+                                  (size_t)count * sizeof *def->weights);
     snprintf(load->name, sizeof load->name, "%s", def->name != NULL ? def->name : "");
     memcpy(load->force, def->force, sizeof load->force);
     load->body = def->body;

@@ -185,7 +185,7 @@ struct pel_sim {
     double relax_shell_rate;
     pel_sim_substeps substeps;     /* of xpbd */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
-    uint64_t fingerprint;          /* of model and solver, in snapshots */
+    pel_fingerprint fingerprint;   /* of the model and the def, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
@@ -342,8 +342,8 @@ void pel_shells_apply(pel_sim *sim, pel_gains gains);
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
 /* ---- snapshot.c ---- */
-/* of model, solver, tools and loads: tells whether a snapshot belongs to this sim */
-uint64_t pel_sim_fingerprint(const pel_sim *sim);
+/* Makes the checksum of a snapshot that of its bytes, for tests of damage. */
+void pel_snapshot_seal(void *bytes, size_t size);
 
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);
