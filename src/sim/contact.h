@@ -87,7 +87,7 @@ struct pel_sim_contacts {
 
     /* the surface */
     pel_collider *collider;
-    bool is_loaded; /* the collider's memory is that of a snapshot, its surface not yet */
+    bool is_loaded; /* the collider's memory and revisions are of a snapshot, its surface is not yet */
     int32_t place_count, point_count, triangle_count;
     int32_t (*triangles)[3]; /* (triangle_count) those of tools first */
     int32_t triangle_limit;

@@ -123,12 +123,18 @@ static void set_triangles(pel_sim *sim)
     }
 }
 
+/* what the collider knows is of the present surface */
+static bool is_of_present(const pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->contacts->revisions[b] != pel_sim_surface_revision(sim, b))
+            return false;
+    return true;
+}
+
 bool pel_contact_surface_is_present(const pel_sim *sim)
 {
-    bool is_present = !sim->contacts->is_loaded;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        is_present = is_present && sim->contacts->revisions[b] == pel_sim_surface_revision(sim, b);
-    return is_present;
+    return !sim->contacts->is_loaded && is_of_present(sim);
 }
 
 pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
@@ -136,16 +142,16 @@ pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
     pel_sim_contacts *contacts = sim->contacts;
     if (pel_contact_surface_is_present(sim))
         return PEL_OK;
+    bool recalls = contacts->is_loaded && is_of_present(sim);
     set_triangles(sim);
     contacts->way_is_searched = false;
-    const double(*start)[3] = (const double(*)[3])contacts->start;
-    const int32_t(*triangles)[3] = (const int32_t(*)[3])contacts->triangles;
-    pel_status status = (contacts->is_loaded ? pel_collider_recall : pel_collider_set_surface)(
-        contacts->collider, start, contacts->point_count, triangles, contacts->triangle_count, error);
-    if (status != PEL_OK)
-        contacts->revisions[0] = -1;
-    else
+    pel_status status = (recalls ? pel_collider_recall : pel_collider_set_surface)(
+        contacts->collider, (const double(*)[3])contacts->start, contacts->point_count,
+        (const int32_t(*)[3])contacts->triangles, contacts->triangle_count, error);
+    if (status == PEL_OK)
         contacts->is_loaded = false;
+    else if (!recalls)
+        contacts->revisions[0] = -1;
     return status;
 }
 

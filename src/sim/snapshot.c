@@ -194,12 +194,13 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
 }
 
 /* the statistics go on where the collider goes on */
-static void transfer_contacts(cursor *at, pel_sim_contacts *contacts)
+static void transfer_contacts(cursor *at, pel_sim_contacts *contacts, int32_t body_count)
 {
     pel_memory_part parts[PEL_COLLIDER_PARTS];
     pel_collider_memory(contacts->collider, parts);
     transfer(at, &contacts->statistics, sizeof contacts->statistics);
     transfer(at, &contacts->substep, sizeof contacts->substep);
+    transfer(at, contacts->revisions, (size_t)body_count * sizeof *contacts->revisions);
     for (int i = 0; i < PEL_COLLIDER_PARTS; i++)
         transfer(at, parts[i].data, parts[i].size);
 }
@@ -231,7 +232,7 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)
-        transfer_contacts(at, sim->contacts);
+        transfer_contacts(at, sim->contacts, sim->model->body_count);
     if (sim->descent != NULL) {
         transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
         transfer(at, &sim->descent->result, sizeof sim->descent->result);
@@ -332,6 +333,16 @@ static pel_status check_snapshot(const pel_sim *sim, const void *bytes, size_t s
     return PEL_OK;
 }
 
+/* places that are not in use are the same in all arrays that change places from step to step (clear_place) */
+static void rest_unused_places(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    size_t size = (size_t)sim->model->vertex_count * sizeof *state->position;
+    memcpy(state->position_next, state->position, size);
+    if (state->velocity != NULL)
+        memcpy(state->velocity_next, state->velocity, size);
+}
+
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
 {
     header head;
@@ -347,6 +358,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
             return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->state->step = head.step;
+    rest_unused_places(sim);
     if (sim->contacts != NULL) {
         sim->contacts->tangles.is_known = false;
         sim->contacts->is_loaded = true;
