@@ -26,7 +26,7 @@ typedef struct pel_load {
     /* on a body that refines: a load goes with area, like mass (detail.h) */
     double *base_weights;    /* (mesh vertices) */
     double *densities;       /* (vertices of the finest level) */
-    int32_t *entry_of_place; /* (places of the body) its number in the list above plus 1, 0 = none */
+    double *weight_of_place; /* (places of the body) 0 = none */
     double from, until;
     pel_key *keys;
     int32_t key_count;
