@@ -25,7 +25,7 @@ test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
 
 nightly: build ## run the long tests: all scenes to their ends, stopped and continued
-	@PELLICLE_LONG=1 ctest --test-dir build/$(PRESET) --output-on-failure --timeout 7200 -R '^scene/run_resume$$'
+	@PELLICLE_LONG=1 ctest --test-dir build/$(PRESET) --output-on-failure --timeout 7200 -R '^run/resume$$'
 
 bench: program ## run the benchmarks
 	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)
