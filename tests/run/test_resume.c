@@ -151,9 +151,11 @@ static void test_methods(void **unused)
     static const char *const crowds[][2] = {{"solver.method=quasi-static", NULL},
                                             {"solver.method=explicit", NULL},
                                             {"solver.method=pbd", NULL},
+                                            {"solver.method=pbd", "bodies.a.pressure={ outside: 30 }"},
                                             {"solver.method=pbd-distance", NULL},
                                             {"solver.method=xpbd", "solver.substeps=7"},
                                             {"solver.method=descent", "bodies.b.mesh.frequency=3"},
+                                            {"contact.start=tangled", "bodies.b.mesh.translate=[0, 0, -1.95]"},
                                             {"solver.method=xpbd", "contact.method=bridson"}};
     static const char *const shells[][2] = {{"solver.method=explicit", "solver.dt=0.0004"},
                                             {"solver.method=pbd", NULL},

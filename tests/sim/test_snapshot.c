@@ -3,7 +3,7 @@
 #include "sim/fixture.h"
 
 #include "failing_malloc.h"
-#include "sim/sim.h"
+#include "sim/contact.h"
 
 /* all that a sim is made from; addresses are taken of the members, so it lies still */
 typedef struct setup {
@@ -609,6 +609,29 @@ static void test_statistics(void **unused)
     }
 }
 
+/* which pairs a substep looks at goes by its number, which counts all steps */
+static void test_substep_number(void **unused)
+{
+    (void)unused;
+    setup *s = make_shell();
+    s->sim.contact.enabled = true;
+    s->sim.solver.method = PEL_METHOD_PBD;
+    s->sim.solver.substeps = 3;
+    made_sim made = make(s), other = make(s);
+    run_steps(made.sim, 5);
+    run_steps(other.sim, 2);
+    void *bytes = malloc(pel_sim_save_size(made.sim));
+    assert_non_null(bytes);
+    pel_sim_save(made.sim, bytes);
+    assert_int_equal(pel_sim_load(other.sim, bytes, pel_sim_save_size(other.sim), NULL), PEL_OK);
+    assert_true(made.sim->contacts->substep > 0);
+    assert_int_equal(other.sim->contacts->substep, made.sim->contacts->substep);
+    free(bytes);
+    destroy(made);
+    destroy(other);
+    free_setup(s);
+}
+
 /* the first step after a load allocates; it fails cleanly when it cannot, and works when it can again */
 static void test_memory_runs_out(void **unused)
 {
@@ -641,9 +664,10 @@ static void test_memory_runs_out(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_changes),         cmocka_unit_test(test_no_change), cmocka_unit_test(test_versions),
-        cmocka_unit_test(test_damage),          cmocka_unit_test(test_forged),    cmocka_unit_test(test_statistics),
-        cmocka_unit_test(test_memory_runs_out),
+        cmocka_unit_test(test_changes),         cmocka_unit_test(test_no_change),
+        cmocka_unit_test(test_versions),        cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_forged),          cmocka_unit_test(test_statistics),
+        cmocka_unit_test(test_memory_runs_out), cmocka_unit_test(test_substep_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
