@@ -235,7 +235,7 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer_contacts(at, sim->contacts, sim->model->body_count);
     if (sim->descent != NULL) {
         transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
-        transfer(at, &sim->descent->result, sizeof sim->descent->result);
+        transfer(at, &sim->descent->accepted, sizeof sim->descent->accepted);
     }
     /* the cursor writes to the sim only while it loads */
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
