@@ -500,6 +500,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
     } else {
         made->body_count = def->body_count;
         memcpy(made->gravity, def->gravity, sizeof made->gravity);
+        pel_fingerprint_add(&made->fingerprint, pel_model_members, def);
         status = build_bodies(made, def, builds, error);
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);

@@ -9,6 +9,7 @@
 #define PEL_MODEL_MODEL_H
 
 #include "base/wide.h"
+#include "model/fingerprint.h"
 #include "pellicle/model.h"
 #include "subdivide/front.h"
 
@@ -71,6 +72,7 @@ struct pel_model {
     int32_t body_count;
     pel_body *bodies;
     double gravity[3];
+    pel_fingerprint fingerprint; /* of the def */
 
     int32_t vertex_count; /* padded, all bodies */
     int32_t slice_count;

@@ -676,9 +676,5 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
 
 void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics)
 {
-    *statistics = (pel_contact_statistics){0};
-    if (sim->contacts == NULL)
-        return;
-    *statistics = sim->contacts->statistics;
-    statistics->tangled = sim->contacts->tangles.count;
+    *statistics = sim->contacts != NULL ? sim->contacts->statistics : (pel_contact_statistics){0};
 }

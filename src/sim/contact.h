@@ -89,6 +89,7 @@ struct pel_sim_contacts {
 
     /* the surface */
     pel_collider *collider;
+    bool is_loaded; /* the collider's memory and revisions are of a snapshot, its surface is not yet */
     int32_t place_count, point_count, triangle_count;
     int32_t (*triangles)[3]; /* (triangle_count) those of tools first */
     int32_t triangle_limit;
@@ -99,7 +100,7 @@ struct pel_sim_contacts {
     pel_contact_tool *tools;                       /* (tool_count) */
     double (*start)[3], (*end)[3];                 /* (point_count) */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of tools) */
-    int64_t substep;                               /* number of the substep, of all steps */
+    uint32_t substep;                              /* number of the substep, of all steps */
     bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
                                                       every writer of these but pel_contact_points clears it */
     pel_collision_result on_way;                   /* the collider's */

@@ -27,7 +27,7 @@ typedef struct pel_load {
     /* on a body that refines: a load goes with area, like mass (detail.h) */
     double *base_weights;    /* (mesh vertices) */
     double *densities;       /* (vertices of the finest level) */
-    int32_t *entry_of_place; /* (places of the body) its number in the list above plus 1, 0 = none */
+    double *weight_of_place; /* (places of the body) 0 = none */
     double from, until;
     pel_key *keys;
     int32_t key_count;
@@ -217,7 +217,7 @@ struct pel_sim {
     double relax_shell_rate;
     pel_sim_substeps substeps;     /* of xpbd */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
-    uint64_t fingerprint;          /* of model and solver, in snapshots */
+    pel_fingerprint fingerprint;   /* of the model and the def, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
@@ -394,8 +394,8 @@ void pel_shells_follow(pel_sim *sim, int32_t body);
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
 /* ---- snapshot.c ---- */
-/* of model, solver, tools and loads: tells whether a snapshot belongs to this sim */
-uint64_t pel_sim_fingerprint(const pel_sim *sim);
+/* Makes the checksum of a snapshot that of its bytes, for tests of damage. */
+void pel_snapshot_seal(void *bytes, size_t size);
 
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);

@@ -95,6 +95,7 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->model = sim->given = def->model;
+    sim->fingerprint = def->model->fingerprint;
     sim->solver = def->solver;
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_substeps_configure(sim, def);
@@ -149,7 +150,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
-        sim->fingerprint = pel_sim_fingerprint(sim);
+        pel_fingerprint_add(&sim->fingerprint, pel_sim_members, def);
     return status;
 }
 
