@@ -4,24 +4,24 @@
 
 #include <string.h>
 
-/* the row of a place: its number in the mesh or forest, or what row_of_vertex says of that */
+/* the row of a place: its number in the mesh or forest, or what output_vertex says of that */
 typedef struct row_map {
-    const int32_t *mesh_vertex, *row_of_vertex;
+    const int32_t *mesh_vertex, *output_vertex;
 } row_map;
 
 static void share(double energy, const int32_t *vertices, int count, const row_map *rows, double *values)
 {
     for (int i = 0; i < count; i++) {
         int32_t v = rows->mesh_vertex[vertices[i]];
-        values[rows->row_of_vertex != NULL ? rows->row_of_vertex[v] : v] += energy / count;
+        values[rows->output_vertex != NULL ? rows->output_vertex[v] : v] += energy / count;
     }
 }
 
-void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *row_of_vertex,
+void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
                            const pel_record *position, double time, double *virials)
 {
     const pel_shell_body *own = pel_shell_body_of(forces, body);
-    const row_map map = {forces != NULL ? forces->model->mesh_vertex : NULL, row_of_vertex};
+    const row_map map = {forces != NULL ? forces->model->mesh_vertex : NULL, output_vertex};
     for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++) {
         const int32_t *vertices = own->shell->triangles[t].vertices;
         double x[3][3], rows[3][3] = {{0}}, side[3], sum = 0;
@@ -37,7 +37,7 @@ void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const i
 }
 
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
-                               const int32_t *row_of_vertex, const pel_record *position, double time, double *membrane,
+                               const int32_t *output_vertex, const pel_record *position, double time, double *membrane,
                                double *bending, double *fibres)
 {
     const pel_shell_body *own = pel_shell_body_of(forces, body);
@@ -47,7 +47,7 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     if (own == NULL)
         return;
     const pel_shell *shell = own->shell;
-    const row_map rows = {forces->model->mesh_vertex, row_of_vertex};
+    const row_map rows = {forces->model->mesh_vertex, output_vertex};
     double x[4][3];
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         const pel_shell_triangle *triangle = &shell->triangles[t];

@@ -397,7 +397,7 @@ static void update_pieces(const plan *p)
         if (i >= mesh_places && v >= 0) {
             while (pel_lod_forest_vertex_parents(p->body->front->forest, v, parents))
                 v = parents[0];
-            base = p->body->slot_of_vertex[v] - p->first_place;
+            base = p->body->model_index[v] - p->first_place;
         }
         int32_t piece = base / PIECE_SIZE;
         p->made->piece_of_place[i] = piece < p->made->piece_count ? piece : p->made->piece_count - 1;
