@@ -126,7 +126,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     pel_ledger_step(sim, next);
     accept(sim->state);
     pel_tools_end_step(sim, next);
-    pel_weights_follow(sim);
+    pel_bending_weights_follow(sim);
     if (sim->stepper->accept != NULL)
         sim->stepper->accept(sim);
     return PEL_OK;

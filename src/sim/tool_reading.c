@@ -43,7 +43,7 @@ static void hold_against(const pel_sim *sim, const pel_tool *tool, int32_t v, co
 static void read_forces(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->touch_count; i++) {
-        const pel_touch *touch = &tool->touches[i];
+        const pel_contact_vertex *touch = &tool->touches[i];
         double force[3], x[3];
         /* of the rest the minimisation knows the loads, but of meshes that only a correction after it keeps out */
         if (sim->descent != NULL && !sim->held[touch->vertex] && (tool->mesh == NULL || pel_descent_sees_contacts(sim)))
@@ -121,7 +121,7 @@ void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, con
         double share = (double)(contact->weights[i] * contact->push * positions[v][3]) / free;
         if (share == 0)
             continue;
-        pel_touch *touch = pel_tool_touch(tool, v);
+        pel_contact_vertex *touch = pel_tool_touch(tool, v);
         for (int k = 0; k < 3; k++)
             touch->push[k] += share * (double)contact->normal[k];
     }

@@ -140,7 +140,7 @@ static void check_balance(const pel_load_def *load)
     pel_sim_get_positions(s.sim, 0, x);
     for (int32_t v = 0; v < s.mesh->vertex_count; v++)
         for (int c = 0; c < 3; c++)
-            sum[c] += (double)s.model->rest[body->slot_of_vertex[v]][3] * (s.mesh->positions[v][c] - x[3 * v + c]);
+            sum[c] += (double)s.model->rest[body->model_index[v]][3] * (s.mesh->positions[v][c] - x[3 * v + c]);
     free(x);
     assert_true(reading.force[2] > 0.01);
     for (int c = 0; c < 3; c++)
