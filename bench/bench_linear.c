@@ -3,8 +3,13 @@
    usage: bench_linear [threads] [frequency] */
 #include "bench.h"
 #include "linear/factor.h"
+#include "linear/jacobi.h"
+#include "linear/pcg.h"
 
 #include "pellicle/topology.h"
+#ifdef PEL_PEERS
+#include "peers/peer_linear.h"
+#endif
 
 #include <math.h>
 #include <stdio.h>
@@ -178,8 +183,30 @@ static double residual_of(const pel_matrix *m, const double *b, const double *x,
     return sqrt(error / size);
 }
 
-static void bench_factor(const pel_matrix *m, const pel_factor_plan *plan, pel_factor_precision precision,
-                         pel_pool *pool, const double *b, double *x, double *product)
+/* conjugate gradients to 1e-8 */
+static void bench_pcg(const pel_matrix *m, const char *name, pel_preconditioner *precondition, void *context,
+                      pel_pool *pool, const double *b, double *x)
+{
+    pel_error error;
+    pel_pcg *pcg;
+    bench_check(pel_pcg_create(m->unknown_count, &pcg, &error), &error);
+    double times[REPEATS], median;
+    pel_pcg_result result = {.iterations = 0};
+    for (int i = 0; i < REPEATS; i++) {
+        pel_pcg_def def = {m, precondition, context, 1e-8, 1000, false};
+        double begin = seconds();
+        result = pel_pcg_solve(pcg, &def, pool, b, x);
+        times[i] = seconds() - begin;
+    }
+    double least = milliseconds(times, REPEATS, &median);
+    printf("  conjugate gradients, %s: %d iterations to %.0e, %.2f ms min %.2f median\n", name, (int)result.iterations,
+           result.residual, least, median);
+    pel_pcg_destroy(pcg);
+}
+
+/* returns the least time of a factorization [ms] */
+static double bench_factor(const pel_matrix *m, const pel_factor_plan *plan, pel_factor_precision precision,
+                           pel_pool *pool, const double *b, double *x, double *product)
 {
     pel_error error;
     pel_factor *factor;
@@ -200,7 +227,36 @@ static void bench_factor(const pel_matrix *m, const pel_factor_plan *plan, pel_f
            "%.1e, least pivot %.1e, %.1f MB\n",
            precision == PEL_FACTOR_FLOAT ? "float " : "double", least, median, 1e-6 * cost.operations / 2 / least,
            solve, solve_median, residual_of(m, b, x, product), result.pivot, 1e-6 * (double)cost.bytes[precision]);
+    bench_pcg(m, "factor", pel_factor_solve, factor, pool, b, x);
     pel_factor_destroy(factor);
+    return least;
+}
+
+static void bench_jacobi(const pel_matrix *m, pel_pool *pool, const double *b, double *x)
+{
+    pel_error error;
+    pel_jacobi *jacobi;
+    bench_check(pel_jacobi_create(m, &jacobi, &error), &error);
+    pel_jacobi_compute(jacobi, m);
+    bench_pcg(m, "block Jacobi", pel_jacobi_apply, jacobi, pool, b, x);
+    pel_jacobi_destroy(jacobi);
+}
+
+/* other libraries, and how many times as long they take as our factors of least milliseconds in float and double */
+static void bench_peers(const pel_matrix *m, const double *b, const double least[2])
+{
+#ifdef PEL_PEERS
+    peer_times times[4];
+    for (int i = 0, count = peer_linear(m, b, seconds, 3, times); i < count; i++)
+        printf("  %-20s analysis %7.1f ms, factor %8.2f ms min (%.1f times our float, %.1f times our double); solve "
+               "%.2f; residual %.1e\n",
+               times[i].name, 1e3 * times[i].analyze, 1e3 * times[i].factor, 1e3 * times[i].factor / least[0],
+               1e3 * times[i].factor / least[1], 1e3 * times[i].solve, times[i].residual);
+#else
+    (void)m;
+    (void)b;
+    (void)least;
+#endif
 }
 
 static void bench_shell(const pel_mesh *mesh, bool has_edges, int threads)
@@ -248,8 +304,10 @@ static void bench_shell(const pel_mesh *mesh, bool has_edges, int threads)
         (int)mesh->triangle_count, has_edges ? "mid-edge" : "hinges", threads, (int)m->unknown_count, 1e3 * pattern,
         planning, assemble, product, 1e-6 * (double)cost.entries, 5e-10 * cost.operations, (int)cost.fronts,
         (int)cost.largest_front);
-    bench_factor(m, plan, PEL_FACTOR_FLOAT, pool, b, x, y);
-    bench_factor(m, plan, PEL_FACTOR_DOUBLE, pool, b, x, y);
+    bench_jacobi(m, pool, b, x);
+    double least[2] = {bench_factor(m, plan, PEL_FACTOR_FLOAT, pool, b, x, y),
+                       bench_factor(m, plan, PEL_FACTOR_DOUBLE, pool, b, x, y)};
+    bench_peers(m, b, least);
     free(b);
     free(x);
     free(y);

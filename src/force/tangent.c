@@ -180,11 +180,11 @@ static void add_element(const tangent_loop *loop, const pel_tangent_part *part, 
 {
     tangent_element element = {.sum = sum};
     load_element(loop, part, part->first + i, &element);
-    if (part->kind == PEL_PART_TRIANGLES)
+    if (part->kind == PEL_TANGENT_PART_TRIANGLES)
         add_triangle(loop, part, i, &element, energy);
-    else if (part->kind == PEL_PART_HINGES)
+    else if (part->kind == PEL_TANGENT_PART_HINGES)
         add_hinge(loop, part, i, &element, energy);
-    else if (part->kind == PEL_PART_SPRINGS)
+    else if (part->kind == PEL_TANGENT_PART_SPRINGS)
         add_spring(loop, part, i, &element, energy);
     else
         add_point(loop, i, &element, energy);

@@ -15,7 +15,12 @@ static inline int32_t pel_tangent_chunk_count(int32_t count)
 }
 
 /* elements of one kind that stand together: all of them have the same number of nodes */
-typedef enum pel_part_kind { PEL_PART_TRIANGLES, PEL_PART_HINGES, PEL_PART_SPRINGS, PEL_PART_POINTS } pel_part_kind;
+typedef enum pel_part_kind {
+    PEL_TANGENT_PART_TRIANGLES,
+    PEL_TANGENT_PART_HINGES,
+    PEL_TANGENT_PART_SPRINGS,
+    PEL_TANGENT_PART_POINTS
+} pel_part_kind;
 
 typedef struct pel_tangent_part {
     pel_part_kind kind;

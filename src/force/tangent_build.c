@@ -204,7 +204,7 @@ static void fill_edges(pel_tangent *tangent, pel_tangent_shell *own)
             own->edges[t][k] = NONE;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge *hinge = &shell->hinges[i];
-        pel_tangent_edge edge = {.body = own->body,   .rest_angle = hinge->rest_angle};
+        pel_tangent_edge edge = {.body = own->body, .rest_angle = hinge->rest_angle};
         memcpy(edge.vertices, hinge->vertices, sizeof edge.vertices);
         memcpy(edge.triangles, hinge->triangles, sizeof edge.triangles);
         for (int side = 0; side < 2; side++) {
@@ -302,34 +302,34 @@ static void fill_parts(pel_tangent *tangent)
         const pel_tangent_shell *own = &tangent->shells[i];
         const pel_shell *shell = own->shell;
         int edges = has_midedge(shell) ? 3 : 0;
-        add_part(tangent, PEL_PART_TRIANGLES, i, shell->triangle_count, 3, edges, PEL_MEMBRANE_STRAINS + edges);
+        add_part(tangent, PEL_TANGENT_PART_TRIANGLES, i, shell->triangle_count, 3, edges, PEL_MEMBRANE_STRAINS + edges);
         if (own->fibre_begin != NULL)
             tangent->pattern.stress_count += own->fibre_begin[shell->triangle_count];
         if (has_hinges(shell))
-            add_part(tangent, PEL_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
+            add_part(tangent, PEL_TANGENT_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
     }
-    add_part(tangent, PEL_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);
-    add_part(tangent, PEL_PART_POINTS, -1, tangent->point_count, 1, 0, 0);
+    add_part(tangent, PEL_TANGENT_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);
+    add_part(tangent, PEL_TANGENT_PART_POINTS, -1, tangent->point_count, 1, 0, 0);
 }
 
 static void fill_nodes_of(pel_tangent *tangent, const pel_tangent_part *part, int32_t i, int32_t *nodes)
 {
     const pel_tangent_shell *own = part->shell >= 0 ? &tangent->shells[part->shell] : NULL;
     switch (part->kind) {
-    case PEL_PART_TRIANGLES:
+    case PEL_TANGENT_PART_TRIANGLES:
         memcpy(nodes, own->shell->triangles[i].vertices, 3 * sizeof *nodes);
         for (int k = 3; k < part->nodes; k++) {
             double sign;
             nodes[k] = tangent->pattern.vertex_count + pel_tangent_edge_of(own->edges[i][k - 3], &sign);
         }
         return;
-    case PEL_PART_HINGES:
+    case PEL_TANGENT_PART_HINGES:
         memcpy(nodes, own->shell->hinges[i].vertices, 4 * sizeof *nodes);
         return;
-    case PEL_PART_SPRINGS:
+    case PEL_TANGENT_PART_SPRINGS:
         memcpy(nodes, tangent->springs[i].vertices, 2 * sizeof *nodes);
         return;
-    case PEL_PART_POINTS:
+    case PEL_TANGENT_PART_POINTS:
         nodes[0] = tangent->points[i];
     }
 }

@@ -15,7 +15,7 @@
 static const double TIME_OF_OPERATION = 0.04, TIME_OF_ADDITION = 0.7, TIME_OF_ENTRY = 0.4, TIME_OF_FRONT = 250;
 
 /* a task should be a small share of all work, so that threads end together */
-enum { TASK_LIMIT = 96, TASK_SHARE = 48 };
+enum { TASK_LIMIT = 96, TASK_SHARE = 16 };
 
 typedef struct planner {
     const pel_matrix *matrix;

@@ -2,7 +2,8 @@
 
    A part of the graph is split at the median of a coordinate, or of a difference of graph distances where there are no
    coordinates; the smallest set of nodes that covers the cut edges (Koenig) separates the halves and comes last. On
-   surfaces the factor has 10 to 30 % more entries than with METIS, at a third of the time. Deterministic. */
+   spheres of 20,480 triangles the factor has 4 to 6 % more entries than with METIS 5.1, in a third of the time; without
+   coordinates 27 % more on a grid. Deterministic. */
 #ifndef PEL_LINEAR_ORDER_H
 #define PEL_LINEAR_ORDER_H
 

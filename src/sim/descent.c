@@ -495,6 +495,11 @@ void pel_sim_descent_destroy(pel_sim *sim)
     pel_free(descent);
 }
 
+void pel_sim_descent_accept(pel_sim *sim)
+{
+    sim->descent->accepted = sim->descent->result;
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
     (void)sim;
@@ -509,5 +514,6 @@ const pel_stepper pel_descent_kind = {
     .step = pel_sim_descent_step,
     .read_tools = pel_descent_contacts_read,
     .mark_contacts = pel_descent_contacts_mark,
+    .accept = pel_sim_descent_accept,
     .advise = advise,
 };

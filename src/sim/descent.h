@@ -45,16 +45,17 @@ typedef struct pel_sim_newton pel_sim_newton;
 
 struct pel_sim_descent {
     pel_descent_minimise *minimise;
-    pel_descent *minimiser; /* of the method descent, else null */
-    pel_sim_newton *newton; /* of the others, else null */
-    pel_record *external;   /* (vertex_count) forces that stay during a step */
-    double mean_edge;       /* m */
-    double size;            /* m, of the largest body */
-    double stiff_force;     /* N, moves every vertex by an edge, by the bound of the stiffness */
-    double acted;           /* N, largest force that has acted since the start */
-    double stiffness;       /* 1/s2, bound of that of the bodies over mass */
-    double penalty;         /* stiffness of constraints over that bound */
-    pel_descent_result result;
+    pel_descent *minimiser;      /* of the method descent, else null */
+    pel_sim_newton *newton;      /* of the others, else null */
+    pel_record *external;        /* (vertex_count) forces that stay during a step */
+    double mean_edge;            /* m */
+    double size;                 /* m, of the largest body */
+    double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
+    double acted;                /* N, largest force that has acted since the start */
+    double stiffness;            /* 1/s2, bound of that of the bodies over mass */
+    double penalty;              /* stiffness of constraints over that bound */
+    pel_descent_result result;   /* of the step at work */
+    pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 
     /* those of tools, then those of surfaces; the others are what was known when they were found anew */
     pel_descent_contact *constraints, *others;
@@ -88,6 +89,9 @@ static inline bool pel_descent_sees_contacts(const pel_sim *sim)
 pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, pel_error *error);
 /* One step. */
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+
+/* After a step that is accepted: its result is the one that is told. */
+void pel_sim_descent_accept(pel_sim *sim);
 
 /* ---- descent_free.c ---- */
 /* Refuses a body that nothing holds against the net of some forces (vertex_count) at a time. PEL_BAD_ARGUMENT. */

@@ -241,7 +241,7 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     pel_substeps_read(sim, reading);
     if (sim->descent == NULL)
         return;
-    const pel_descent_result *result = &sim->descent->result;
+    const pel_descent_result *result = &sim->descent->accepted;
     reading->solves = true;
     reading->iterations = result->iterations;
     reading->evaluations = result->evaluations;

@@ -134,6 +134,7 @@ static void accept(pel_sim *sim)
     memcpy(state->older_position, state->position_before, count * sizeof *state->older_position);
     memcpy(state->older_velocity, state->velocity_next, count * sizeof *state->older_velocity);
     state->older_is_known = true;
+    pel_sim_descent_accept(sim);
 }
 
 static void advise(const pel_sim *sim, pel_error *error)

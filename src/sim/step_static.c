@@ -31,5 +31,6 @@ const pel_stepper pel_step_static_kind = {
     .edge_energy = pel_sim_newton_edge_energy,
     .get_held_force = pel_sim_newton_held_force,
     .mark_contacts = pel_descent_contacts_mark,
+    .accept = pel_sim_descent_accept,
     .advise = advise,
 };

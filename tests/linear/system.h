@@ -54,7 +54,7 @@ static inline void test_fill_blocks(test_system *s, random_state *random)
         for (int k = 0; k < 2; k++) {
             double v[PEL_ELEMENT_SIZE_LIMIT];
             for (int32_t i = 0; i < size; i++)
-                v[i] = random_normal(random);
+                v[i] = random_between(random, -1.7, 1.7);
             for (int32_t i = 0; i < size; i++)
                 for (int32_t j = 0; j < size; j++)
                     block[i * size + j] += v[i] * v[j];
@@ -215,7 +215,7 @@ static inline double *test_vector(int32_t count, random_state *random)
 {
     double *x = calloc((size_t)count, sizeof *x);
     for (int32_t i = 0; i < count; i++)
-        x[i] = random_normal(random);
+        x[i] = random_between(random, -1.7, 1.7);
     return x;
 }
 

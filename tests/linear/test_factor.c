@@ -1,6 +1,7 @@
 /* Factors against dense solutions, in float and double, with any number of threads; matrices that have none. */
 #include "system.h"
 
+#include "base/hash.h"
 #include "linear/factor.h"
 #include "linear/factor_plan.h"
 
@@ -71,11 +72,13 @@ static void test_dense_system(void **unused)
     test_system_release(&s);
 }
 
-/* a grid of many fronts: same bits with any number of threads, no allocation, residual; the right side in place */
+/* a grid of many fronts: same bits with any number of threads, GCC and Clang, AVX2 and none; no allocation, residual;
+ * the right side in place */
 static void test_threads(void **unused)
 {
     (void)unused;
     random_state random = {3};
+    const uint64_t bits[] = {0x68fc67d6bcbe36a4u, 0x1e7787ede58a5bffu};
     test_system s = test_grid_system(ROUNDS(70, 30), -3, &random);
     pel_matrix *m = test_matrix(&s, 1, NULL);
     pel_factor_plan *plan = plan_of(m, &s, true);
@@ -99,6 +102,8 @@ static void test_threads(void **unused)
         }
         assert_memory_equal(x[0], x[1], bytes);
         assert_memory_equal(x[0], x[2], bytes);
+        uint64_t hash = pel_hash_bytes(PEL_HASH_START, x[0], bytes);
+        assert_true(IS_SLOW || hash == bits[precision]);
         assert_true(test_residual(m, right, x[0]) < (precision == PEL_FACTOR_FLOAT ? 1e-5 : 1e-12));
     }
     pel_factor_plan_destroy(plan);
@@ -220,6 +225,47 @@ static void test_indefinite(void **unused)
     assert_true(refused >= ROUNDS(5, 1));
 }
 
+/* takes most of the diagonal of a node away, in both matrices */
+static void weaken(pel_matrix *m, double *dense, int32_t node)
+{
+    double *entry = &m->values[m->block_start[pel_matrix_block(m, node, node)]];
+    dense[m->first_unknown[node] * (m->unknown_count + 1)] -= 0.999 * *entry;
+    *entry *= 0.001;
+}
+
+/* pivots that fail in an upper front and in a task that comes later in the order: the first one is told */
+static void test_indefinite_above(void **unused)
+{
+    (void)unused;
+    random_state random = {9};
+    test_system s = test_grid_system(24, -1, &random);
+    pel_matrix *m = test_matrix(&s, 0.1, NULL);
+    pel_factor_plan *plan = plan_of(m, &s, true);
+    pel_factor *factor;
+    double *dense = test_dense(&s, 0.1);
+    int32_t upper = plan->upper[0], later = -1;
+    for (int32_t t = 0; t < plan->task_count; t++)
+        later = plan->tasks[t].first_front > upper ? plan->tasks[t].last_front - 1 : later;
+    assert_true(later > upper);
+    weaken(m, dense, plan->order[plan->fronts[upper].first_node]);
+    weaken(m, dense, plan->order[plan->fronts[later].first_node]);
+    int32_t bad = first_bad_pivot(dense, s.unknown_count, plan);
+    assert_true(bad >= 0);
+    int32_t place = 0;
+    while (plan->front_unknown[place] != bad)
+        place++;
+    assert_in_range(place, plan->fronts[upper].first_pivot, plan->fronts[upper + 1].first_pivot - 1);
+    assert_int_equal(pel_factor_create(plan, PEL_FACTOR_DOUBLE, &factor, NULL), PEL_OK);
+    pel_factor_result result = pel_factor_compute(factor, m, 0, NULL);
+    assert_false(result.positive_definite);
+    assert_int_equal(s.first_unknown[result.node] + result.component, bad);
+    free(dense);
+    pel_factor_destroy(factor);
+    pel_factor_plan_destroy(plan);
+    pel_matrix_destroy(m);
+    test_system_release(&s);
+}
+
 /* A chain of springs without a support is singular: its last pivot is rounding, of one sign or the other. One support
    makes it regular. NaN and an empty row are named. */
 static void test_singular(void **unused)
@@ -299,6 +345,11 @@ static void test_plan(void **unused)
     pel_factor_cost cost = pel_factor_plan_cost(plan);
     assert_true(held >= entries && held < 2 * entries);
     assert_true(cost.entries >= held && cost.operations > 0.9 * operations);
+    /* update matrices leave when they are added */
+    int64_t all_updates = 0;
+    for (int32_t f = 0; f < plan->front_count; f++)
+        all_updates += (int64_t)pel_front_update_stride(&plan->fronts[f]) * plan->fronts[f].border_count;
+    assert_true(100 * plan->work_count < 87 * all_updates);
     assert_true(cost.bytes[PEL_FACTOR_FLOAT] > 4 * (size_t)cost.entries);
     assert_true(cost.bytes[PEL_FACTOR_DOUBLE] > 8 * (size_t)cost.entries);
     free(filled);
@@ -338,10 +389,15 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_systems), cmocka_unit_test(test_dense_system),
-        cmocka_unit_test(test_threads),        cmocka_unit_test(test_units),
-        cmocka_unit_test(test_indefinite),     cmocka_unit_test(test_singular),
-        cmocka_unit_test(test_plan),           cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_random_systems),
+        cmocka_unit_test(test_dense_system),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_units),
+        cmocka_unit_test(test_indefinite),
+        cmocka_unit_test(test_singular),
+        cmocka_unit_test(test_indefinite_above),
+        cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,9 +36,7 @@ static void test_springs_are_the_edges(void **unused)
     double *stiffness = calloc((size_t)mesh->vertex_count, sizeof *stiffness);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         stiffness[v] = 1 + v;
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.spring_stiffness.field = stiffness;
     pel_model *model = make_model(&body);
     int32_t springs = 0;
@@ -77,9 +75,7 @@ static void test_masses(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(10);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.mass = 2;
     assert_near(total_mass(&body), 2 * 1002, 1e-3);
     body.mass_kind = PEL_MASS_TOTAL;

@@ -1,7 +1,6 @@
 /* Supports: forces on pinned vertices, and supports that move on keys. */
-#include "sim/fixture.h"
+#include "shell_fixture.h"
 
-#include "math/vec3.h"
 #include "sim/sim.h"
 
 static const double young = 1e5, thickness = 1e-3, width = 0.1, length = 0.4;
@@ -20,13 +19,7 @@ typedef struct strip {
 static void begin(strip *s, pel_method method, double dt)
 {
     memset(s, 0, sizeof *s);
-    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
-    shape.nx = 8;
-    shape.ny = 2;
-    shape.size_x = length;
-    shape.size_y = width;
-    shape.diagonals = PEL_GRID_UNION_JACK;
-    assert_int_equal(pel_shape_create(&shape, &s->mesh, NULL), PEL_OK);
+    s->mesh = make_grid(8, 2, length, width, PEL_GRID_UNION_JACK);
     for (int32_t v = 0; v < s->mesh->vertex_count; v++) {
         double x = s->mesh->positions[v][0];
         if (x < -0.499 * length)
@@ -35,25 +28,14 @@ static void begin(strip *s, pel_method method, double dt)
             s->right[s->right_count++] = v;
     }
     pel_body_def *body = &s->body;
-    *body = pel_body_def_default();
+    *body = shell_body(s->mesh, PEL_MEMBRANE_STVK);
     body->name = "strip";
-    body->mesh = s->mesh;
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 1000;
-    body->thickness.value = thickness;
-    body->spring_stiffness.value = body->spring_damping.value = 0;
-    body->volumetric_stiffness.value = body->volumetric_damping.value = 0;
-    body->shell.membrane.on = true;
-    body->shell.membrane.kind = PEL_MEMBRANE_STVK;
+    body->thickness.value = body->shell.membrane.thickness.value = thickness;
     body->shell.membrane.young.value = young;
     body->shell.membrane.poisson = 0;
-    body->shell.membrane.thickness.value = thickness;
     body->pinned = s->left;
     body->pinned_count = s->left_count;
-    s->def = pel_sim_def_default();
-    s->def.solver.method = method;
-    s->def.solver.dt = dt;
-    s->def.thread_count = 1;
+    s->def = lone_sim(NULL, method, dt);
     s->tool = pel_tool_def_default();
     s->tool.name = "strip_support";
     s->tool.body = 0;
@@ -221,6 +203,53 @@ static void test_resumes(void **unused)
     end(&s, sim);
 }
 
+/* a support of a strip that is fine everywhere, or where it is stretched, holds what lies between its vertices; it
+   pulls with the closed form, and a run that resumes has the same bits */
+static void test_refined(void **unused)
+{
+    (void)unused;
+    const double stretch = 0.02, lambda = 1.05;
+    double expected = young * thickness * width * lambda * 0.5 * (lambda * lambda - 1);
+    for (int c = 0; c < CASE_COUNT; c++)
+        for (int everywhere = 0; everywhere < 2; everywhere++) {
+            strip s;
+            if (cases[c].method == PEL_METHOD_PBD)
+                continue;
+            begin(&s, cases[c].method, cases[c].method == PEL_METHOD_EXPLICIT ? 2e-4 : cases[c].dt);
+            s.def.solver.drag = cases[c].drag;
+            s.def.solver.iterations = cases[c].iterations;
+            s.body.refine.levels = everywhere ? 1 : 2;
+            s.body.refine.everywhere = everywhere;
+            s.body.refine.above = everywhere ? 0 : 0.02;
+            s.body.refine.interval = 5;
+            s.body.refine.rings = 2;
+            pull(&s, true, stretch);
+            pel_sim *sim = create(&s, 0);
+            run_steps(sim, cases[c].steps / 2);
+            sim = resume_sim(sim, &s.def);
+            run_steps(sim, cases[c].steps / 2);
+            pel_tool_reading tool;
+            pel_support_reading reading;
+            pel_sim_get_tool(sim, 0, &tool);
+            pel_sim_get_support(sim, 0, &reading);
+            /* three vertices, and those between them; where the boundary is cut anew its corners are rounder */
+            assert_true(pel_sim_vertex_count(sim, 0) > s.mesh->vertex_count);
+            assert_int_equal(tool.held_count, everywhere ? 5 : 9);
+            assert_near(tool.force[0], -expected, 2e-2 * expected);
+            assert_near(reading.force[0], 0, 1e-2 * expected);
+            int32_t count = pel_sim_vertex_count(sim, 0), on_path = 0;
+            double *x = malloc(3 * (size_t)count * sizeof *x), *rest = malloc(3 * (size_t)count * sizeof *rest);
+            pel_sim_get_positions(sim, 0, x);
+            pel_sim_get_rest_positions(sim, 0, rest);
+            for (size_t v = 0; v < 3 * (size_t)count; v += 3)
+                on_path += fabs(x[v] - rest[v] - stretch) < 1e-6 && fabs(x[v + 1] - rest[v + 1]) < 1e-6;
+            assert_int_equal(on_path, tool.held_count);
+            free(x);
+            free(rest);
+            end(&s, sim);
+        }
+}
+
 static void expect_refused(strip *s, const char *words)
 {
     pel_sim *sim;
@@ -257,8 +286,8 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_weight),  cmocka_unit_test(test_pull),     cmocka_unit_test(test_path),
-        cmocka_unit_test(test_resumes), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_weight),  cmocka_unit_test(test_pull),    cmocka_unit_test(test_path),
+        cmocka_unit_test(test_resumes), cmocka_unit_test(test_refined), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

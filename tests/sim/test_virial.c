@@ -136,9 +136,7 @@ static void test_refined(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(6);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.refine.levels = 3;
     pel_sim_def def = pel_sim_def_default();
     pel_model *model = make_model(&body);
