@@ -85,7 +85,7 @@ static void add_triangle(const tangent_loop *loop, const pel_tangent_part *part,
         energy->membrane += pel_membrane_tangent(&shell->triangles[t].rest, &law, element->x, &request, &element->sum);
     }
     if (own->midedges != NULL)
-        energy->bending += add_midedge(loop, own, t, stress + PEL_MEMBRANE_STRAINS, element);
+        energy->edges += add_midedge(loop, own, t, stress + PEL_MEMBRANE_STRAINS, element);
     if (own->fibre_begin != NULL)
         energy->fibres += add_fibres(loop, own, t, stress + part->strains, element);
     if (own->pressure != 0) {
@@ -367,7 +367,8 @@ pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_
 
 double pel_tangent_energy_sum(const pel_tangent_energy *energy)
 {
-    return energy->membrane + energy->fibres + energy->bending + energy->springs + energy->points + energy->pressure;
+    return energy->membrane + energy->fibres + energy->bending + energy->edges + energy->springs + energy->points +
+           energy->pressure;
 }
 
 void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,

@@ -16,7 +16,6 @@ struct pel_sim_newton {
     double (*points)[3];          /* (vertex_count) m */
     bool is_damped;               /* drag, or damping of springs */
     bool goes_on;                 /* the unknowns belong to the step in progress */
-    double edge_energy;           /* J, of mid-edge bending */
     pel_newton_result result;     /* sum of the step */
 };
 
@@ -33,7 +32,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
 bool pel_sim_newton_approximate(pel_descent_context *context);
 /* a pel_descent_precondition; the context is that of the minimisation */
 void pel_sim_newton_precondition(void *context, double *vector);
-/* J, of mid-edge bending as the last step has left it */
+/* J, of mid-edge bending at the present positions, with the edges where they bend least */
 double pel_sim_newton_edge_energy(const pel_sim *sim);
 /* N, on a vertex that is fixed: what the bodies do to it */
 void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);

@@ -269,9 +269,8 @@ static void evaluate(newton_run *run)
     double loads = add_loads(run), terms = 0;
     if (problem->terms != NULL)
         terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
-    run->parts = fabs(energy.membrane) + fabs(energy.fibres) + fabs(energy.bending) + fabs(energy.springs) +
-                 fabs(energy.points) + fabs(energy.pressure) + fabs(loads) + fabs(terms);
-    run->result->bending = energy.bending;
+    run->parts = fabs(energy.membrane) + fabs(energy.fibres) + fabs(energy.bending) + fabs(energy.edges) +
+                 fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) + fabs(terms);
     run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms;
     measure_forces(run);
 }

@@ -49,7 +49,6 @@ typedef struct pel_newton_result {
     int32_t iterations; /* linear systems solved */
     int32_t factors, products;
     double energy;         /* J, terms, loads and inertia included */
-    double bending;        /* J, of it */
     double residual;       /* N, root of the sum of squares of all forces */
     double first_residual; /* N, that at the start, held vertices at their targets apart */
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */

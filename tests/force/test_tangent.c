@@ -151,8 +151,10 @@ static void gradients_are_the_forces(void **unused)
             tangents on = make_tangents(&body);
             pel_state *state = make_state(on.model);
             pel_shell_forces *shells;
+            pel_batches *batches;
             pel_record *force = make_records(on.model);
-            assert_int_equal(pel_shell_forces_create(on.model, &shells, NULL), PEL_OK);
+            assert_int_equal(pel_batches_create(on.model, PEL_METHOD_EXPLICIT, &batches, NULL), PEL_OK);
+            assert_int_equal(pel_shell_forces_create(batches, &shells, NULL), PEL_OK);
             shake(on.model, state->position, 0.05, &random);
             for (int32_t v = 0; v < on.model->vertex_count; v++)
                 pel_vertex_position(state->position, v, on.unknowns + 3 * v);
@@ -172,6 +174,7 @@ static void gradients_are_the_forces(void **unused)
             assert_near(on.energy.pressure, energy.pressure, tolerance * total);
             free(force);
             pel_shell_forces_destroy(shells);
+            pel_batches_destroy(batches);
             pel_state_destroy(state);
             free_tangents(&on);
             pel_mesh_destroy(mesh);

@@ -552,7 +552,7 @@ static void test_refusals(void **unused)
     body.shell.bending.model = PEL_BENDING_MIDEDGE;
     model = make_model(&body);
     for (int method = PEL_METHOD_QUASI_STATIC; method <= PEL_METHOD_DESCENT; method++) {
-        def = sim_of(model, (pel_method)method, 1e-3);
+        def = lone_sim(model, (pel_method)method, 1e-3);
         assert_sim_refused(&def, "midedge bending");
     }
     pel_model_destroy(model);
