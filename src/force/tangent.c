@@ -344,6 +344,7 @@ static pel_tangent_energy run_loop(tangent_loop *loop, pel_pool *pool)
         energy.membrane += own->membrane;
         energy.fibres += own->fibres;
         energy.bending += own->bending;
+        energy.edges += own->edges;
         energy.springs += own->springs;
         energy.points += own->points;
     }
