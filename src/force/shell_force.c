@@ -112,7 +112,7 @@ static void vertex_chunk(void *context, int32_t chunk)
     bool normal_form = has_normal_pressure(loop);
     size_t row_end = (loop->parts & PEL_SHELL_BENDING) != 0 ? SIZE_MAX : own->first_hinge_row;
     for (int32_t v = first; v < end && v < own->place_count; v++) {
-        pel_record sum = pel_wide_splat(0);
+        pel_record sum = {0};
         for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1] && (size_t)own->gather[i] < row_end; i++)
             sum += own->rows[own->gather[i]];
         if (normal_form)

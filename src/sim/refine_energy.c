@@ -63,7 +63,7 @@ static double evaluate(keeper *k)
         memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     for (int32_t i = 0; i < count; i++) {
         places[i] = place_at(k, i, false);
-        sim->force[places[i]] = pel_wide_splat(0);
+        sim->force[places[i]] = (pel_record){0};
     }
     energy = pel_event_energy(sim->active, k->body, sim->state, places, count, sim->force);
     if (has_shell) {

@@ -151,13 +151,15 @@ void pel_tool_search_destroy(pel_tool_search *search)
 
 static pel_search_box empty_box(void)
 {
-    return (pel_search_box){pel_wide_splat((pel_real)INFINITY), pel_wide_splat(-(pel_real)INFINITY)};
+    const pel_real far = (pel_real)INFINITY;
+    const pel_record none = {far, far, far, far};
+    return (pel_search_box){none, -none};
 }
 
 static void add_point(pel_search_box *box, pel_record x)
 {
-    box->low = -pel_wide_max(-x, -box->low);
-    box->high = pel_wide_max(x, box->high);
+    box->low = -pel_record_max(-x, -box->low);
+    box->high = pel_record_max(x, box->high);
 }
 
 static pel_search_box box_of_points(const pel_record *x, int32_t count)
@@ -166,10 +168,10 @@ static pel_search_box box_of_points(const pel_record *x, int32_t count)
     int32_t i = 0;
     /* four at a time, so that they do not wait for each other */
     for (; i + 4 <= count; i += 4) {
-        pel_record high = pel_wide_max(pel_wide_max(x[i], x[i + 1]), pel_wide_max(x[i + 2], x[i + 3]));
-        pel_record low = pel_wide_max(pel_wide_max(-x[i], -x[i + 1]), pel_wide_max(-x[i + 2], -x[i + 3]));
-        box.high = pel_wide_max(high, box.high);
-        box.low = -pel_wide_max(low, -box.low);
+        pel_record high = pel_record_max(pel_record_max(x[i], x[i + 1]), pel_record_max(x[i + 2], x[i + 3]));
+        pel_record low = pel_record_max(pel_record_max(-x[i], -x[i + 1]), pel_record_max(-x[i + 2], -x[i + 3]));
+        box.high = pel_record_max(high, box.high);
+        box.low = -pel_record_max(low, -box.low);
     }
     for (; i < count; i++)
         add_point(&box, x[i]);
@@ -178,8 +180,8 @@ static pel_search_box box_of_points(const pel_record *x, int32_t count)
 
 static void add_box(pel_search_box *box, const pel_search_box *other)
 {
-    box->low = -pel_wide_max(-other->low, -box->low);
-    box->high = pel_wide_max(other->high, box->high);
+    box->low = -pel_record_max(-other->low, -box->low);
+    box->high = pel_record_max(other->high, box->high);
 }
 
 /* vertices of a block: places from begin to end - 1 */

@@ -547,7 +547,7 @@ PEL_INLINE void move_points(const pel_batch *batch, int32_t block, int32_t lane,
 static void record_lane(const pel_batch *batch, const pel_record *positions, const int32_t *steps, int32_t lane,
                         pel_record (*ways)[PEL_BLOCK])
 {
-    pel_record sum = pel_wide_splat(0);
+    pel_record sum = {0};
     int fixed = 0;
     for (int k = 0; k < batch->arity; k++) {
         pel_real w = pel_record_get(positions, steps[k * PEL_BLOCK + lane])[3];

@@ -189,7 +189,7 @@ static bool stage_slice(const stage *run, int32_t slice, const pel_slice *own, p
                       own->position.z + kept * (own->position.z - before.position.z) + share * way.z};
     pel_slice_store(run->next, slice, next, own->inverse_mass);
     pel_wide_mask inside = pel_wide3_dot(next, next) < pel_wide_splat(run->square_bound);
-    return inside[0] && inside[1] && inside[2] && inside[3];
+    return pel_wide_all(inside);
 }
 
 static void run_chunk(void *context, int32_t chunk)
