@@ -395,41 +395,61 @@ static inline void pel_lane3_store(pel_record *records, pel_lane3 v)
 {
     pel_wide_store(records, v.x, v.y, v.z, pel_wide_splat(0));
 }
+#ifdef PEL_SINGLE
+
 static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *steps, int32_t lane)
 {
     (void)lane;
-    pel_wide rows[4];
-    for (int i = 0; i < 4; i++)
-#ifdef PEL_SINGLE
-        rows[i] = pel_wide_row(pel_record_get(records, steps[i]), pel_record_get(records, steps[i + 4]));
-#else
-        rows[i] = pel_record_get(records, steps[i]);
-#endif
-    pel_wide_transpose(&rows[0], &rows[1], &rows[2], &rows[3]);
-    return (pel_particle){{rows[0], rows[1], rows[2]}, rows[3]};
+    pel_wide a = pel_wide_row(pel_record_get(records, steps[0]), pel_record_get(records, steps[4]));
+    pel_wide b = pel_wide_row(pel_record_get(records, steps[1]), pel_record_get(records, steps[5]));
+    pel_wide c = pel_wide_row(pel_record_get(records, steps[2]), pel_record_get(records, steps[6]));
+    pel_wide d = pel_wide_row(pel_record_get(records, steps[3]), pel_record_get(records, steps[7]));
+    pel_wide_transpose(&a, &b, &c, &d);
+    return (pel_particle){{a, b, c}, d};
 }
 static inline void pel_particle_move(pel_record *records, const int32_t *steps, int32_t lane, const pel_particle *p,
                                      pel_lane3 way)
 {
     (void)lane;
     pel_record moved[PEL_BLOCK];
-#ifdef PEL_SINGLE
-    bool is_whole = p != NULL;
-    if (is_whole)
+    if (p != NULL)
         pel_wide_store(moved, p->at.x + way.x, p->at.y + way.y, p->at.z + way.z, p->fourth);
     else
         pel_wide_store(moved, way.x, way.y, way.z, pel_wide_splat(0));
-#else
-    (void)p;
-    bool is_whole = false;
-    pel_wide_store(moved, way.x, way.y, way.z, pel_wide_splat(0));
-#endif
-    for (int i = 0; !is_whole && i < PEL_BLOCK; i++)
+    for (int i = 0; p == NULL && i < PEL_BLOCK; i++)
         moved[i] += pel_record_get(records, steps[i]);
     for (int i = 0; i < PEL_BLOCK; i++)
         pel_record_set(records, steps[i], moved[i]);
 }
 
+#else
+
+static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *steps, int32_t lane)
+{
+    (void)lane;
+    pel_wide a = pel_record_get(records, steps[0]), b = pel_record_get(records, steps[1]),
+             c = pel_record_get(records, steps[2]), d = pel_record_get(records, steps[3]);
+    pel_wide_transpose(&a, &b, &c, &d);
+    return (pel_particle){{a, b, c}, d};
+}
+static inline void pel_particle_move(pel_record *records, const int32_t *steps, int32_t lane, const pel_particle *p,
+                                     pel_lane3 way)
+{
+    (void)lane;
+    (void)p;
+    pel_wide a = way.x, b = way.y, c = way.z, d = pel_wide_splat(0);
+    pel_wide_transpose(&a, &b, &c, &d);
+    a += pel_record_get(records, steps[0]);
+    b += pel_record_get(records, steps[1]);
+    c += pel_record_get(records, steps[2]);
+    d += pel_record_get(records, steps[3]);
+    pel_record_set(records, steps[0], a);
+    pel_record_set(records, steps[1], b);
+    pel_record_set(records, steps[2], c);
+    pel_record_set(records, steps[3], d);
+}
+
+#endif
 #endif
 #endif /* particles */
 #endif

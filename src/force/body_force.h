@@ -23,9 +23,9 @@ typedef struct pel_slice {
 /* loads the records of a slice, turned so that a lane is a vertex */
 static inline pel_slice pel_slice_load(const pel_record *records, int32_t slice)
 {
-    pel_wide columns[4];
-    pel_wide_load(records + (size_t)slice * PEL_WIDTH, columns);
-    return (pel_slice){{columns[0], columns[1], columns[2]}, columns[3]};
+    pel_wide a, b, c, d;
+    pel_wide_load(records + (size_t)slice * PEL_WIDTH, &a, &b, &c, &d);
+    return (pel_slice){{a, b, c}, d};
 }
 
 static inline void pel_slice_store(pel_record *records, int32_t slice, pel_wide3 vector, pel_wide fourth)
@@ -37,9 +37,9 @@ static inline void pel_slice_store(pel_record *records, int32_t slice, pel_wide3
 static inline pel_wide3 pel_slot_offset(const pel_model *model, const pel_record *position, int32_t slot,
                                         const pel_wide3 *own)
 {
-    pel_wide columns[4];
-    pel_wide_gather(position, model->neighbours[slot], columns);
-    return (pel_wide3){columns[0] - own->x, columns[1] - own->y, columns[2] - own->z};
+    pel_wide a, b, c, d;
+    pel_wide_gather(position, model->neighbours[slot], &a, &b, &c, &d);
+    return (pel_wide3){a - own->x, b - own->y, c - own->z};
 }
 
 /* A slot of springs on its way. Their square root takes longer than what a processor can look ahead from one slot to
@@ -94,6 +94,18 @@ static inline pel_wide3 pel_spring_force(const pel_model *model, const pel_recor
     *flight = begun;
     *longest = sum.longest;
     return sum.force;
+}
+
+/* length of the longest spring of each vertex of a slice */
+static inline pel_wide pel_slice_longest(const pel_model *model, const pel_record *position, int32_t slice,
+                                         const pel_wide3 *own)
+{
+    pel_wide square = pel_wide_splat(0);
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+        pel_wide3 d = pel_slot_offset(model, position, slot, own);
+        square = pel_wide_max(pel_wide3_dot(d, d), square);
+    }
+    return pel_wide_sqrt(square);
 }
 
 /* how the loops treat one body at the present time */

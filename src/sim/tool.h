@@ -97,8 +97,8 @@ void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
  */
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
                                const pel_record *positions, int32_t t, double weights[3], double normal[3]);
-/* Box about the tool and a margin, along the axes of the world. */
-pel_search_box pel_tool_box(const pel_tool *tool, double margin);
+/* Box about a solid at the tool's place and a margin, along the axes of the world. */
+pel_search_box pel_tool_box(const pel_tool *tool, const pel_solid *solid, double margin);
 /* Lists the triangles that reach within a margin of the tool's box in sim->near_triangles, in rising order; returns how
    many. */
 int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin);

@@ -150,8 +150,10 @@ static pel_wide mobility(const stage *run, int32_t slice, pel_wide state_inverse
     const pel_wide *inverse_mass = (const pel_wide *)model->inverse_mass;
     pel_wide factor = pel_wide_splat((pel_real)run->relax->active->relaxation.factor);
     factor *= inverse_mass[slice] - state_inverse_mass;
-    for (int32_t lane = 0; run->held != NULL && lane < PEL_WIDTH; lane++)
-        if (run->held[slice * PEL_WIDTH + lane])
+    static const uint8_t none[PEL_WIDTH];
+    const uint8_t *held = run->held != NULL ? run->held + slice * PEL_WIDTH : none;
+    for (int32_t lane = 0; memcmp(held, none, sizeof none) != 0 && lane < PEL_WIDTH; lane++)
+        if (held[lane])
             factor[lane] = 0;
     return factor;
 }
