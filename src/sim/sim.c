@@ -291,8 +291,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     pel_step_result result = {0};
     pel_status status = stepper->step(sim, &result, error);
     /* nothing bounds how far some methods go: what tools look for goes by the new edges */
-    if (status == PEL_OK && !result.diverged && !stepper->bounds_motion &&
-        (sim->tool_count > 0 || sim->contacts != NULL))
+    if (status == PEL_OK && !result.diverged && !stepper->bounds_motion && sim->tool_count > 0)
         result.longest = pel_sim_longest_edge(sim);
     if (status == PEL_OK && result.diverged)
         status = report_divergence(sim, error);
