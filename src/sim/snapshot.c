@@ -251,8 +251,8 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
     pel_active_rebuild(sim->active, body, sim->state);
     pel_loads_rebuild(sim, body);
     pel_tool_search_rebuild(sim->tool_search, body);
-    pel_project_follow(sim, body);
-    pel_refine_forget(sim, body);
+    pel_shells_follow(sim, body);
+    pel_criterion_forget(sim, body);
     return true;
 }
 
