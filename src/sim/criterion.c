@@ -184,15 +184,15 @@ static bool is_near_tool(const pel_sim *sim, int32_t body, const pel_wide3 *x, p
 {
     const pel_wide reach = longest * pel_wide_splat((pel_real)1.001);
     for (int32_t i = 0; i < sim->tool_count; i++) {
-        const pel_search_box *box = &sim->tools[i].look_box;
+        const pel_real(*box)[3] = (const pel_real(*)[3])sim->tools[i].look_box;
         if (!pel_tool_acts_on(&sim->tools[i], body))
             continue;
-        pel_wide_mask apart = x->x + reach < pel_wide_splat(box->low[0]);
-        apart |= x->x - reach > pel_wide_splat(box->high[0]);
-        apart |= x->y + reach < pel_wide_splat(box->low[1]);
-        apart |= x->y - reach > pel_wide_splat(box->high[1]);
-        apart |= x->z + reach < pel_wide_splat(box->low[2]);
-        apart |= x->z - reach > pel_wide_splat(box->high[2]);
+        pel_wide_mask apart = x->x + reach < pel_wide_splat(box[0][0]);
+        apart |= x->x - reach > pel_wide_splat(box[1][0]);
+        apart |= x->y + reach < pel_wide_splat(box[0][1]);
+        apart |= x->y - reach > pel_wide_splat(box[1][1]);
+        apart |= x->z + reach < pel_wide_splat(box[0][2]);
+        apart |= x->z - reach > pel_wide_splat(box[1][2]);
         if (!pel_wide_all(apart))
             return true;
     }
@@ -204,7 +204,11 @@ void pel_criterion_begin(pel_sim *sim, int32_t body)
     double near = sim->model->bodies[body].detail->def.near_tools;
     for (int32_t i = 0; near > 0 && i < sim->tool_count; i++) {
         pel_solid large = grown(&sim->tools[i].solid, LEAVING_RATIO * near);
-        sim->tools[i].look_box = pel_tool_box(&sim->tools[i], &large, 0);
+        const pel_search_box box = pel_tool_box(&sim->tools[i], &large, 0);
+        for (int k = 0; k < 3; k++) {
+            sim->tools[i].look_box[0][k] = box.low[k];
+            sim->tools[i].look_box[1][k] = box.high[k];
+        }
     }
 }
 

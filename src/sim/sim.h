@@ -70,7 +70,7 @@ typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;              /* of a mesh: the sphere about it */
     pel_solid press_solid;        /* grown by the thickness of contacts */
-    pel_search_box look_box;      /* about what the criterion of tools looks at in this step */
+    pel_real look_box[2][3];      /* low, high: about what the criterion of tools looks at in this step */
     double friction;              /* its own; below 0: that of contact */
     pel_mesh *mesh;               /* null = the solid */
     struct pel_mesh_query *query; /* of a mesh that grasps: what is inside of it or near; else null */
