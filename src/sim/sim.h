@@ -2,6 +2,7 @@
 #ifndef PEL_SIM_SIM_H
 #define PEL_SIM_SIM_H
 
+#include "batch/batches.h"
 #include "force/body_force.h"
 #include "force/shell_force.h"
 #include "geom/solid.h"
@@ -179,6 +180,7 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_batches *batches;     /* the elements of all bodies */
     pel_projector *projector; /* position-based methods, else null */
     pel_shell_forces *shells; /* null = no body is a shell */
     pel_sim_descent *descent; /* null = another method */

@@ -60,7 +60,7 @@ static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         hash = hash_double(hash, numbers[i]);
     for (int32_t h = 0; h < shell->hinge_count; h++)
-        hash = hash_double(hash_double(hash, shell->hinges[h].stiffness), shell->hinges[h].hinge.rest_angle);
+        hash = hash_double(hash_double(hash, shell->hinges[h].stiffness), shell->hinges[h].rest_angle);
     for (int32_t r = 0; r < shell->region_count; r++) {
         const pel_shell_region *region = &shell->regions[r];
         hash = pel_hash_word(hash, (uint64_t)region->def.mode * 64 + (uint64_t)region->def.kind);
