@@ -24,7 +24,7 @@ static inline pel_search_box pel_search_triangle(const pel_record *positions, co
 /* whether a side of one box keeps them apart */
 static inline bool pel_search_apart(const pel_search_box *a, const pel_search_box *b)
 {
-    return pel_record_exceeds(a->low, b->high) | pel_record_exceeds(b->low, a->high);
+    return pel_record_exceeds(a->low, b->high) || pel_record_exceeds(b->low, a->high);
 }
 
 typedef struct pel_search_body {
