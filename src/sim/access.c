@@ -239,7 +239,7 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     pel_substeps_read(sim, reading);
     if (sim->descent == NULL)
         return;
-    const pel_descent_result *result = &sim->descent->result;
+    const pel_descent_result *result = &sim->descent->accepted;
     reading->iterations = result->iterations;
     reading->evaluations = result->evaluations;
     reading->energy = result->energy;

@@ -203,8 +203,7 @@ void pel_criterion_begin(pel_sim *sim, int32_t body)
 {
     double near = sim->model->bodies[body].detail->def.near_tools;
     for (int32_t i = 0; near > 0 && i < sim->tool_count; i++) {
-        pel_solid large = grown(&sim->tools[i].solid, LEAVING_RATIO * near);
-        const pel_search_box box = pel_tool_box(&sim->tools[i], &large, 0);
+        const pel_search_box box = pel_tool_box(&sim->tools[i], LEAVING_RATIO * near, 0);
         for (int k = 0; k < 3; k++) {
             sim->tools[i].look_box[0][k] = box.low[k];
             sim->tools[i].look_box[1][k] = box.high[k];

@@ -450,6 +450,11 @@ void pel_sim_descent_destroy(pel_sim *sim)
     pel_free(descent);
 }
 
+static void accept(pel_sim *sim)
+{
+    sim->descent->accepted = sim->descent->result;
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
     (void)sim;
@@ -464,5 +469,6 @@ const pel_stepper pel_descent_kind = {
     .step = step,
     .read_tools = pel_descent_contacts_read,
     .mark_contacts = pel_descent_contacts_mark,
+    .accept = accept,
     .advise = advise,
 };

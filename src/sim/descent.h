@@ -36,13 +36,14 @@ typedef struct pel_descent_contact {
 
 struct pel_sim_descent {
     pel_descent *minimiser;
-    pel_record *external; /* (vertex_count) forces that stay during a step */
-    double mean_edge;     /* m */
-    double stiff_force;   /* N, moves every vertex by an edge, by the bound of the stiffness */
-    double acted;         /* N, largest force that has acted since the start */
-    double stiffness;     /* 1/s2, bound of that of the bodies over mass */
-    double penalty;       /* stiffness of constraints over that bound */
-    pel_descent_result result;
+    pel_record *external;        /* (vertex_count) forces that stay during a step */
+    double mean_edge;            /* m */
+    double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
+    double acted;                /* N, largest force that has acted since the start */
+    double stiffness;            /* 1/s2, bound of that of the bodies over mass */
+    double penalty;              /* stiffness of constraints over that bound */
+    pel_descent_result result;   /* of the step at work */
+    pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 
     /* those of tools, then those of surfaces; the others are what was known when they were found anew */
     pel_descent_contact *constraints, *others;

@@ -104,6 +104,7 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
             break;
         pel_contacts_forget_step(sim);
         pel_tools_forget_step(sim);
+        pel_contact_forces_begin(sim);
         run_substeps(sim);
     }
     return status;

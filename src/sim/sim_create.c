@@ -18,7 +18,7 @@ pel_sim_def pel_sim_def_default(void)
 {
     return (pel_sim_def){
         .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true, .second_order = PEL_AUTO},
-        .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
+        .contact = {.self = true, .between = true, .relative_thickness = 1e-4, .restitution = -1},
         .cookie = SIM_COOKIE,
     };
 }
@@ -95,6 +95,7 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->model = sim->given = def->model;
+    sim->fingerprint = def->model->fingerprint;
     sim->solver = def->solver;
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_substeps_configure(sim, def);
@@ -136,8 +137,12 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_supports_create(sim, error);
     if (status == PEL_OK)
         status = pel_solids_create(sim, error);
+    if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
+        status = pel_contact_forces_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK)
+        status = pel_restitution_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create_event(sim, error);
     if (status == PEL_OK && sim->stepper->check_start != NULL)
@@ -145,7 +150,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
-        sim->fingerprint = pel_sim_fingerprint(sim);
+        pel_fingerprint_add(&sim->fingerprint, pel_sim_members, def);
     return status;
 }
 
@@ -171,6 +176,8 @@ void pel_sim_destroy(pel_sim *sim)
     if (sim == NULL)
         return;
     pel_ledger_destroy(sim);
+    pel_free(sim->collisions);
+    pel_contact_forces_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
     pel_supports_destroy(sim);

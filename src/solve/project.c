@@ -435,15 +435,13 @@ void pel_projector_hold(pel_projector *projector, const uint8_t *is_held)
         pel_project_body_mark_fixed(&projector->batches->bodies[b], projector->is_fixed);
 }
 
-/* a body of which something touches goes on as if it had always moved so */
-static void restart_touching(const pel_projector *projector, pel_state *state, int32_t body)
+void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body)
 {
     const pel_real substep = (pel_real)projector->substep;
-    int32_t begin = projector->model->bodies[body].slice_begin * PEL_WIDTH;
     int32_t end = pel_body_place_end(projector->model, body);
-    if (memchr(state->contact + begin, 1, (size_t)(end - begin)) == NULL)
+    if (state->older_position == NULL)
         return;
-    for (int32_t v = begin; v < end; v++) {
+    for (int32_t v = projector->model->bodies[body].slice_begin * PEL_WIDTH; v < end; v++) {
         state->older_position[v] = state->position[v] - substep * state->velocity[v];
         state->older_velocity[v] = state->velocity[v];
     }
@@ -460,6 +458,9 @@ void pel_projector_accept(pel_projector *projector, pel_state *state)
     projector->older_position = position;
     projector->older_velocity = velocity;
     /* what touched anything has no smooth past, see forget_past */
-    for (int32_t b = 0; b < projector->model->body_count; b++)
-        restart_touching(projector, state, b);
+    for (int32_t b = 0; b < projector->model->body_count; b++) {
+        int32_t begin = projector->model->bodies[b].slice_begin * PEL_WIDTH;
+        if (memchr(state->contact + begin, 1, (size_t)(pel_body_place_end(projector->model, b) - begin)) != NULL)
+            pel_projector_restart(projector, state, b);
+    }
 }
