@@ -25,7 +25,7 @@ typedef struct pel_factor_cost {
     int32_t fronts, largest_front; /* number of fronts; unknowns of the largest */
 } pel_factor_cost;
 
-/* coordinates: see pel_order_nodes. The matrix is read for its pattern and not kept. PEL_OUT_OF_MEMORY only. */
+/* coordinates: see pel_vertex_order_nodes. The matrix is read for its pattern and not kept. PEL_OUT_OF_MEMORY only. */
 pel_status pel_factor_plan_create(const pel_matrix *matrix, const double (*coordinates)[3], pel_factor_plan **plan,
                                   pel_error *error);
 void pel_factor_plan_destroy(pel_factor_plan *plan);

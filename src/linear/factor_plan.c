@@ -559,7 +559,7 @@ static pel_status make_plan(planner *p, const double (*coordinates)[3], pel_erro
     pel_factor_plan *plan = p->plan;
     pel_status status = allocate_planner(p, error);
     if (status == PEL_OK)
-        status = pel_order_nodes(p->matrix, coordinates, plan->order, error);
+        status = pel_vertex_order_nodes(p->matrix, coordinates, plan->order, error);
     if (status != PEL_OK)
         return status;
     invert_order(p);

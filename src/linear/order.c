@@ -386,7 +386,8 @@ static void dissect(dissection *d, int32_t begin, int32_t end)
     dissect(d, ends[0], ends[1]);
 }
 
-pel_status pel_order_nodes(const pel_matrix *matrix, const double (*coordinates)[3], int32_t *order, pel_error *error)
+pel_status pel_vertex_order_nodes(const pel_matrix *matrix, const double (*coordinates)[3], int32_t *order,
+                                  pel_error *error)
 {
     size_t count = (size_t)matrix->node_count;
     dissection d = {.matrix = matrix, .coordinates = coordinates, .order = order, .part_count = 1};

@@ -11,6 +11,7 @@
 
 /* Writes the nodes in the order of their elimination to order (node_count). coordinates: a place of each node in space
    (vertices, midpoints of edges), in any unit; null = splits by the graph alone. */
-pel_status pel_order_nodes(const pel_matrix *matrix, const double (*coordinates)[3], int32_t *order, pel_error *error);
+pel_status pel_vertex_order_nodes(const pel_matrix *matrix, const double (*coordinates)[3], int32_t *order,
+                                  pel_error *error);
 
 #endif

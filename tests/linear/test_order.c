@@ -42,8 +42,8 @@ static int64_t fill_by_places(const test_system *s, const pel_matrix *m, bool ha
     int32_t *order = calloc((size_t)m->node_count, sizeof *order),
             *again = calloc((size_t)m->node_count, sizeof *again);
     const double(*places)[3] = has_places ? (const double(*)[3])s->places : NULL;
-    assert_int_equal(pel_order_nodes(m, places, order, NULL), PEL_OK);
-    assert_int_equal(pel_order_nodes(m, places, again, NULL), PEL_OK);
+    assert_int_equal(pel_vertex_order_nodes(m, places, order, NULL), PEL_OK);
+    assert_int_equal(pel_vertex_order_nodes(m, places, again, NULL), PEL_OK);
     assert_memory_equal(order, again, (size_t)m->node_count * sizeof *order);
     check_permutation(order, m->node_count);
     int64_t fill = fill_of(m, order);
@@ -100,7 +100,7 @@ static void test_odd_graphs(void **unused)
 static pel_status create_order(const void *data, pel_error *error)
 {
     int32_t order[80];
-    return pel_order_nodes(data, NULL, order, error);
+    return pel_vertex_order_nodes(data, NULL, order, error);
 }
 
 static void test_allocation_failure(void **unused)
