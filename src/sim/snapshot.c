@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 5 };
+enum { SNAPSHOT_VERSION = 6 };
 
 typedef struct header {
     char magic[8];
@@ -229,6 +229,14 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer_tool(at, &sim->tools[t], count);
     if (sim->supports != NULL)
         transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
+    const pel_contact_forces *forces = &sim->contact_forces;
+    if (forces->vertex != NULL) {
+        transfer(at, forces->vertex, count * sizeof *forces->vertex);
+        transfer(at, forces->pair, (size_t)sim->model->body_count * (size_t)forces->group_count * sizeof *forces->pair);
+    }
+    if (sim->collisions != NULL)
+        transfer(at, sim->collisions,
+                 (size_t)sim->model->body_count * (size_t)forces->group_count * sizeof *sim->collisions);
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)
