@@ -41,10 +41,10 @@ typedef struct pel_conflict {
 } pel_conflict;
 
 /* where a pair that was found is a conflict */
-typedef struct pel_impact {
+typedef struct pel_timed_hit {
     pel_ccd_hit hit; /* time of impact above 1 = it is none */
     bool is_solved;  /* by a cubic */
-} pel_impact;
+} pel_timed_hit;
 
 /* What moves together in the guard: a vertex or tool at first. Numbers of a zone stand at its root, but for those of a
    node. */
@@ -116,7 +116,7 @@ struct pel_sim_contacts {
     /* the guard */
     pel_conflict *conflicts; /* of the last look */
     size_t conflict_count, conflict_capacity;
-    pel_impact *impacts; /* (collisions of the last look) */
+    pel_timed_hit *impacts; /* (collisions of the last look) */
     size_t impact_capacity;
     double (*solved)[3];                /* (place_count) end positions before anything was stepped back */
     pel_zone *zones;                    /* (place_count + tool_count) */

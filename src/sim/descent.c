@@ -220,7 +220,7 @@ static double deepest_gap(const pel_sim *sim)
     const pel_sim_descent *descent = sim->descent;
     double deepest = 0;
     for (int32_t c = 0; c < descent->count; c++) {
-        pel_meeting meeting;
+        pel_gap_sample meeting;
         pel_descent_contact_meet(sim, &descent->constraints[c], sim->state->position_next, &meeting);
         deepest = fmax(deepest, -meeting.gap / descent->constraints[c].tolerance);
     }

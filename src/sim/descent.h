@@ -62,10 +62,10 @@ typedef struct pel_descent_context {
 } pel_descent_context;
 
 /* where a constraint stands */
-typedef struct pel_meeting {
+typedef struct pel_gap_sample {
     double gap; /* m */
     double weights[4], normal[3];
-} pel_meeting;
+} pel_gap_sample;
 
 static inline bool pel_descent_sees_contacts(const pel_sim *sim)
 {
@@ -82,7 +82,7 @@ pel_status pel_descent_check_start(pel_sim *sim, pel_error *error);
 /* the weighted sum of its points: where it is, against a surface the way between both sides */
 void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_record *position, double point[3]);
 void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
-                              pel_meeting *meeting);
+                              pel_gap_sample *meeting);
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
 pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */

@@ -65,9 +65,9 @@ static bool set_weight(pel_load *load, int32_t at, double weight)
 
 static bool set_vertex(const pel_sim *sim, pel_load *load, int32_t v)
 {
-    const pel_active *active = sim->active;
+    const pel_refined_model *active = sim->active;
     int32_t first = sim->model->bodies[load->body].slice_begin * PEL_WIDTH;
-    int32_t place = active->bodies[load->body].place_of_vertex[v];
+    int32_t place = active->bodies[load->body].model_index[v];
     double weight = active->is_base[place] ? load->base_weights[v] : load->densities[v] * active->areas[place];
     return set_weight(load, place - first, weight);
 }
@@ -86,7 +86,7 @@ static void list_places(const pel_sim *sim, pel_load *load)
 
 void pel_loads_update(pel_sim *sim, int32_t body)
 {
-    const pel_active *active = sim->active;
+    const pel_refined_model *active = sim->active;
     int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
     for (int32_t l = 0; l < sim->load_count; l++) {
         pel_load *load = &sim->loads[l];
@@ -118,7 +118,7 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body)
 
 static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *def, double share, pel_error *error)
 {
-    const pel_body_detail *detail = sim->model->bodies[def->body].detail;
+    const pel_body_levels *detail = sim->model->bodies[def->body].detail;
     int32_t mesh_count = sim->model->bodies[def->body].mesh->vertex_count;
     int32_t count = def->vertices != NULL ? def->vertex_count : mesh_count;
     load->base_weights = pel_allocate((size_t)mesh_count, sizeof *load->base_weights);
@@ -131,7 +131,7 @@ static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *
         load->base_weights[def->vertices != NULL ? def->vertices[i] : i] +=
             share * (def->weights != NULL ? def->weights[i] : 1);
     memcpy(load->densities, load->base_weights, (size_t)mesh_count * sizeof *load->densities);
-    pel_detail_spread(detail, 1, load->densities);
+    pel_levels_spread(detail, 1, load->densities);
     pel_loads_rebuild(sim, def->body);
     return PEL_OK;
 }
@@ -167,7 +167,7 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
         return spread_load(sim, load, def, share, error);
     load->vertex_count = count;
     for (int32_t i = 0; i < count; i++) {
-        load->vertices[i] = body->slot_of_vertex[def->vertices != NULL ? def->vertices[i] : i];
+        load->vertices[i] = body->model_index[def->vertices != NULL ? def->vertices[i] : i];
         load->weights[i] = share * (def->weights != NULL ? def->weights[i] : 1);
     }
     return PEL_OK;

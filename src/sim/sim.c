@@ -128,7 +128,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     accept(sim->state);
     pel_contact_forces_accept(sim);
     pel_tools_end_step(sim, next);
-    pel_weights_follow(sim);
+    pel_bending_weights_follow(sim);
     if (sim->stepper->accept != NULL)
         sim->stepper->accept(sim);
     pel_restitution_apply(sim);

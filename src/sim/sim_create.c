@@ -100,7 +100,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_substeps_configure(sim, def);
     if (pel_model_refines(def->model)) {
-        pel_status refines = pel_active_create(def->model, &sim->active, error);
+        pel_status refines = pel_refined_create(def->model, &sim->active, error);
         if (refines != PEL_OK)
             return refines;
         sim->model = &sim->active->model;
@@ -122,7 +122,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_shells_create(sim, error);
     if (status == PEL_OK)
-        pel_weights_start(sim);
+        pel_bending_weights_start(sim);
     if (status == PEL_OK)
         status = sim->stepper->create(sim, error);
     if (status == PEL_OK && sim->active != NULL)
@@ -189,7 +189,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_projector_destroy(sim->projector);
     pel_substeps_destroy(sim);
     pel_shells_destroy(sim);
-    pel_active_destroy(sim->active);
+    pel_refined_destroy(sim->active);
     pel_state_destroy(sim->state);
     pel_free(sim->force);
     pel_free(sim->chunk_longest);

@@ -30,9 +30,9 @@ static uint64_t hash_double(uint64_t hash, double value)
 
 static uint64_t hash_records(uint64_t hash, const pel_sim *sim, int32_t body, const pel_record *records)
 {
-    int32_t count = pel_row_count(sim, body);
+    int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++) {
-        int32_t place = pel_row_place(sim, body, r);
+        int32_t place = pel_output_model_index(sim, body, r);
         for (int c = 0; c < 3; c++)
             hash = hash_double(hash, (double)records[place][c]);
     }
@@ -90,13 +90,13 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
 /* the criterion's memory, and which vertex has which place; the front follows from the marks */
 static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     const pel_front *front = own->front;
     size_t fine = (size_t)front->forest->levels[front->forest->depth]->vertex_count;
     size_t coarse = (size_t)front->forest->levels[0]->vertex_count;
     transfer(at, refine->mark_counts, (size_t)front->red_limit * sizeof *refine->mark_counts);
-    transfer(at, refine->heat, fine * sizeof *refine->heat);
+    transfer(at, refine->requests, fine * sizeof *refine->requests);
     transfer(at, refine->warm_step, fine * sizeof *refine->warm_step);
     transfer(at, refine->strengths, fine * sizeof *refine->strengths);
     transfer(at, refine->asked_level, coarse * sizeof *refine->asked_level);
@@ -173,7 +173,7 @@ static bool restore_tools(pel_sim *sim)
 /* the front, places and loads of what transfer_refinement read */
 static bool restore_refinement(pel_sim *sim, int32_t body)
 {
-    pel_active_body *own = &sim->active->bodies[body];
+    pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     if (!is_whole(sim, body))
         return false;
@@ -181,15 +181,15 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
         pel_front_mark(own->front, node, refine->mark_counts[node] > 0);
     if (pel_front_close(own->front) > own->triangle_limit)
         return false;
-    pel_active_commit(sim->active, body, sim->state);
-    refine->row_revision = -1;
-    if (!pel_active_set_places(sim->active, body, refine->queue))
+    pel_refined_commit(sim->active, body, sim->state);
+    refine->output_revision = -1;
+    if (!pel_refined_set_places(sim->active, body, refine->queue))
         return false;
-    pel_active_rebuild(sim->active, body, sim->state);
+    pel_refined_rebuild(sim->active, body, sim->state);
     pel_loads_rebuild(sim, body);
     pel_tool_search_rebuild(sim->tool_search, body);
     pel_shells_follow(sim, body);
-    pel_criterion_forget(sim, body);
+    pel_refine_criterion_forget(sim, body);
     return true;
 }
 

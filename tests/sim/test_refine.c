@@ -143,7 +143,7 @@ static uint64_t hash_numbers(const bench *made)
     const pel_model *model = made->sim->model;
     uint64_t hash = 0;
     for (int32_t v = 0; v < made->mesh->vertex_count; v++) {
-        int32_t i = model->bodies[0].slot_of_vertex[v], slice = i / PEL_WIDTH, lane = i % PEL_WIDTH;
+        int32_t i = model->bodies[0].model_index[v], slice = i / PEL_WIDTH, lane = i % PEL_WIDTH;
         const pel_real numbers[9] = {model->rest[i][0],
                                      model->rest[i][1],
                                      model->rest[i][2],
@@ -713,7 +713,7 @@ static void test_planes_follow(void **unused)
         def.model = model;
         pel_sim *sim = make_sim(&def);
         pel_tool *tool = &sim->tools[0];
-        pel_plane plane = {.triangle = 0};
+        pel_contact_plane plane = {.triangle = 0};
         /* a triangle at the vertex in the middle, far from the rim: there butterfly keeps the grid */
         int32_t middle = 4 * 9 + 4, t = 0;
         do
