@@ -290,6 +290,8 @@ pel_status pel_descent_contacts_add_surfaces(pel_sim *sim, pel_error *error)
     descent->count = descent->tool_count;
     for (int32_t c = 0; status == PEL_OK && c < sim->contacts->list.count; c++) {
         pel_descent_contact constraint;
+        if (sim->contacts->keys[c].is_off)
+            continue;
         constraint_of(sim, c, &constraint);
         status = pel_descent_contact_add(sim, &constraint, error);
     }
