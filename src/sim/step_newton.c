@@ -211,17 +211,31 @@ static void add_constraint(pel_matrix *matrix, const int32_t vertices[4], const 
         }
 }
 
+static void add_row(pel_matrix *matrix, const int32_t vertices[4], double row[4][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            double product[3][3];
+            for (int a = 0; a < 3; a++)
+                for (int b = 0; b < 3; b++)
+                    product[a][b] = row[i][a] * row[j][b];
+            add_block(matrix, vertices[i], vertices[j], 1, (const double(*)[3])product);
+        }
+}
+
 static void add_constraints(void *context, pel_matrix *matrix)
 {
     const pel_sim *sim = context;
     const pel_sim_descent *descent = sim->descent;
     for (int32_t c = 0; c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
-        double along[3][3], across[3][3], weights[4];
-        if (pel_descent_contact_stiffness(sim, constraint, descent->newton->position, weights, along, across)) {
-            add_constraint(matrix, constraint->vertices, weights, (const double(*)[3])along);
-            add_constraint(matrix, constraint->vertices, constraint->weights, (const double(*)[3])across);
-        }
+        pel_contact_stiffness stiffness;
+        if (!pel_descent_contact_stiffness(sim, constraint, descent->newton->position, &stiffness))
+            continue;
+        add_constraint(matrix, constraint->vertices, stiffness.weights, (const double(*)[3])stiffness.along);
+        add_constraint(matrix, constraint->vertices, constraint->weights, (const double(*)[3])stiffness.across);
+        for (int r = 0; r < stiffness.row_count; r++)
+            add_row(matrix, constraint->vertices, stiffness.rows[r]);
     }
 }
 
