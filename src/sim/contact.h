@@ -154,7 +154,8 @@ void pel_contacts_place_tools(pel_sim *sim);
 /* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
    the start of the substep. */
 void pel_contacts_refresh(pel_sim *sim, const pel_record *start);
-/* For methods that keep the place of each pair during a step: those are off whose features are no bumps at its start. */
+/* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at its
+   start. */
 void pel_contacts_look_at_start(pel_sim *sim);
 /* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);

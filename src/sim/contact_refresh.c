@@ -275,21 +275,17 @@ void pel_contacts_refresh(pel_sim *sim, const pel_record *start)
     pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
 }
 
-/* where the features of a pair are no bumps at the start of the step */
+/* where the features of a pair are no bumps at the start of the step; the guard minds impacts that it leaves out */
 static bool acts_at_start(const refresh_job *job, int32_t c)
 {
     pel_contact_key key = job->sim->contacts->keys[c];
     pel_contact contact = job->sim->contacts->list.contacts[c];
-    double x[4][3], weights[4], normal[3];
+    double x[4][3];
+    if (key.is_impact)
+        return true;
     for (int i = 0; i < 4; i++)
         load_point(job, key.points[i], x[i]);
-    key.has_side = true;
-    if (key.is_impact)
-        check_impact(job, x, &key, &contact);
-    else if (key.edge_edge)
-        refresh_edges(job, x, &contact, &key, weights, normal);
-    else
-        refresh_vertex_face(job, x, &contact, &key, weights, normal);
+    check_impact(job, x, &key, &contact);
     return !key.is_off;
 }
 
