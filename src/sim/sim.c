@@ -148,6 +148,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
+        status = pel_parts_create(sim, error);
+    if (status == PEL_OK)
         sim->fingerprint = pel_sim_fingerprint(sim);
     return status;
 }
@@ -174,6 +176,7 @@ void pel_sim_destroy(pel_sim *sim)
     if (sim == NULL)
         return;
     pel_ledger_destroy(sim);
+    pel_parts_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
     pel_supports_destroy(sim);
@@ -244,7 +247,6 @@ static void accept(pel_state *state)
     state->position_next = oldest;
     state->velocity = state->velocity_next;
     state->velocity_next = velocity;
-    state->step++;
 }
 
 static void mark_contacts(pel_sim *sim)
@@ -254,7 +256,8 @@ static void mark_contacts(pel_sim *sim)
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         int32_t first = body->slice_begin * PEL_WIDTH, count = body->slice_end * PEL_WIDTH - first;
-        memset(sim->state->contact + first, 0, (size_t)count);
+        if (sim->parts.at == 0)
+            memset(sim->state->contact + first, 0, (size_t)count);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
@@ -270,23 +273,28 @@ double pel_sim_longest_edge(const pel_sim *sim)
     return pel_longest_spring(sim->model, sim->state->position_next, sim->pool, sim->chunk_longest);
 }
 
-pel_status pel_sim_step(pel_sim *sim, pel_error *error)
+/* what follows once the new positions and velocities are final */
+static void accept_part(pel_sim *sim, double next)
 {
-    pel_state *state = sim->state;
-    pel_ledger_start(sim);
-    sim->force_is_present = false;
-    if (sim->tool_search != NULL)
-        sim->tool_search->is_fitted = false;
-    /* before the tools, so that they push new vertices out as well */
-    if (sim->active != NULL)
-        pel_refine_step(sim);
-    if (sim->contacts != NULL) {
-        pel_status ready = pel_contacts_begin_step(sim, error);
-        if (ready != PEL_OK)
-            return ready;
-    }
-    double time = pel_sim_time(sim), next = (double)(state->step + 1) * sim->step.dt;
+    bool is_last = pel_parts_are_last(sim);
+    pel_supports_read(sim);
+    mark_contacts(sim);
+    pel_ledger_step(sim, next);
+    accept(sim->state);
+    pel_tools_end_step(sim, next);
+    sim->state->step += is_last;
+    if (is_last)
+        pel_weights_follow(sim);
+    if (sim->stepper->accept != NULL)
+        sim->stepper->accept(sim);
+    pel_parts_accept(sim);
+}
+
+/* a part that failed, or is refused, leaves the state before it */
+static pel_status step_part(pel_sim *sim, pel_error *error)
+{
     const pel_stepper *stepper = sim->stepper;
+    double time = pel_sim_time(sim), next = pel_sim_next_time(sim);
     update_factors(sim, stepper->is_at_end ? next : time);
     pel_step_result result = {0};
     pel_status status = stepper->step(sim, &result, error);
@@ -303,6 +311,12 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_tools_return(sim);
     if (status == PEL_OK && sim->contacts != NULL)
         status = pel_contacts_apply(sim, next, result.longest, error);
+    /* a shorter part has fewer pairs, and does not go that far */
+    bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;
+    if (sim->parts.is_refused || (is_too_long && pel_parts_can_halve(sim))) {
+        pel_parts_halve(sim);
+        return PEL_OK;
+    }
     if (status != PEL_OK)
         return status;
     if (sim->contacts == NULL && sim->tool_count > 0) {
@@ -311,22 +325,43 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_tools_press(sim, result.longest, false);
         pel_tools_read(sim, next);
     }
-    pel_supports_read(sim);
-    mark_contacts(sim);
-    pel_ledger_step(sim, next);
-    accept(state);
-    pel_tools_end_step(sim, next);
-    pel_weights_follow(sim);
-    if (stepper->accept != NULL)
-        stepper->accept(sim);
+    accept_part(sim, next);
     return PEL_OK;
+}
+
+pel_status pel_sim_step(pel_sim *sim, pel_error *error)
+{
+    pel_ledger_start(sim);
+    sim->force_is_present = false;
+    if (sim->tool_search != NULL)
+        sim->tool_search->is_fitted = false;
+    /* before the tools, so that they push new vertices out as well */
+    if (sim->active != NULL)
+        pel_refine_step(sim);
+    if (sim->contacts != NULL) {
+        pel_status ready = pel_contacts_begin_step(sim, error);
+        if (ready != PEL_OK)
+            return ready;
+    }
+    pel_parts_begin(sim);
+    pel_status status = PEL_OK;
+    while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
+        status = step_part(sim, error);
+    pel_parts_end(sim, status);
+    return status;
 }
 
 /* ---- plain questions ---- */
 
 double pel_sim_time(const pel_sim *sim)
 {
-    return (double)sim->state->step * sim->step.dt;
+    return ((double)sim->state->step + (double)sim->parts.at / PEL_PART_LIMIT) * sim->solver.dt;
+}
+
+double pel_sim_next_time(const pel_sim *sim)
+{
+    return ((double)sim->state->step + (double)(sim->parts.at + sim->parts.step_size) / PEL_PART_LIMIT) *
+           sim->solver.dt;
 }
 
 int64_t pel_sim_step_count(const pel_sim *sim)

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 4 };
+enum { SNAPSHOT_VERSION = 5 };
 
 typedef struct header {
     char magic[8];
@@ -271,6 +271,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     }
     if (sim->stepper->is_compliant)
         transfer(at, (pel_substeps_now *)(uintptr_t)&sim->substeps.now, sizeof sim->substeps.now);
+    if (sim->contacts != NULL && pel_sim_is_projected(sim))
+        transfer(at, (pel_parts_now *)(uintptr_t)&sim->parts.now, sizeof sim->parts.now);
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
     transfer(at, state->bending, (size_t)sim->model->body_count * sizeof *state->bending);
@@ -369,6 +371,8 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     pel_ledger_follow(sim);
     if (!has_tools)
         return refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);
+    if (!pel_parts_restore(sim))
+        return refuse(error, "snapshot is damaged: its parts of a step are out of range", damage_remedy);
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, "snapshot is damaged: its number of substeps is out of range", damage_remedy);
     return PEL_OK;
