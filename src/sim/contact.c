@@ -11,6 +11,7 @@
 enum {
     SWEEP_PRESET = 10,
     ROUND_LIMIT = 10,
+    HALVING_ROUNDS = 5,
     MOST_DOUBLINGS = 6,
     CONTACTS_PER_VERTEX = 64,
     SIDE_ROUNDS = 2,
@@ -489,6 +490,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     contacts->list.count = 0;
+    contacts->substep = 0;
     pel_contact_points(sim);
     contacts->way_is_searched = false;
     expect_tools(sim);
@@ -587,10 +589,12 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     bool once = contacts->def.response == PEL_CONTACT_AFTER;
+    /* shorter parts have fewer conflicts, and cost less than many rounds */
+    int limit = once ? 1 : pel_parts_can_halve(sim) ? HALVING_ROUNDS : ROUND_LIMIT;
     for (int round = 0;; round++) {
         pel_collision_result found;
         pel_status status = search_way(sim, &found, error);
-        if (status != PEL_OK || round == (once ? 1 : ROUND_LIMIT) || (round > 0 && contacts->conflict_count == 0))
+        if (status != PEL_OK || round == limit || (round > 0 && contacts->conflict_count == 0))
             return status;
         /* without conflicts, what the solver swept over needs no more */
         if (contacts->conflict_count == 0 &&

@@ -101,13 +101,41 @@ static void test_nothing_moves(void **unused)
     assert_near((double)x[0][2], -0.05, 1e-6);
 }
 
+/* depth from before the substep comes back in small portions, what approaches is stopped at once */
+static void test_bounded_recovery(void **unused)
+{
+    (void)unused;
+    pel_record start[4], x[4];
+    pel_contact contact = vertex_on_face(0);
+    pel_contact_list list = {&contact, 1, 0.01};
+    /* 0.1 is asked for */
+    place(start, 0.04);
+    place(x, -0.05);
+    assert_near(pel_contacts_project(&list, x, start), 0.1, 1e-6);
+    assert_near(gap_of(x), 0.05, 1e-6);
+    /* no more than what is asked for */
+    place(start, 0.095);
+    place(x, 0.07);
+    pel_contacts_project(&list, x, start);
+    assert_near(gap_of(x), 0.1, 1e-6);
+    /* what parts by itself is left alone */
+    place(start, 0.04);
+    place(x, 0.06);
+    assert_near(pel_contacts_project(&list, x, start), 0, 0);
+    assert_near(gap_of(x), 0.06, 1e-6);
+    /* a tool that came nearer by 0.03 has to be given way to, beside what is given back */
+    place(start, 0.04);
+    place(x, 0.04);
+    contact.drift[2] = (pel_real)0.03;
+    pel_contacts_project(&list, x, start);
+    assert_near(gap_of(x), 0.08, 1e-6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_moves_apart),
-        cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_drift),
-        cmocka_unit_test(test_nothing_moves),
+        cmocka_unit_test(test_moves_apart), cmocka_unit_test(test_bounded_recovery), cmocka_unit_test(test_friction),
+        cmocka_unit_test(test_drift),       cmocka_unit_test(test_nothing_moves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
