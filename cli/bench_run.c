@@ -2,6 +2,7 @@
    runs that write the first and the last state alone. */
 #include "bench.h"
 
+#include <pellicle/frames.h>
 #include <pellicle/run.h>
 
 #include <math.h>
@@ -70,16 +71,16 @@ static const char *run_folder(const writing *w, int number, char path[64])
 /* the files of every run; at the end, because a file system may be slow where files have just been removed */
 static void remove_runs(const writing *w)
 {
-    static const char *const names[] = {"series.csv", "summary.json", "frames.pvd", "final.ply", "scene.yaml"};
     char run[64], path[128];
     for (int n = 0; n < w->run_count; ++n) {
+        pel_frames *frames;
         run_folder(w, n, run);
-        for (int f = 0; f < w->frame_count; ++f) {
-            snprintf(path, sizeof path, "%s/frames/f%05d.vtp", run, f);
-            remove(path);
-        }
-        for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-            snprintf(path, sizeof path, "%s/%s", run, names[i]);
+        if (pel_frames_open(run, &frames, NULL) == PEL_OK)
+            for (int32_t f = 0; f < frames->frame_count; ++f)
+                remove(frames->paths[f]);
+        pel_frames_close(frames);
+        for (int file = 0; file < PEL_RUN_FILE_COUNT; ++file) {
+            snprintf(path, sizeof path, "%s/%s", run, pel_run_file_name((pel_run_file)file));
             remove(path);
         }
         snprintf(path, sizeof path, "%s/frames", run);

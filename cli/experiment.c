@@ -79,71 +79,28 @@ pel_status cli_experiment_run(cli_experiment *experiment, const char *name, cons
 
 /* ---- series ---- */
 
-static int column_of(const char *header, const char *name)
-{
-    size_t length = strlen(name);
-    for (int column = 0; header != NULL; column++) {
-        if (strncmp(header, name, length) == 0 && strchr(",\r\n", header[length]) != NULL)
-            return column;
-        header = strchr(header, ',');
-        header = header != NULL ? header + 1 : NULL;
-    }
-    return -1;
-}
-
-static double cell_of(const char *row, int column)
-{
-    for (; column > 0 && row != NULL; column--) {
-        row = strchr(row, ',');
-        row = row != NULL ? row + 1 : NULL;
-    }
-    return row != NULL ? strtod(row, NULL) : 0;
-}
-
-static pel_status read_rows(FILE *file, const char *x_name, const char *y_name, cli_series *series, pel_error *error)
-{
-    char row[4096];
-    int x = -1, y = -1, room = 0;
-    if (fgets(row, sizeof row, file) != NULL) {
-        x = column_of(row, x_name);
-        y = column_of(row, y_name);
-    }
-    if (x < 0 || y < 0)
-        return pel_fail(error, PEL_BAD_FORMAT, "series.csv lacks a column");
-    while (fgets(row, sizeof row, file) != NULL) {
-        if (series->count == room) {
-            room = 2 * room + 64;
-            double *xs = realloc(series->x, (size_t)room * sizeof *xs);
-            series->x = xs != NULL ? xs : series->x;
-            double *ys = realloc(series->y, (size_t)room * sizeof *ys);
-            series->y = ys != NULL ? ys : series->y;
-            if (xs == NULL || ys == NULL)
-                return pel_fail_memory(error);
-        }
-        series->x[series->count] = cell_of(row, x);
-        series->y[series->count++] = cell_of(row, y);
-    }
-    return PEL_OK;
-}
-
 pel_status cli_series_read(const cli_experiment *experiment, const char *run, const char *x_name, const char *y_name,
                            cli_series *series)
 {
+    const char *const names[2] = {x_name, y_name};
     char name[128], path[CLI_EXPERIMENT_PATH];
     *series = (cli_series){0};
-    snprintf(name, sizeof name, "%s/series.csv", run);
-    FILE *file = fopen(cli_experiment_path(experiment, name, path), "r");
-    if (file == NULL)
-        return pel_fail(experiment->error, PEL_BAD_FILE, "cannot open series.csv of a run");
-    pel_status status = read_rows(file, x_name, y_name, series, experiment->error);
-    fclose(file);
-    return status;
+    snprintf(name, sizeof name, "%s/%s", run, pel_run_file_name(PEL_RUN_SERIES));
+    pel_status status =
+        pel_series_read(cli_experiment_path(experiment, name, path), names, 2, &series->read, experiment->error);
+    if (status != PEL_OK)
+        return status;
+    series->count = (int)series->read->row_count;
+    series->x = series->read->values;
+    series->y = series->x + series->count;
+    if (series->count == 0 || isnan(series->x[0]) || isnan(series->y[0]))
+        return pel_fail(experiment->error, PEL_BAD_FORMAT, "series.csv lacks a column");
+    return PEL_OK;
 }
 
 void cli_series_free(cli_series *series)
 {
-    free(series->x);
-    free(series->y);
+    pel_series_destroy(series->read);
     *series = (cli_series){0};
 }
 

@@ -5,6 +5,7 @@
 #include "common.h"
 #include "plot.h"
 
+#include <pellicle/frames.h>
 #include <pellicle/run.h>
 
 enum { CLI_EXPERIMENT_NUMBERS = 96, CLI_EXPERIMENT_PATH = PEL_RUN_PATH_SIZE };
@@ -51,8 +52,9 @@ pel_status cli_experiment_run(cli_experiment *experiment, const char *name, cons
 
 /* Two columns of the series of a run. */
 typedef struct cli_series {
-    double *x, *y; /* (count) */
+    const double *x, *y; /* (count) */
     int count;
+    pel_series *read; /* holds both */
 } cli_series;
 
 pel_status cli_series_read(const cli_experiment *experiment, const char *run, const char *x_name, const char *y_name,

@@ -187,7 +187,7 @@ static pel_status solve(cli_experiment *experiment, const char *run, const char 
         return status;
     made->triangles = (double)summary.triangles_final;
     pel_mesh *mesh;
-    snprintf(name, sizeof name, "%s/final.ply", run);
+    snprintf(name, sizeof name, "%s/%s", run, pel_run_file_name(PEL_RUN_FINAL));
     status =
         pel_mesh_read(cli_experiment_path(experiment, name, path), PEL_FORMAT_AUTO, NULL, &mesh, experiment->error);
     if (status == PEL_OK)

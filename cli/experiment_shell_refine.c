@@ -126,7 +126,7 @@ static pel_status solve(cli_experiment *experiment, const char *run, const char 
     made->frames = (double)summary.steps;
     made->milliseconds = 1e3 * (double)summary.steps / summary.steps_per_second;
     made->volume = summary.volume_ratio_final;
-    snprintf(name, sizeof name, "%s/final.ply", run);
+    snprintf(name, sizeof name, "%s/%s", run, pel_run_file_name(PEL_RUN_FINAL));
     status =
         pel_mesh_read(cli_experiment_path(experiment, name, path), PEL_FORMAT_AUTO, NULL, &mesh, experiment->error);
     if (status == PEL_OK)

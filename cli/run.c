@@ -1,6 +1,7 @@
 #include "commands.h"
 #include "common.h"
 
+#include <pellicle/frames.h>
 #include <pellicle/run.h>
 
 #include <signal.h>
@@ -96,20 +97,23 @@ static bool choose_folder(const cli_call *call, char folder[PEL_RUN_PATH_SIZE])
 static void print_files(const char *folder)
 {
     static const struct {
-        const char *name, *use;
+        pel_run_file file;
+        const char *use;
     } files[] = {
-        {"series.csv", "the measures over time, one row a frame"},
-        {"final.ply", "the surface at the end: meshlab, blender or paraview"},
-        {"summary.json", "the run in a few numbers"},
-        {"scene.yaml", "the scene with every default written out"},
+        {PEL_RUN_SERIES, "the measures over time, one row a frame"},
+        {PEL_RUN_FINAL, "the surface at the end: meshlab, blender or paraview"},
+        {PEL_RUN_SUMMARY, "the run in a few numbers"},
+        {PEL_RUN_SCENE, "the scene with every default written out"},
     };
     printf("results in %s:\n", folder);
-    printf("  frames.pvd    the moving surface: paraview %s/frames.pvd\n", folder);
+    const char *frames = pel_run_file_name(PEL_RUN_FRAMES);
+    printf("  %-13s the moving surface: paraview %s/%s\n", frames, folder, frames);
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+        const char *name = pel_run_file_name(files[i].file);
         char path[PEL_RUN_PATH_SIZE + 16];
-        snprintf(path, sizeof path, "%s/%s", folder, files[i].name);
+        snprintf(path, sizeof path, "%s/%s", folder, name);
         if (access(path, F_OK) == 0)
-            printf("  %-13s %s\n", files[i].name, files[i].use);
+            printf("  %-13s %s\n", name, files[i].use);
     }
 }
 
@@ -131,7 +135,7 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
     if (can_go_on && s->checkpoint[0] != '\0') {
         /* the scene as it was with --set */
         char resolved[PEL_RUN_PATH_SIZE + 16];
-        snprintf(resolved, sizeof resolved, "%s/scene.yaml", folder);
+        snprintf(resolved, sizeof resolved, "%s/%s", folder, pel_run_file_name(PEL_RUN_SCENE));
         printf("go on with: pellicle run %s --resume %s\n", cli_has(call, "set") ? resolved : call->arguments[0],
                s->checkpoint);
     }
@@ -141,7 +145,7 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
 static bool copy_summary(const char *folder)
 {
     char path[PEL_RUN_PATH_SIZE + 16];
-    snprintf(path, sizeof path, "%s/summary.json", folder);
+    snprintf(path, sizeof path, "%s/%s", folder, pel_run_file_name(PEL_RUN_SUMMARY));
     FILE *file = fopen(path, "rb");
     if (file == NULL)
         return false;

@@ -1,6 +1,5 @@
 #include "view/run.h"
 
-#include "view/series.h"
 #include "view/support.h"
 
 #include "pellicle/import.h"
@@ -31,18 +30,18 @@ static bool is_file(const char *path)
 /* positions out of series.csv; without that file the keys of the scene have to do */
 static pel_status read_positions(view_run *run, const char *path, pel_error *error)
 {
-    int32_t tool_count = run->scene->sim.tool_count, frame_count = run->frames->frame_count;
-    size_t name_count = 3 * (size_t)tool_count;
-    char(*names)[PEL_NAME_SIZE + 4] = view_allocate(name_count, sizeof *names);
-    const char **pointers = view_allocate(name_count, sizeof *pointers);
-    run->tool_positions = view_allocate(name_count * (size_t)frame_count, sizeof *run->tool_positions);
+    int32_t name_count = 3 * run->scene->sim.tool_count;
+    char(*names)[PEL_NAME_SIZE + 4] = view_allocate((size_t)name_count, sizeof *names);
+    const char **pointers = view_allocate((size_t)name_count, sizeof *pointers);
     pel_status status = PEL_OUT_OF_MEMORY;
-    if (names != NULL && pointers != NULL && run->tool_positions != NULL) {
-        for (size_t i = 0; i < name_count; ++i) {
+    if (names != NULL && pointers != NULL) {
+        for (int32_t i = 0; i < name_count; ++i) {
             snprintf(names[i], sizeof names[i], "%s_%c", run->scene->sim.tools[i / 3].name, "xyz"[i % 3]);
             pointers[i] = names[i];
         }
-        status = view_series_read(path, pointers, (int32_t)name_count, run->tool_positions, frame_count, error);
+        status = pel_series_read(path, pointers, name_count, &run->tool_positions, error);
+        if (status == PEL_BAD_FILE)
+            pel_fail_remedy(error, "leave the tools out, or run the scene again");
     } else {
         pel_fail_memory(error);
     }
@@ -55,7 +54,7 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
 {
     char path[PATH_SIZE];
     pel_error problem;
-    snprintf(path, sizeof path, "%s/scene.yaml", run->frames->folder);
+    snprintf(path, sizeof path, "%s/%s", run->frames->folder, pel_run_file_name(PEL_RUN_SCENE));
     if (!is_file(path))
         return PEL_OK;
     pel_status status = pel_scene_load(path, NULL, 0, NULL, &run->scene, &problem);
@@ -71,7 +70,7 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
     }
     if (run->scene->sim.tool_count == 0)
         return PEL_OK;
-    snprintf(path, sizeof path, "%s/series.csv", run->frames->folder);
+    snprintf(path, sizeof path, "%s/%s", run->frames->folder, pel_run_file_name(PEL_RUN_SERIES));
     if (!is_file(path))
         return PEL_OK;
     return read_positions(run, path, error);
@@ -89,9 +88,11 @@ const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t fra
     pel_tool_def_pose(def, view_run_time(run, frame), position, rotation);
     if (run->tool_positions == NULL)
         return def;
-    const double *row = run->tool_positions + 3 * ((size_t)frame * (size_t)view_run_tool_count(run) + (size_t)tool);
-    if (isfinite(row[0]) && isfinite(row[1]) && isfinite(row[2]))
-        memcpy(position, row, 3 * sizeof *row);
+    double read[3];
+    for (int32_t i = 0; i < 3; ++i)
+        read[i] = pel_series_value(run->tool_positions, 3 * tool + i, frame);
+    if (isfinite(read[0]) && isfinite(read[1]) && isfinite(read[2]))
+        memcpy(position, read, sizeof read);
     return def;
 }
 
@@ -100,8 +101,8 @@ const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t fra
 /* the folder of a run, which may be named by its frames.pvd; false for anything else */
 static bool find_folder(const char *path, char folder[PATH_SIZE])
 {
-    static const char list[] = "frames.pvd";
-    size_t length = strlen(path), size = sizeof list - 1;
+    const char *list = pel_run_file_name(PEL_RUN_FRAMES);
+    size_t length = strlen(path), size = strlen(list);
     snprintf(folder, PATH_SIZE, "%s", path);
     if (is_folder(path))
         return true;
@@ -136,7 +137,7 @@ void view_run_close(view_run *run)
 {
     pel_frames_close(run->frames);
     pel_scene_destroy(run->scene);
-    free(run->tool_positions);
+    pel_series_destroy(run->tool_positions);
     *run = (view_run){0};
 }
 

@@ -6,12 +6,11 @@
 #include "pellicle/scene.h"
 
 typedef struct view_run {
-    const char *path;   /* as the user named it */
-    bool has_times;     /* false for a single mesh */
-    pel_frames *frames; /* null for a single mesh */
-    pel_scene *scene;   /* of scene.yaml; null = no tools */
-    /* (frames x tools x 3) from series.csv, NaN where it has none; null = the keys of the scene say all */
-    double *tool_positions;
+    const char *path;           /* as the user named it */
+    bool has_times;             /* false for a single mesh */
+    pel_frames *frames;         /* null for a single mesh */
+    pel_scene *scene;           /* of scene.yaml; null = no tools */
+    pel_series *tool_positions; /* (tools x 3) columns of series.csv; null = the keys of the scene say all */
 } view_run;
 
 /* Opens a run; tools tells whether those are wanted, and why they cannot be had goes to log. Errors: PEL_BAD_FILE,

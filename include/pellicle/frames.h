@@ -1,4 +1,4 @@
-/* Pellicle: reading back what a run left: the frames of its folder, one at a time. */
+/* Pellicle: reading back what a run left in its folder: the frames, one at a time, and columns of its series. */
 #ifndef PELLICLE_FRAMES_H
 #define PELLICLE_FRAMES_H
 
@@ -7,6 +7,20 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* The files of a run's folder; pellicle/run.h says what they hold. */
+typedef enum pel_run_file {
+    PEL_RUN_SCENE,
+    PEL_RUN_SERIES,
+    PEL_RUN_SUMMARY,
+    PEL_RUN_FRAMES,
+    PEL_RUN_FINAL,
+    PEL_RUN_CHECKPOINT,
+    PEL_RUN_FILE_COUNT
+} pel_run_file;
+
+/* "series.csv" and the like; lives forever, null for a number that is none of them. */
+const char *pel_run_file_name(pel_run_file file);
 
 /* The frames that frames.pvd names, in its order. Plain data, owned by the list, not to be changed. */
 typedef struct pel_frames {
@@ -38,6 +52,24 @@ typedef struct pel_frames_outline {
 /* Reads all frames and tells their outline; also the way to find damage before anything is written.
    Errors: those of pel_frames_read. */
 pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error);
+
+/* Some columns of a series.csv. */
+typedef struct pel_series {
+    int32_t column_count;
+    int64_t row_count; /* whole rows; one that is being written has no end yet and does not count */
+    double *values;    /* (column_count x row_count) NaN for a cell that is missing or no number */
+} pel_series;
+
+/* Reads the columns of these names (name_count >= 1); one that the file lacks is all NaN. On failure *series is null.
+   Free with pel_series_destroy. Errors: PEL_BAD_ARGUMENT (no names), PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+pel_status pel_series_read(const char *path, const char *const *names, int32_t name_count, pel_series **series,
+                           pel_error *error);
+
+/* null is fine */
+void pel_series_destroy(pel_series *series);
+
+/* One value; NaN beyond the rows or columns that are there. */
+double pel_series_value(const pel_series *series, int32_t column, int64_t row);
 
 #ifdef __cplusplus
 }

@@ -1,25 +1,13 @@
 #include "io/blocks.h"
 
 #include "base/memory.h"
+#include "io/zlib_memory.h"
 
 #include <string.h>
-#include <zlib.h>
 
 /* bytes of a whole block; and the level: 6 packs a frame a tenth better but takes 20 times as long on triangles, and
    Huffman codes alone or run lengths are not faster than level 1 */
 enum { BLOCK_SIZE = 1 << 16, LEVEL = 1, HEAD_WORDS = 3 };
-
-static void *allocate(void *unused, unsigned count, unsigned size)
-{
-    (void)unused;
-    return pel_allocate(count, size);
-}
-
-static void release(void *unused, void *block)
-{
-    (void)unused;
-    pel_free(block);
-}
 
 static size_t count_blocks(size_t size)
 {
@@ -53,7 +41,7 @@ pel_status pel_blocks_pack(const void *bytes, size_t size, unsigned char *packed
 {
     size_t count = count_blocks(size);
     unsigned char *out = packed + (HEAD_WORDS + count) * sizeof(uint64_t);
-    z_stream stream = {.zalloc = allocate, .zfree = release};
+    z_stream stream = {.zalloc = pel_zlib_allocate, .zfree = pel_zlib_release};
     if (deflateInit(&stream, LEVEL) != Z_OK)
         return pel_fail_memory(error);
     store_word(packed, count);
@@ -109,7 +97,7 @@ pel_status pel_blocks_unpack(const unsigned char *packed, size_t word_size, void
     size_t count = (size_t)pel_blocks_word(packed, word_size);
     size_t whole = (size_t)pel_blocks_word(packed + word_size, word_size);
     const unsigned char *in = packed + (HEAD_WORDS + count) * word_size;
-    z_stream stream = {.zalloc = allocate, .zfree = release};
+    z_stream stream = {.zalloc = pel_zlib_allocate, .zfree = pel_zlib_release};
     if (inflateInit(&stream) != Z_OK)
         return pel_fail_memory(error);
     int result = Z_STREAM_END;

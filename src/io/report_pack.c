@@ -1,24 +1,12 @@
 #include "io/report_pack.h"
 
 #include "base/memory.h"
+#include "io/zlib_memory.h"
 
 #include <string.h>
-#include <zlib.h>
 
 /* level 1 packs differences of neighbouring frames within 4 % of level 6 in half of the time */
 enum { LEVEL = 1, LEAST_ROOM = 1 << 16 };
-
-static void *allocate(void *unused, unsigned count, unsigned size)
-{
-    (void)unused;
-    return pel_allocate(count, size);
-}
-
-static void release(void *unused, void *block)
-{
-    (void)unused;
-    pel_free(block);
-}
 
 pel_status pel_report_pack_open(pel_report_pack *pack, size_t limit, pel_error *error)
 {
@@ -26,8 +14,8 @@ pel_status pel_report_pack_open(pel_report_pack *pack, size_t limit, pel_error *
     z_stream *stream = pel_allocate(1, sizeof *stream);
     if (stream == NULL)
         return pel_fail_memory(error);
-    stream->zalloc = allocate;
-    stream->zfree = release;
+    stream->zalloc = pel_zlib_allocate;
+    stream->zfree = pel_zlib_release;
     if (deflateInit(stream, LEVEL) != Z_OK) {
         pel_free(stream);
         return pel_fail_memory(error);

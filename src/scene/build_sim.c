@@ -1,9 +1,9 @@
 #include "scene/build.h"
 
+#include "results/fields.h"
 #include "scene/check.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
-#include "scene/run_fields.h"
 #include "scene/table.h"
 
 #include <math.h>

@@ -182,12 +182,6 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
         status = pel_tangles_find(sim, error);
     if (status == PEL_OK)
         status = pel_tangles_refuse(sim, error);
-    if (status == PEL_OK && sim->active != NULL) {
-        sim->contacts->event_size = pel_sim_save_size(sim);
-        sim->contacts->before_event = pel_allocate(sim->contacts->event_size, 1);
-        if (sim->contacts->before_event == NULL)
-            return pel_fail_memory(error);
-    }
     if (status == PEL_OK)
         grow_tools(sim);
     return status;
@@ -404,18 +398,6 @@ static double seconds_now(void)
     struct timespec now;
     timespec_get(&now, TIME_UTC);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found)
-{
-    pel_contact_statistics *sum = &contacts->statistics;
-    const pel_ccd_statistics *kinds[] = {&found->vertex_face, &found->edge_edge};
-    for (int i = 0; i < 2; i++) {
-        sum->candidates += kinds[i]->queries;
-        sum->passed_filter += kinds[i]->passed_filter;
-        sum->passed_hull += kinds[i]->passed_hull;
-        sum->cubics += kinds[i]->cubics;
-    }
 }
 
 /* what comes within the distance between start and end */
@@ -709,9 +691,4 @@ void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *
         return;
     *statistics = sim->contacts->statistics;
     statistics->tangled = sim->contacts->tangles.count;
-}
-
-double pel_sim_contact_thickness(const pel_sim *sim)
-{
-    return sim->contacts != NULL ? sim->contacts->thickness : 0;
 }

@@ -156,9 +156,6 @@ void pel_contacts_mark(const pel_sim *sim);
 /* Before the step: brings the surface after refinement, and what is known of tangled pairs after a snapshot. */
 pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
 
-/* Adds what a search went through to the statistics. */
-void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found);
-
 /* ---- contact_refresh.c ---- */
 /* At the start of a substep, after pel_tools_place. */
 void pel_contacts_place_tools(pel_sim *sim);
@@ -191,6 +188,8 @@ int32_t pel_contact_tool_of(const pel_sim *sim, int32_t point);
 /* the triangles at the present positions, as a mesh that nothing is to be freed of */
 pel_mesh pel_contact_mesh(const pel_sim *sim);
 
+/* Adds what a search went through to the statistics. */
+void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found);
 /* Coulomb's coefficient between two groups: bodies, then tools */
 double pel_contact_friction(const pel_sim_contacts *contacts, int32_t a, int32_t b);
 

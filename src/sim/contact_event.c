@@ -3,8 +3,19 @@
    New vertices stand a little off the middle of their edge (transfer.c), and what is coarsened loses its bulges, so the
    new surface is tested exactly. When it cuts itself, new vertices go to the middles, which leaves a refined surface
    where it was; when that does not help, the event is taken back by a snapshot from before it. */
+#include "base/memory.h"
+#include "base/status.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
+
+pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error)
+{
+    if (sim->contacts == NULL || sim->active == NULL)
+        return PEL_OK;
+    sim->contacts->event_size = pel_sim_save_size(sim);
+    sim->contacts->before_event = pel_allocate(sim->contacts->event_size, 1);
+    return sim->contacts->before_event != NULL ? PEL_OK : pel_fail_memory(error);
+}
 
 void pel_contacts_before_event(pel_sim *sim)
 {

@@ -262,3 +262,20 @@ pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error)
     pel_collider_use_groups(contacts->collider, &groups);
     return PEL_OK;
 }
+
+void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found)
+{
+    pel_contact_statistics *sum = &contacts->statistics;
+    const pel_ccd_statistics *kinds[] = {&found->vertex_face, &found->edge_edge};
+    for (int i = 0; i < 2; i++) {
+        sum->candidates += kinds[i]->queries;
+        sum->passed_filter += kinds[i]->passed_filter;
+        sum->passed_hull += kinds[i]->passed_hull;
+        sum->cubics += kinds[i]->cubics;
+    }
+}
+
+double pel_sim_contact_thickness(const pel_sim *sim)
+{
+    return sim->contacts != NULL ? sim->contacts->thickness : 0;
+}

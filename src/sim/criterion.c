@@ -204,3 +204,10 @@ void pel_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_bo
             look_at_tools(&at, def->near_tools, &verdicts[lane]);
     }
 }
+
+void pel_criterion_forget(const pel_sim *sim, int32_t body)
+{
+    const pel_refine_body *refine = &sim->refine[body];
+    for (int32_t i = 0; i < refine->curvature_count; i++)
+        refine->rest_curvatures[i] = (double)NAN;
+}

@@ -450,20 +450,6 @@ void pel_sim_descent_destroy(pel_sim *sim)
     pel_free(descent);
 }
 
-void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
-{
-    *reading = (pel_solver_reading){0};
-    pel_substeps_read(sim, reading);
-    if (sim->descent == NULL)
-        return;
-    const pel_descent_result *result = &sim->descent->result;
-    reading->iterations = result->iterations;
-    reading->evaluations = result->evaluations;
-    reading->energy = result->energy;
-    reading->residual = result->residual;
-    reading->converged = result->converged;
-}
-
 static void advise(const pel_sim *sim, pel_error *error)
 {
     (void)sim;
@@ -476,6 +462,7 @@ const pel_stepper pel_descent_kind = {
     .create = create,
     .check_start = pel_descent_check_start,
     .step = step,
+    .read_tools = pel_descent_contacts_read,
     .mark_contacts = pel_descent_contacts_mark,
     .advise = advise,
 };

@@ -433,7 +433,7 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
 
 /* ---- creation ---- */
 
-/* half the largest stiffness times the square of the rounding of positions */
+/* half the largest stiffness times the square of the rounding of positions, and the weight times that rounding */
 static double rounding_of(const pel_sim *sim)
 {
     const pel_model *model = sim->model;
@@ -447,7 +447,8 @@ static double rounding_of(const pel_sim *sim)
             farthest = fmax(farthest, fabs((double)model->rest[v][c]));
     }
     double shift = ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * farthest;
-    return 0.5 * mass * stability.stiffness_bound * shift * shift;
+    double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
+    return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * shift;
 }
 
 static bool has_any(const pel_real *numbers, int32_t count)

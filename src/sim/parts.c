@@ -8,14 +8,11 @@
 
 #include <string.h>
 
-/* parts of one size that have to go well before the next is twice as long; after one that failed, twice as many */
-enum { LEAST_PATIENCE = 4, MOST_PATIENCE = 256 };
-
 pel_status pel_parts_create(pel_sim *sim, pel_error *error)
 {
     pel_sim_parts *parts = &sim->parts;
     parts->step_size = PEL_PART_LIMIT;
-    parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = LEAST_PATIENCE};
+    parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
     parts->substeps = sim->solver.substeps;
     if (!pel_sim_is_projected(sim) || sim->contacts == NULL)
         return PEL_OK;
@@ -27,16 +24,6 @@ pel_status pel_parts_create(pel_sim *sim, pel_error *error)
 void pel_parts_destroy(pel_sim *sim)
 {
     pel_free(sim->parts.before);
-}
-
-bool pel_parts_restore(pel_sim *sim)
-{
-    pel_parts_now *now = &sim->parts.now;
-    bool is_size = now->size > 0 && now->size <= PEL_PART_LIMIT && (now->size & (now->size - 1)) == 0;
-    if (is_size && now->calm >= 0 && now->patience >= LEAST_PATIENCE && now->patience <= MOST_PATIENCE)
-        return true;
-    *now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = LEAST_PATIENCE};
-    return false;
 }
 
 /* time and substeps of the solver for parts of a size; the length of a substep stays */
@@ -70,16 +57,6 @@ void pel_parts_begin(pel_sim *sim)
     set_size(sim, parts->now.size);
 }
 
-bool pel_parts_can_halve(const pel_sim *sim)
-{
-    return sim->parts.before != NULL && sim->parts.step_size > 1;
-}
-
-bool pel_parts_are_last(const pel_sim *sim)
-{
-    return sim->parts.at + sim->parts.step_size == PEL_PART_LIMIT;
-}
-
 void pel_parts_halve(pel_sim *sim)
 {
     pel_sim_parts *parts = &sim->parts;
@@ -87,7 +64,7 @@ void pel_parts_halve(pel_sim *sim)
     if (parts->step_size == PEL_PART_LIMIT)
         pel_sim_save(sim, parts->before);
     if (parts->now.calm == 0)
-        parts->now.patience = parts->now.patience < MOST_PATIENCE ? 2 * parts->now.patience : MOST_PATIENCE;
+        parts->now.patience = parts->now.patience < PEL_MOST_PATIENCE ? 2 * parts->now.patience : PEL_MOST_PATIENCE;
     parts->now.calm = 0;
     parts->now.size /= 2;
     set_size(sim, parts->now.size);
@@ -120,7 +97,7 @@ void pel_parts_accept(pel_sim *sim)
     now->size *= 2;
     now->calm = 0;
     if (now->size == PEL_PART_LIMIT)
-        now->patience = LEAST_PATIENCE;
+        now->patience = PEL_LEAST_PATIENCE;
     if (parts->at < PEL_PART_LIMIT)
         set_size(sim, now->size);
 }

@@ -31,17 +31,6 @@ static pel_status create(pel_sim *sim, pel_error *error)
     return status;
 }
 
-void pel_project_follow(pel_sim *sim, int32_t body)
-{
-    sim->state->older_is_known = false;
-    sim->substeps.now.is_stale = true;
-    pel_shell_forces_rebuild(sim->shells, body);
-    if (sim->projector != NULL) {
-        pel_projector_follow(sim->projector, body);
-        pel_projector_hold(sim->projector, sim->boundary.is_held);
-    }
-}
-
 /* a pressure that the projector does not know */
 static bool has_normal_pressure(const pel_sim *sim)
 {
@@ -189,6 +178,6 @@ static void advise(const pel_sim *sim, pel_error *error)
     .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step, .accept = accept, \
     .advise = advise
 
-const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true};
+const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true, .limits_strain = true};
 const pel_stepper pel_project_distance_kind = {PROJECTS};
-const pel_stepper pel_project_xpbd_kind = {PROJECTS, .is_compliant = true};
+const pel_stepper pel_project_xpbd_kind = {PROJECTS, .is_compliant = true, .limits_strain = true};

@@ -56,7 +56,7 @@ static pel_status create_body(const pel_sim *sim, int32_t body, pel_error *error
     if (!room || refine->mark_counts == NULL || refine->heat == NULL || refine->warm_step == NULL ||
         refine->strengths == NULL || refine->asked_level == NULL || refine->surface == NULL)
         return pel_fail_memory(error);
-    pel_refine_forget(sim, body);
+    pel_criterion_forget(sim, body);
     return PEL_OK;
 }
 
@@ -148,13 +148,6 @@ static void ask_for_hot(pel_refine_body *refine, pel_front *front, int32_t v, in
         ask(refine, front, front->node_begin[own - 1] + coarse->twin[h] / 3, asked);
 }
 
-void pel_refine_forget(const pel_sim *sim, int32_t body)
-{
-    const pel_refine_body *refine = &sim->refine[body];
-    for (int32_t i = 0; i < refine->curvature_count; i++)
-        refine->rest_curvatures[i] = (double)NAN;
-}
-
 static void commit(pel_sim *sim, int32_t body)
 {
     pel_active *active = sim->active;
@@ -172,7 +165,7 @@ static void commit(pel_sim *sim, int32_t body)
     pel_loads_update(sim, body);
     pel_tools_update(sim, body);
     pel_tool_search_update(sim->tool_search, body);
-    pel_project_follow(sim, body);
+    pel_shells_follow(sim, body);
     pel_refine_keep_energy(sim, body, shells_before);
 }
 

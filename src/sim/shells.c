@@ -25,7 +25,6 @@ static pel_status refuse_shell(int32_t body, const char *what, const char *remed
 
 static pel_status check_shells(const pel_sim *sim, pel_error *error)
 {
-    bool limits = sim->solver.method == PEL_METHOD_PBD || sim->solver.method == PEL_METHOD_XPBD;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         if (body->shell == NULL)
@@ -33,7 +32,7 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
         const char *refusal = mode_refusal(sim, body->shell);
         if (refusal != NULL)
             return refuse_shell(b, refusal, "use the method pbd, or one of the modes strain, active and curl", error);
-        if (body->shell->strain_limit > 0 && !limits)
+        if (body->shell->strain_limit > 0 && !sim->stepper->limits_strain)
             return refuse_shell(
                 b, "strain_limit is a constraint of the methods pbd and xpbd",
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
@@ -117,4 +116,15 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
     for (int32_t r = 0; r < count; r++)
         for (int c = 0; c < 3; c++)
             forces[3 * (size_t)r + (size_t)c] = (double)sim->force[pel_row_place(sim, body, r)][c];
+}
+
+void pel_shells_follow(pel_sim *sim, int32_t body)
+{
+    sim->state->older_is_known = false;
+    sim->substeps.now.is_stale = true;
+    pel_shell_forces_rebuild(sim->shells, body);
+    if (sim->projector != NULL) {
+        pel_projector_follow(sim->projector, body);
+        pel_projector_hold(sim->projector, sim->boundary.is_held);
+    }
 }

@@ -167,6 +167,8 @@ typedef struct pel_sim_substeps {
 
 /* Parts of a step (parts.c). Sizes are in units of a step over PEL_PART_LIMIT. */
 enum { PEL_PART_LIMIT = 64 };
+/* parts of one size that have to go well before the next is twice as long; after one that failed, twice as many */
+enum { PEL_LEAST_PATIENCE = 4, PEL_MOST_PATIENCE = 256 };
 
 /* in snapshots */
 typedef struct pel_parts_now {
@@ -281,19 +283,18 @@ typedef struct pel_gains {
 /* The true limit of stability instead of the safe bound. */
 pel_status pel_sim_refine_stability(const pel_sim *sim, pel_stability *stability, pel_error *error);
 
-/* ---- sim.c ---- */
-pel_status pel_sim_check_def(const pel_sim_def *def, pel_error *error);
-/* True when this is so for every vertex. */
+/* ---- accessors.c ---- */
+/* the first vertex of the new positions that is out of the bound, or -1 */
+int32_t pel_sim_first_outside(const pel_sim *sim);
 bool pel_sim_all_inside(const pel_sim *sim);
 /* the longest edge of all surfaces at the new positions */
 double pel_sim_longest_edge(const pel_sim *sim);
 
-/* ---- project.c ---- */
-/* After an event of refinement: shells and constraints of the body on its new surface. */
-void pel_project_follow(pel_sim *sim, int32_t body);
 /* ---- softness.c ---- */
 /* Fills in what the def leaves open: iterations, the limit of substeps, whether second order is on. */
 void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def);
+/* How many the state at the start needs, on the finest level that it has everywhere. PEL_OUT_OF_MEMORY. */
+pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error);
 /* Chooses the substeps for the state at the start. */
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error);
 void pel_substeps_destroy(pel_sim *sim);
@@ -312,19 +313,25 @@ void pel_parts_destroy(pel_sim *sim);
 /* At the start of a step: chooses substeps and the size of the first part. */
 void pel_parts_begin(pel_sim *sim);
 /* Whether the present part may be refused, and done anew in two. */
-bool pel_parts_can_halve(const pel_sim *sim);
+static inline bool pel_parts_can_halve(const pel_sim *sim)
+{
+    return sim->parts.before != NULL && sim->parts.step_size > 1;
+}
+static inline bool pel_parts_are_last(const pel_sim *sim)
+{
+    return sim->parts.at + sim->parts.step_size == PEL_PART_LIMIT;
+}
 void pel_parts_halve(pel_sim *sim);
-bool pel_parts_are_last(const pel_sim *sim);
 /* After a part: the next one begins. */
 void pel_parts_accept(pel_sim *sim);
 /* After the last part, or the first failure, which takes the state back to the start of the step. */
 void pel_parts_end(pel_sim *sim, pel_status status);
-/* After a snapshot was loaded; false when its numbers are out of range. */
-bool pel_parts_restore(pel_sim *sim);
 /* at the end of the present part [s] */
 double pel_sim_next_time(const pel_sim *sim);
 
 /* ---- contact_event.c ---- */
+/* Room for that, where bodies refine under contact. PEL_OUT_OF_MEMORY. */
+pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error);
 /* Contact only: what is needed to take an event of refinement back, before any of it is done. */
 void pel_contacts_before_event(pel_sim *sim);
 /* True when the new surface does not cut itself; else everything is as before. */
@@ -383,6 +390,8 @@ pel_status pel_shells_create(pel_sim *sim, pel_error *error);
 void pel_shells_destroy(pel_sim *sim);
 /* Adds the forces of shells at the present positions to the new positions and velocities. */
 void pel_shells_apply(pel_sim *sim, pel_gains gains);
+/* After an event of refinement: shells and constraints of the body on its new surface. */
+void pel_shells_follow(pel_sim *sim, int32_t body);
 /* PEL_DIVERGED when a pressure turned a body inside out in this step */
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
@@ -399,8 +408,6 @@ void pel_refine_step(pel_sim *sim);
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
 /* Refines what has to be from the start. PEL_BAD_ARGUMENT when a budget is too small for it. */
 pel_status pel_refine_start(pel_sim *sim, pel_error *error);
-/* after a snapshot was loaded: what is not in it */
-void pel_refine_forget(const pel_sim *sim, int32_t body);
 
 /* ---- criterion.c ---- */
 typedef struct pel_verdict {
@@ -411,6 +418,8 @@ typedef struct pel_verdict {
 /* the criteria at the vertices of a slice of a body, whose def uses any of them */
 void pel_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
                          pel_verdict verdicts[PEL_WIDTH]);
+/* after a snapshot was loaded: what is not in it */
+void pel_criterion_forget(const pel_sim *sim, int32_t body);
 static inline bool pel_criterion_is_used(const pel_refine_def *def)
 {
     return !def->everywhere && (def->above > 0 || def->curvature_above > 0 || def->near_tools > 0);
@@ -427,11 +436,11 @@ const int32_t *pel_row_numbers(const pel_sim *sim, int32_t body);
    their order */
 const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);
 
-/* ---- tools.c ---- */
-/* Forgets what tools knew of triangles and places that the last event took away. */
-void pel_tools_update(pel_sim *sim, int32_t body);
+/* ---- tool_create.c ---- */
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error);
 void pel_tools_destroy(pel_sim *sim);
+
+/* ---- tools.c ---- */
 /* Begins a step: poses wanted at `time`, what tools grasp and release. The tools stand at their wanted poses. */
 void pel_tools_begin(pel_sim *sim, double time);
 /* Before the substeps of a step are done anew. */
@@ -441,20 +450,28 @@ void pel_tools_forget_step(pel_sim *sim);
 void pel_tools_place(pel_sim *sim, double share);
 /* Moves the tools to their wanted poses, and what they hold with them. */
 void pel_tools_move(pel_sim *sim, double time);
-/* What they hold goes to where they are. */
-void pel_tools_carry(pel_sim *sim);
 /* They become what they were when the step began; nothing where they have not moved yet. */
 void pel_tools_return(pel_sim *sim);
 /* Moves the new positions out of the tools, or of spheres and capsules only. longest: spring length bound. */
 void pel_tools_press(pel_sim *sim, double longest, bool only_round);
+
+/* ---- tool_grip.c ---- */
+/* What they hold goes to where they are. */
+void pel_tools_carry(pel_sim *sim);
+/* After a step that is accepted, to `time`: grasps lose what exceeds their force, tools that were held back are
+   counted. */
+void pel_tools_end_step(pel_sim *sim, double time);
+
+/* ---- tool_reading.c ---- */
 /* Reads the forces of the step. */
 void pel_tools_read(pel_sim *sim, double time);
-/* After a step that is accepted, to `time`: grasps lose what exceeds their force, tools that were held back are
-   counted. (tool_grip.c) */
-void pel_tools_end_step(pel_sim *sim, double time);
+
+/* ---- tool_refine.c ---- */
+/* Forgets what tools knew of triangles and places that the last event took away. */
+void pel_tools_update(pel_sim *sim, int32_t body);
+
+/* ---- tool_start.c ---- */
 /* true when a point lies inside a closed body */
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
-/* a keyed pose at a time */
-pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
 
 #endif

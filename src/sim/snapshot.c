@@ -233,6 +233,16 @@ static bool restore_tools(pel_sim *sim)
     return whole;
 }
 
+static bool restore_parts(pel_sim *sim)
+{
+    pel_parts_now *now = &sim->parts.now;
+    bool is_size = now->size > 0 && now->size <= PEL_PART_LIMIT && (now->size & (now->size - 1)) == 0;
+    if (is_size && now->calm >= 0 && now->patience >= PEL_LEAST_PATIENCE && now->patience <= PEL_MOST_PATIENCE)
+        return true;
+    *now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
+    return false;
+}
+
 /* the front, places and loads of what transfer_refinement read */
 static bool restore_refinement(pel_sim *sim, int32_t body)
 {
@@ -251,8 +261,8 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
     pel_active_rebuild(sim->active, body, sim->state);
     pel_loads_rebuild(sim, body);
     pel_tool_search_rebuild(sim->tool_search, body);
-    pel_project_follow(sim, body);
-    pel_refine_forget(sim, body);
+    pel_shells_follow(sim, body);
+    pel_criterion_forget(sim, body);
     return true;
 }
 
@@ -371,7 +381,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     pel_ledger_follow(sim);
     if (!has_tools)
         return refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);
-    if (!pel_parts_restore(sim))
+    if (!restore_parts(sim))
         return refuse(error, "snapshot is damaged: its parts of a step are out of range", damage_remedy);
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, "snapshot is damaged: its number of substeps is out of range", damage_remedy);

@@ -177,26 +177,14 @@ static double finest_factor(const pel_model *model)
     return ldexp(1, levels);
 }
 
-pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error)
+pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error)
 {
-    pel_status status = pel_sim_check_def(def, error);
-    *count = 0;
+    pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
     if (status != PEL_OK)
         return status;
-    pel_sim sim = {.model = def->model, .given = def->model, .solver = def->solver, .step.dt = def->solver.dt};
-    sim.solver.method = PEL_METHOD_XPBD;
-    sim.stepper = pel_stepper_of(PEL_METHOD_XPBD);
-    pel_substeps_configure(&sim, def);
-    status = pel_state_create(sim.model, true, &sim.state, error);
-    if (status == PEL_OK)
-        status = pel_softness_create(sim.model, &sim.substeps.scratch, error);
-    if (status == PEL_OK) {
-        find_softness(&sim);
-        *count = (int32_t)fmin(needed_substeps(&sim) * finest_factor(sim.model), INT32_MAX);
-    }
-    pel_substeps_destroy(&sim);
-    pel_state_destroy(sim.state);
-    return status;
+    find_softness(sim);
+    *count = (int32_t)fmin(needed_substeps(sim) * finest_factor(sim->model), INT32_MAX);
+    return PEL_OK;
 }
 
 double pel_sim_softness(const pel_sim *sim)

@@ -14,6 +14,7 @@ typedef struct pel_stepper {
     bool has_substeps;  /* constraints are projected in substeps, in which contacts, solids and grasps take part */
     bool is_compliant;  /* of these: constraints have the compliance of the material, and substeps are automatic */
     bool weighs;        /* of these: the weight of bending follows the volume where it is automatic */
+    bool limits_strain; /* of these: a bound of stretch is a constraint */
     bool is_at_end;     /* loads and keyed numbers act as they are at the end of the step */
     bool moves_tools;   /* tools and what they hold move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */
@@ -24,6 +25,8 @@ typedef struct pel_stepper {
     pel_status (*check_start)(pel_sim *sim, pel_error *error);
     /* New positions and velocities from those at the start of the step. Errors of pel_contacts_find. */
     pel_status (*step)(pel_sim *sim, pel_step_result *result, pel_error *error);
+    /* what tools touch and feel where the method itself keeps them out; nullable */
+    void (*read_tools)(pel_sim *sim);
     /* marks what touches beyond tools and the list of contacts; nullable */
     void (*mark_contacts)(const pel_sim *sim);
     /* after a step that is accepted; nullable */
@@ -36,7 +39,7 @@ typedef struct pel_stepper {
 extern const pel_stepper pel_step_quasi_static_kind, pel_step_explicit_kind, pel_project_pbd_kind,
     pel_project_distance_kind, pel_project_xpbd_kind, pel_descent_kind;
 
-/* The row of a method that pel_sim_check_def let pass. */
+/* The row of a method that pel_sim_create let pass. */
 const pel_stepper *pel_stepper_of(pel_method method);
 
 #endif

@@ -18,8 +18,21 @@ static inline void pel_pose_to_world(const pel_pose *pose, const double local[3]
     pel_vec3_add(world, pose->position, world);
 }
 
+/* ---- tool_pose.c ---- */
+/* finite, with a unit quaternion and not too many turns */
+bool pel_tool_is_key(const pel_pose_key *key);
+/* after the keys are there */
+void pel_tool_sum_spins(pel_tool *tool);
+/* a keyed pose at a time */
+pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
 /* rotation vector [rad] between two poses of a tool, along its way */
 void pel_tool_turn(const pel_pose *a, const pel_pose *b, double turn[3]);
+/* the pose that a tool goes to in the step to `time` */
+pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt);
+/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
+double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
+/* a pose between two; share 0 and 1 give them exactly */
+void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
 
 /* velocity of the point of the tool that is now at `point`: v + w x r with the mean v and w of the last step */
 static inline void pel_tool_velocity(const pel_tool *tool, const double point[3], double dt, double velocity[3])
@@ -75,22 +88,32 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
     pel_vec3_add(tool->torque, torque, tool->torque);
 }
 
+/* force of a held vertex at a point on its tool */
+static inline void pel_tool_add_grip(pel_sim *sim, pel_tool *tool, int32_t v, const double point[3],
+                                     const double force[3])
+{
+    pel_vec3_add(sim->grip_forces[v], force, sim->grip_forces[v]);
+    pel_tool_add_reaction(tool, point, force);
+}
+
+/* ---- tool_reading.c ---- */
 /* Adds to the tool's force what changed the sum of a contact by `change`, times rate over its mobility, and what it
    touches: with displacements in m the rate is in 1/s2, with velocities in 1/s. */
 void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const double change[3], double rate);
 /* the same for the push and friction of a substep */
 void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double rate);
 
-/* the pose that a tool goes to in the step to `time` */
-pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt);
-/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
-double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
-/* a pose between two; share 0 and 1 give them exactly */
-void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
-
 /* ---- tool_grip.c ---- */
+/* Begins or ends the grasp; true when other vertices are held than before. */
+bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time);
+/* who holds what, for the methods that ask in every substep */
+void pel_tools_list_held(pel_sim *sim);
 /* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
+
+/* ---- tool_start.c ---- */
+/* Refuses (PEL_BAD_ARGUMENT) a tool that starts in a body. */
+pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *error);
 
 /* ---- press.c ---- */
 /* Depth of one triangle in the tool, with the deepest point and the way out in the tool's frame (see pel_solid_depth).

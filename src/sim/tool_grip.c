@@ -1,10 +1,134 @@
-/* What happens to tools in a step: grasps that exceed their force lose vertices, and tools are held back.
+/* Grasps: what tools hold, and carry with them; those that exceed their force lose vertices.
 
    The grip force of a tool is the sum of the magnitudes of the forces on its held vertices, like the load that a clamp
    carries by friction: it bounds the net force, and a twist whose net force is zero counts as well. Where it exceeds
    the limit, the vertices with the largest forces are lost first, until the forces of the rest are within the limit.
    The rest takes over their load in the next steps, so a grasp tears out step by step. */
+#include "bvh/mesh_query.h"
 #include "sim/tool.h"
+
+/* ---- holding ---- */
+
+/* inside the tool, or within its reach */
+static bool reaches(const pel_tool *tool, const double local[3])
+{
+    double normal[3];
+    return tool->query != NULL ? pel_mesh_query_reaches(tool->query, local, tool->reach)
+                               : pel_solid_distance(&tool->solid, local, normal) <= tool->reach;
+}
+
+static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
+{
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
+        double x[3], local[3];
+        if (pel_tool_mobility(sim, v) <= 0)
+            continue;
+        pel_vertex_position(sim->state->position, v, x);
+        pel_pose_to_local(&tool->pose_before, x, local);
+        if (!reaches(tool, local))
+            continue;
+        sim->held[v] = 1;
+        sim->state->position[v][3] = 0;
+        pel_vec3_copy(local, tool->anchors[tool->held_count]);
+        tool->held[tool->held_count++] = v;
+    }
+}
+
+/* anchors of a support are places at rest */
+static void hold_support(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->support_count; i++) {
+        int32_t v = tool->support[i];
+        double rest[3];
+        if (sim->held[v])
+            continue;
+        sim->held[v] = 1;
+        sim->state->position[v][3] = 0;
+        pel_vertex_position(sim->model->rest, v, rest);
+        pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
+        tool->held[tool->held_count++] = v;
+    }
+}
+
+static void release(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        sim->held[v] = 0;
+        sim->state->position[v][3] = sim->model->inverse_mass[v];
+    }
+    tool->held_count = 0;
+}
+
+/* true when other vertices are held than before */
+bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time)
+{
+    bool changed = false;
+    if (!tool->grasp)
+        return false;
+    if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
+        tool->phase = PEL_GRASP_HOLDING;
+        for (int32_t b = 0; tool->support == NULL && b < sim->model->body_count; b++)
+            if (pel_tool_acts_on(tool, b))
+                grasp_body(sim, tool, b);
+        if (tool->support != NULL)
+            hold_support(sim, tool);
+        changed = true;
+    }
+    if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
+        tool->phase = PEL_GRASP_DONE;
+        release(sim, tool);
+        changed = true;
+    }
+    return changed;
+}
+
+/* who holds what, for the methods that ask in every substep */
+void pel_tools_list_held(pel_sim *sim)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t k = 0; k < sim->tools[i].held_count; k++)
+            sim->held_vertices[count++] = sim->tools[i].held[k];
+    sim->boundary =
+        (pel_boundary){count > 0 ? sim->held : NULL, sim->held_vertices, (const double(*)[3])sim->held_targets, count};
+    if (sim->projector != NULL)
+        pel_projector_hold(sim->projector, sim->boundary.is_held);
+}
+
+/* ---- carrying ---- */
+
+/* held vertices go where the tool takes them */
+static void carry(pel_sim *sim, pel_tool *tool)
+{
+    pel_state *state = sim->state;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        double target[3], velocity[3], change[3];
+        pel_pose_to_world(&tool->pose, tool->anchors[i], target);
+        for (int c = 0; c < 3; c++)
+            state->position_next[v][c] = (pel_real)target[c];
+        pel_tool_touch(tool, v);
+        if (state->velocity_next == NULL)
+            continue;
+        pel_tool_velocity(tool, target, sim->step.dt, velocity);
+        for (int c = 0; c < 3; c++) {
+            change[c] = velocity[c] - (double)state->velocity_next[v][c];
+            state->velocity_next[v][c] = (pel_real)velocity[c];
+        }
+        pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
+        pel_tool_add_grip(sim, tool, v, target, change);
+    }
+}
+
+void pel_tools_carry(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        carry(sim, &sim->tools[i]);
+}
+
+/* ---- the end of a step ---- */
 
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i)
 {

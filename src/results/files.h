@@ -1,0 +1,17 @@
+/* The small files of a run's folder, each written as a whole. */
+#ifndef PEL_RESULTS_FILES_H
+#define PEL_RESULTS_FILES_H
+
+#include "pellicle/frames.h"
+#include "pellicle/sim.h"
+
+#include <stddef.h>
+
+/* scene.yaml: the resolved scene, the program's version, and the hash of the state when the run is finished (else
+   null). PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+pel_status pel_results_write_scene(const char *folder, const char *text, const pel_sim *finished, pel_error *error);
+
+/* frames.pvd: frames 0 .. count - 1 with their times (count) [s]. The same errors. */
+pel_status pel_results_write_list(const char *folder, const double *times, size_t count, pel_error *error);
+
+#endif

@@ -1,0 +1,187 @@
+#define _XOPEN_SOURCE 700 /* realpath */
+#include "results/folder.h"
+
+#include "base/status.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *join(char path[PEL_RUN_FILE_SIZE], const char *folder, const char *name)
+{
+    snprintf(path, PEL_RUN_FILE_SIZE, "%s/%s", folder, name);
+    return path;
+}
+
+const char *pel_run_path(char path[PEL_RUN_FILE_SIZE], const char *folder, pel_run_file file)
+{
+    return join(path, folder, pel_run_file_name(file));
+}
+
+const char *pel_run_frame_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t frame)
+{
+    snprintf(path, PEL_RUN_FILE_SIZE, "%s%sframes/f%05" PRId64 ".vtp", folder != NULL ? folder : "",
+             folder != NULL ? "/" : "", frame);
+    return path;
+}
+
+const char *pel_run_checkpoint_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t step)
+{
+    snprintf(path, PEL_RUN_FILE_SIZE, "%s/checkpoint-%" PRId64 ".pel", folder, step);
+    return path;
+}
+
+static pel_status fail_folder(const char *path, const char *what, int number, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FILE, "%s: %s", what, strerror(number));
+    pel_fail_remedy(error, "choose another output folder, or make this one writable");
+    pel_fail_place(error, path, 0, 0);
+    return PEL_BAD_FILE;
+}
+
+static bool make_folder(const char *path)
+{
+    struct stat information;
+    if (mkdir(path, 0777) == 0)
+        return true;
+    if (errno != EEXIST || stat(path, &information) != 0)
+        return false;
+    errno = ENOTDIR;
+    return S_ISDIR(information.st_mode);
+}
+
+pel_status pel_run_folder_open(const char *folder, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    join(path, folder, "frames");
+    for (char *slash = path + 1; *slash != '\0'; slash++) {
+        if (*slash != '/' || slash[-1] == '/')
+            continue;
+        *slash = '\0';
+        bool made = make_folder(path);
+        *slash = '/';
+        if (!made)
+            return fail_folder(folder, "cannot make the output folder", errno, error);
+    }
+    if (access(folder, W_OK | X_OK) != 0)
+        return fail_folder(folder, "cannot write into the output folder", errno, error);
+    if (!make_folder(path) || access(path, W_OK | X_OK) != 0)
+        return fail_folder(path, "cannot write into the folder", errno, error);
+    return PEL_OK;
+}
+
+/* the number between two texts, such as f00012.vtp; -1 when the name is not of that kind */
+static int64_t number_in_name(const char *name, const char *before, const char *after)
+{
+    int64_t number = 0;
+    size_t length = strlen(before);
+    if (strncmp(name, before, length) != 0)
+        return -1;
+    const char *digits = name + length, *at = digits;
+    for (; *at >= '0' && *at <= '9' && at - digits < 18; at++)
+        number = 10 * number + (*at - '0');
+    return at > digits && strcmp(at, after) == 0 ? number : -1;
+}
+
+/* what pel_file_writer leaves behind when the program is killed */
+static bool is_temporary(const char *name)
+{
+    size_t length = strlen(name);
+    return strncmp(name, ".pellicle-", 10) == 0 && length > 4 && strcmp(name + length - 4, ".tmp") == 0;
+}
+
+static bool is_file(const char *name, pel_run_file file)
+{
+    return strcmp(name, pel_run_file_name(file)) == 0;
+}
+
+static bool is_run_file(const char *name)
+{
+    for (int file = 0; file < PEL_RUN_FILE_COUNT; file++)
+        if (is_file(name, (pel_run_file)file))
+            return true;
+    return number_in_name(name, "checkpoint-", ".pel") >= 0;
+}
+
+static bool is_stale(const char *name, bool frames, int64_t first_frame, bool resume)
+{
+    if (is_temporary(name))
+        return true;
+    if (frames)
+        return number_in_name(name, "f", ".vtp") >= first_frame;
+    return resume ? is_file(name, PEL_RUN_SUMMARY) || is_file(name, PEL_RUN_FINAL) : is_run_file(name);
+}
+
+static pel_status clear_folder(const char *folder, bool frames, int64_t first_frame, bool resume, bool *removed,
+                               pel_error *error)
+{
+    DIR *stream = opendir(folder);
+    if (stream == NULL)
+        return fail_folder(folder, "cannot read the folder", errno, error);
+    pel_status status = PEL_OK;
+    for (struct dirent *entry = readdir(stream); status == PEL_OK && entry != NULL; entry = readdir(stream)) {
+        if (!is_stale(entry->d_name, frames, first_frame, resume))
+            continue;
+        if (unlinkat(dirfd(stream), entry->d_name, 0) == 0) {
+            *removed = true;
+        } else {
+            int number = errno;
+            char path[PEL_RUN_FILE_SIZE + sizeof entry->d_name];
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+            status = fail_folder(path, "cannot remove the file of an older run", number, error);
+        }
+    }
+    closedir(stream);
+    return status;
+}
+
+pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool resume, bool *removed, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    *removed = false;
+    pel_status status = clear_folder(folder, false, first_frame, resume, removed, error);
+    if (status == PEL_OK)
+        status = clear_folder(join(path, folder, "frames"), true, first_frame, resume, removed, error);
+    return status;
+}
+
+bool pel_run_folder_takes(const char *folder, const char *path, bool resume)
+{
+    char file[PATH_MAX];
+    struct stat there, here;
+    if (realpath(path, file) == NULL)
+        return false;
+    char *slash = strrchr(file, '/');
+    *slash = '\0';
+    return is_stale(slash + 1, false, 0, resume) && stat(slash > file ? file : "/", &there) == 0 &&
+           stat(folder, &here) == 0 && there.st_dev == here.st_dev && there.st_ino == here.st_ino;
+}
+
+/* a name that pel_run_folder_clear takes for a left-over */
+static const char reserve_name[] = ".pellicle-reserve.tmp";
+
+bool pel_run_folder_reserve(const char *folder, size_t size)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    int descriptor = open(join(path, folder, reserve_name), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+        return false;
+    bool reserved = posix_fallocate(descriptor, 0, (off_t)size) == 0;
+    close(descriptor);
+    if (!reserved)
+        unlink(path);
+    return reserved;
+}
+
+void pel_run_folder_release(const char *folder)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    unlink(join(path, folder, reserve_name));
+}

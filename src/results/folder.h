@@ -1,0 +1,34 @@
+/* The output folder of a run: its names, making it, and clearing what an older run left. */
+#ifndef PEL_RESULTS_FOLDER_H
+#define PEL_RESULTS_FOLDER_H
+
+#include "pellicle/frames.h"
+#include "pellicle/run.h"
+
+/* room for the path of any file of a run */
+enum { PEL_RUN_FILE_SIZE = PEL_RUN_PATH_SIZE + 64 };
+
+/* folder/series.csv and the like */
+const char *pel_run_path(char path[PEL_RUN_FILE_SIZE], const char *folder, pel_run_file file);
+/* folder/frames/f00012.vtp; without a folder relative to it */
+const char *pel_run_frame_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t frame);
+/* folder/checkpoint-120.pel */
+const char *pel_run_checkpoint_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t step);
+
+/* Makes the folder with its parents and `frames` in it. PEL_BAD_FILE when that fails or nothing may be written there.
+ */
+pel_status pel_run_folder_open(const char *folder, pel_error *error);
+
+/* Removes the files of an older run: frames from first_frame on, what is left of interrupted writing, and the other
+   files of a run; of these only summary.json and final.ply with `resume`. *removed tells whether there were any. */
+pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool resume, bool *removed, pel_error *error);
+
+/* Whether such a run writes over a file that is there, or removes it. */
+bool pel_run_folder_takes(const char *folder, const char *path, bool resume);
+
+/* Sets space on the disk aside (false when there is not enough), and gives it back, so that the last files of a run can
+   be written after frames have filled the disk. */
+bool pel_run_folder_reserve(const char *folder, size_t size);
+void pel_run_folder_release(const char *folder);
+
+#endif

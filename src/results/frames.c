@@ -1,0 +1,266 @@
+#include "pellicle/frames.h"
+
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/status.h"
+#include "io/file.h"
+#include "io/xml.h"
+#include "pellicle/results.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { LONGEST_NAME = 1024 };
+
+/* folder/name in a new block */
+static char *join_path(const char *folder, const char *name)
+{
+    size_t size = strlen(folder) + strlen(name) + 2;
+    char *path = pel_allocate(size, 1);
+    if (path != NULL)
+        snprintf(path, size, "%s/%s", name[0] == '/' ? "" : folder, name);
+    return path;
+}
+
+/* ---- version ---- */
+
+/* the version behind `mark` in a text; false when there is none */
+static bool find_version(const char *text, const char *mark, int version[3])
+{
+    const char *at = strstr(text, mark);
+    return at != NULL && sscanf(at + strlen(mark), "%d.%d.%d", &version[0], &version[1], &version[2]) == 3;
+}
+
+/* patch versions share their formats */
+static bool is_newer(const int version[3])
+{
+    return version[0] > PEL_VERSION_MAJOR || (version[0] == PEL_VERSION_MAJOR && version[1] > PEL_VERSION_MINOR);
+}
+
+/* refuses a run of a newer version, as one of its files tells; a file that is not there tells nothing */
+static pel_status check_version(const char *folder, pel_run_file file, const char *mark, pel_error *error)
+{
+    char *path = join_path(folder, pel_run_file_name(file)), *text = NULL;
+    size_t size;
+    int version[3];
+    if (path == NULL)
+        return pel_fail_memory(error);
+    pel_status status = pel_file_read(path, &text, &size, error);
+    if (status == PEL_BAD_FILE) {
+        status = PEL_OK;
+    } else if (status == PEL_OK && find_version(text, mark, version) && is_newer(version)) {
+        status = pel_fail(error, PEL_BAD_FORMAT, "the run is of pellicle %d.%d.%d and this is " PEL_VERSION, version[0],
+                          version[1], version[2]);
+        pel_fail_remedy(error, "read it with that version or a later one");
+        pel_fail_place(error, path, 0, 0);
+    }
+    pel_free(text);
+    pel_free(path);
+    return status;
+}
+
+static pel_status check_folder(const char *folder, pel_error *error)
+{
+    struct stat information;
+    if (stat(folder, &information) == 0 && S_ISDIR(information.st_mode))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_FILE, "there is no such folder");
+    pel_fail_remedy(error, "name the folder that a run wrote");
+    pel_fail_place(error, folder, 0, 0);
+    return PEL_BAD_FILE;
+}
+
+/* ---- frames.pvd ---- */
+
+static pel_status fail_list(const char *path, const char *what, const char *remedy, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FORMAT, "%s", what);
+    pel_fail_remedy(error, "%s", remedy);
+    pel_fail_place(error, path, 0, 0);
+    return PEL_BAD_FORMAT;
+}
+
+static pel_status append_frame(pel_frames *frames, const pel_xml_tag *tag, const char *path, pel_error *error)
+{
+    static const char write_again[] = "run the scene again, or remove the damaged line";
+    char name[LONGEST_NAME], text[PEL_NUMBER_SIZE];
+    double time;
+    if (!pel_xml_attribute(tag, "file", name, sizeof name) || name[0] == '\0')
+        return fail_list(path, "a DataSet names no file", write_again, error);
+    if (!pel_xml_attribute(tag, "timestep", text, sizeof text) ||
+        pel_number_parse(text, text + strlen(text), &time) == NULL || !isfinite(time))
+        return fail_list(path, "a DataSet has no time", write_again, error);
+    int32_t f = frames->frame_count;
+    frames->paths[f] = join_path(frames->folder, name);
+    frames->times[f] = time;
+    if (frames->paths[f] == NULL)
+        return pel_fail_memory(error);
+    frames->frame_count++;
+    return PEL_OK;
+}
+
+static size_t count_data_sets(const char *at, const char *end)
+{
+    size_t count = 0;
+    for (pel_xml_tag tag; pel_xml_next(&at, end, &tag);)
+        count += pel_xml_is(&tag, "DataSet");
+    return count;
+}
+
+static pel_status parse_list(pel_frames *frames, const char *path, const char *at, const char *end, pel_error *error)
+{
+    size_t count = count_data_sets(at, end);
+    if (count == 0)
+        return fail_list(path, "it names no frame", "name a folder whose run has begun", error);
+    frames->paths = pel_allocate(count, sizeof *frames->paths);
+    frames->times = pel_allocate(count, sizeof *frames->times);
+    if (frames->paths == NULL || frames->times == NULL)
+        return pel_fail_memory(error);
+    pel_status status = PEL_OK;
+    bool whole = false;
+    for (pel_xml_tag tag; status == PEL_OK && pel_xml_next(&at, end, &tag);) {
+        if (pel_xml_is(&tag, "DataSet"))
+            status = append_frame(frames, &tag, path, error);
+        whole = whole || pel_xml_is(&tag, "/VTKFile");
+    }
+    if (status == PEL_OK && !whole)
+        return fail_list(path, "the file is cut off", "run the scene again", error);
+    return status;
+}
+
+static pel_status read_list(pel_frames *frames, pel_error *error)
+{
+    char *path = join_path(frames->folder, pel_run_file_name(PEL_RUN_FRAMES)), *text = NULL;
+    size_t size;
+    if (path == NULL)
+        return pel_fail_memory(error);
+    pel_status status = pel_file_read(path, &text, &size, error);
+    if (status == PEL_BAD_FILE)
+        pel_fail_remedy(error, "name the folder that a run wrote; it holds frames.pvd");
+    if (status == PEL_OK)
+        status = parse_list(frames, path, text, text + size, error);
+    pel_free(text);
+    pel_free(path);
+    return status;
+}
+
+pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *error)
+{
+    *frames = NULL;
+    pel_status status = check_folder(folder, error);
+    if (status != PEL_OK)
+        return status;
+    pel_frames *made = pel_allocate(1, sizeof *made);
+    if (made != NULL)
+        made->folder = pel_copy_string(folder);
+    if (made == NULL || made->folder == NULL) {
+        pel_frames_close(made);
+        return pel_fail_memory(error);
+    }
+    status = check_version(folder, PEL_RUN_SUMMARY, "\"version\": \"", error);
+    if (status == PEL_OK)
+        status = check_version(folder, PEL_RUN_SCENE, "# a scene of pellicle ", error);
+    if (status == PEL_OK)
+        status = read_list(made, error);
+    if (status != PEL_OK) {
+        pel_frames_close(made);
+        return status;
+    }
+    *frames = made;
+    return PEL_OK;
+}
+
+void pel_frames_close(pel_frames *frames)
+{
+    if (frames == NULL)
+        return;
+    for (int32_t f = 0; f < frames->frame_count; f++)
+        pel_free(frames->paths[f]);
+    pel_free(frames->paths);
+    pel_free(frames->times);
+    pel_free(frames->folder);
+    pel_free(frames);
+}
+
+/* ---- frames ---- */
+
+static pel_status check_fields(const pel_mesh *mesh, const char *path, pel_error *error)
+{
+    for (int32_t f = 0; f < mesh->field_count; f++) {
+        const pel_field *field = &mesh->fields[f];
+        size_t components = (size_t)field->component_count;
+        for (size_t i = 0; i < (size_t)mesh->vertex_count * components; i++) {
+            if (isfinite(field->values[i]))
+                continue;
+            pel_fail(error, PEL_BAD_FORMAT, "field '%s' is %s", field->name,
+                     isnan(field->values[i]) ? "not a number (NaN)" : "infinite");
+            pel_fail_remedy(error, "leave the field out of the scene's output, or run the scene again");
+            pel_fail_element(error, "vertex", (int64_t)(i / components));
+            pel_fail_place(error, path, 0, 0);
+            return PEL_BAD_FORMAT;
+        }
+    }
+    return PEL_OK;
+}
+
+pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **mesh, pel_error *error)
+{
+    *mesh = NULL;
+    if (frame < 0 || frame >= frames->frame_count)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "there is no frame %d among %d", (int)frame, (int)frames->frame_count);
+    const char *path = frames->paths[frame];
+    pel_status status = pel_vtp_read(path, mesh, NULL, error);
+    if (status == PEL_BAD_FILE)
+        pel_fail_remedy(error, "frames.pvd names this frame; run the scene again");
+    if (status == PEL_OK)
+        status = check_fields(*mesh, path, error);
+    if (status != PEL_OK) {
+        pel_mesh_destroy(*mesh);
+        *mesh = NULL;
+    }
+    return status;
+}
+
+/* ---- all frames ---- */
+
+static bool same_triangles(const pel_mesh *a, const pel_mesh *b)
+{
+    return a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
+           memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * sizeof *a->triangles) == 0;
+}
+
+static void grow_box(const pel_mesh *mesh, pel_frames_outline *outline)
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int i = 0; i < 3; i++) {
+            outline->low[i] = fmin(outline->low[i], mesh->positions[v][i]);
+            outline->high[i] = fmax(outline->high[i], mesh->positions[v][i]);
+        }
+}
+
+pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error)
+{
+    pel_mesh *first, *mesh;
+    *outline = (pel_frames_outline){.changed_frame = -1};
+    pel_status status = pel_frames_read(frames, 0, &first, error);
+    if (status != PEL_OK)
+        return status;
+    outline->vertex_count = first->vertex_count;
+    outline->triangle_count = first->triangle_count;
+    memcpy(outline->low, first->positions[0], sizeof outline->low);
+    memcpy(outline->high, first->positions[0], sizeof outline->high);
+    grow_box(first, outline);
+    for (int32_t f = 1; status == PEL_OK && f < frames->frame_count; f++) {
+        status = pel_frames_read(frames, f, &mesh, error);
+        if (status != PEL_OK)
+            break;
+        if (outline->changed_frame < 0 && !same_triangles(first, mesh))
+            outline->changed_frame = f;
+        grow_box(mesh, outline);
+        pel_mesh_destroy(mesh);
+    }
+    pel_mesh_destroy(first);
+    return status;
+}

@@ -1,0 +1,307 @@
+#include "results/series.h"
+
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/status.h"
+#include "io/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char first_columns[] = "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,"
+                                    "max_force,vertices,triangles,contacts,step_ms";
+enum { FIRST_COLUMN_COUNT = 12 };
+
+static const char *const tool_columns[] = {"force", "force_x", "force_y", "force_z",   "contacts",
+                                           "x",     "y",       "z",       "force_max", "held"};
+enum { TOOL_COLUMN_COUNT = sizeof tool_columns / sizeof tool_columns[0], LONGEST_TOOL_COLUMN = 20 };
+
+static pel_status fail_series(const pel_run_series *series, int number, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FILE, "cannot write the file: %s", strerror(number));
+    pel_fail_remedy(error, "free some disk space or choose another folder");
+    pel_fail_place(error, series->path, 0, 0);
+    return PEL_BAD_FILE;
+}
+
+/* ---- the line ---- */
+
+static void put_text(pel_run_series *series, const char *text)
+{
+    size_t length = strlen(text);
+    memcpy(series->line + series->length, text, length);
+    series->length += length;
+}
+
+static void put_number(pel_run_series *series, double value)
+{
+    char text[PEL_NUMBER_SIZE];
+    pel_number_print(text, value);
+    put_text(series, ",");
+    put_text(series, text);
+}
+
+static void put_count(pel_run_series *series, const char *before, int64_t value)
+{
+    char text[PEL_NUMBER_SIZE];
+    snprintf(text, sizeof text, "%s%" PRId64, before, value);
+    put_text(series, text);
+}
+
+/* a column's name, in quotes when the name of the tool or body has a character that separates columns */
+static void put_named_column(pel_run_series *series, const char *tool, const char *column)
+{
+    bool quoted = strpbrk(tool, ",\"\r\n") != NULL;
+    put_text(series, quoted ? ",\"" : ",");
+    for (; *tool != '\0'; tool++) {
+        char letters[3] = {*tool, *tool == '"' ? '"' : '\0', '\0'};
+        put_text(series, letters);
+    }
+    put_text(series, "_");
+    put_text(series, column);
+    put_text(series, quoted ? "\"" : "");
+}
+
+static const char *const support_columns[] = {"support_force", "support_force_x", "support_force_y", "support_force_z"};
+enum { SUPPORT_COLUMN_COUNT = sizeof support_columns / sizeof support_columns[0] };
+
+/* a body whose pins have no tool for columns */
+static bool has_pins(const pel_sim *sim, int32_t body)
+{
+    return pel_model_pinned_count(pel_sim_model(sim), body) > 0;
+}
+
+static const char *const shell_columns[] = {"membrane_energy", "bending_energy", "fibre_energy"};
+enum { SHELL_COLUMN_COUNT = sizeof shell_columns / sizeof shell_columns[0] };
+
+static const char *const ledger_columns[] = {"work_tools",    "work_loads",      "work_pressure",     "work_gravity",
+                                             "work_material", "dissipated_drag", "dissipated_solver", "energy_error"};
+enum { LEDGER_COLUMN_COUNT = sizeof ledger_columns / sizeof ledger_columns[0] };
+
+static const char *const contact_columns[] = {
+    "contact_candidates", "contact_passed_filter", "contact_passed_hull", "contact_cubics",     "contact_pairs",
+    "contact_dropped",    "contact_rounds",        "contact_fall_backs",  "contact_tools_held", "contact_tangled",
+    "contact_find_ms",    "contact_solve_ms",      "contact_guard_ms"};
+enum { CONTACT_COLUMN_COUNT = sizeof contact_columns / sizeof contact_columns[0], CONTACT_TIMES = 3 };
+
+static bool has_contact(const pel_sim *sim)
+{
+    return pel_sim_contact_thickness(sim) > 0;
+}
+
+static void put_header(pel_run_series *series, const pel_sim *sim)
+{
+    put_text(series, first_columns);
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+        for (int c = 0; c < TOOL_COLUMN_COUNT; c++)
+            put_named_column(series, pel_sim_tool_name(sim, t), tool_columns[c]);
+    const pel_model *model = pel_sim_model(sim);
+    for (int32_t b = 0; b < pel_model_body_count(model); b++)
+        for (int c = 0; has_pins(sim, b) && c < SUPPORT_COLUMN_COUNT; c++)
+            put_named_column(series, pel_model_body_name(model, b), support_columns[c]);
+    for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++) {
+        put_text(series, ",");
+        put_text(series, shell_columns[c]);
+    }
+    for (int c = 0; c < LEDGER_COLUMN_COUNT; c++) {
+        put_text(series, ",");
+        put_text(series, ledger_columns[c]);
+    }
+    for (int c = 0; has_contact(sim) && c < CONTACT_COLUMN_COUNT; c++) {
+        put_text(series, ",");
+        put_text(series, contact_columns[c]);
+    }
+    put_text(series, "\n");
+}
+
+static void put_tool(pel_run_series *series, const pel_sim *sim, int32_t tool, double force_max)
+{
+    pel_tool_reading reading;
+    pel_sim_get_tool(sim, tool, &reading);
+    const double *f = reading.force;
+    put_number(series, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+    for (int i = 0; i < 3; i++)
+        put_number(series, f[i]);
+    put_count(series, ",", reading.contact_count);
+    for (int i = 0; i < 3; i++)
+        put_number(series, reading.position[i]);
+    put_number(series, force_max);
+    put_count(series, ",", reading.held_count);
+}
+
+static void put_support(pel_run_series *series, pel_sim *sim, int32_t body)
+{
+    pel_support_reading reading;
+    pel_sim_get_support(sim, body, &reading);
+    const double *f = reading.force;
+    put_number(series, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+    for (int i = 0; i < 3; i++)
+        put_number(series, f[i]);
+}
+
+static void put_ledger(pel_run_series *series, const pel_sim_ledger *ledger)
+{
+    const double energies[LEDGER_COLUMN_COUNT] = {
+        ledger->work_tools,    ledger->work_loads,      ledger->work_pressure,     ledger->work_gravity,
+        ledger->work_material, ledger->dissipated_drag, ledger->dissipated_solver, ledger->energy_error};
+    for (int c = 0; c < LEDGER_COLUMN_COUNT; c++)
+        put_number(series, energies[c]);
+}
+
+/* sums over the steps since the last frame */
+static void put_contact(pel_run_series *series, const pel_run_row *row)
+{
+    const pel_contact_statistics *now = &row->contact, *before = &row->contact_before;
+    const int64_t counts[CONTACT_COLUMN_COUNT - CONTACT_TIMES] = {
+        now->candidates - before->candidates,   now->passed_filter - before->passed_filter,
+        now->passed_hull - before->passed_hull, now->cubics - before->cubics,
+        now->contacts - before->contacts,       now->dropped - before->dropped,
+        now->rounds - before->rounds,           now->fall_backs - before->fall_backs,
+        now->tools_held - before->tools_held,   now->tangled,
+    };
+    const double seconds[CONTACT_TIMES] = {
+        now->find_seconds - before->find_seconds,
+        now->solve_seconds - before->solve_seconds,
+        now->guard_seconds - before->guard_seconds,
+    };
+    for (int c = 0; c < CONTACT_COLUMN_COUNT - CONTACT_TIMES; c++)
+        put_count(series, ",", counts[c]);
+    for (int c = 0; c < CONTACT_TIMES; c++)
+        put_number(series, round(seconds[c] * 1e8) / 1e5);
+}
+
+/* ---- the file ---- */
+
+static pel_status prepare(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error)
+{
+    size_t name_room = 2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE;
+    size_t tool_room = TOOL_COLUMN_COUNT * name_room;
+    *series = (pel_run_series){.descriptor = -1, .path = path};
+    series->room =
+        sizeof first_columns +
+        (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT) * PEL_NUMBER_SIZE +
+        (size_t)pel_sim_tool_count(sim) * tool_room +
+        (size_t)pel_model_body_count(pel_sim_model(sim)) * SUPPORT_COLUMN_COUNT * name_room;
+    series->line = pel_allocate(series->room, 1);
+    return series->line != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+static pel_status write_line(pel_run_series *series, pel_error *error)
+{
+    size_t written = 0;
+    while (written < series->length) {
+        ssize_t count = write(series->descriptor, series->line + written, series->length - written);
+        if (count < 0 && errno == EINTR)
+            continue;
+        if (count < 0) {
+            int number = errno;
+            /* shortening needs no space */
+            if (ftruncate(series->descriptor, series->size) != 0)
+                number = errno;
+            lseek(series->descriptor, series->size, SEEK_SET);
+            return fail_series(series, number, error);
+        }
+        written += (size_t)count;
+    }
+    series->size += (int64_t)series->length;
+    return PEL_OK;
+}
+
+pel_status pel_run_series_create(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error)
+{
+    pel_status status = prepare(series, path, sim, error);
+    if (status != PEL_OK)
+        return status;
+    series->descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (series->descriptor < 0)
+        return fail_series(series, errno, error);
+    put_header(series, sim);
+    return write_line(series, error);
+}
+
+/* bytes of the header and the first row_count rows; 0 when they are not all there */
+static size_t find_rows(const pel_run_series *series, const char *bytes, size_t size, int64_t row_count)
+{
+    if (size < series->length || memcmp(bytes, series->line, series->length) != 0)
+        return 0;
+    const char *at = bytes + series->length, *end = bytes + size;
+    for (int64_t row = 0; row < row_count; row++) {
+        char number[PEL_NUMBER_SIZE];
+        size_t digits = (size_t)snprintf(number, sizeof number, "%" PRId64 ",", row);
+        const char *line_end = memchr(at, '\n', (size_t)(end - at));
+        if (line_end == NULL || (size_t)(line_end - at) < digits || memcmp(at, number, digits) != 0)
+            return 0;
+        at = line_end + 1;
+    }
+    return (size_t)(at - bytes);
+}
+
+pel_status pel_run_series_resume(pel_run_series *series, const char *path, const pel_sim *sim, int64_t row_count,
+                                 pel_error *error)
+{
+    char *bytes;
+    size_t size;
+    pel_status status = prepare(series, path, sim, error);
+    if (status == PEL_OK)
+        status = pel_file_read(path, &bytes, &size, error);
+    if (status == PEL_BAD_FILE)
+        pel_fail_remedy(error, "resume in the folder of the run that wrote the checkpoint");
+    if (status != PEL_OK)
+        return status;
+    put_header(series, sim);
+    size_t kept = find_rows(series, bytes, size, row_count);
+    pel_free(bytes);
+    if (kept == 0) {
+        pel_fail(error, PEL_BAD_FORMAT, "the series does not have the %" PRId64 " rows before the checkpoint",
+                 row_count);
+        pel_fail_remedy(error, "resume in the folder of the run that wrote the checkpoint, or run from the beginning");
+        pel_fail_place(error, path, 0, 0);
+        return PEL_BAD_FORMAT;
+    }
+    series->descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    series->size = (int64_t)kept;
+    if (series->descriptor < 0 || ftruncate(series->descriptor, series->size) != 0 ||
+        lseek(series->descriptor, series->size, SEEK_SET) < 0)
+        return fail_series(series, errno, error);
+    return PEL_OK;
+}
+
+pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_run_row *row, pel_error *error)
+{
+    const pel_sim_measures *m = &row->measures;
+    series->length = 0;
+    put_count(series, "", row->frame);
+    const double numbers[7] = {pel_sim_time(sim), m->volume_ratio,     m->area_ratio, m->kinetic_energy,
+                               m->elastic_energy, m->max_displacement, m->max_force};
+    for (int i = 0; i < 7; i++)
+        put_number(series, numbers[i]);
+    put_count(series, ",", m->vertex_count);
+    put_count(series, ",", m->triangle_count);
+    put_count(series, ",", m->contact_count);
+    put_number(series, round(row->step_ms * 1e5) / 1e5);
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+        put_tool(series, sim, t, row->tool_force_max[t]);
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
+        if (has_pins(sim, b))
+            put_support(series, sim, b);
+    const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};
+    for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++)
+        put_number(series, energies[c]);
+    put_ledger(series, &row->ledger);
+    if (has_contact(sim))
+        put_contact(series, row);
+    put_text(series, "\n");
+    return write_line(series, error);
+}
+
+void pel_run_series_close(pel_run_series *series)
+{
+    if (series->line != NULL && series->descriptor >= 0)
+        close(series->descriptor);
+    pel_free(series->line);
+    *series = (pel_run_series){.descriptor = -1};
+}

@@ -1,0 +1,21 @@
+/* summary.json: how a run ended. */
+#ifndef PEL_RESULTS_SUMMARY_H
+#define PEL_RESULTS_SUMMARY_H
+
+#include "pellicle/run.h"
+
+/* What the file is made from. */
+typedef struct pel_run_ending {
+    const char *folder, *scene_path;
+    const char *method_name; /* the word of the method in scenes */
+    pel_method method;
+    const pel_run_summary *summary;
+    const pel_sim *sim;       /* at the end */
+    const double *tool_force; /* (tool count) N, largest over the run */
+    const pel_error *cause;   /* what ended the run; null when it is done */
+} pel_run_ending;
+
+/* PEL_BAD_FILE, PEL_OUT_OF_MEMORY */
+pel_status pel_results_write_summary(const pel_run_ending *ending, pel_error *error);
+
+#endif

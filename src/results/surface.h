@@ -1,0 +1,46 @@
+/* The bodies of a run as one surface: frames and the final mesh. */
+#ifndef PEL_RESULTS_SURFACE_H
+#define PEL_RESULTS_SURFACE_H
+
+#include "pellicle/results.h"
+#include "pellicle/scene.h"
+#include "pellicle/topology.h"
+
+/* All buffers are made once, so that writing a frame takes no memory of its own but the file's; they are made anew
+   when a body has refined or coarsened. */
+typedef struct pel_run_surface {
+    int32_t vertex_count, triangle_count, body_count, field_count;
+    int32_t *begin;            /* (body_count + 1) first vertex of each body */
+    int32_t *triangles;        /* (triangle_count x 3) */
+    double *rest;              /* (vertex_count x 3) */
+    double *positions;         /* (vertex_count x 3) */
+    double *scratch;           /* (vertex_count x 3) */
+    int32_t *row_numbers;      /* (vertex_count) scratch */
+    pel_vtp_field *fields;     /* (field_count), with values of their own */
+    int *sources;              /* (field_count) a pel_run_field, or more for what changes with the surface alone */
+    pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
+    pel_vtp_writer *writer;
+    int64_t revision; /* of the bodies' surfaces, summed up */
+} pel_run_surface;
+
+/* Fields: those of run_fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies
+   that refine `level` (the finest of the triangles at the vertex) and the place of a vertex in the body's mesh: the
+   `mesh_vertices` of a triangle, whose `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on
+   failure. */
+pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, pel_run_surface *surface,
+                                  pel_error *error);
+void pel_run_surface_destroy(pel_run_surface *surface);
+
+/* Takes positions and fields out of the simulation and writes them. */
+pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, const pel_output_def *output,
+                                       const char *path, pel_error *error);
+
+/* The same as a mesh file with the fields of the bodies' meshes. */
+pel_status pel_run_surface_write_final(pel_run_surface *surface, const pel_sim *sim, const char *path,
+                                       pel_error *error);
+
+/* Pairs of triangles that cut or touch each other, within and between bodies. PEL_OUT_OF_MEMORY. */
+pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count,
+                                         pel_error *error);
+
+#endif

@@ -1,0 +1,226 @@
+#include "run/frames.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "pellicle/parallel.h"
+#include "results/files.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* frames.pvd is written again when the frames have grown by this share, or after so many seconds: its cost stays a
+   small part of that of the frames */
+#define LIST_GROWTH 0.125
+#define LIST_SECONDS 2.0
+
+double pel_run_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- the files ---- */
+
+pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error)
+{
+    if (frames->listed_count == frames->frame_count)
+        return PEL_OK;
+    size_t count = (size_t)frames->frame_count;
+    double *times = pel_allocate(count, sizeof *times);
+    if (times == NULL)
+        return pel_fail_memory(error);
+    for (size_t i = 0; i < count; i++) {
+        /* a rule may end the run between two frames of the plan */
+        bool is_last = i + 1 == count && frames->last_time > 0;
+        times[i] = is_last ? frames->last_time : pel_run_plan_time(frames->plan, (int64_t)i);
+    }
+    pel_status status = pel_results_write_list(frames->folder, times, count, error);
+    pel_free(times);
+    if (status == PEL_OUT_OF_MEMORY)
+        return status;
+    frames->listed_count = frames->frame_count;
+    frames->listed_at = pel_run_clock();
+    return status;
+}
+
+static bool list_is_due(const pel_run_frames *frames)
+{
+    double unlisted = (double)(frames->frame_count - frames->listed_count);
+    return unlisted > LIST_GROWTH * (double)frames->listed_count || pel_run_clock() - frames->listed_at > LIST_SECONDS;
+}
+
+/* the state of sim, whatever thread it belongs to */
+static pel_status write_frame(pel_run_frames *frames, pel_sim *sim, const pel_run_totals *totals,
+                              const double *tool_force, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    int64_t steps = pel_sim_step_count(sim) - totals->frame_step;
+    pel_run_row row = {
+        .frame = totals->frame_count,
+        .step_ms = steps > 0 ? 1e3 * totals->frame_seconds / (double)steps : 0,
+        .tool_force_max = tool_force,
+    };
+    pel_sim_measure(sim, &row.measures);
+    pel_sim_get_ledger(sim, &row.ledger);
+    pel_sim_get_contact_statistics(sim, &row.contact);
+    row.contact_before = totals->contact;
+    pel_run_frame_path(path, frames->folder, row.frame);
+    pel_status status = pel_run_surface_write_frame(&frames->surface, sim, &frames->scene->output, path, error);
+    if (status != PEL_OK)
+        return status;
+    status = pel_run_series_add(&frames->series, sim, &row, error);
+    if (status != PEL_OK) {
+        unlink(path);
+        return status;
+    }
+    frames->frame_count = row.frame + 1;
+    frames->last_time = pel_sim_time(sim);
+    frames->max_displacement = fmax(frames->max_displacement, row.measures.max_displacement);
+    pel_warnings_check_frame(&frames->warnings, row.frame, &row.measures, &row.ledger);
+    atomic_store(&frames->max_force, row.measures.max_force);
+    return list_is_due(frames) ? pel_run_frames_list(frames, error) : PEL_OK;
+}
+
+/* ---- the thread that writes ---- */
+
+/* after a failure nothing more is written */
+static void write_slot(void *context, int32_t slot)
+{
+    pel_run_frames *frames = context;
+    const pel_run_frame *frame = &frames->slots[slot];
+    if (atomic_load(&frames->failed))
+        return;
+    pel_status status = pel_sim_load(frames->sim, frame->snapshot, frames->snapshot_size, &frames->error);
+    if (status == PEL_OK)
+        status = write_frame(frames, frames->sim, &frame->totals, frame->tool_force, &frames->error);
+    if (status == PEL_OK)
+        return;
+    frames->failed_slot = slot;
+    atomic_store(&frames->failed, true);
+}
+
+static pel_status start_thread(pel_run_frames *frames, const pel_sim_def *sim_def, pel_error *error)
+{
+    pel_sim_def def = *sim_def;
+    def.thread_count = 1;
+    pel_status status = pel_sim_create(&def, &frames->sim, error);
+    if (status != PEL_OK)
+        return status;
+    frames->snapshot_size = pel_sim_save_size(frames->sim);
+    for (int32_t slot = 0; slot < PEL_RUN_FRAME_SLOTS; slot++) {
+        pel_run_frame *frame = &frames->slots[slot];
+        frame->snapshot = pel_allocate(frames->snapshot_size, 1);
+        frame->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(frames->sim), sizeof *frame->tool_force);
+        if (frame->snapshot == NULL || frame->tool_force == NULL)
+            return pel_fail_memory(error);
+    }
+    return pel_worker_create(PEL_RUN_FRAME_SLOTS, write_slot, frames, &frames->worker, error);
+}
+
+/* ---- the caller's side ---- */
+
+/* what is summed up since the last frame begins anew */
+static void begin_interval(pel_run_totals *totals, const pel_sim *sim, double *tool_force)
+{
+    totals->frame_count++;
+    totals->frame_step = pel_sim_step_count(sim);
+    totals->frame_seconds = 0;
+    pel_sim_get_contact_statistics(sim, &totals->contact);
+    memset(tool_force, 0, (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
+}
+
+pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_def, const pel_sim *sim,
+                                 pel_error *error)
+{
+    pel_status status = pel_run_surface_create(sim, &frames->scene->output, &frames->surface, error);
+    int32_t threads = sim_def->thread_count > 0 ? sim_def->thread_count : (int32_t)pel_thread_limit();
+    return status == PEL_OK && threads > 1 ? start_thread(frames, sim_def, error) : status;
+}
+
+void pel_run_frames_destroy(pel_run_frames *frames)
+{
+    pel_worker_destroy(frames->worker);
+    pel_sim_destroy(frames->sim);
+    for (int32_t slot = 0; slot < PEL_RUN_FRAME_SLOTS; slot++) {
+        pel_free(frames->slots[slot].snapshot);
+        pel_free(frames->slots[slot].tool_force);
+    }
+    pel_run_series_close(&frames->series);
+    pel_run_surface_destroy(&frames->surface);
+}
+
+pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int64_t frame_count, bool resume,
+                                pel_error *error)
+{
+    frames->frame_count = frame_count;
+    pel_run_path(frames->series_path, frames->folder, PEL_RUN_SERIES);
+    if (!resume)
+        return pel_run_series_create(&frames->series, frames->series_path, sim, error);
+    pel_status status = pel_run_series_resume(&frames->series, frames->series_path, sim, frame_count, error);
+    frames->listed_count = -1;
+    return status == PEL_OK ? pel_run_frames_list(frames, error) : status;
+}
+
+/* false once a frame could not be written; its slot must stay as it is then */
+static bool hand_over(pel_run_frames *frames, const pel_sim *sim, const pel_run_totals *totals,
+                      const double *tool_force)
+{
+    pel_run_frame *frame = &frames->slots[pel_worker_claim(frames->worker)];
+    if (atomic_load(&frames->failed))
+        return false;
+    frame->totals = *totals;
+    memcpy(frame->tool_force, tool_force, 2 * (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
+    pel_sim_save(sim, frame->snapshot);
+    pel_worker_give(frames->worker);
+    return true;
+}
+
+pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
+                              pel_error *error)
+{
+    if (frames->worker != NULL) {
+        if (!hand_over(frames, sim, totals, tool_force))
+            return pel_run_frames_settle(frames, sim, totals, tool_force, error);
+        begin_interval(totals, sim, tool_force);
+        return PEL_OK;
+    }
+    pel_status status = write_frame(frames, sim, totals, tool_force, error);
+    if (frames->frame_count > totals->frame_count)
+        begin_interval(totals, sim, tool_force);
+    return status;
+}
+
+bool pel_run_frames_failed(const pel_run_frames *frames)
+{
+    return atomic_load(&frames->failed);
+}
+
+pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
+                                 pel_error *error)
+{
+    if (frames->worker != NULL)
+        pel_worker_wait(frames->worker);
+    pel_status status = PEL_OK;
+    if (pel_run_frames_failed(frames)) {
+        const pel_run_frame *frame = &frames->slots[frames->failed_slot];
+        *error = frames->error;
+        status = error->status;
+        pel_sim_load(sim, frame->snapshot, frames->snapshot_size, NULL);
+        *totals = frame->totals;
+        memcpy(tool_force, frame->tool_force, 2 * (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
+        /* the frame may be there and only the list not */
+        if (frames->frame_count > totals->frame_count)
+            begin_interval(totals, sim, tool_force);
+    }
+    totals->max_displacement = fmax(totals->max_displacement, frames->max_displacement);
+    /* after a failure the totals are set back each time, and what was counted before the failure is added again */
+    pel_warning_tallies counted = frames->warnings;
+    pel_warnings_merge(&totals->warnings, &counted);
+    if (status == PEL_OK)
+        frames->warnings = counted;
+    return status;
+}

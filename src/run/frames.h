@@ -1,0 +1,92 @@
+/* Frames of a run: the file, the row of the series and the list. With more than one thread a thread of its own writes
+   them from snapshots, in order, while the simulation goes on; a frame that cannot be written brings the run back to
+   the state that it shows. */
+#ifndef PEL_RUN_FRAMES_H
+#define PEL_RUN_FRAMES_H
+
+#include "base/worker.h"
+#include "results/folder.h"
+#include "results/series.h"
+#include "results/surface.h"
+#include "run/plan.h"
+#include "run/warnings.h"
+
+/* What is summed up on the way; goes into checkpoints as it stands. */
+typedef struct pel_run_totals {
+    int64_t frame_count;       /* frames written */
+    int64_t frame_step;        /* step of the last one */
+    double frame_seconds;      /* wall time of the steps since then */
+    double step_seconds;       /* wall time of all steps */
+    double wall_seconds;       /* of the calls of pel_run before this one */
+    double max_displacement;   /* m, over the frames */
+    double volume_ratio;       /* of the last frame */
+    int64_t rise_count;        /* frames whose volume is more than that of the frame before */
+    double rise_sum, rise_max; /* of the volume ratio in these */
+    pel_warning_tallies warnings;
+    int64_t lost_count;             /* vertices that grasps have lost */
+    pel_contact_statistics contact; /* at the last frame */
+} pel_run_totals;
+
+/* What a frame is made of. */
+typedef struct pel_run_frame {
+    pel_run_totals totals; /* before it; frame_count is its number */
+    double *tool_force;    /* (2 x tool count) as in pel_run_state */
+    void *snapshot;        /* (snapshot_size) of the simulation; null when one thread does everything */
+} pel_run_frame;
+
+enum { PEL_RUN_FRAME_SLOTS = 2 };
+
+/* While frames are under way everything here but `slots` belongs to the thread that writes. */
+typedef struct pel_run_frames {
+    const pel_scene *scene;
+    const char *folder;
+    const pel_run_plan *plan;
+    pel_run_surface surface;
+    pel_run_series series;
+    char series_path[PEL_RUN_FILE_SIZE];
+    int64_t frame_count;          /* written */
+    int64_t listed_count;         /* of them in frames.pvd */
+    double listed_at;             /* wall clock when it was written */
+    double max_displacement;      /* m, over the frames of this call */
+    pel_warning_tallies warnings; /* of the frames since the last settlement */
+    double last_time;             /* s, of the last frame written; 0 = none by this call */
+    _Atomic(double) max_force;    /* N, at the last frame written; may be read at any time */
+    _Atomic(bool) failed;         /* may be read at any time */
+    int32_t failed_slot;          /* of the frame that could not be written */
+    pel_error error;              /* why */
+    pel_worker *worker;           /* null = one thread does everything */
+    pel_sim *sim;                 /* the worker's, to look at snapshots; null as well */
+    size_t snapshot_size;
+    pel_run_frame slots[PEL_RUN_FRAME_SLOTS];
+} pel_run_frames;
+
+/* Prepares everything in memory, with a thread when `sim_def` asks for more than one. Destroy also on failure. */
+pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_def, const pel_sim *sim,
+                                 pel_error *error);
+void pel_run_frames_destroy(pel_run_frames *frames);
+
+/* Begins series.csv, or goes on behind the frame_count frames that are there, which are listed anew. */
+pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int64_t frame_count, bool resume,
+                                pel_error *error);
+
+/* Writes the present state as the frame totals->frame_count, or hands it over, and begins what is summed up from frame
+   to frame anew. Errors: as pel_run_frames_settle, also because of an earlier frame. */
+pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
+                              pel_error *error);
+
+/* true when a frame that was handed over could not be written: time to settle */
+bool pel_run_frames_failed(const pel_run_frames *frames);
+
+/* Waits until all frames are written and brings totals->max_displacement up to date. When one could not be written,
+   sim, totals and tool_force go back to what they were when it was added, and its error is returned. error is not null.
+ */
+pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
+                                 pel_error *error);
+
+/* Brings frames.pvd up to date; only after pel_run_frames_settle. */
+pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error);
+
+/* s, from some fixed moment */
+double pel_run_clock(void);
+
+#endif

@@ -1,0 +1,52 @@
+/* Inside of a run: what its parts share. */
+#ifndef PEL_RUN_STATE_H
+#define PEL_RUN_STATE_H
+
+#include "pellicle/run.h"
+#include "run/frames.h"
+
+typedef struct pel_run_state {
+    const pel_scene *scene;
+    const pel_run_def *def;
+    pel_model *model;
+    pel_sim *sim;
+    int32_t thread_count;
+    uint64_t fingerprint; /* of the scene with its meshes and of the program version */
+    pel_run_plan plan;
+    pel_run_frames frames;
+    pel_run_totals totals;
+    double *tool_force;        /* (2 x tool count) N, largest since the last frame, then largest over the run */
+    unsigned char *checkpoint; /* (checkpoint_size) a checkpoint as it is written */
+    size_t checkpoint_size;
+    char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
+    int64_t checkpoint_step;
+    double start;                          /* wall clock at the beginning of this call */
+    double keep_at;                        /* wall clock at which the state is kept again */
+    int64_t start_step;                    /* step at the beginning of this call */
+    bool settled;                          /* a rule of the scene's `stop` ended the run */
+    const char *stop_reason;               /* which one; null = none */
+    pel_sim_measures measures;             /* of the end */
+    pel_sim_ledger ledger;                 /* the same */
+    pel_contact_statistics contact_before; /* before the last step */
+    pel_flagged_body flagged[PEL_WARN_COUNT];
+    bool told[PEL_WARN_COUNT];  /* to the log */
+    int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
+} pel_run_state;
+
+/* ---- checkpoint.c ---- */
+
+/* Makes the buffer, so that a checkpoint can be written when memory is gone. */
+pel_status pel_run_checkpoint_prepare(pel_run_state *run, pel_error *error);
+/* Writes the present state to `checkpoint`, and to checkpoint-STEP.pel too when numbered. */
+pel_status pel_run_checkpoint_write(pel_run_state *run, bool numbered, pel_error *error);
+/* Goes back to the state in a file. PEL_BAD_FORMAT when it is damaged or does not belong to this scene. */
+pel_status pel_run_checkpoint_read(pel_run_state *run, const char *path, pel_error *error);
+
+/* ---- summary.c ---- */
+
+void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary);
+/* error is what ended the run, null when it is done */
+pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
+                                 pel_error *error);
+
+#endif

@@ -1,0 +1,83 @@
+#include "results/summary.h"
+#include "run/state.h"
+#include "scene/build.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *status_word(pel_status status)
+{
+    switch (status) {
+    case PEL_OK:
+        return "done";
+    case PEL_STOPPED:
+        return "stopped";
+    case PEL_DIVERGED:
+        return "diverged";
+    default:
+        return "failed";
+    }
+}
+
+static const char *stop_reason(const pel_run_state *run, pel_status status)
+{
+    if (status != PEL_OK)
+        return "";
+    if (run->stop_reason != NULL)
+        return run->stop_reason;
+    return pel_sim_step_count(run->sim) >= run->plan.step_total ? "duration" : "max_frames";
+}
+
+void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary)
+{
+    const pel_sim *sim = run->sim;
+    const pel_run_totals *totals = &run->totals;
+    int64_t steps = pel_sim_step_count(sim);
+    *summary = (pel_run_summary){
+        .status = status_word(status),
+        .frames = totals->frame_count,
+        .steps = steps,
+        .time_simulated = pel_sim_time(sim),
+        .wall_s = totals->wall_seconds + pel_run_clock() - run->start,
+        .steps_per_second = totals->step_seconds > 0 ? (double)steps / totals->step_seconds : 0,
+        .volume_ratio_final = run->measures.volume_ratio,
+        .area_ratio_final = run->measures.area_ratio,
+        .max_displacement = fmax(totals->max_displacement, run->measures.max_displacement),
+        .residual_displacement = run->measures.max_displacement,
+        .vertices_final = run->measures.vertex_count,
+        .triangles_final = run->measures.triangle_count,
+        .self_intersections_final = run->intersection_count,
+        .state_hash = pel_sim_hash(sim),
+        .alpha = pel_sim_alpha(sim),
+        .alpha_limit = pel_sim_alpha_limit(sim),
+        .threads = run->thread_count,
+        .stop_reason = stop_reason(run, status),
+        .volume_rises = totals->rise_count,
+        .volume_rise_sum = totals->rise_sum,
+        .volume_rise_max = totals->rise_max,
+        .unconverged_steps = totals->warnings.of[PEL_WARN_UNCONVERGED].count,
+        .ledger = run->ledger,
+    };
+    summary->warning_count = pel_warnings_list(run, summary->warnings);
+    pel_sim_get_solver(sim, &summary->solver);
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+        summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
+    memcpy(summary->checkpoint, run->checkpoint_path, sizeof summary->checkpoint);
+}
+
+pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
+                                 pel_error *error)
+{
+    pel_method method = run->scene->sim.solver.method;
+    const pel_run_ending ending = {
+        .folder = run->def->folder,
+        .scene_path = run->scene->path,
+        .method = method,
+        .method_name = pel_scene_method_name(method),
+        .summary = summary,
+        .sim = run->sim,
+        .tool_force = run->tool_force + pel_sim_tool_count(run->sim),
+        .cause = cause,
+    };
+    return pel_results_write_summary(&ending, error);
+}

@@ -1,0 +1,499 @@
+#include "run/warnings.h"
+
+#include "base/status.h"
+#include "math/vec3.h"
+#include "pellicle/topology.h"
+#include "run/state.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* stretch beyond the material's, as a share */
+#define SOFTNESS_LIMIT 0.05
+/* of descent, in each round, in a scene that leaves them to the method */
+enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
+/* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
+#define JAM_SHARE 0.1
+enum { JAM_STEPS = 10 };
+/* m, and thickness over size: a larger body as thin as that is probably measured in millimetres */
+#define LARGE_BODY 20.0
+#define THIN_SHARE 1e-4
+/* edges of a mesh that turn by less than this are flat */
+#define FLAT_ANGLE 1e-6
+
+static const char *const codes[PEL_WARN_COUNT] = {
+    [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
+    [PEL_WARN_MILLIMETRES] = "millimetres",         [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
+    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
+    [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
+    [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
+};
+
+void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
+{
+    pel_warning_tally *tally = &tallies->of[kind];
+    if (tally->count == 0 || frame < tally->first_frame)
+        tally->first_frame = frame;
+    tally->worst = tally->count == 0 ? value : fmax(tally->worst, value);
+    tally->count++;
+}
+
+void pel_warnings_merge(pel_warning_tallies *tallies, pel_warning_tallies *from)
+{
+    for (int k = 0; k < PEL_WARN_COUNT; k++) {
+        const pel_warning_tally *more = &from->of[k];
+        if (more->count == 0)
+            continue;
+        pel_warn(tallies, (pel_warning_kind)k, more->first_frame, more->worst);
+        tallies->of[k].count += more->count - 1;
+    }
+    *from = (pel_warning_tallies){0};
+}
+
+/* ---- the scene ---- */
+
+static double mean_of(const pel_quantity *quantity, int32_t count)
+{
+    double sum = 0;
+    for (int32_t v = 0; quantity->field != NULL && v < count; v++)
+        sum += quantity->field[v] / count;
+    return quantity->field != NULL ? sum : quantity->value;
+}
+
+/* diagonal of the box about a mesh */
+static double diagonal_of(const pel_mesh *mesh)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++) {
+            low[c] = fmin(low[c], mesh->positions[v][c]);
+            high[c] = fmax(high[c], mesh->positions[v][c]);
+        }
+    return pel_vec3_distance(low, high);
+}
+
+static void triangle_normal(const pel_mesh *mesh, int32_t t, double normal[3])
+{
+    const int32_t *v = mesh->triangles[t];
+    double a[3], b[3];
+    pel_vec3_subtract(mesh->positions[v[1]], mesh->positions[v[0]], a);
+    pel_vec3_subtract(mesh->positions[v[2]], mesh->positions[v[0]], b);
+    pel_vec3_cross(a, b, normal);
+}
+
+/* Mean radius of curvature, and mean length of an edge. Steiner's formula for the integral of the mean curvature of a
+   polyhedron, the sum over edges of length times angle over 2, here without sign; a sphere gives its radius. */
+static pel_status measure_edges(const pel_mesh *mesh, double *radius, double *edge, pel_error *error)
+{
+    pel_topology *topology;
+    pel_status status = pel_topology_create(mesh, &topology, error);
+    if (status != PEL_OK)
+        return status;
+    double area = 0, turn = 0, length_sum = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double n[3], m[3], cross[3];
+        triangle_normal(mesh, t, n);
+        area += pel_vec3_length(n) / 2;
+        for (int i = 0; i < 3; i++) {
+            int32_t twin = topology->twin[3 * t + i];
+            const int32_t *v = mesh->triangles[t];
+            double length = pel_vec3_distance(mesh->positions[v[i]], mesh->positions[v[(i + 1) % 3]]);
+            length_sum += length;
+            if (twin < 0)
+                continue;
+            triangle_normal(mesh, twin / 3, m);
+            pel_vec3_cross(n, m, cross);
+            double angle = atan2(pel_vec3_length(cross), pel_vec3_dot(n, m));
+            /* each inner edge comes twice */
+            turn += angle > FLAT_ANGLE ? length * angle / 4 : 0;
+        }
+    }
+    pel_topology_destroy(topology);
+    *radius = turn > 0 ? area / turn : HUGE_VAL;
+    *edge = length_sum / (3.0 * mesh->triangle_count);
+    return PEL_OK;
+}
+
+/* position-based methods that know no material have no dents to resolve */
+static bool knows_material(pel_method method)
+{
+    return method != PEL_METHOD_PBD && method != PEL_METHOD_PBD_DISTANCE;
+}
+
+/* remembers the first body of its kind for the text */
+static void flag_body(pel_run_state *run, pel_warning_kind kind, int32_t b, double value, double limit)
+{
+    if (run->totals.warnings.of[kind].count == 0)
+        run->flagged[kind] = (pel_flagged_body){b, value, limit};
+    pel_warn(&run->totals.warnings, kind, 0, value);
+}
+
+/* Edges against sqrt(R h), the length over which a dent of a shell bends. A body that refines has shorter ones where
+   they are needed. */
+static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    const pel_membrane_def *membrane = &body->shell.membrane;
+    double radius, edge;
+    if (!membrane->on || body->shell.bending.model == PEL_BENDING_OFF || !knows_material(run->scene->sim.solver.method))
+        return PEL_OK;
+    pel_status status = measure_edges(body->mesh, &radius, &edge, error);
+    if (status != PEL_OK)
+        return status;
+    edge = ldexp(edge, -body->refine.levels);
+    double limit = sqrt(radius * mean_of(&membrane->thickness, body->mesh->vertex_count));
+    if (edge > limit)
+        flag_body(run, PEL_WARN_COARSE, b, edge, limit);
+    return PEL_OK;
+}
+
+static void check_size(pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    const pel_membrane_def *membrane = &body->shell.membrane;
+    double size = diagonal_of(body->mesh), thickness = mean_of(&membrane->thickness, body->mesh->vertex_count);
+    if (size > LARGE_BODY && !(membrane->on && thickness > THIN_SHARE * size))
+        flag_body(run, PEL_WARN_MILLIMETRES, b, size, LARGE_BODY);
+}
+
+/* the model turned what was inside out, so that pressure and volume have their usual sign */
+static void check_orientation(pel_run_state *run, int32_t b)
+{
+    int32_t turned = pel_model_turned_count(run->model, b);
+    if (turned > 0)
+        flag_body(run, PEL_WARN_INVERTED_MESH, b, turned, 0);
+}
+
+pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
+{
+    double softness = pel_sim_softness(run->sim);
+    pel_status status = PEL_OK;
+    if (softness > SOFTNESS_LIMIT)
+        pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
+    for (int32_t b = 0; status == PEL_OK && b < run->scene->model.body_count; b++) {
+        status = check_edges(run, b, error);
+        check_size(run, b);
+        check_orientation(run, b);
+    }
+    return status;
+}
+
+/* ---- steps and frames ---- */
+
+/* closed grasps of tools that touch nothing; the value is the number of the tool, negated so that the first is kept */
+static void check_grasps(pel_run_state *run, int64_t frame)
+{
+    const pel_sim_def *def = &run->scene->sim;
+    double time = pel_sim_time(run->sim);
+    for (int32_t t = 0; t < def->tool_count; t++) {
+        pel_tool_reading reading;
+        if (!def->tools[t].grasp || time < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
+            continue;
+        pel_sim_get_tool(run->sim, t, &reading);
+        if (reading.contact_count == 0 && reading.lost_count == 0)
+            pel_warn(&run->totals.warnings, PEL_WARN_GRASP_EMPTY, frame, -(double)t);
+    }
+}
+
+/* steps in which any tool was held back or lost vertices, and the largest number of lost vertices of a tool */
+static void check_tools(pel_run_state *run, int64_t frame)
+{
+    pel_warning_tallies *tallies = &run->totals.warnings;
+    double end = pel_sim_time(run->sim), most_lost = 0;
+    bool is_held_back = false;
+    int64_t lost_count = 0;
+    for (int32_t t = 0; t < pel_sim_tool_count(run->sim); t++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(run->sim, t, &reading);
+        is_held_back |= reading.is_held_back;
+        lost_count += reading.lost_count;
+        most_lost = fmax(most_lost, (double)reading.lost_count);
+    }
+    if (is_held_back)
+        pel_warn(tallies, PEL_WARN_TOOL_HELD, frame, end);
+    if (lost_count > run->totals.lost_count)
+        pel_warn(tallies, PEL_WARN_GRASP_LOST, frame, most_lost);
+    run->totals.lost_count = lost_count;
+}
+
+void pel_warnings_check_step(pel_run_state *run)
+{
+    pel_warning_tallies *tallies = &run->totals.warnings;
+    int64_t frame = run->totals.frame_count, vertex_count = 0;
+    pel_solver_reading solver;
+    pel_contact_statistics now;
+    pel_sim_get_solver(run->sim, &solver);
+    if (run->scene->sim.solver.method == PEL_METHOD_DESCENT && !solver.converged)
+        pel_warn(tallies, PEL_WARN_UNCONVERGED, frame, solver.residual);
+    if (solver.softness > SOFTNESS_LIMIT)
+        pel_warn(tallies, PEL_WARN_SOFT, frame, solver.softness);
+    pel_sim_get_contact_statistics(run->sim, &now);
+    for (int32_t b = 0; b < run->scene->model.body_count; b++)
+        vertex_count += pel_sim_vertex_count(run->sim, b);
+    double share = (double)(now.fall_backs - run->contact_before.fall_backs) / (double)vertex_count;
+    if (share >= JAM_SHARE)
+        pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
+    check_grasps(run, frame);
+    run->contact_before = now;
+    check_tools(run, frame);
+}
+
+void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
+                              const pel_sim_ledger *ledger)
+{
+    if (measures->least_volume_ratio <= 0)
+        pel_warn(tallies, PEL_WARN_INVERTED_VOLUME, frame, -measures->least_volume_ratio);
+    if (ledger->energy_error > ledger->tolerance)
+        pel_warn(tallies, PEL_WARN_ENERGY, frame, ledger->energy_error);
+}
+
+/* ---- texts ---- */
+
+typedef struct text_context {
+    const pel_run_state *run;
+    const pel_warning_tally *tally;
+    char *text;
+    size_t size;
+} text_context;
+
+static void tell_softness(const text_context *at)
+{
+    const pel_solver_def *solver = &at->run->scene->sim.solver;
+    pel_solver_reading reading;
+    pel_sim_get_solver(at->run->sim, &reading);
+    snprintf(at->text, at->size,
+             "xpbd with %d substeps stretches up to %.3g times as far as the material. use %s >= %d, or method descent "
+             "for states of rest",
+             (int)reading.most_substeps, 1 + at->tally->worst, solver->substeps > 0 ? "substeps" : "max_substeps",
+             (int)reading.needed_substeps);
+}
+
+static const pel_flagged_body *flagged_of(const text_context *at, pel_warning_kind kind, const char **name)
+{
+    const pel_flagged_body *flagged = &at->run->flagged[kind];
+    *name = at->run->scene->model.bodies[flagged->body].name;
+    return flagged;
+}
+
+static void tell_coarseness(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_COARSE, &name);
+    snprintf(
+        at->text, at->size,
+        "the edges of body '%s' are %.3g m long on average, but its shell bends over sqrt(R h) = %.3g m. subdivide "
+        "the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
+        name, flagged->value, flagged->limit, fmax(ceil(log2(flagged->value / flagged->limit)), 1), name);
+}
+
+static void tell_millimetres(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_MILLIMETRES, &name);
+    snprintf(at->text, at->size,
+             "body '%s' is %.4g m across. if its mesh is in millimetres, write mesh: { ..., scale: 0.001 }", name,
+             flagged->value);
+}
+
+static void tell_inverted_mesh(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_INVERTED_MESH, &name);
+    snprintf(at->text, at->size,
+             "the mesh of body '%s' is inside out: %.0f triangles were turned outward. turn them in the file with "
+             "pellicle check --fix",
+             name, flagged->value);
+}
+
+static void tell_inverted_volume(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "a body turned inside out: its volume is %.3g of that at rest. lower the pressure, switch contact on or "
+             "stop earlier (stop: volume_ratio_below)",
+             -at->tally->worst);
+}
+
+static void tell_unconverged(const text_context *at)
+{
+    const pel_sim_def *sim = &at->run->scene->sim;
+    bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
+    int32_t automatic = in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS;
+    snprintf(at->text, at->size,
+             "%" PRId64 " of %" PRId64 " steps did not converge: a residual of up to %.3g N is left. use "
+             "solver.iterations above %d, or let loads and tools move over more steps",
+             at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst,
+             (int)(sim->solver.iterations > 0 ? sim->solver.iterations : automatic));
+}
+
+static const char *energy_remedy(const pel_sim_def *sim)
+{
+    switch (sim->solver.method) {
+    case PEL_METHOD_PBD:
+    case PEL_METHOD_PBD_DISTANCE:
+        return "use the method xpbd: pbd does not follow the material";
+    case PEL_METHOD_XPBD:
+        /* pairs that touch are found once a step: substeps do not add any */
+        return sim->contact.enabled ? "use a smaller solver.dt" : "use more solver.substeps";
+    case PEL_METHOD_DESCENT:
+        return "raise solver.iterations, or let loads and tools move over more steps";
+    default:
+        return "use a smaller solver.dt";
+    }
+}
+
+static void tell_energy(const text_context *at)
+{
+    double supplied = at->run->ledger.supplied, worst = at->tally->worst;
+    const char *remedy = energy_remedy(&at->run->scene->sim);
+    if (supplied > 0)
+        snprintf(at->text, at->size, "%.3g J appeared: %.3g %% of the %.3g J that were supplied. %s", worst,
+                 100 * worst / supplied, supplied, remedy);
+    else
+        snprintf(at->text, at->size, "%.3g J appeared, though nothing was supplied. %s", worst, remedy);
+}
+
+static void tell_jam(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "contact stepped back up to %.0f %% of all vertices, in %" PRId64 " steps at least a tenth: bodies are "
+             "jammed. use a smaller solver.dt, or slower tools and loads",
+             100 * at->tally->worst, at->tally->count);
+}
+
+/* the tool to which a state happened first, and how many others it happened to */
+typedef struct first_tool {
+    pel_tool_reading reading;
+    const char *name;
+    int32_t other_count;
+} first_tool;
+
+static bool is_before(double time, const first_tool *first, double first_time)
+{
+    return first->name == NULL || time < first_time;
+}
+
+static first_tool find_first_tool(const pel_sim *sim, bool lost)
+{
+    first_tool first = {.other_count = -1};
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
+        pel_tool_reading now;
+        pel_sim_get_tool(sim, t, &now);
+        if ((lost ? now.lost_count : now.held_back_count) == 0)
+            continue;
+        first.other_count++;
+        if (is_before(lost ? now.lost_time : now.held_back_time, &first,
+                      lost ? first.reading.lost_time : first.reading.held_back_time)) {
+            first.reading = now;
+            first.name = pel_sim_tool_name(sim, t);
+        }
+    }
+    return first;
+}
+
+/* " (and 2 other tools)", or nothing */
+static const char *others_text(const first_tool *first, char text[40])
+{
+    text[0] = '\0';
+    if (first->other_count > 0)
+        snprintf(text, 40, " (and %d other tool%s)", (int)first->other_count, first->other_count > 1 ? "s" : "");
+    return text;
+}
+
+static void tell_tool(const text_context *at)
+{
+    char others[40];
+    first_tool first = find_first_tool(at->run->sim, false);
+    snprintf(at->text, at->size,
+             "tool '%s'%s was held back in %" PRId64 " steps, first at t = %.6g s, because a body could not give way. "
+             "move it more slowly or less far, or use a smaller solver.dt",
+             first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time);
+}
+
+static void tell_grasp(const text_context *at)
+{
+    char others[40];
+    first_tool first = find_first_tool(at->run->sim, true);
+    snprintf(at->text, at->size,
+             "tool '%s'%s lost %" PRId64 " vertices at t = %.6g s%s: their forces exceeded its grasp.max_force. pull "
+             "more slowly, or raise grasp.max_force or grasp.reach",
+             first.name, others_text(&first, others), first.reading.lost_count, first.reading.lost_time,
+             at->tally->count > 1 ? " and later" : "");
+}
+
+static void tell_empty_grasp(const text_context *at)
+{
+    const pel_sim_def *def = &at->run->scene->sim;
+    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    snprintf(at->text, at->size,
+             "the grasp of tool '%s' holds nothing in %" PRId64
+             " steps: when it closed, no vertex was inside the tool or "
+             "within grasp.reach of it. move the tool there before grasp.from, or raise grasp.reach",
+             t < def->tool_count ? def->tools[t].name : "", at->tally->count);
+}
+
+static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
+    [PEL_WARN_SOFT] = tell_softness,
+    [PEL_WARN_COARSE] = tell_coarseness,
+    [PEL_WARN_MILLIMETRES] = tell_millimetres,
+    [PEL_WARN_INVERTED_MESH] = tell_inverted_mesh,
+    [PEL_WARN_INVERTED_VOLUME] = tell_inverted_volume,
+    [PEL_WARN_UNCONVERGED] = tell_unconverged,
+    [PEL_WARN_ENERGY] = tell_energy,
+    [PEL_WARN_JAMMED] = tell_jam,
+    [PEL_WARN_TOOL_HELD] = tell_tool,
+    [PEL_WARN_GRASP_LOST] = tell_grasp,
+    [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
+};
+
+/* energy that appears is measured against all that the run supplied in the end */
+static bool holds(const pel_run_state *run, pel_warning_kind kind)
+{
+    const pel_warning_tally *tally = &run->totals.warnings.of[kind];
+    if (kind == PEL_WARN_JAMMED)
+        return tally->count >= JAM_STEPS;
+    if (kind == PEL_WARN_ENERGY)
+        return tally->count > 0 && tally->worst > run->ledger.tolerance;
+    return tally->count > 0;
+}
+
+int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
+{
+    int32_t count = 0;
+    for (int k = 0; k < PEL_WARN_COUNT; k++) {
+        const pel_warning_tally *tally = &run->totals.warnings.of[k];
+        if (!holds(run, (pel_warning_kind)k))
+            continue;
+        pel_run_warning *warning = &warnings[count++];
+        *warning = (pel_run_warning){.code = codes[k], .first_frame = tally->first_frame, .count = tally->count};
+        text_context at = {run, tally, warning->text, sizeof warning->text};
+        tellers[k](&at);
+    }
+    return count;
+}
+
+/* known before the first step */
+static bool is_of_scene(int kind)
+{
+    return kind == PEL_WARN_SOFT || kind == PEL_WARN_COARSE || kind == PEL_WARN_MILLIMETRES ||
+           kind == PEL_WARN_INVERTED_MESH;
+}
+
+void pel_warnings_tell(pel_run_state *run, bool is_over)
+{
+    pel_run_warning warnings[PEL_RUN_WARNING_LIMIT];
+    int32_t count = pel_warnings_list(run, warnings);
+    for (int32_t i = 0; i < count; i++) {
+        int kind = 0;
+        while (codes[kind] != warnings[i].code)
+            kind++;
+        if (run->told[kind] || !(is_over || is_of_scene(kind)))
+            continue;
+        run->told[kind] = true;
+        pel_log_line(run->def->warnings, "%s", warnings[i].text);
+    }
+}
+
+_Static_assert((int)PEL_WARN_COUNT <= (int)PEL_RUN_WARNING_LIMIT, "the summary has room for one warning of each kind");

@@ -1,0 +1,58 @@
+/* Warnings of a run: what makes its numbers doubtful. Each kind is counted as the run goes and told once. */
+#ifndef PEL_RUN_WARNINGS_H
+#define PEL_RUN_WARNINGS_H
+
+#include "pellicle/run.h"
+
+typedef enum pel_warning_kind {
+    PEL_WARN_SOFT,
+    PEL_WARN_COARSE,
+    PEL_WARN_MILLIMETRES,
+    PEL_WARN_INVERTED_MESH,
+    PEL_WARN_INVERTED_VOLUME,
+    PEL_WARN_UNCONVERGED,
+    PEL_WARN_ENERGY,
+    PEL_WARN_JAMMED,
+    PEL_WARN_TOOL_HELD,
+    PEL_WARN_GRASP_LOST,
+    PEL_WARN_GRASP_EMPTY,
+    PEL_WARN_COUNT
+} pel_warning_kind;
+
+/* How often a kind was seen. Goes into checkpoints as it stands. */
+typedef struct pel_warning_tally {
+    int64_t first_frame, count;
+    double worst; /* largest value that came with it */
+} pel_warning_tally;
+
+typedef struct pel_warning_tallies {
+    pel_warning_tally of[PEL_WARN_COUNT];
+} pel_warning_tallies;
+
+/* the first body that a warning of the scene is about */
+typedef struct pel_flagged_body {
+    int32_t body;
+    double value, limit; /* in the unit of the kind */
+} pel_flagged_body;
+
+struct pel_run_state;
+
+/* Counts one more. */
+void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value);
+/* Adds the counts of `from`, which begins anew. */
+void pel_warnings_merge(pel_warning_tallies *tallies, pel_warning_tallies *from);
+
+/* Before the first step: softness, meshes. PEL_OUT_OF_MEMORY. */
+pel_status pel_warnings_check_scene(struct pel_run_state *run, pel_error *error);
+/* After each step: convergence, jams, tools. */
+void pel_warnings_check_step(struct pel_run_state *run);
+/* At each frame, by the thread that writes it. */
+void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
+                              const pel_sim_ledger *ledger);
+
+/* Writes the warnings that hold at present to `warnings` (PEL_RUN_WARNING_LIMIT); returns their number. */
+int32_t pel_warnings_list(const struct pel_run_state *run, pel_run_warning *warnings);
+/* Tells the log those that it was not told yet: of the scene, and the others when the run is over. */
+void pel_warnings_tell(struct pel_run_state *run, bool is_over);
+
+#endif

@@ -1,0 +1,214 @@
+/* Creation: all parts of a simulation from its def. */
+#include "base/memory.h"
+#include "base/status.h"
+#include "pellicle/parallel.h"
+#include "sim/contact.h"
+#include "sim/descent.h"
+#include "sim/tool_solid.h"
+
+enum { SIM_COOKIE = 0x73696d21 };
+
+/* below this many chunks (of 512 vertices) threads cost more than they give */
+enum { CHUNKS_WORTH_THREADS = 4 };
+
+/* positions farther than this many model sizes from the model count as diverged */
+#define BOUND_SIZES 1e3
+
+pel_sim_def pel_sim_def_default(void)
+{
+    return (pel_sim_def){
+        .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true, .second_order = PEL_AUTO},
+        .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
+        .cookie = SIM_COOKIE,
+    };
+}
+
+/* ---- creation ---- */
+
+static pel_status check_def(const pel_sim_def *def, pel_error *error)
+{
+    if (def->cookie != SIM_COOKIE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim def was not made by pel_sim_def_default()");
+    if (def->model == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim has no model");
+    const pel_solver_def *solver = &def->solver;
+    if (!(solver->dt > 0 && isfinite(solver->dt))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver dt is %g", solver->dt);
+        pel_fail_remedy(error, "give a time step above 0");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!(solver->alpha >= 0 && isfinite(solver->alpha))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver alpha is %g", solver->alpha);
+        pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (solver->method > PEL_METHOD_DESCENT)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
+    if (solver->iterations < 0 || solver->substeps < 0 || solver->max_substeps < 0) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver iterations or substeps are below 0");
+        pel_fail_remedy(error, "give at least 1, or 0 for the usual number of the method");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!(solver->drag >= 0 && isfinite(solver->drag))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver drag is %g", solver->drag);
+        pel_fail_remedy(error, "give a finite number of at least 0");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
+    return PEL_OK;
+}
+
+static double position_bound(const pel_model *model)
+{
+    double size = 0, far = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        size = fmax(size, model->bodies[b].diameter);
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        for (int i = 0; i < 3; i++)
+            far = fmax(far, fabs((double)model->rest[v][i]));
+    return 2 * far + BOUND_SIZES * size;
+}
+
+/* a pool when the largest body has work for more than one thread */
+static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error)
+{
+    int32_t most = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        int32_t end = sim->active != NULL ? sim->active->bodies[b].fine_limit / PEL_WIDTH : body->slice_end;
+        int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, end);
+        most = chunk_count > most ? chunk_count : most;
+    }
+    sim->chunk_longest = pel_allocate((size_t)most, sizeof *sim->chunk_longest);
+    if (sim->chunk_longest == NULL)
+        return pel_fail_memory(error);
+    sim->step.longest = sim->chunk_longest;
+    int threads = thread_count > 0 ? thread_count : pel_thread_limit();
+    if (threads == 1 || most < CHUNKS_WORTH_THREADS)
+        return PEL_OK;
+    pel_status status = pel_pool_create(threads, &sim->pool, error);
+    sim->step.pool = sim->pool;
+    return status;
+}
+
+static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+{
+    sim->model = sim->given = def->model;
+    sim->solver = def->solver;
+    sim->stepper = pel_stepper_of(def->solver.method);
+    pel_substeps_configure(sim, def);
+    if (pel_model_refines(def->model)) {
+        pel_status refines = pel_active_create(def->model, &sim->active, error);
+        if (refines != PEL_OK)
+            return refines;
+        sim->model = &sim->active->model;
+    }
+    sim->step = (pel_step){
+        .dt = def->solver.dt,
+        .keep_velocity = def->solver.keep_velocity,
+        .symplectic = def->solver.symplectic,
+        .bound = position_bound(def->model),
+    };
+    sim->force = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *sim->force);
+    if (sim->force == NULL)
+        return pel_fail_memory(error);
+    pel_status status = start_threads(sim, def->thread_count, error);
+    if (status == PEL_OK)
+        status = pel_state_create(sim->model, pel_sim_has_velocity(sim), &sim->state, error);
+    if (status == PEL_OK)
+        status = pel_refine_create(sim, error);
+    if (status == PEL_OK)
+        status = pel_shells_create(sim, error);
+    if (status == PEL_OK)
+        pel_weights_start(sim);
+    if (status == PEL_OK)
+        status = sim->stepper->create(sim, error);
+    if (status == PEL_OK && sim->active != NULL)
+        status = pel_refine_start(sim, error);
+    if (status == PEL_OK)
+        pel_substeps_follow(sim);
+    if (status == PEL_OK)
+        status = pel_loads_create(sim, def->loads, def->load_count, error);
+    if (status == PEL_OK)
+        status = pel_tools_create(sim, def->tools, def->tool_count, error);
+    if (status == PEL_OK)
+        status = pel_supports_create(sim, error);
+    if (status == PEL_OK)
+        status = pel_solids_create(sim, error);
+    if (status == PEL_OK)
+        status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK)
+        status = pel_contacts_create_event(sim, error);
+    if (status == PEL_OK && sim->stepper->check_start != NULL)
+        status = sim->stepper->check_start(sim, error);
+    if (status == PEL_OK)
+        status = pel_ledger_create(sim, error);
+    if (status == PEL_OK)
+        status = pel_parts_create(sim, error);
+    if (status == PEL_OK)
+        sim->fingerprint = pel_sim_fingerprint(sim);
+    return status;
+}
+
+pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error)
+{
+    *sim = NULL;
+    pel_status status = check_def(def, error);
+    if (status != PEL_OK)
+        return status;
+    pel_sim *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    status = build(made, def, error);
+    if (status == PEL_OK)
+        *sim = made;
+    else
+        pel_sim_destroy(made);
+    return status;
+}
+
+void pel_sim_destroy(pel_sim *sim)
+{
+    if (sim == NULL)
+        return;
+    pel_ledger_destroy(sim);
+    pel_parts_destroy(sim);
+    pel_contacts_destroy(sim);
+    pel_solids_destroy(sim);
+    pel_supports_destroy(sim);
+    pel_tools_destroy(sim);
+    pel_loads_destroy(sim);
+    pel_refine_destroy(sim);
+    pel_sim_descent_destroy(sim);
+    pel_relax_destroy(sim->relax);
+    pel_projector_destroy(sim->projector);
+    pel_substeps_destroy(sim);
+    pel_shells_destroy(sim);
+    pel_active_destroy(sim->active);
+    pel_state_destroy(sim->state);
+    pel_free(sim->force);
+    pel_free(sim->chunk_longest);
+    pel_pool_destroy(sim->pool);
+    pel_free(sim);
+}
+
+/* ---- before there is a simulation ---- */
+
+pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error)
+{
+    pel_status status = check_def(def, error);
+    *count = 0;
+    if (status != PEL_OK)
+        return status;
+    pel_sim sim = {.model = def->model, .given = def->model, .solver = def->solver, .step.dt = def->solver.dt};
+    sim.solver.method = PEL_METHOD_XPBD;
+    sim.stepper = pel_stepper_of(PEL_METHOD_XPBD);
+    pel_substeps_configure(&sim, def);
+    status = pel_state_create(sim.model, true, &sim.state, error);
+    if (status == PEL_OK)
+        status = pel_substeps_count(&sim, count, error);
+    pel_substeps_destroy(&sim);
+    pel_state_destroy(sim.state);
+    return status;
+}

@@ -1,0 +1,162 @@
+/* What tools feel.
+
+   The force on a tool is what the surface does to it. Quasi-static method: the force F_i of eq. A-2 on each touched
+   vertex, as far as it presses against the tool (held vertices: all of it); at rest this balances the push exactly, and
+   friction carries what is across it, as far as it can. Explicit method: the momentum taken from the vertices over dt.
+   Minimisation: the sum of the loads of its contacts (descent.h), and all of F_i where it holds. */
+#include "sim/descent.h"
+#include "sim/tool.h"
+
+/* ---- forces of the methods without velocities ---- */
+
+/* forces of loads and shells at the new positions on the touched vertices, into sim->force */
+static void find_load_and_shell_forces(pel_sim *sim, double time)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
+            sim->force[sim->tools[i].touches[k].vertex] = pel_wide_splat(0);
+    pel_loads_add(sim, time, sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position_next, time, PEL_SHELL_ALL, sim->pool, sim->force);
+}
+
+/* force on a touched vertex at the new positions */
+static void static_force(const pel_sim *sim, int32_t v, double force[3])
+{
+    const pel_state *state = sim->state;
+    pel_record elastic = pel_elastic_force_at(sim->model, state, state->position_next, v);
+    for (int i = 0; i < 3; i++)
+        force[i] = (double)(elastic[i] + sim->force[v][i]);
+}
+
+/* what of a force presses against the tool, which cannot pull, and what of the rest friction holds */
+static void hold_against(const pel_sim *sim, const pel_tool *tool, int32_t v, const double push[3], double force[3])
+{
+    double square = pel_vec3_squared_length(push), pressing[3], across[3];
+    double along = square > 0 ? fmin(pel_vec3_dot(force, push) / square, 0) : 0;
+    double friction = pel_sim_friction(sim, tool, v);
+    pel_vec3_scale(push, along, pressing);
+    pel_vec3_subtract(force, pressing, across);
+    double limit = friction * pel_vec3_length(pressing), length = pel_vec3_length(across);
+    pel_vec3_along(pressing, length > limit ? limit / length : 1, across, force);
+}
+
+static void read_forces(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->touch_count; i++) {
+        const pel_touch *touch = &tool->touches[i];
+        double force[3], x[3];
+        /* of the rest the minimisation knows the loads, but of meshes that only a correction after it keeps out */
+        if (sim->descent != NULL && !sim->held[touch->vertex] && (tool->mesh == NULL || pel_descent_sees_contacts(sim)))
+            continue;
+        static_force(sim, touch->vertex, force);
+        pel_vertex_position(sim->state->position_next, touch->vertex, x);
+        if (sim->held[touch->vertex]) {
+            pel_tool_add_grip(sim, tool, touch->vertex, x, force);
+        } else {
+            hold_against(sim, tool, touch->vertex, touch->push, force);
+            pel_tool_add_reaction(tool, x, force);
+        }
+    }
+}
+
+/* ---- projected methods ---- */
+
+/* adds drag and damping of a held vertex, by its mean velocity in the step */
+static void add_damping(const pel_sim *sim, int32_t v, const double *factors, double force[3])
+{
+    const pel_model *model = sim->model;
+    const pel_record next = sim->state->position_next[v], before = sim->state->position[v];
+    double drag = factors[PEL_SPRING_DAMPING] * (double)model->damping[v] + sim->solver.drag * (double)model->mass[v];
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v], velocity[3], offset[3];
+    for (int k = 0; k < 3; k++) {
+        velocity[k] = (double)(next[k] - before[k]) / sim->step.dt;
+        offset[k] = (double)(next[k] - model->rest[v][k]);
+    }
+    double square = pel_vec3_squared_length(offset);
+    double along = square > 0 ? radial * pel_vec3_dot(velocity, offset) / square : 0;
+    pel_vec3_along(force, -drag, velocity, force);
+    pel_vec3_along(force, -along, offset, force);
+}
+
+/* what the substeps recorded on held vertices, what draws them to their rest places, damping and inertia */
+static void read_grip(pel_sim *sim, pel_tool *tool)
+{
+    const pel_model *model = sim->model;
+    const pel_state *state = sim->state;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        const double *factors = state->factors[model->body_of_slice[v / PEL_WIDTH]];
+        double spring = factors[PEL_VOLUMETRIC_STIFFNESS] * (double)model->rest[v][3], force[3], x[3];
+        for (int k = 0; k < 3; k++) {
+            x[k] = (double)state->position_next[v][k];
+            force[k] =
+                (double)sim->projector->reaction[v][k] / sim->solver.substeps -
+                spring * (x[k] - (double)model->rest[v][k]) -
+                (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
+        }
+        add_damping(sim, v, factors, force);
+        pel_tool_add_grip(sim, tool, v, x, force);
+        pel_tool_touch(tool, v);
+    }
+}
+
+void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const double change[3], double rate)
+{
+    const pel_record *positions = sim->state->position_next;
+    double free = 0, point[3] = {0, 0, 0}, sum = 0, side = 0, force[3], x[3];
+    for (int i = 0; i < 4; i++) {
+        double weight = (double)contact->weights[i];
+        if (weight == 0)
+            continue;
+        free += (double)positions[contact->vertices[i]][3] * weight * weight;
+        pel_vertex_position(positions, contact->vertices[i], x);
+        pel_vec3_along(point, fabs(weight), x, point);
+        sum += fabs(weight);
+        side += weight;
+    }
+    if (!(free > 0))
+        return;
+    for (int i = 0; i < 4; i++) {
+        int32_t v = contact->vertices[i];
+        double share = (double)(contact->weights[i] * contact->push * positions[v][3]) / free;
+        if (share == 0)
+            continue;
+        pel_touch *touch = pel_tool_touch(tool, v);
+        for (int k = 0; k < 3; k++)
+            touch->push[k] += share * (double)contact->normal[k];
+    }
+    pel_vec3_scale(point, 1 / sum, point);
+    /* of surfaces the tool may be the first or the second one */
+    pel_vec3_scale(change, -copysign(rate / free, side), force);
+    pel_tool_add_reaction(tool, point, force);
+}
+
+void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double rate)
+{
+    double change[3];
+    for (int k = 0; k < 3; k++)
+        change[k] = (double)(contact->push * contact->normal[k] + contact->tangential[k]);
+    pel_tool_take(sim, tool, contact, change, rate);
+}
+
+/* ---- all methods ---- */
+
+void pel_tools_read(pel_sim *sim, double time)
+{
+    int32_t touch_count = 0;
+    if (sim->stepper->read_tools != NULL)
+        sim->stepper->read_tools(sim);
+    for (int32_t i = 0; i < sim->tool_count && sim->projector != NULL; i++)
+        read_grip(sim, &sim->tools[i]);
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        touch_count += sim->tools[i].touch_count;
+    if (sim->state->velocity_next == NULL && touch_count > 0) {
+        find_load_and_shell_forces(sim, time);
+        for (int32_t i = 0; i < sim->tool_count; i++)
+            read_forces(sim, &sim->tools[i]);
+    }
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        sim->tools[i].contact_count = sim->tools[i].touch_count;
+        sim->tools[i].is_on_its_way = false;
+    }
+}

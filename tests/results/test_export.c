@@ -1,0 +1,300 @@
+/* PC2, GLB and numbered files; the glTF validator looks at GLB files in web/test/exports.mjs, check_glb.py here. */
+#include "check.h"
+
+#include "base/memory.h"
+#include "failing_malloc.h"
+#include "io/file.h"
+#include "pellicle/export.h"
+#include "run_folder.h"
+
+static char folder[FOLDER_SIZE];
+static pel_frames *frames;
+
+static int set_up(void **unused)
+{
+    (void)unused;
+    strcpy(folder, "export_XXXXXX");
+    folder_make(folder);
+    return pel_frames_open(folder, &frames, NULL) != PEL_OK;
+}
+
+static int tear_down(void **unused)
+{
+    (void)unused;
+    pel_frames_close(frames);
+    folder_remove(folder);
+    return 0;
+}
+
+static int32_t word(const char *bytes)
+{
+    int32_t value;
+    memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
+static double real(const char *bytes)
+{
+    float value;
+    memcpy(&value, bytes, sizeof value);
+    return (double)value;
+}
+
+static void test_pc2(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], *bytes;
+    size_t size;
+    assert_int_equal(pel_export_pc2(folder_path(path, folder, "a.pc2"), frames, NULL), PEL_OK);
+    assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
+    assert_int_equal(size, 32 + FOLDER_FRAMES * FOLDER_VERTICES * 12);
+    assert_memory_equal(bytes, "POINTCACHE2\0", 12);
+    assert_int_equal(word(bytes + 12), 1);
+    assert_int_equal(word(bytes + 16), FOLDER_VERTICES);
+    assert_near(real(bytes + 20), 0, 0);
+    assert_near(real(bytes + 24), 1, 0);
+    assert_int_equal(word(bytes + 28), FOLDER_FRAMES);
+    for (int f = 0; f < FOLDER_FRAMES; f++) {
+        double positions[12], scalar[4], vector[12];
+        folder_values(f, positions, scalar, vector);
+        for (int i = 0; i < 12; i++)
+            assert_near(real(bytes + 32 + 48 * f + 4 * i), (double)(float)positions[i], 0);
+    }
+    pel_free(bytes);
+}
+
+/* three numbers of the JSON behind a word, which must come */
+static const char *next_numbers(const char *json, const char *word, double numbers[3])
+{
+    json = strstr(json, word);
+    assert_non_null(json);
+    assert_int_equal(sscanf(json + strlen(word), "[%lf,%lf,%lf]", &numbers[0], &numbers[1], &numbers[2]), 3);
+    return json + 1;
+}
+
+/* what an independent reader of the file says */
+static void check_by_python(const char *path, const char *expected)
+{
+    char command[300], said[200] = "";
+    snprintf(command, sizeof command, "python3 " PEL_SOURCE_DIR "/tests/results/check_glb.py %s", path);
+    FILE *stream = popen(command, "r");
+    assert_non_null(stream);
+    assert_non_null(fgets(said, sizeof said, stream));
+    assert_int_equal(pclose(stream), 0);
+    assert_string_equal(said, expected);
+}
+
+/* normals of the tetrahedron with right angles at vertex 0: at a corner, triangles weighted by their area */
+static void expected_normal(size_t v, double normal[3])
+{
+    /* twice the areas times the outward normals of the triangles, in the order of folder_triangles */
+    static const double areas[4][3] = {{0, 0, -1}, {0, -1, 0}, {1, 1, 1}, {-1, 0, 0}};
+    double square = 0;
+    for (size_t i = 0; i < 3; i++) {
+        normal[i] = 0;
+        for (size_t t = 0; t < 4; t++)
+            for (size_t c = 0; c < 3; c++)
+                normal[i] += folder_triangles[3 * t + c] == (int32_t)v ? areas[t][i] : 0;
+        square += normal[i] * normal[i];
+    }
+    for (size_t i = 0; i < 3; i++)
+        normal[i] /= sqrt(square);
+}
+
+/* the bounds of each frame in the JSON are those of its numbers, and normals are right in every frame */
+static void check_glb_frames(const char *json, const char *vertices, size_t frame_size)
+{
+    for (size_t f = 0; f < FOLDER_FRAMES; f++) {
+        const char *positions = vertices + f * frame_size, *normals = positions + frame_size / 2;
+        double low[3], high[3];
+        next_numbers(json, "\"min\":", low);
+        json = next_numbers(json, "\"max\":", high);
+        for (size_t i = 0; i < 3; i++) {
+            double least = HUGE_VAL, most = -HUGE_VAL;
+            for (size_t v = 0; v < FOLDER_VERTICES; v++) {
+                least = fmin(least, real(positions + 12 * v + 4 * i));
+                most = fmax(most, real(positions + 12 * v + 4 * i));
+            }
+            assert_near(low[i], least, 0);
+            assert_near(high[i], most, 0);
+        }
+        for (size_t v = 0; v < FOLDER_VERTICES; v++) {
+            double normal[3];
+            expected_normal(v, normal);
+            for (size_t i = 0; i < 3; i++) {
+                double base = real(vertices + frame_size / 2 + 12 * v + 4 * i);
+                assert_near(base + (f > 0 ? real(normals + 12 * v + 4 * i) : 0), normal[i], 1e-6);
+            }
+        }
+    }
+}
+
+/* frame 0 plus the morph target of frame f is frame f */
+static void test_glb(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], *bytes;
+    size_t size;
+    assert_int_equal(pel_export_glb(folder_path(path, folder, "a.glb"), frames, NULL), PEL_OK);
+    assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
+    assert_memory_equal(bytes, "glTF\2\0\0\0", 8);
+    assert_int_equal(word(bytes + 8), size);
+    const int32_t json_size = word(bytes + 12);
+    assert_int_equal(json_size % 4, 0);
+    assert_non_null(strstr(bytes + 20, "\"targets\":[{\"POSITION\":3,\"NORMAL\":4},"));
+    const char *numbers = bytes + 20 + json_size + 8, *vertices = numbers + 48;
+    const size_t frame_size = 24 * FOLDER_VERTICES;
+    for (int i = 0; i < 12; i++)
+        assert_int_equal(word(numbers + 4 * i), folder_triangles[i]);
+    for (int f = 0; f < FOLDER_FRAMES; f++) {
+        double positions[12], scalar[4], vector[12];
+        folder_values(f, positions, scalar, vector);
+        for (int i = 0; i < 12; i++) {
+            double delta = f > 0 ? real(vertices + (size_t)f * frame_size + 4 * (size_t)i) : 0;
+            assert_near(real(vertices + 4 * i) + delta, positions[i], 1e-6 * 12);
+        }
+    }
+    check_glb_frames(bytes + 20, vertices, frame_size);
+    const char *times = vertices + FOLDER_FRAMES * frame_size, *weights = times + 4 * FOLDER_FRAMES;
+    for (int f = 0; f < FOLDER_FRAMES; f++) {
+        assert_near(real(times + 4 * f), 0.5 * f, 0);
+        for (int k = 1; k < FOLDER_FRAMES; k++)
+            assert_near(real(weights + 4 * (f * (FOLDER_FRAMES - 1) + k - 1)), k == f, 0);
+    }
+    assert_ptr_equal(weights + 4 * FOLDER_FRAMES * (FOLDER_FRAMES - 1), bytes + size);
+    check_by_python(path, "4 vertices, 4 triangles, 4 frames\n");
+    pel_free(bytes);
+}
+
+static void test_glb_mesh(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], *bytes;
+    size_t size;
+    pel_mesh *mesh;
+    assert_int_equal(pel_frames_read(frames, 0, &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_export_glb_mesh(folder_path(path, folder, "a.glb"), mesh, NULL), PEL_OK);
+    assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
+    assert_null(strstr(bytes + 20, "animations"));
+    check_by_python(path, "4 vertices, 4 triangles, 1 frames\n");
+    mesh->positions[1][2] = 1e300;
+    assert_int_equal(pel_export_glb_mesh(path, mesh, NULL), PEL_BAD_ARGUMENT);
+    pel_mesh_destroy(mesh);
+    pel_free(bytes);
+}
+
+/* a coordinate that no float holds, on any axis and either side of zero */
+static void test_too_large(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], frame[FOLDER_PATH];
+    for (int i = 0; i < 6; i++) {
+        double positions[12], scalar[4], vector[12];
+        folder_values(1, positions, scalar, vector);
+        positions[6 + i % 3] = i < 3 ? 1e39 : -1e39;
+        const pel_vtp vtp = {.vertex_count = FOLDER_VERTICES,
+                             .triangle_count = 4,
+                             .positions = positions,
+                             .triangles = folder_triangles,
+                             .time = 0.5,
+                             .float64 = true};
+        assert_int_equal(pel_vtp_write(folder_path(frame, folder, "frames/f00001.vtp"), &vtp, NULL), PEL_OK);
+        pel_error error;
+        assert_int_equal(pel_export_pc2(folder_path(path, folder, "e.pc2"), frames, &error), PEL_BAD_FORMAT);
+        assert_non_null(strstr(error.what, "too large"));
+        assert_int_equal(pel_export_glb(folder_path(path, folder, "e.glb"), frames, &error), PEL_BAD_FORMAT);
+        assert_non_null(strstr(error.what, "too large"));
+        assert_non_null(strstr(error.file, "f00001.vtp"));
+        assert_int_equal(access(path, F_OK), -1);
+        assert_int_equal(access(folder_path(path, folder, "e.pc2"), F_OK), -1);
+    }
+}
+
+static void test_sequence(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], name[PEL_EXPORT_PATH_SIZE];
+    folder_path(path, folder, "b.ply");
+    assert_int_equal(pel_export_sequence(path, PEL_FORMAT_PLY, frames, NULL, NULL), PEL_OK);
+    for (int f = 0; f < FOLDER_FRAMES; f++) {
+        double positions[12], scalar[4], vector[12];
+        folder_values(f, positions, scalar, vector);
+        pel_mesh *mesh;
+        assert_int_equal(pel_mesh_read(pel_export_numbered_path(name, path, f), PEL_FORMAT_AUTO, NULL, &mesh, NULL),
+                         PEL_OK);
+        assert_memory_equal(mesh->positions, positions, sizeof positions);
+        pel_mesh_destroy(mesh);
+    }
+    assert_string_equal(pel_export_numbered_path(name, "a.b/ball", 7), "a.b/ball_00007");
+    assert_string_equal(pel_export_numbered_path(name, "a.b/ball.x.obj", 123456), "a.b/ball.x_123456.obj");
+}
+
+/* a bad frame leaves nothing, not even the files before it */
+static void test_nothing_half_written(void **unused)
+{
+    (void)unused;
+    char pc2[FOLDER_PATH], glb[FOLDER_PATH], obj[FOLDER_PATH], first[FOLDER_PATH];
+    pel_error error;
+    folder_path(pc2, folder, "c.pc2");
+    folder_path(glb, folder, "c.glb");
+    folder_path(obj, folder, "c.obj");
+    folder_path(first, folder, "c_00000.obj");
+    folder_write_frame(folder, 2, 3, 0);
+    assert_int_equal(pel_export_pc2(pc2, frames, &error), PEL_BAD_FORMAT);
+    assert_non_null(strstr(error.file, "f00002.vtp"));
+    assert_int_equal(pel_export_glb(glb, frames, &error), PEL_BAD_FORMAT);
+    assert_non_null(strstr(error.file, "f00002.vtp"));
+    folder_write_frame(folder, 2, 4, (double)INFINITY);
+    assert_int_equal(pel_export_sequence(obj, PEL_FORMAT_OBJ, frames, NULL, &error), PEL_BAD_FORMAT);
+    assert_int_equal(access(pc2, F_OK), -1);
+    assert_int_equal(access(glb, F_OK), -1);
+    assert_int_equal(access(first, F_OK), -1);
+    folder_write_frame(folder, 2, 4, 0);
+    frames->times[2] = frames->times[1];
+    assert_int_equal(pel_export_glb(glb, frames, &error), PEL_BAD_FORMAT);
+    assert_non_null(strstr(error.what, "not later"));
+    /* the third file cannot be written: a folder stands there */
+    char blocked[FOLDER_PATH];
+    assert_int_equal(mkdir(folder_path(blocked, folder, "c_00002.obj"), 0777), 0);
+    assert_int_equal(pel_export_sequence(obj, PEL_FORMAT_OBJ, frames, NULL, &error), PEL_BAD_FILE);
+    assert_int_equal(access(first, F_OK), -1);
+    assert_int_equal(access(folder_path(first, folder, "c_00001.obj"), F_OK), -1);
+}
+
+static pel_status export_pc2(const void *path, pel_error *error)
+{
+    return pel_export_pc2(path, frames, error);
+}
+
+static pel_status export_glb(const void *path, pel_error *error)
+{
+    return pel_export_glb(path, frames, error);
+}
+
+static pel_status export_sequence(const void *path, pel_error *error)
+{
+    return pel_export_sequence(path, PEL_FORMAT_OBJ, frames, NULL, error);
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH];
+    assert_true(for_every_allocation_failure(export_pc2, folder_path(path, folder, "d.pc2")) > 10);
+    assert_true(for_every_allocation_failure(export_glb, folder_path(path, folder, "d.glb")) > 10);
+    assert_true(for_every_allocation_failure(export_sequence, folder_path(path, folder, "d.obj")) > 10);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_pc2, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_glb, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_glb_mesh, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_too_large, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_sequence, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_nothing_half_written, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_allocation_failures, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,511 @@
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "run/run_fixture.h"
+
+static void test_files(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(busy, NULL, 0), *again;
+    run_case test = {.run = "deep/er/files"};
+    char path[256];
+    check_run(scene, &test, PEL_OK);
+    assert_int_equal(test.calls, 61);
+    assert_string_equal(test.summary.status, "done");
+    assert_int_equal(test.summary.frames, 10);
+    assert_int_equal(test.summary.steps, 60);
+    assert_near(test.summary.time_simulated, 0.6, 1e-12);
+    enum { MAX_DISPLACEMENT = 6, PROBE_FORCE = 12, PROBE_FORCE_MAX = 20 };
+    assert_true(test.summary.max_displacement == largest_in_series(test.run, MAX_DISPLACEMENT));
+    assert_true(test.summary.max_tool_force == largest_in_series(test.run, PROBE_FORCE_MAX));
+    assert_true(test.summary.max_tool_force > largest_in_series(test.run, PROBE_FORCE));
+    check_whole(test.run);
+    assert_int_equal(check_list(test.run), 10);
+    check_contains(test.run, "series.csv",
+                   "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,max_force,"
+                   "vertices,triangles,contacts,step_ms,probe_force,probe_force_x,probe_force_y,probe_force_z,"
+                   "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,probe_held,clamp_force,");
+    check_contains(test.run, "summary.json", "{\n  \"status\": \"done\",\n  \"frames\": 10,\n  \"steps\": 60,\n");
+    check_contains(test.run, "summary.json", "\"self_intersections_final\": 0,");
+    assert_int_equal(test.summary.self_intersections_final, 0);
+    check_contains(test.run, "summary.json", "{\"name\": \"probe\", \"max_force\": ");
+    check_contains(test.run, "scene.yaml", "# state_hash: ");
+
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_read(in_folder(path, test.run, "final.ply"), PEL_FORMAT_AUTO, NULL, &mesh, NULL), PEL_OK);
+    assert_int_equal(mesh->vertex_count, test.summary.vertices_final);
+    assert_non_null(pel_mesh_field(mesh, "body"));
+    assert_non_null(pel_mesh_field(mesh, "thickness"));
+    assert_true(pel_mesh_field(mesh, "body")->values[mesh->vertex_count - 1] == 1);
+    pel_mesh_destroy(mesh);
+
+    /* the resolved scene is a scene, and the same one */
+    assert_int_equal(pel_scene_load(in_folder(path, test.run, "scene.yaml"), NULL, 0, NULL, &again, NULL), PEL_OK);
+    assert_string_equal(pel_scene_text(again), pel_scene_text(scene));
+    pel_scene_destroy(again);
+    pel_scene_destroy(scene);
+}
+
+/* the fields of a frame are those of the state that the frame shows */
+static void test_frame_fields(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    run_case test = {.run = "fields"};
+    char path[256];
+    pel_mesh *first, *last;
+    double time;
+    check_run(scene, &test, PEL_OK);
+    assert_int_equal(pel_vtp_read(in_folder(path, "fields", "frames/f00000.vtp"), &first, NULL, NULL), PEL_OK);
+    assert_int_equal(pel_vtp_read(in_folder(path, "fields", "frames/f00009.vtp"), &last, &time, NULL), PEL_OK);
+    assert_int_equal(last->field_count, 7);
+    assert_near(time, 0.6, 1e-12);
+    const double *u = pel_mesh_field(last, "displacement")->values;
+    const double *thickness = pel_mesh_field(last, "thickness")->values;
+    double contacts = 0, energy = 0, largest = 0;
+    for (int32_t v = 0; v < last->vertex_count; v++) {
+        double square = 0;
+        for (int c = 0; c < 3; c++) {
+            assert_near(u[3 * v + c], last->positions[v][c] - first->positions[v][c], 1e-5);
+            square += u[3 * v + c] * u[3 * v + c];
+        }
+        largest = fmax(largest, sqrt(square));
+        contacts += pel_mesh_field(last, "contact")->values[v];
+        energy += pel_mesh_field(last, "energy")->values[v];
+        bool lens = pel_mesh_field(last, "body")->values[v] == 1;
+        assert_true((thickness[v] > 0) == lens);
+    }
+    assert_true(contacts > 0 && energy > 0);
+    assert_near(largest, test.summary.residual_displacement, 1e-6);
+    assert_true(test.summary.max_displacement >= test.summary.residual_displacement);
+    pel_mesh_destroy(first);
+    pel_mesh_destroy(last);
+    pel_scene_destroy(scene);
+}
+
+/* frames of a body that refines are the changing mesh, each whole and closed, with levels and places in the mesh */
+static int32_t check_refined_frame(const char *run, int frame)
+{
+    char path[256], name[32];
+    pel_mesh *mesh;
+    pel_topology *topology;
+    int32_t finest = 0;
+    snprintf(name, sizeof name, "frames/f%05d.vtp", frame);
+    assert_int_equal(pel_vtp_read(in_folder(path, run, name), &mesh, NULL, NULL), PEL_OK);
+    assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
+    assert_int_equal(topology->boundary_edge_count, 0);
+    const pel_field *level = pel_mesh_field(mesh, "level"), *weights = pel_mesh_field(mesh, "mesh_weights");
+    assert_true(level != NULL && weights != NULL && pel_mesh_field(mesh, "mesh_vertices") != NULL);
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        const double *w = weights->values + 3 * (size_t)v;
+        finest = level->values[v] > finest ? (int32_t)level->values[v] : finest;
+        assert_near(w[0] + w[1] + w[2], 1, 1e-6);
+    }
+    pel_topology_destroy(topology);
+    pel_mesh_destroy(mesh);
+    return finest;
+}
+
+static void test_refinement(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"bodies.ball.refine.above=4", "bodies.ball.refine.levels=2",
+                               "bodies.ball.refine.dwell=5", "bodies.ball.refine.interval=3",
+                               "output.fields.6=area",       "output.fields.7=stress"};
+    pel_scene *scene = load_scene(busy, overrides, 6);
+    const pel_refine_def *refine = &scene->model.bodies[0].refine;
+    assert_true(refine->levels == 2 && refine->above == 4 && refine->below == 2 && refine->dwell == 5 &&
+                refine->interval == 3 && refine->rings == 2 && !refine->everywhere);
+    assert_int_equal(scene->model.bodies[1].refine.levels, 0);
+    run_case whole = {.run = "refine"};
+    check_run(scene, &whole, PEL_OK);
+    check_whole("refine");
+    assert_int_equal(check_refined_frame("refine", 0), 0);
+    assert_int_equal(check_refined_frame("refine", 5), 2);
+    assert_true(whole.summary.triangles_final >
+                scene->model.bodies[0].mesh->triangle_count + scene->model.bodies[1].mesh->triangle_count);
+    const int64_t stops[] = {2, 22, 40};
+    for (size_t i = 0; i < sizeof stops / sizeof stops[0]; i++) {
+        char run[32];
+        snprintf(run, sizeof run, "refine-%d", (int)stops[i]);
+        run_case test = {.run = run, .stop_at = stops[i]}, rest = {.run = run, .resume = "checkpoint"};
+        check_run(scene, &test, PEL_STOPPED);
+        check_run(scene, &rest, PEL_OK);
+        assert_true(rest.summary.state_hash == whole.summary.state_hash);
+        check_same_results("refine", run, whole.summary.frames);
+    }
+    pel_scene_destroy(scene);
+}
+
+/* one closed body is enough for a volume to stop at, wherever it stands */
+static void test_volume_of_any_body(void **unused)
+{
+    (void)unused;
+    static const char *const bodies[2] = {"{ shape: grid }", "{ shape: geodesic-sphere, frequency: 2 }"};
+    for (int i = 0; i < 4; i++) {
+        char text[400];
+        snprintf(
+            text, sizeof text,
+            "version: 1\nduration: 0.02\nbodies: [{ mesh: %s }, { mesh: %s }]\nstop: { volume_ratio_below: 0.5 }\n",
+            bodies[i / 2], bodies[i % 2]);
+        pel_scene *scene = load_scene(text, NULL, 0);
+        run_case test = {.run = "volume"};
+        check_run(scene, &test, i == 0 ? PEL_BAD_SCENE : PEL_OK);
+        pel_scene_destroy(scene);
+    }
+}
+
+/* steps a second are those of this call, and the time that is left follows from them */
+static bool watch_speed(void *user, const pel_run_progress *progress)
+{
+    double *numbers = user;
+    struct timespec pause = {.tv_nsec = 2000000};
+    nanosleep(&pause, NULL);
+    numbers[0] = progress->steps_per_second;
+    if (progress->step == 20)
+        numbers[1] = progress->remaining * progress->steps_per_second;
+    if (progress->step == 0)
+        numbers[2] = progress->remaining;
+    return true;
+}
+
+static void test_speed(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(small, NULL, 0);
+    char path[256];
+    double numbers[3] = {0, 0, 0};
+    pel_run_summary summary;
+    pel_run_def def = pel_run_def_default();
+    def.folder = in_folder(path, "speed", "");
+    def.progress = watch_speed;
+    def.user = numbers;
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
+    /* 100 steps, each with a pause of 2 ms: at most 500 a second, and not a hundredth of that */
+    assert_true(numbers[0] < 510 && numbers[0] > 5);
+    assert_near(numbers[1], 80, 1e-6);
+    assert_near(numbers[2], -1, 0);
+    pel_scene_destroy(scene);
+}
+
+/* an older, longer run is replaced; files that are none of a run stay */
+static void test_takes_over_folder(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    run_case test = {.run = "again"};
+    check_run(scene, &test, PEL_OK);
+    write_text("again", "notes.txt", "mine");
+    write_text("again", "frames/picture.png", "mine");
+    write_text("again", "frames/.pellicle-1-0.tmp", "left over");
+    test.max_frames = 2;
+    check_run(scene, &test, PEL_OK);
+    assert_int_equal(test.summary.frames, 3);
+    assert_int_equal(test.summary.steps, 14);
+    check_whole("again");
+    assert_false(exists("again", "frames/f00003.vtp"));
+    assert_false(exists("again", "checkpoint-22.pel"));
+    assert_true(exists("again", "notes.txt") && exists("again", "frames/picture.png"));
+    /* a run cut short by max_frames can go on */
+    run_case rest = {.run = "again", .resume = "checkpoint"}, whole = {.run = "again-whole"};
+    check_run(scene, &rest, PEL_OK);
+    check_run(scene, &whole, PEL_OK);
+    check_same_results("again-whole", "again", whole.summary.frames);
+    pel_scene_destroy(scene);
+}
+
+static void test_bad_folders(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    run_case test = {.run = "in-the-way"};
+    write_text(".", "in-the-way", "a file");
+    check_run(scene, &test, PEL_BAD_FILE);
+    assert_string_equal(test.summary.status, "");
+    test.run = "in-the-way/below";
+    check_run(scene, &test, PEL_BAD_FILE);
+    char path[256];
+    assert_int_equal(mkdir(in_folder(path, "closed", ""), 0555), 0);
+    test.run = "closed";
+    if (geteuid() != 0) {
+        check_run(scene, &test, PEL_BAD_FILE);
+        assert_false(exists("closed", "frames"));
+    }
+    pel_scene_destroy(scene);
+}
+
+/* a scene that cannot run leaves no folder */
+static void test_nothing_written(void **unused)
+{
+    (void)unused;
+    const char *const unstable = "solver.alpha=1e6";
+    pel_scene *scene = load_scene(busy, &unstable, 1);
+    run_case test = {.run = "never"};
+    check_run(scene, &test, PEL_UNSTABLE);
+    assert_string_equal(test.error.file, "--set solver.alpha=1e6");
+    assert_false(exists("never", ""));
+    pel_scene_destroy(scene);
+}
+
+/* the scene that is being run is never overwritten */
+static void test_own_scene(void **unused)
+{
+    (void)unused;
+    char path[256];
+    pel_scene *scene;
+    mkdir(in_folder(path, "own", ""), 0777);
+    write_text("own", "scene.yaml", busy);
+    assert_int_equal(pel_scene_load(in_folder(path, "own", "scene.yaml"), NULL, 0, NULL, &scene, NULL), PEL_OK);
+    run_case test = {.run = "own"};
+    check_run(scene, &test, PEL_BAD_FILE);
+    char *text;
+    read_text("own", "scene.yaml", &text, NULL);
+    assert_string_equal(text, busy);
+    pel_free(text);
+    pel_scene_destroy(scene);
+}
+
+/* nor are its meshes, however they are named; a run that goes on keeps its scene and would take final.ply away */
+static void test_own_mesh(void **unused)
+{
+    (void)unused;
+    char file[300], path[256];
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    run_case first = {.run = "before"}, test = {.run = "before"};
+    check_run(scene, &first, PEL_OK);
+    pel_scene_destroy(scene);
+    const char *const overrides[] = {file};
+    snprintf(file, sizeof file, "bodies.0.mesh.file=%s", in_folder(path, "before/frames/..", "final.ply"));
+    scene = load_scene(busy, overrides, 1);
+    assert_int_equal(scene->mesh_file_count, 1);
+    check_run(scene, &test, PEL_BAD_FILE);
+    assert_string_equal(test.error.file, scene->mesh_files[0]);
+    assert_true(exists("before", "final.ply") && exists("before", "summary.json"));
+    test.resume = "nothing";
+    check_run(scene, &test, PEL_BAD_FILE);
+    assert_non_null(strstr(test.error.what, "its own mesh"));
+    run_case other = {.run = "beside"};
+    check_run(scene, &other, PEL_OK);
+    pel_scene_destroy(scene);
+}
+
+static void test_divergence(void **unused)
+{
+    (void)unused;
+    const char *const overrides[] = {"loads.0.force=[0, 0, 1e9]", "loads.0.from=0.25", "solver.method=explicit",
+                                     "output.checkpoint=0"};
+    pel_scene *scene = load_scene(busy, overrides, 4);
+    run_case test = {.run = "diverged"};
+    check_run(scene, &test, PEL_DIVERGED);
+    assert_string_equal(test.summary.status, "diverged");
+    assert_true(test.summary.steps >= 25 && test.summary.steps < 60);
+    assert_true(exists("diverged", "checkpoint"));
+    assert_non_null(strstr(test.error.remedy, "diverged/checkpoint"));
+    check_contains("diverged", "summary.json", "\"status\": \"diverged\"");
+    check_contains("diverged", "summary.json", "diverged in step");
+    check_whole("diverged");
+    pel_scene_destroy(scene);
+}
+
+/* what is there is whole; with room again, it goes on from what was kept */
+static void check_after_failure(const pel_scene *scene, const run_case *test)
+{
+    if (!exists(test->run, "frames.pvd"))
+        return;
+    check_whole(test->run);
+    if (test->summary.checkpoint[0] == '\0')
+        return;
+    run_case rest = {.run = test->run, .resume = "checkpoint"}, whole = {.run = "whole-again"};
+    check_run(scene, &rest, PEL_OK);
+    check_run(scene, &whole, PEL_OK);
+    check_same_results(whole.run, rest.run, whole.summary.frames);
+}
+
+/* A limit on the size of files acts like a full disk: whichever file meets it first, it is named and what is there is
+   whole. */
+static void test_full_disk(void **unused)
+{
+    (void)unused;
+    enum { KIND_COUNT = 4 };
+    const char *const kinds[KIND_COUNT] = {"scene.yaml", ".vtp", "series.csv", "checkpoint"};
+    const char *const checkpoints[2] = {"output.checkpoint=0.1", "output.checkpoint=0"};
+    int seen[KIND_COUNT] = {0}, done = 0;
+    signal(SIGXFSZ, SIG_IGN);
+    for (int i = 0; i < 60; i++) {
+        rlim_t size = i / 2 < 20 ? 150 * (rlim_t)(i / 2 + 1) : 3000 * (rlim_t)(i / 2 - 18);
+        pel_scene *scene = load_scene(small, &checkpoints[i % 2], 1);
+        run_case test = {.run = "full"};
+        limit_files(size);
+        pel_status status = do_run(scene, &test);
+        unlimit_files();
+        if (status == PEL_OK) {
+            done++;
+            pel_scene_destroy(scene);
+            continue;
+        }
+        assert_int_equal(status, PEL_BAD_FILE);
+        assert_non_null(strstr(test.error.file, "full/"));
+        assert_non_null(strstr(test.error.remedy, "disk space"));
+        for (int k = 0; k < KIND_COUNT; k++)
+            seen[k] += strstr(test.error.file, kinds[k]) != NULL;
+        check_after_failure(scene, &test);
+        pel_scene_destroy(scene);
+    }
+    for (int k = 0; k < KIND_COUNT; k++)
+        assert_true(seen[k] > 0);
+    assert_true(done > 0);
+    signal(SIGXFSZ, SIG_DFL);
+}
+
+/* a frame does not fit, the checkpoint does: the run goes on with this very frame, also when the simulation was steps
+   beyond it already */
+static void test_full_disk_at_frame(void **unused)
+{
+    (void)unused;
+    const char *const overrides[] = {"output.compress=false", "output.precision=double", "output.checkpoint=0"};
+    pel_scene *scene = load_scene(busy, overrides, 3);
+    run_case whole = {.run = "frame-whole"};
+    run_case test = {.run = "frame", .fill_at = 30};
+    char path[256], remedy[64];
+    struct stat frame, checkpoint;
+    check_run(scene, &whole, PEL_OK);
+    assert_int_equal(stat(in_folder(path, "frame-whole", "frames/f00005.vtp"), &frame), 0);
+    test.file_size = (rlim_t)frame.st_size - 1;
+    signal(SIGXFSZ, SIG_IGN);
+    check_run(scene, &test, PEL_BAD_FILE);
+    unlimit_files();
+    signal(SIGXFSZ, SIG_DFL);
+    assert_int_equal(stat(in_folder(path, "frame", "checkpoint"), &checkpoint), 0);
+    assert_true(checkpoint.st_size < frame.st_size);
+    /* beside the simulation, frames of earlier steps may meet the limit already */
+    int64_t number = test.summary.steps / 7;
+    assert_true(number == 5 || (thread_count > 1 && number >= 2 && number < 5));
+    assert_int_equal(test.summary.steps, 7 * number);
+    assert_int_equal(test.summary.frames, number);
+    snprintf(remedy, sizeof remedy, "f%05d.vtp", (int)number);
+    assert_non_null(strstr(test.error.file, remedy));
+    snprintf(remedy, sizeof remedy, "of step %d, is in", (int)test.summary.steps);
+    assert_non_null(strstr(test.error.remedy, remedy));
+    check_whole("frame");
+    run_case rest = {.run = "frame", .resume = "checkpoint"};
+    check_run(scene, &rest, PEL_OK);
+    check_same_results("frame-whole", "frame", whole.summary.frames);
+    pel_scene_destroy(scene);
+}
+
+/* the simulation diverges and a frame before that cannot be written: the frame is what failed, as in one thread */
+static void test_frame_fails_before_divergence(void **unused)
+{
+    (void)unused;
+    const char *const overrides[] = {"loads.0.force=[0, 0, 1e9]", "loads.0.from=0.36", "solver.method=explicit",
+                                     "output.checkpoint=0"};
+    pel_scene *scene = load_scene(busy, overrides, 4);
+    run_case test = {.run = "blocked"};
+    char path[256];
+    check_run(scene, &test, PEL_DIVERGED);
+    int64_t diverged_at = test.summary.steps;
+    assert_true(diverged_at >= 36);
+    test.block = "frames/f00005.vtp";
+    check_run(scene, &test, PEL_BAD_FILE);
+    assert_int_equal(test.summary.steps, 35);
+    assert_int_equal(test.summary.frames, 5);
+    assert_string_equal(test.summary.status, "failed");
+    rmdir(in_folder(path, "blocked", "frames/f00005.vtp"));
+    check_whole("blocked");
+    run_case rest = {.run = "blocked", .resume = "checkpoint"};
+    check_run(scene, &rest, PEL_DIVERGED);
+    assert_int_equal(rest.summary.steps, diverged_at);
+    check_whole("blocked");
+    pel_scene_destroy(scene);
+}
+
+static void test_at_rest(void **unused)
+{
+    (void)unused;
+    const char *const overrides[] = {"duration=100", "stop.at_rest=1e-3", "loads.0.force=[0, 0, -1]",
+                                     "loads.0.until=0.5"};
+    pel_scene *scene = load_scene(small, overrides, 4);
+    run_case test = {.run = "rest"};
+    check_run(scene, &test, PEL_OK);
+    assert_string_equal(test.summary.status, "done");
+    assert_true(test.summary.time_simulated > 0.5 && test.summary.time_simulated < 90);
+    check_whole("rest");
+    pel_scene_destroy(scene);
+}
+
+static pel_status run_briefly(const void *data, pel_error *error)
+{
+    char path[256];
+    pel_run_summary summary;
+    pel_run_def def = pel_run_def_default();
+    def.folder = in_folder(path, "memory", "");
+    def.max_frames = 2;
+    def.thread_count = thread_count;
+    return pel_run(data, &def, &summary, error);
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(small, NULL, 0);
+    assert_true(for_every_allocation_failure(run_briefly, scene) > 50);
+    pel_scene_destroy(scene);
+}
+
+/* pins that move are a tool of the body's name, those that do not move have columns of their own */
+static void test_supports(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "version: 1\nbodies:\n"
+        "  - { name: top, mesh: { shape: grid, nx: 4, ny: 4 }, membrane: { young: 1e4, thickness: 0.01 },\n"
+        "      pinned: { vertices: [0, 1] } }\n"
+        "  - { name: flag, mesh: { shape: grid, nx: 4, ny: 4 }, membrane: { young: 1e4, thickness: 0.01 },\n"
+        "      pinned: { vertices: [0, 4] },\n"
+        "      support: { center: [1, 2, 3], motion: [{ time: 0 }, { time: 0.1, position: [0, 0, 0.5],\n"
+        "        rotation: { axis: [0, 0, 1], angle: 90 } }] } }\n"
+        "gravity: [0, 0, -9.81]\nsolver: { method: xpbd, dt: 0.01 }\nduration: 0.2\noutput: { every_frame: 5 }\n";
+    char path[256];
+    pel_run_summary summary;
+    pel_scene *scene = load_scene(text, NULL, 0);
+    assert_int_equal(scene->sim.tool_count, 1);
+    const pel_tool_def *tool = &scene->sim.tools[0];
+    assert_string_equal(tool->name, "flag_support");
+    assert_true(tool->shape == PEL_TOOL_SUPPORT && tool->body == 1 && tool->vertex_count == 2 &&
+                tool->vertices[1] == 4);
+    assert_true(tool->keys[0].position[1] == 2 && tool->keys[1].position[2] == 3.5 && tool->center[0] == 1);
+    assert_true(scene->model.bodies[1].pinned_count == 0 && scene->model.bodies[0].pinned_count == 2);
+    pel_run_def def = pel_run_def_default();
+    def.folder = in_folder(path, "supported", "");
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
+    pel_scene_destroy(scene);
+    check_contains("supported", "series.csv", ",flag_support_force,flag_support_force_x,");
+    check_contains("supported", "series.csv", ",flag_support_held,top_support_force,top_support_force_x,");
+    check_contains("supported", "summary.json", "{\"name\": \"flag_support\", ");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_supports),
+        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_frame_fields),
+        cmocka_unit_test(test_refinement),
+        cmocka_unit_test(test_volume_of_any_body),
+        cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_takes_over_folder),
+        cmocka_unit_test(test_bad_folders),
+        cmocka_unit_test(test_nothing_written),
+        cmocka_unit_test(test_own_scene),
+        cmocka_unit_test(test_own_mesh),
+        cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_full_disk),
+        cmocka_unit_test(test_full_disk_at_frame),
+        cmocka_unit_test(test_frame_fails_before_divergence),
+        cmocka_unit_test(test_at_rest),
+        cmocka_unit_test(test_allocation_failures),
+    };
+    int failed = 0;
+    /* what one thread does alone is no less with two */
+    for (thread_count = ROUNDS(1, 2); thread_count <= 2; thread_count++)
+        failed += cmocka_run_group_tests(tests, make_folder, clear_folder);
+    return failed;
+}

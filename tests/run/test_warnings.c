@@ -1,0 +1,370 @@
+/* Warnings of runs: each is told once, stands in the summary, and goes away by its remedy. */
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "run/run_fixture.h"
+
+#include "pellicle/shape.h"
+#include "run/state.h"
+
+#include <ctype.h>
+
+/* a thin shell under pressure; %s: more of it */
+#define SHELL                                                                                                          \
+    "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
+    "    membrane: { preset: rubber }\n    pressure: { inside: 2000 }\n"                                               \
+    "stop: { frames: 4 }\noutput: { every_frame: 1 }\n"
+
+/* what the log was told, line by line */
+typedef struct told_lines {
+    char text[4000];
+    int count;
+} told_lines;
+
+static void take_line(void *user, const char *text)
+{
+    told_lines *lines = user;
+    size_t length = strlen(lines->text);
+    snprintf(lines->text + length, sizeof lines->text - length, "%s\n", text);
+    lines->count++;
+}
+
+static told_lines run_scene(const char *text, const char *const *overrides, int32_t count, const char *resume,
+                            int64_t max_frames, pel_run_summary *summary)
+{
+    char path[256], checkpoint[256];
+    told_lines lines = {.count = 0};
+    const pel_log log = {take_line, &lines};
+    pel_scene *scene = load_scene(text, overrides, count);
+    pel_run_def def = pel_run_def_default();
+    pel_error error;
+    def.folder = in_folder(path, "warned", "");
+    def.resume = resume != NULL ? in_folder(checkpoint, "warned", resume) : NULL;
+    def.max_frames = max_frames;
+    def.thread_count = thread_count;
+    def.warnings = &log;
+    pel_status status = pel_run(scene, &def, summary, &error);
+    if (status != PEL_OK)
+        print_error("%s\n", error.what);
+    assert_int_equal(status, PEL_OK);
+    pel_scene_destroy(scene);
+    /* each warning is a line, and the other way round */
+    assert_int_equal(lines.count, summary->warning_count);
+    for (int32_t i = 0; i < summary->warning_count; i++) {
+        char entry[600];
+        assert_non_null(strstr(lines.text, summary->warnings[i].text));
+        snprintf(entry, sizeof entry, "{\"code\": \"%s\", \"first_frame\": %d, \"count\": %d, \"text\": \"%.20s",
+                 summary->warnings[i].code, (int)summary->warnings[i].first_frame, (int)summary->warnings[i].count,
+                 summary->warnings[i].text);
+        check_contains("warned", "summary.json", entry);
+    }
+    return lines;
+}
+
+static const pel_run_warning *find_warning(const pel_run_summary *summary, const char *code)
+{
+    for (int32_t i = 0; i < summary->warning_count; i++)
+        if (strcmp(summary->warnings[i].code, code) == 0)
+            return &summary->warnings[i];
+    return NULL;
+}
+
+static void test_clean_run(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    run_scene(small, NULL, 0, NULL, 0, &summary);
+    assert_int_equal(summary.warning_count, 0);
+    check_contains("warned", "summary.json", "\"warnings\": []");
+    check_contains("warned", "summary.json", "\"energy\": {\"elastic_start\": ");
+}
+
+/* the number of substeps in the text is enough, and one less than half of it is not */
+static void test_softness(void **unused)
+{
+    (void)unused;
+    const char *overrides[2] = {"solver={ method: xpbd, dt: 0.001, substeps: 4 }", NULL};
+    char substeps[64];
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "softer-than-material");
+    assert_non_null(warning);
+    assert_int_equal(warning->first_frame, 0);
+    const char *remedy = strstr(warning->text, "use substeps >= ");
+    assert_non_null(remedy);
+    int needed = (int)strtol(remedy + strlen("use substeps >= "), NULL, 10);
+    assert_true(needed > 4);
+    overrides[1] = substeps;
+    snprintf(substeps, sizeof substeps, "solver.substeps=%d", needed - 1);
+    run_scene(SHELL, overrides, 2, NULL, 1, &summary);
+    assert_non_null(find_warning(&summary, "softer-than-material"));
+    snprintf(substeps, sizeof substeps, "solver.substeps=%d", needed);
+    run_scene(SHELL, overrides, 2, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "softer-than-material"));
+}
+
+/* steps are counted over a run and what it is continued by */
+static void test_unconverged(void **unused)
+{
+    (void)unused;
+    const char *overrides[2] = {"solver={ method: descent, iterations: 1 }", "output.checkpoint=0"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unconverged");
+    assert_non_null(warning);
+    assert_true(warning->first_frame == 1 && warning->count == 4 && summary.unconverged_steps == 4);
+    pel_run_warning whole = *warning;
+    run_scene(SHELL, overrides, 1, NULL, 2, &summary);
+    assert_int_equal(find_warning(&summary, "unconverged")->count, 2);
+    run_scene(SHELL, overrides, 1, "checkpoint", 0, &summary);
+    warning = find_warning(&summary, "unconverged");
+    assert_true(warning->first_frame == 1 && warning->count == 4);
+    assert_string_equal(warning->text, whole.text);
+    overrides[0] = "solver={ method: descent, iterations: 2000 }";
+    run_scene(SHELL, overrides, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "unconverged"));
+}
+
+/* a grasp that tears out is told with its tool, vertices and time; the count goes through checkpoints */
+static void test_lost_grasp(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"tools.1.grasp.max_force=0.05"};
+    pel_run_summary summary;
+    run_scene(busy, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "grasp-lost");
+    assert_non_null(warning);
+    const pel_run_warning whole = *warning;
+    const char *lost_text = strstr(whole.text, "tool 'clamp' lost ");
+    assert_non_null(lost_text);
+    assert_non_null(strstr(lost_text, " vertices at t = "));
+    assert_true(warning->first_frame >= 1 && warning->count >= 1);
+    check_contains("warned", "summary.json", "{\"name\": \"clamp\", \"max_force\": ");
+    char lost[40];
+    snprintf(lost, sizeof lost, "\"lost\": %ld, \"lost_time\": 0.",
+             strtol(lost_text + strlen("tool 'clamp' lost "), NULL, 10));
+    check_contains("warned", "summary.json", lost);
+    check_contains("warned", "summary.json", "\"lost\": 0, \"lost_time\": null, \"held_back_steps\": 0");
+    run_scene(busy, overrides, 1, NULL, 4, &summary);
+    run_scene(busy, overrides, 1, "checkpoint", 0, &summary);
+    warning = find_warning(&summary, "grasp-lost");
+    assert_true(warning->first_frame == whole.first_frame && warning->count == whole.count);
+    assert_string_equal(warning->text, whole.text);
+    run_scene(busy, NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "grasp-lost"));
+}
+
+static void test_millimetres(void **unused)
+{
+    (void)unused;
+    static const char large[] =
+        "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 1, radius: 50 } }]\nduration: 1\n";
+    const char *overrides[] = {"bodies.0.mesh.scale=0.001"};
+    pel_run_summary summary;
+    run_scene(large, NULL, 0, NULL, 1, &summary);
+    assert_non_null(find_warning(&summary, "millimetres"));
+    run_scene(large, overrides, 1, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "millimetres"));
+    /* a thick shell may be large; a thin one as large is doubtful */
+    const char *shell[] = {"bodies.0.mesh.radius=50", "bodies.0.membrane={ young: 1e6, thickness: 0.1 }",
+                           "solver.method=pbd"};
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "millimetres"));
+    shell[1] = "bodies.0.membrane={ young: 1e6, thickness: 0.001 }";
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_non_null(find_warning(&summary, "millimetres"));
+}
+
+/* frequency 3: edges of 0.39 R; sqrt(R h) is as long at a thickness of about 0.15 R */
+static void test_coarse_mesh(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"bodies.0.membrane={ young: 1e6, thickness: 0.006 }",
+                               "bodies.0.bending={ model: hinge }", "solver.method=descent",
+                               "bodies.0.refine={ levels: 1, everywhere: true }"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 3, NULL, 1, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "coarse-mesh");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "pellicle subdivide -n 1"));
+    run_scene(SHELL, overrides, 4, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "coarse-mesh"));
+    overrides[0] = "bodies.0.membrane={ young: 1e6, thickness: 0.01 }";
+    run_scene(SHELL, overrides, 3, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "coarse-mesh"));
+}
+
+static void test_inverted_mesh(void **unused)
+{
+    (void)unused;
+    char path[256], text[600];
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_mesh *mesh;
+    pel_run_summary summary;
+    def.frequency = 2;
+    for (int inverted = 0; inverted < 2; inverted++) {
+        assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+        for (int32_t t = 0; inverted && t < mesh->triangle_count; t++) {
+            int32_t *v = mesh->triangles[t], other = v[1];
+            v[1] = v[2];
+            v[2] = other;
+        }
+        in_folder(path, "ball.obj", "");
+        assert_int_equal(pel_mesh_write(path, PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
+        pel_mesh_destroy(mesh);
+        snprintf(text, sizeof text, "version: 1\nbodies: [{ mesh: { file: %s } }]\nstop: { frames: 1 }\n", path);
+        run_scene(text, NULL, 0, NULL, 0, &summary);
+        assert_true((find_warning(&summary, "inverted-mesh") != NULL) == inverted);
+    }
+}
+
+/* a membrane of the constraints of paper B stores more than its material could have been given */
+static void test_energy_appears(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"bodies.0.pressure={ inside: 20 }", "bodies.0.membrane={ young: 1e7, thickness: 0.001 }",
+                               "solver={ method: pbd, dt: 0.01 }"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 3, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "energy-appears");
+    assert_non_null(warning);
+    assert_true(summary.ledger.energy_error > 0.05 * summary.ledger.supplied);
+    /* the material itself takes what it is given */
+    overrides[2] = "solver={ method: descent, iterations: 2000 }";
+    run_scene(SHELL, overrides, 3, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
+/* what gravity does on a slab that friction holds is rounding alone */
+static void test_energy_of_rest(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    run_scene("version: 1\n"
+              "bodies:\n"
+              "  - mesh: { shape: grid, nx: 5, ny: 12, size_x: 0.3, size_y: 0.8, translate: [0.011, 0.013, 0.001] }\n"
+              "    membrane: { young: 2e5, poisson: 0.4, thickness: 0.004 }\n"
+              "gravity: [2.379, 0, -9.517]\n"
+              "contact: { self: true, friction: 0.3, thickness: 0.001 }\n"
+              "tools: [{ name: ground, shape: box, size: [40, 40, 1], motion: [{ position: [0, 0, -0.5] }] }]\n"
+              "solver: { dt: 0.005 }\n"
+              "duration: 0.5\n",
+              NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
+/* a grasp that closes beside the body, or before the tool is there, is told; one that holds is not */
+static void test_grasp_empty(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"tools=[{ name: grip, shape: sphere, radius: 0.02, press: false, grasp: { reach: 0.001, "
+                               "from: 0.01 }, motion: [{ position: [0, 0, 0.08] }] }]",
+                               "tools.0.motion.0.position=[0, 0, 0.06]"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "grasp-empty");
+    assert_non_null(warning);
+    assert_true(warning->first_frame == 1 && warning->count == 4);
+    assert_non_null(strstr(warning->text, "'grip'"));
+    run_scene(SHELL, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "grasp-empty"));
+}
+
+/* ---- without a run ---- */
+
+static void test_tallies(void **unused)
+{
+    (void)unused;
+    pel_warning_tallies tallies = {0}, more = {0};
+    pel_warn(&tallies, PEL_WARN_JAMMED, 5, 0.2);
+    pel_warn(&more, PEL_WARN_JAMMED, 3, 0.1);
+    pel_warn(&more, PEL_WARN_JAMMED, 4, 0.4);
+    pel_warn(&more, PEL_WARN_TOOL_HELD, 7, 1);
+    pel_warnings_merge(&tallies, &more);
+    const pel_warning_tally *jam = &tallies.of[PEL_WARN_JAMMED];
+    assert_true(jam->first_frame == 3 && jam->count == 3 && jam->worst == 0.4);
+    assert_true(tallies.of[PEL_WARN_TOOL_HELD].first_frame == 7 && more.of[PEL_WARN_JAMMED].count == 0);
+}
+
+static void test_frames(void **unused)
+{
+    (void)unused;
+    pel_warning_tallies tallies = {0};
+    pel_sim_measures measures = {.least_volume_ratio = 1e-6};
+    pel_sim_ledger ledger = {.energy_error = 1, .tolerance = 1};
+    pel_warnings_check_frame(&tallies, 1, &measures, &ledger);
+    assert_true(tallies.of[PEL_WARN_ENERGY].count == 0 && tallies.of[PEL_WARN_INVERTED_VOLUME].count == 0);
+    measures.least_volume_ratio = -0.5;
+    ledger.energy_error = 1.01;
+    pel_warnings_check_frame(&tallies, 2, &measures, &ledger);
+    assert_int_equal(tallies.of[PEL_WARN_ENERGY].first_frame, 2);
+    assert_true(tallies.of[PEL_WARN_INVERTED_VOLUME].worst == 0.5);
+}
+
+/* every kind has a code of its own, small letters and hyphens, and a text that ends without a full stop */
+static void test_every_kind_has_a_text(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(small, NULL, 0);
+    pel_run_def def = pel_run_def_default();
+    def.folder = "nowhere";
+    pel_run_state run = {.scene = scene, .def = &def};
+    pel_run_warning warnings[PEL_RUN_WARNING_LIMIT];
+    assert_int_equal(pel_model_create(&scene->model, &run.model, NULL), PEL_OK);
+    pel_sim_def sim_def = scene->sim;
+    sim_def.model = run.model;
+    assert_int_equal(pel_sim_create(&sim_def, &run.sim, NULL), PEL_OK);
+    for (int k = 0; k < PEL_WARN_COUNT; k++) {
+        run.totals.warnings.of[k] = (pel_warning_tally){2, 9, 3};
+        run.flagged[k] = (pel_flagged_body){0, 2, 1};
+    }
+    /* nine steps are no jam, ten are; energy counts against all that was supplied */
+    run.ledger.tolerance = 3;
+    assert_int_equal(pel_warnings_list(&run, warnings), PEL_WARN_COUNT - 2);
+    run.totals.warnings.of[PEL_WARN_JAMMED].count = 10;
+    run.ledger.tolerance = 2.9;
+    assert_int_equal(pel_warnings_list(&run, warnings), PEL_WARN_COUNT);
+    for (int i = 0; i < PEL_WARN_COUNT; i++) {
+        size_t length = strlen(warnings[i].text);
+        for (const char *at = warnings[i].code; *at != '\0'; at++)
+            assert_true(islower((unsigned char)*at) || *at == '-');
+        for (int j = 0; j < i; j++)
+            assert_string_not_equal(warnings[i].code, warnings[j].code);
+        assert_true(length > 40 && length + 1 < sizeof warnings[i].text && warnings[i].text[length - 1] != '.');
+        assert_null(strchr(warnings[i].text, '\n'));
+    }
+    pel_sim_destroy(run.sim);
+    pel_model_destroy(run.model);
+    pel_scene_destroy(scene);
+}
+
+static int one_thread(void **unused)
+{
+    thread_count = 1;
+    return make_folder(unused);
+}
+
+static int two_threads(void **unused)
+{
+    thread_count = 2;
+    return make_folder(unused);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_clean_run),
+        cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_unconverged),
+        cmocka_unit_test(test_lost_grasp),
+        cmocka_unit_test(test_millimetres),
+        cmocka_unit_test(test_coarse_mesh),
+        cmocka_unit_test(test_inverted_mesh),
+        cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_energy_of_rest),
+        cmocka_unit_test(test_grasp_empty),
+        cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_every_kind_has_a_text),
+    };
+    int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);
+    return failures + cmocka_run_group_tests(tests, two_threads, clear_folder);
+}
