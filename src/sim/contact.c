@@ -571,6 +571,8 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     bool once = contacts->def.response == PEL_CONTACT_AFTER;
+    /* layers that press each other, which converge slowly; other methods have solved nothing of them yet */
+    int doublings = pel_sim_has_loop_contacts(sim) ? MOST_DOUBLINGS : 0;
     /* shorter parts have fewer conflicts, and cost less than many rounds */
     int limit = once ? 1 : pel_parts_can_halve(sim) ? HALVING_ROUNDS : ROUND_LIMIT;
     for (int round = 0;; round++) {
@@ -589,7 +591,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         if (status != PEL_OK)
             return status;
         contacts->minds_sides = round < SIDE_ROUNDS;
-        correct(sim, once ? 1 : contacts->def.sweeps << (round < MOST_DOUBLINGS ? round : MOST_DOUBLINGS));
+        correct(sim, once ? 1 : contacts->def.sweeps << (round < doublings ? round : doublings));
         /* boxes are in the list */
         pel_tools_press(sim, longest, true);
         pel_contact_points(sim);
