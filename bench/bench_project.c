@@ -51,7 +51,7 @@ static bench_spread time_sweeps(pel_projector *projector, const pel_model *model
     for (int round = 0; round < ROUNDS; round++) {
         disturb(model, state, size);
         pel_projector_begin(projector, state, 0);
-        pel_project_body_set_time(&projector->bodies[0], state->factors[0], projector->substep);
+        pel_project_body_set_time(&projector->batches->bodies[0], state->factors[0], projector->substep);
         double begin = bench_seconds();
         for (int i = 0; i < SWEEPS; i++)
             pel_project_sweep(projector, state->position_next);
@@ -63,9 +63,9 @@ static bench_spread time_sweeps(pel_projector *projector, const pel_model *model
 static double constraint_count(const pel_projector *projector)
 {
     double count = 0;
-    for (int32_t i = 0; i < projector->bodies[0].batch_count; i++) {
-        const pel_batch *batch = &projector->bodies[0].batches[i];
-        for (int32_t block = 0; block < batch->block_count; block++)
+    for (int32_t i = 0; i < projector->batches->bodies[0].batch_count; i++) {
+        const pel_batch *batch = &projector->batches->bodies[0].batches[i];
+        for (int32_t block = 0; batch->is_projected && block < batch->block_count; block++)
             count += batch->lane_counts[block];
     }
     return count;
@@ -77,10 +77,12 @@ static void bench_moved(const char *name, int32_t frequency, pel_method method, 
     pel_error error;
     pel_model *model = make_model(frequency, material, bending);
     const pel_solver_def solver = {.method = method, .dt = 1.0 / 60, .iterations = 1, .substeps = 1};
+    pel_batches *batches;
     pel_projector *projector;
     pel_state *state;
     pel_pool *pool;
-    bench_check(pel_projector_create(model, &solver, &projector, &error), &error);
+    bench_check(pel_batches_create(model, method, &batches, &error), &error);
+    bench_check(pel_projector_create(batches, &solver, &projector, &error), &error);
     bench_check(pel_state_create(model, true, &state, &error), &error);
     state->bending[0].weight = 0.01;
     bench_check(pel_pool_create(threads, &pool, &error), &error);
@@ -99,6 +101,7 @@ static void bench_moved(const char *name, int32_t frequency, pel_method method, 
     pel_pool_destroy(pool);
     pel_state_destroy(state);
     pel_projector_destroy(projector);
+    pel_batches_destroy(batches);
     pel_model_destroy(model);
 }
 

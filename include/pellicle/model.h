@@ -75,6 +75,8 @@ typedef struct pel_body_def {
     int32_t pinned_count;
     double
         friction; /* Coulomb's coefficient in contact, see pel_contact_def; below 0, as by default: that of contact */
+    double restitution;       /* the same, see pel_contact_def */
+    double contact_thickness; /* m; the same */
     pel_refine_def refine;
     pel_shell_def shell; /* membrane, bending, fibres, pressure; the default has none */
     uint32_t cookie;     /* set by pel_body_def_default */

@@ -108,11 +108,14 @@ typedef struct pel_tool_def {
     double grasp_from, grasp_until; /* s */
     double reach;                   /* m */
     double friction;        /* Coulomb's coefficient, see pel_contact_def; below 0, as by default: that of contact */
+    double restitution;     /* the same, see pel_contact_def */
+    double thickness;       /* m; the same */
     double grasp_max_force; /* N; 0 = no limit. Largest sum of the magnitudes of the forces on the held vertices. Where
                                a step ends above it, the vertices with the largest forces are released first, until the
                                forces of the rest are within it */
     /* PEL_TOOL_SUPPORT: x = R (X - center) + position with the vertex at rest X and the pose (R, position) of the keys,
-       so position = center and no rotation is the shape at rest, where the support starts. The body must not refine */
+       so position = center and no rotation is the shape at rest, where the support starts. Where the body refines, a
+       vertex between two of them is held as well */
     const int32_t *vertices; /* (vertex_count) mesh vertices of `body`, none of them pinned, each once; copied */
     int32_t vertex_count;
     double center[3]; /* m, at rest */
@@ -138,11 +141,17 @@ typedef struct pel_contact_def {
     bool enabled;
     bool self;                 /* parts of one body touch each other */
     bool between;              /* different bodies touch each other */
-    double thickness;          /* m, distance that is kept; 0 = relative_thickness */
+    double thickness;          /* m, of bodies and tools that have none of their own; a pair keeps the sum of both
+                                  halves as distance; 0 = relative_thickness */
     double relative_thickness; /* times the diagonal of the box about all bodies; at most half the shortest edge is
                                   taken, see pel_sim_contact_thickness */
     double friction; /* Coulomb's coefficient of bodies and tools that have none of their own; a pair has the geometric
                         mean of both (the mixing rule of Box2D: a smooth partner makes the pair smooth) */
+    double restitution; /* 0 .. 1, of bodies and tools that have none of their own; a pair has the larger one. The rigid
+                           motions of a pair part with this share of the normal velocity with which they met, from an
+                           approach of 2 g dt on; an impulse adds no more energy than the run has lost. Below 0, as by
+                           default: vertices stop at each other, and bodies part as their elasticity makes them. Methods
+                           with velocities only */
     pel_ccd_method method; /* how contacts are found; what guards the end of a step is always conservative */
     pel_contact_response response;
     bool allow_tangled; /* a start with intersections is accepted: those pairs are left alone until they are apart */
@@ -235,6 +244,13 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
    [N/m], positive where it is stretched; the sum over all vertices is the derivative of the energy of springs, membrane
    and fibres by the logarithm of the body's size. */
 void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
+/* Forces of contacts on each vertex (vertex_count x 3) [N], of other bodies, of the body itself and of tools, grasps
+   included; a mean over the last step for methods with velocities, else at its end. Over a body the forces of the body
+   itself add up to zero, over all bodies those of a tool to the force on it with the other sign, also where vertices
+   are pinned. Zeros without contact and tools. */
+void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces);
+/* Sum of the forces of other bodies on a body in the last step [N], tools excluded. */
+void pel_sim_get_body_contact(const pel_sim *sim, int32_t body, double force[3]);
 /* 1 where a tool touches or holds the vertex, or it is in contact with a surface, else 0 (vertex_count). */
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
 
@@ -268,7 +284,7 @@ void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *readin
 
    Position-based methods: the multipliers of the constraints at the pinned vertices and the loads on them, mean of the
    last step. Other methods: the forces of the body and the loads at the pinned vertices in the present state. The
-   weight of the pinned vertices counts; contacts on pinned vertices do not. */
+   weight of the pinned vertices counts, and so do contacts on them in the last step. */
 typedef struct pel_support_reading {
     double force[3];      /* N, on the supports */
     double torque[3];     /* N m, about the origin */
@@ -292,7 +308,7 @@ typedef struct pel_contact_statistics {
 } pel_contact_statistics;
 void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics);
 
-/* m, the distance that contacts keep; 0 without contact */
+/* m, thickness of bodies and tools that have none of their own; 0 without contact */
 double pel_sim_contact_thickness(const pel_sim *sim);
 
 /* Pairs of triangles of the present surfaces, tools included, that cut each other, by the exact test

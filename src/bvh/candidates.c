@@ -22,17 +22,16 @@ static const unsigned both_kinds = 1u << PEL_PAIR_VERTEX_FACE | 1u << PEL_PAIR_E
 static pel_status allocate_boxes(pel_candidates *c)
 {
     const pel_tree *tree = c->tree;
-    size_t vertex_count = (size_t)tree->vertex_count;
+    size_t vertex_count = (size_t)tree->vertex_count, edge_count = (size_t)tree->edge_count;
     c->vertex_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
     c->kept_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
-    c->before_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
     c->left = pel_allocate(vertex_count, 1);
     c->node_grew = pel_allocate((size_t)tree->node_count, 1);
-    c->edge_boxes = pel_allocate_aligned((size_t)tree->edge_count, sizeof(pel_box));
+    c->edge_boxes = pel_allocate_aligned(vertex_count > edge_count ? vertex_count : edge_count, sizeof(pel_box));
     c->triangle_boxes = pel_allocate_aligned((size_t)tree->triangle_count, sizeof(pel_box));
     c->kept_positions = pel_allocate(vertex_count, sizeof *c->kept_positions);
-    bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->before_boxes != NULL && c->left != NULL &&
-                c->node_grew != NULL && c->edge_boxes != NULL && c->triangle_boxes != NULL && c->kept_positions != NULL;
+    bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->left != NULL && c->node_grew != NULL &&
+                c->edge_boxes != NULL && c->triangle_boxes != NULL && c->kept_positions != NULL;
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
@@ -69,7 +68,6 @@ void pel_candidates_destroy(pel_candidates *c)
     pel_free(c->edge_boxes);
     pel_free(c->triangle_boxes);
     pel_free(c->kept_boxes);
-    pel_free(c->before_boxes);
     pel_free(c->left);
     pel_free(c->node_grew);
     pel_free(c->kept_positions);
@@ -162,8 +160,10 @@ static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const p
    is on the list exactly when its boxes overlap. */
 static pel_status extend_kept(pel_candidates *c, pel_pool *pool, pel_error *error)
 {
-    const pel_pair_growth growth = {c->node_grew, c->before_boxes};
-    memcpy(c->before_boxes, c->kept_boxes, (size_t)c->tree->vertex_count * sizeof *c->kept_boxes);
+    /* those of the edges are made anew after the search */
+    pel_box *before = c->edge_boxes;
+    const pel_pair_growth growth = {c->node_grew, before};
+    memcpy(before, c->kept_boxes, (size_t)c->tree->vertex_count * sizeof *c->kept_boxes);
     for (int32_t v = 0; v < c->tree->vertex_count; v++)
         if (c->left[v])
             c->kept_boxes[v] = pel_box_join(c->kept_boxes[v], roomy_box(c, v));

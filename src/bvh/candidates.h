@@ -42,9 +42,8 @@ typedef struct pel_candidates {
     size_t vertex_face_count, edge_edge_count;
     size_t vertex_face_capacity, edge_edge_capacity;
 
-    pel_box *vertex_boxes, *edge_boxes, *triangle_boxes; /* of the last update */
+    pel_box *vertex_boxes, *edge_boxes, *triangle_boxes; /* of the last update; edges have room for vertices too */
     pel_box *kept_boxes;                                 /* (vertex_count) that the kept pairs allow for */
-    pel_box *before_boxes;                               /* (vertex_count) the same before they grew */
     uint8_t *left;                                       /* (vertex_count) 1 = it is not in its box any more */
     uint8_t *node_grew;                                  /* (nodes of the tree) */
     size_t kept_limit;                                   /* pairs beyond which it pays to search anew */

@@ -35,18 +35,27 @@ static pel_status find_edges(pel_tree *tree)
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
+/* At most: each leaf leaves a group of vertices and one of edges unfilled. */
+static size_t group_limit(const pel_tree *tree, pel_tree_content content)
+{
+    size_t leaf_count = (size_t)tree->leaf_count, full;
+    if (content == PEL_TREE_TRIANGLES)
+        return leaf_count;
+    full = ((size_t)tree->vertex_count + (size_t)tree->edge_count + 2 * (PEL_LANES - 1) * leaf_count) / PEL_LANES;
+    return leaf_count + (full < (GROUPS_PER_LEAF - 1) * leaf_count ? full : (GROUPS_PER_LEAF - 1) * leaf_count);
+}
+
 static pel_status allocate_tree(pel_tree *tree, pel_tree_content content)
 {
     size_t leaf_count = (size_t)tree->leaf_count, triangle_count = (size_t)tree->triangle_count;
-    size_t group_count = leaf_count * (content == PEL_TREE_FEATURES ? GROUPS_PER_LEAF : 1);
-    int32_t most = tree->vertex_count > tree->edge_count ? tree->vertex_count : tree->edge_count;
+    size_t group_count = group_limit(tree, content);
     tree->nodes = pel_allocate_aligned((size_t)tree->node_count, sizeof *tree->nodes);
     tree->leaves = pel_allocate(leaf_count, sizeof *tree->leaves);
     tree->groups = pel_allocate_aligned(group_count, sizeof *tree->groups);
     tree->members = pel_allocate_aligned(group_count, sizeof *tree->members);
     tree->keys = pel_allocate(triangle_count, sizeof *tree->keys);
     tree->centroids = pel_allocate(triangle_count, sizeof *tree->centroids);
-    tree->seen = pel_allocate((size_t)most, sizeof *tree->seen);
+    tree->seen = pel_allocate((size_t)tree->vertex_count + (size_t)tree->edge_count, sizeof *tree->seen);
     bool made = tree->nodes != NULL && tree->leaves != NULL && tree->groups != NULL && tree->members != NULL &&
                 tree->keys != NULL && tree->centroids != NULL && tree->seen != NULL;
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
@@ -210,14 +219,15 @@ static int32_t add_member(pel_tree *tree, int32_t first, int32_t count, int32_t 
 }
 
 /* elements of a leaf's triangles that no earlier triangle has; returns the group after the last */
-static int32_t add_new(pel_tree *tree, int32_t triangle_group, int32_t group, const int32_t (*elements)[3])
+static int32_t add_new(pel_tree *tree, int32_t triangle_group, int32_t group, const int32_t (*elements)[3],
+                       uint8_t *seen)
 {
     int32_t count = 0;
     for (int lane = 0; lane < PEL_LANES; lane++) {
         int32_t t = tree->members[triangle_group].element[lane];
         for (int i = 0; i < 3 && t >= 0; i++)
-            if (!tree->seen[elements[t][i]]) {
-                tree->seen[elements[t][i]] = 1;
+            if (!seen[elements[t][i]]) {
+                seen[elements[t][i]] = 1;
                 count = add_member(tree, group, count, elements[t][i]);
             }
     }
@@ -231,40 +241,20 @@ static void add_triangles(pel_tree *tree, int32_t leaf, int32_t group)
         count = add_member(tree, group, count, (int32_t)(uint32_t)tree->keys[i]);
 }
 
-/* each leaf at first has room for all its groups; vertices and edges in passes of their own, which share the marks */
 static void fill_leaves(pel_tree *tree)
 {
-    bool features = tree->edges != NULL;
-    int32_t stride = features ? GROUPS_PER_LEAF : 1;
+    uint8_t *seen_edges = tree->seen + tree->vertex_count;
+    int32_t group = 0;
+    memset(tree->seen, 0, (size_t)tree->vertex_count + (size_t)tree->edge_count);
     for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
-        int32_t group = stride * leaf;
+        pel_leaf *at = &tree->leaves[leaf];
         add_triangles(tree, leaf, group);
-        tree->leaves[leaf] = (pel_leaf){group, group + 1, group + 1};
-    }
-    if (!features)
-        return;
-    memset(tree->seen, 0, (size_t)tree->vertex_count);
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
-        pel_leaf *at = &tree->leaves[leaf];
-        at->edge_group = add_new(tree, at->group, at->group + 1, (const int32_t(*)[3])tree->triangles);
-    }
-    memset(tree->seen, 0, (size_t)tree->edge_count);
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
-        pel_leaf *at = &tree->leaves[leaf];
-        at->group_end = add_new(tree, at->group, at->edge_group, (const int32_t(*)[3])tree->triangle_edges);
-    }
-}
-
-/* moves the groups of all leaves together */
-static void pack_leaves(pel_tree *tree)
-{
-    int32_t next = 0;
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
-        pel_leaf *at = &tree->leaves[leaf];
-        int32_t count = at->group_end - at->group, edge_offset = at->edge_group - at->group;
-        memmove(&tree->members[next], &tree->members[at->group], (size_t)count * sizeof *tree->members);
-        *at = (pel_leaf){next, next + edge_offset, next + count};
-        next += count;
+        *at = (pel_leaf){group, group + 1, group + 1};
+        if (tree->edges != NULL) {
+            at->edge_group = add_new(tree, group, group + 1, (const int32_t(*)[3])tree->triangles, tree->seen);
+            at->group_end = add_new(tree, group, at->edge_group, (const int32_t(*)[3])tree->triangle_edges, seen_edges);
+        }
+        group = at->group_end;
     }
 }
 
@@ -293,7 +283,6 @@ void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
         tree->keys[t] = (uint64_t)t;
     sort_triangles(tree, 0, tree->leaf_count);
     fill_leaves(tree);
-    pack_leaves(tree);
     for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
         set_vertices(tree, leaf);
     for (int32_t n = 0; n < tree->node_count; n++)

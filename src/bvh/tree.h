@@ -46,7 +46,7 @@ typedef struct pel_tree {
 
     uint64_t *keys; /* (triangle_count) scratch of a build: place along an axis, triangle */
     float (*centroids)[3];
-    uint8_t *seen; /* (max of vertex_count and edge_count) */
+    uint8_t *seen; /* (vertex_count, then edge_count) */
 } pel_tree;
 
 /* what is in the leaves */

@@ -5,109 +5,75 @@
 #include "force/shell_force.h"
 #include "law/membrane.h"
 
-/* elements of one chunk of a parallel loop */
-enum { PEL_SHELL_CHUNK = 256 };
-
-/* fibres of one region in one triangle, as the loop needs them */
-typedef struct pel_triangle_fibre {
-    int32_t region;
-    double stiffness; /* N/m, weight included */
-    double direction[2];
-} pel_triangle_fibre;
-
-/* numbers of a lane: inverse of the rest matrix (3), area times the law's modulus, weight of the pressure, 1 where
-   there is a triangle */
-enum { PEL_TRIANGLE_NUMBERS = 6 };
-/* cosine and sine of the rest angle and the stiffness; or weights of x1, x2, x3, the factor and twice the energy at
-   rest that is taken off */
-enum { PEL_HINGE_NUMBERS = 5 };
-
-/* Elements stand in blocks of PEL_BLOCK, one in a lane, by the lowest of their places: what a vertex gathers lies near
-   together (in the order of the mesh a step on 20,480 triangles takes nearly twice as long). Each has a row, a record,
-   for each of its corners: those of a block stand corner by corner, lane by lane, triangles before hinges. */
 typedef struct pel_shell_body {
-    const pel_shell *shell;
+    const pel_shell *shell; /* null = the body is none */
     int32_t body;
     int32_t first_place, place_count;
-    int pressure_part;    /* which of the parts its pressure is; 0 = none */
-    pel_membrane_law law; /* of all triangles, with the modulus of a sheet of young and thickness 1 */
-    double stiffness;     /* of that law at rest: pel_membrane_law_stiffness */
-    int32_t *fibre_begin; /* (triangle_count + 1); null without fibres */
-    pel_triangle_fibre *fibres;
-    int32_t *triangle_at, *hinge_at; /* (triangle_count, hinge_count) the element in a lane */
-    int32_t *triangle_steps;         /* (triangle blocks x 3 x PEL_BLOCK) places times PEL_STEP */
-    pel_real *triangle_numbers;      /* (triangle blocks x PEL_TRIANGLE_NUMBERS x PEL_BLOCK) */
-    int32_t *hinge_steps;            /* (hinge blocks x 4 x PEL_BLOCK) places times PEL_STEP */
-    pel_real *hinge_numbers;         /* (hinge blocks x PEL_HINGE_NUMBERS x PEL_BLOCK) */
-    pel_record *rows;                /* (lanes of triangles x 3 + lanes of hinges x 4) forces on corners */
-    size_t first_hinge_row;
-    pel_record *area_vectors; /* (triangle lanes) weighted, of the vertex-normal form; else null */
-    double (*energies)[3];    /* (chunks) membrane or bending, fibres, volume */
-    int32_t *gather_begin;    /* (place_count + 1) */
-    int32_t *gather;          /* numbers of rows */
-    double *sums;             /* (place_count) scratch */
+    int pressure_part;        /* which of the parts its pressure is; 0 = none */
+    const pel_batch *pressed; /* the batch of its pressure; null = none */
+    double pressure;          /* Pa, positive inflates: of the evaluation in progress */
+    pel_membrane_law law;     /* of all triangles, with the modulus of a sheet of young and thickness 1 */
+    double stiffness;         /* of that law at rest: pel_membrane_law_stiffness */
+    /* of pel_shell_forces_list, else null */
+    int32_t *element_begin; /* (place_count + 2) */
+    int32_t *elements;      /* at a place: triangles, then hinges, counted from triangle_count on */
 } pel_shell_body;
 
-static inline int32_t pel_block_count(int32_t count)
-{
-    return (count + PEL_BLOCK - 1) / PEL_BLOCK;
-}
-
-/* the row of a corner of the element in a lane (counted through all blocks) within those of its kind */
-static inline int32_t pel_row_of(int32_t lane, int arity, int corner)
-{
-    return (lane / PEL_BLOCK * arity + corner) * PEL_BLOCK + lane % PEL_BLOCK;
-}
-
-static inline int32_t pel_lane_of(int32_t row, int arity)
-{
-    return row / (arity * PEL_BLOCK) * PEL_BLOCK + row % PEL_BLOCK;
-}
-
-static inline int pel_corner_of(int32_t row, int arity)
-{
-    return row / PEL_BLOCK % arity;
-}
-
-/* ---- shell_lanes.c ---- */
-/* what a loop over the blocks begin .. end - 1 asks for */
-typedef struct pel_shell_sweep {
-    const pel_record *position;
-    int32_t begin, end;
-    double pressure; /* Pa, positive inflates */
-    bool with_pressure;
-} pel_shell_sweep;
-
-/* Fill the rows of triangles or hinges; return the energy of membrane or bending. */
-double pel_shell_sweep_triangles(const pel_shell_body *own, const pel_shell_sweep *sweep, bool membrane);
-double pel_shell_sweep_hinges(const pel_shell_body *own, const pel_shell_sweep *sweep);
-/* The volume between the triangles and the first corner of all. */
-double pel_shell_sweep_volumes(const pel_shell_body *own, const pel_shell_sweep *sweep);
+typedef enum pel_energy_column {
+    PEL_ENERGY_MEMBRANE,
+    PEL_ENERGY_BENDING,
+    PEL_ENERGY_FIBRES,
+    PEL_ENERGY_COLUMNS
+} pel_energy_column;
 
 struct pel_shell_forces {
     const pel_model *model;
-    int32_t count;
-    pel_shell_body *bodies;
+    pel_batches *batches;
+    pel_shell_body *bodies;                 /* (model body_count) */
+    double (*energies)[PEL_ENERGY_COLUMNS]; /* (bundles) */
+    pel_record *area_vectors;               /* (vertex_count) weighted, of the vertex-normal form: sums around a vertex,
+                                               and of their lengths; null without that form */
+    double *sums;                           /* (vertex_count) scratch of bounds */
 };
 
-static inline int32_t pel_shell_chunk_count(int32_t count, int32_t size)
+static inline bool pel_shell_is_normal_form(const pel_shell *shell)
 {
-    return (count + size - 1) / size;
+    return shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL;
 }
 
 /* null when a body is no shell */
 const pel_shell_body *pel_shell_body_of(const pel_shell_forces *forces, int32_t body);
 
+/* ---- shell_lanes.c ---- */
+/* Adds the forces of the blocks begin .. end - 1 of a batch to force (vertex_count), which may be null; returns their
+   energy, 0 for a pressure. amount: rest length of fibres over that of the shape, or the pressure [Pa]. */
+double pel_shell_sweep(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position, double amount,
+                       pel_record *force);
+/* Adds the weighted area vectors of a pressure's triangles to those of their corners, and lengths to the fourth. */
+void pel_shell_sweep_areas(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position,
+                           pel_record *area_vectors);
+
+/* The volume between the triangles of a pressure and a point, weights apart. */
+double pel_shell_sweep_volumes(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position,
+                               pel_record origin);
+
 /* ---- shell_element.c ---- */
 /* the law of triangle t */
 pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t);
-/* Energy of the membrane of triangle t; subtracts its gradient from the rows, which may be null. */
-double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double rows[3][3]);
-/* The same of its fibres. */
-double pel_shell_fibre_energies(const pel_shell_body *own, int32_t t, double time, const double x[3][3],
-                                double rows[3][3]);
+/* Energy of the membrane of triangle t and its gradient, which may be null. */
+double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3]);
+/* The same of the fibres of a region in a triangle. */
+double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, const pel_shell_fibre *fibre,
+                              double time, const double x[3][3], double gradient[3][3]);
+/* fibres of a region that give forces */
+static inline int32_t pel_shell_fibre_count(const pel_shell_region *region)
+{
+    return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
+}
+/* rest length of a region's fibres over that of the shape */
+double pel_shell_rest_length(const pel_shell_region *region, double time);
 /* Energy of a hinge over its factor, and its gradient, which may be null. */
-double pel_shell_hinge_energy(const pel_shell *shell, const pel_shell_hinge *hinge, const double x[4][3],
-                              double gradient[4][3]);
+double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
+                              const double x[4][3], double gradient[4][3]);
 
 #endif

@@ -26,34 +26,23 @@ static void strain_norms(const pel_rest_triangle *rest, double norms[3])
     norms[2] = hypot(i[0], i[1] + i[2]);
 }
 
-static void add_hinge_norms(const pel_shell *shell, const pel_shell_hinge *hinge, const double x[4][3], int32_t first,
+static void add_hinge_norms(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge, int32_t first,
                             double *sums)
 {
-    double norms[4], gradient[4][3];
-    double factor = pel_shell_hinge_factor(shell, hinge);
+    double norms[4], gradient[4][3], x[4][3], factor = pel_shell_hinge_factor(shell, hinge);
     if (shell->bending == PEL_BENDING_HINGE) {
-        pel_dihedral_angle(x, gradient);
-        factor *= hinge->hinge.factor;
+        pel_load_points(rest, hinge->vertices, 4, x);
+        pel_dihedral_angle((const double(*)[3])x, gradient);
+        for (int a = 0; a < 4; a++)
+            norms[a] = pel_vec3_length(gradient[a]);
+        factor *= pel_shell_angle(rest, hinge).factor;
     } else {
-        factor *= hinge->isometric.factor;
+        const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
+        for (int a = 0; a < 4; a++)
+            norms[a] = fabs(stencil.weight[a]);
+        factor *= stencil.factor;
     }
-    for (int a = 0; a < 4; a++)
-        norms[a] =
-            shell->bending == PEL_BENDING_HINGE ? pel_vec3_length(gradient[a]) : fabs(hinge->isometric.weight[a]);
     add_norms(factor, hinge->vertices, 4, norms, first, sums);
-}
-
-/* largest stiffness of a triangle's material and fibres at rest [N/m] */
-static double triangle_stiffness(const pel_shell_body *own, int32_t t)
-{
-    const pel_shell *shell = own->shell;
-    double sum = 0;
-    if (shell->has_membrane)
-        sum += own->stiffness * shell->triangles[t].young * shell->triangles[t].thickness;
-    for (int32_t i = own->fibre_begin != NULL ? own->fibre_begin[t] : 0;
-         own->fibre_begin != NULL && i < own->fibre_begin[t + 1]; i++)
-        sum += own->fibres[i].stiffness * pel_fibre_law_stiffness(shell->regions[own->fibres[i].region].def.kind);
-    return sum;
 }
 
 /* largest size of a curve's values */
@@ -108,24 +97,35 @@ static double volume_bound(const pel_model *model, const pel_shell_body *own, do
     return slope / model->bodies[own->body].rest_volume * sum;
 }
 
-static double body_bound(const pel_model *model, const pel_shell_body *own)
+static void add_triangle(const pel_shell_body *own, int32_t t, double stiffness, double *sums)
+{
+    const pel_shell_triangle *triangle = &own->shell->triangles[t];
+    double norms[3];
+    strain_norms(&triangle->rest, norms);
+    add_norms(triangle->rest.area * stiffness, triangle->vertices, 3, norms, own->first_place, sums);
+}
+
+/* largest stiffness of materials, fibres, bending and pressure at rest [N/m] */
+static double body_bound(const pel_model *model, const pel_shell_body *own, double *sums)
 {
     const pel_shell *shell = own->shell;
-    double *sums = own->sums, bound = 0, volume = volume_bound(model, own, sums);
+    double bound = 0, volume = volume_bound(model, own, sums), x[3][3];
     memset(sums, 0, (size_t)own->place_count * sizeof *sums);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
-        double x[3][3], norms[3];
-        pel_load_points(model->rest, shell->triangles[t].vertices, 3, x);
-        strain_norms(&shell->triangles[t].rest, norms);
-        add_norms(shell->triangles[t].rest.area * triangle_stiffness(own, t), shell->triangles[t].vertices, 3, norms,
-                  own->first_place, sums);
+        const pel_shell_triangle *triangle = &shell->triangles[t];
+        pel_load_points(model->rest, triangle->vertices, 3, x);
+        if (shell->has_membrane)
+            add_triangle(own, t, own->stiffness * triangle->young * triangle->thickness, sums);
         add_pressure_norms(own, t, (const double(*)[3])x, sums);
     }
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        double x[4][3];
-        pel_load_points(model->rest, shell->hinges[i].vertices, 4, x);
-        add_hinge_norms(shell, &shell->hinges[i], (const double(*)[3])x, own->first_place, sums);
+    for (int32_t r = 0; r < shell->region_count; r++) {
+        const pel_shell_region *region = &shell->regions[r];
+        double stiffness = region->def.stiffness * pel_fibre_law_stiffness(region->def.kind);
+        for (int32_t i = 0; i < pel_shell_fibre_count(region); i++)
+            add_triangle(own, region->fibres[i].triangle, stiffness * region->fibres[i].weight, sums);
     }
+    for (int32_t i = 0; i < shell->hinge_count; i++)
+        add_hinge_norms(shell, model->rest, &shell->hinges[i], own->first_place, sums);
     for (int32_t v = 0; v < own->place_count; v++)
         bound = fmax(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
     return bound + volume;
@@ -134,7 +134,8 @@ static double body_bound(const pel_model *model, const pel_shell_body *own)
 double pel_shell_stiffness_bound(const pel_shell_forces *forces)
 {
     double bound = 0;
-    for (int32_t i = 0; forces != NULL && i < forces->count; i++)
-        bound = fmax(bound, body_bound(forces->model, &forces->bodies[i]));
+    for (int32_t b = 0; forces != NULL && b < forces->model->body_count; b++)
+        if (forces->bodies[b].shell != NULL)
+            bound = fmax(bound, body_bound(forces->model, &forces->bodies[b], forces->sums));
     return bound;
 }

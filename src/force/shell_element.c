@@ -7,21 +7,24 @@ double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hin
     return shell->bending == PEL_BENDING_HINGE ? hinge->stiffness : hinge->stiffness / 3;
 }
 
-static double fibre_energy(const pel_shell_body *own, const pel_rest_triangle *rest, const pel_triangle_fibre *fibre,
-                           double time, const double x[3][3], double gradient[3][3])
+double pel_shell_rest_length(const pel_shell_region *region, double time)
 {
-    const pel_shell_region *region = &own->shell->regions[fibre->region];
-    if (region->def.mode == PEL_FIBRE_STRAIN)
-        return pel_fibre_energy(rest, region->def.kind, fibre->stiffness, fibre->direction, x, gradient);
-    double length =
-        region->def.rest_length.value * pel_curve_value(region->rest_length.keys, region->rest_length.key_count, time);
-    return pel_fibre_active_energy(rest, fibre->stiffness, length, fibre->direction, x, gradient);
+    const pel_curve *curve = &region->rest_length;
+    if (region->def.mode != PEL_FIBRE_ACTIVE)
+        return 1;
+    return region->def.rest_length.value * pel_curve_value(curve->keys, curve->key_count, time);
 }
 
-static void subtract_rows(double rows[][3], double gradient[][3], int count)
+double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, const pel_shell_fibre *fibre,
+                              double time, const double x[3][3], double gradient[3][3])
 {
-    for (int i = 0; i < count; i++)
-        pel_vec3_subtract(rows[i], gradient[i], rows[i]);
+    const pel_rest_triangle *rest = &shell->triangles[fibre->triangle].rest;
+    double direction[2] = {fibre->direction[0], fibre->direction[1]}, stiffness = region->def.stiffness * fibre->weight;
+    if (region->def.direction == PEL_FIBRE_PRINCIPAL)
+        pel_principal_direction(rest, x, direction);
+    if (region->def.mode == PEL_FIBRE_STRAIN)
+        return pel_fibre_energy(rest, region->def.kind, stiffness, direction, x, gradient);
+    return pel_fibre_active_energy(rest, stiffness, pel_shell_rest_length(region, time), direction, x, gradient);
 }
 
 pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t)
@@ -31,40 +34,20 @@ pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t)
     return law;
 }
 
-double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double rows[3][3])
+double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3])
 {
-    const pel_shell *shell = own->shell;
-    if (!shell->has_membrane)
-        return 0;
     const pel_membrane_law law = pel_shell_law(own, t);
-    double gradient[3][3];
-    if (rows == NULL)
-        return pel_membrane_law_energy(&shell->triangles[t].rest, &law, x, NULL);
-    double energy = pel_membrane_law_energy(&shell->triangles[t].rest, &law, x, gradient);
-    subtract_rows(rows, gradient, 3);
-    return energy;
+    return pel_membrane_law_energy(&own->shell->triangles[t].rest, &law, x, gradient);
 }
 
-double pel_shell_fibre_energies(const pel_shell_body *own, int32_t t, double time, const double x[3][3],
-                                double rows[3][3])
+double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
+                              const double x[4][3], double gradient[4][3])
 {
-    double sum = 0, gradient[3][3];
-    if (own->fibre_begin == NULL)
-        return 0;
-    for (int32_t i = own->fibre_begin[t]; i < own->fibre_begin[t + 1]; i++) {
-        const pel_rest_triangle *rest = &own->shell->triangles[t].rest;
-        sum += fibre_energy(own, rest, &own->fibres[i], time, x, rows != NULL ? gradient : NULL);
-        if (rows != NULL)
-            subtract_rows(rows, gradient, 3);
+    if (shell->bending == PEL_BENDING_HINGE) {
+        const pel_hinge stencil = pel_shell_angle(rest, hinge);
+        return pel_hinge_energy(&stencil, x, gradient);
     }
-    return sum;
-}
-
-double pel_shell_hinge_energy(const pel_shell *shell, const pel_shell_hinge *hinge, const double x[4][3],
-                              double gradient[4][3])
-{
-    if (shell->bending == PEL_BENDING_HINGE)
-        return pel_hinge_energy(&hinge->hinge, x, gradient);
+    const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
     pel_bending_form form = shell->bending == PEL_BENDING_ISOMETRIC ? PEL_BENDING_LITERAL : PEL_BENDING_REST_SUBTRACTED;
-    return pel_bending_isometric_energy(&hinge->isometric, form, x, gradient);
+    return pel_bending_isometric_energy(&stencil, form, x, gradient);
 }

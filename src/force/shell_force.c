@@ -1,198 +1,189 @@
 #include "force/pressure.h"
 #include "force/shell_body.h"
 #include "math/vec3.h"
-#include "measure/element.h"
 
 #include <string.h>
 
-/* vertices of one chunk of a parallel loop */
-enum { VERTEX_CHUNK = 512 };
+/* vertices of one chunk of a parallel loop, and parts of a sum over triangles */
+enum { VERTEX_CHUNK = 512, VOLUME_PARTS = 64 };
 
-/* one evaluation of one body */
+/* one evaluation */
 typedef struct shell_loop {
-    const pel_shell_body *own;
+    const pel_shell_forces *forces;
     const pel_record *position;
     pel_record *force;
     double time;
-    double pressure; /* Pa, positive inflates */
     int parts;
+    int32_t first; /* bundle of the phase */
 } shell_loop;
 
 /* ---- elements ---- */
 
-/* the blocks of a chunk of so many elements */
-static pel_shell_sweep sweep_of(const shell_loop *loop, int32_t chunk, int32_t count)
+static int part_of(const pel_shell_body *own, const pel_batch *batch)
 {
-    int32_t first = chunk * PEL_SHELL_CHUNK, end = first + PEL_SHELL_CHUNK;
-    return (pel_shell_sweep){
-        .position = loop->position,
-        .begin = first / PEL_BLOCK,
-        .end = pel_block_count(end < count ? end : count),
-        .pressure = loop->pressure,
-        .with_pressure = (loop->parts & loop->own->pressure_part) != 0,
-    };
-}
-
-/* energy of the fibres of the triangle in a lane; adds their forces to its rows */
-static double add_fibres(const shell_loop *loop, int32_t lane)
-{
-    const pel_shell_body *own = loop->own;
-    int32_t t = own->triangle_at[lane];
-    double x[3][3], forces[3][3] = {{0}};
-    if (own->fibre_begin[t] == own->fibre_begin[t + 1])
+    if (batch->arity == 2 || batch->kind == PEL_CONSTRAINT_CAVE || batch->kind == PEL_CONSTRAINT_LIMIT)
         return 0;
-    pel_load_points(loop->position, own->shell->triangles[t].vertices, 3, x);
-    double energy = pel_shell_fibre_energies(own, t, loop->time, (const double(*)[3])x, forces);
-    for (int k = 0; k < 3; k++)
-        own->rows[pel_row_of(lane, 3, k)] +=
-            (pel_record){(pel_real)forces[k][0], (pel_real)forces[k][1], (pel_real)forces[k][2], 0};
-    return energy;
+    if (batch->kind == PEL_CONSTRAINT_PRESSURE)
+        return own->pressure_part;
+    return batch->arity == 4 ? PEL_SHELL_BENDING : batch->region >= 0 ? PEL_SHELL_FIBRES : PEL_SHELL_MEMBRANE;
 }
 
-static void triangle_chunk(void *context, int32_t chunk)
+static double amount_of(const shell_loop *loop, const pel_shell_body *own, const pel_batch *batch)
+{
+    return batch->region >= 0 ? pel_shell_rest_length(&own->shell->regions[batch->region], loop->time) : own->pressure;
+}
+
+static void bundle_chunk(void *context, int32_t chunk)
 {
     const shell_loop *loop = context;
-    const pel_shell_body *own = loop->own;
-    int32_t count = own->shell->triangle_count, first = chunk * PEL_SHELL_CHUNK, end = first + PEL_SHELL_CHUNK;
-    pel_shell_sweep sweep = sweep_of(loop, chunk, count);
-    own->energies[chunk][0] = pel_shell_sweep_triangles(own, &sweep, (loop->parts & PEL_SHELL_MEMBRANE) != 0);
-    own->energies[chunk][1] = 0;
-    bool with_fibres = (loop->parts & PEL_SHELL_FIBRES) != 0 && own->fibre_begin != NULL;
-    for (int32_t lane = first; with_fibres && lane < end && lane < count; lane++)
-        own->energies[chunk][1] += add_fibres(loop, lane);
+    const pel_batches *batches = loop->forces->batches;
+    const pel_bundle *bundle = &batches->bundles[loop->first + chunk];
+    const pel_shell_body *own = &loop->forces->bodies[bundle->body];
+    double *energy = loop->forces->energies[loop->first + chunk];
+    energy[0] = energy[1] = energy[2] = 0;
+    for (int32_t i = 0; own->shell != NULL && i < batches->bodies[bundle->body].batch_count; i++) {
+        const pel_batch *batch = &batches->bodies[bundle->body].batches[i];
+        int part = part_of(own, batch);
+        int32_t begin = batch->bundle_begin[bundle->number], end = batch->bundle_begin[bundle->number + 1];
+        if ((part & loop->parts) == 0)
+            continue;
+        if (part != own->pressure_part)
+            energy[part == PEL_SHELL_MEMBRANE  ? PEL_ENERGY_MEMBRANE
+                   : part == PEL_SHELL_BENDING ? PEL_ENERGY_BENDING
+                                               : PEL_ENERGY_FIBRES] +=
+                pel_shell_sweep(batch, begin, end, loop->position, amount_of(loop, own, batch), loop->force);
+        else if (pel_shell_is_normal_form(own->shell) && loop->force != NULL)
+            pel_shell_sweep_areas(batch, begin, end, loop->position, loop->forces->area_vectors);
+        else if (loop->force != NULL)
+            pel_shell_sweep(batch, begin, end, loop->position, own->pressure, loop->force);
+    }
 }
 
-static void hinge_chunk(void *context, int32_t chunk)
+/* ---- volume ---- */
+
+typedef struct volume_job {
+    const pel_batch *batch;
+    const pel_record *position;
+    pel_record origin;
+    double parts[VOLUME_PARTS];
+} volume_job;
+
+static void volume_part(void *context, int32_t part)
 {
-    const shell_loop *loop = context;
-    const pel_shell_body *own = loop->own;
-    pel_shell_sweep sweep = sweep_of(loop, chunk, own->shell->hinge_count);
-    own->energies[chunk][0] = pel_shell_sweep_hinges(own, &sweep);
+    volume_job *job = context;
+    int64_t count = job->batch->block_count;
+    job->parts[part] =
+        pel_shell_sweep_volumes(job->batch, (int32_t)(count * part / VOLUME_PARTS),
+                                (int32_t)(count * (part + 1) / VOLUME_PARTS), job->position, job->origin);
 }
 
-static void volume_chunk(void *context, int32_t chunk)
+/* between the triangles and the first corner of all */
+static double find_volume(const shell_loop *loop, const pel_shell_body *own, pel_pool *pool)
 {
-    const shell_loop *loop = context;
-    const pel_shell_body *own = loop->own;
-    pel_shell_sweep sweep = sweep_of(loop, chunk, own->shell->triangle_count);
-    own->energies[chunk][2] = pel_shell_sweep_volumes(own, &sweep);
+    /* parts of the surface that a weight of 0 leaves out have a volume too */
+    if (own->shell->pressure_weights != NULL)
+        return pel_body_volume(loop->forces->model, own->body, loop->position);
+    volume_job job = {.batch = own->pressed, .position = loop->position};
+    double volume = 0;
+    job.origin = loop->position[own->shell->triangles[0].vertices[0]];
+    pel_pool_run(pool, VOLUME_PARTS, volume_part, &job);
+    for (int part = 0; part < VOLUME_PARTS; part++)
+        volume += job.parts[part];
+    return volume;
 }
 
-/* ---- vertices ---- */
+/* ---- pressure ---- */
 
-static bool has_normal_pressure(const shell_loop *loop)
+/* sets a body's pressure; returns its potential, when that is asked for */
+static double find_pressure(const shell_loop *loop, pel_shell_body *own, bool with_potential, pel_pool *pool)
 {
-    return loop->own->area_vectors != NULL && (loop->parts & loop->own->pressure_part) != 0;
+    const pel_shell *shell = own->shell;
+    double rest_volume = loop->forces->model->bodies[own->body].rest_volume, volume = rest_volume;
+    with_potential &= own->pressure_part == PEL_SHELL_CONSERVATIVE;
+    if (with_potential || shell->pressure.kind != PEL_PRESSURE_GIVEN)
+        volume = find_volume(loop, own, pool);
+    own->pressure = pel_pressure_difference(shell, loop->time, volume, rest_volume);
+    if (pel_shell_is_normal_form(shell))
+        memset(loop->forces->area_vectors + own->first_place, 0, (size_t)own->place_count * sizeof(pel_record));
+    return with_potential ? pel_pressure_potential(shell, loop->time, volume, rest_volume) : 0;
 }
+
+typedef struct normal_job {
+    const pel_shell_body *own;
+    const pel_record *area_vectors;
+    pel_record *force;
+} normal_job;
 
 /* the paper's pressure: a third of the areas around along the vertex's normal */
-static pel_record normal_pressure(const shell_loop *loop, int32_t place)
+static void normal_chunk(void *context, int32_t chunk)
 {
-    const pel_shell_body *own = loop->own;
-    double area = 0, normal[3] = {0, 0, 0}, sum[3];
-    for (int32_t i = own->gather_begin[place]; i < own->gather_begin[place + 1]; i++) {
-        double own_area[3];
-        if ((size_t)own->gather[i] >= own->first_hinge_row)
-            break;
-        int32_t lane = pel_lane_of(own->gather[i], 3);
-        pel_load_points(own->area_vectors, &lane, 1, &own_area);
-        area += pel_vec3_length(own_area);
-        pel_vec3_add(normal, own_area, normal);
+    const normal_job *job = context;
+    const pel_shell_body *own = job->own;
+    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
+    for (int32_t v = first; v < end && v < own->place_count; v++) {
+        pel_record area = job->area_vectors[own->first_place + v];
+        double normal[3] = {(double)area[0], (double)area[1], (double)area[2]};
+        pel_vec3_normalize(normal);
+        pel_vec3_scale(normal, own->pressure * (double)area[3] / 3, normal);
+        job->force[own->first_place + v] +=
+            (pel_record){(pel_real)normal[0], (pel_real)normal[1], (pel_real)normal[2], 0};
     }
-    pel_vec3_normalize(normal);
-    pel_vec3_scale(normal, loop->pressure * area / 3, sum);
-    return (pel_record){(pel_real)sum[0], (pel_real)sum[1], (pel_real)sum[2], 0};
 }
 
-static void vertex_chunk(void *context, int32_t chunk)
+static void add_normal_pressures(const shell_loop *loop, pel_pool *pool)
 {
-    const shell_loop *loop = context;
-    const pel_shell_body *own = loop->own;
-    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    bool normal_form = has_normal_pressure(loop);
-    size_t row_end = (loop->parts & PEL_SHELL_BENDING) != 0 ? SIZE_MAX : own->first_hinge_row;
-    for (int32_t v = first; v < end && v < own->place_count; v++) {
-        pel_record sum = pel_wide_splat(0);
-        for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1] && (size_t)own->gather[i] < row_end; i++)
-            sum += own->rows[own->gather[i]];
-        if (normal_form)
-            sum += normal_pressure(loop, v);
-        loop->force[own->first_place + v] += sum;
+    for (int32_t b = 0; b < loop->forces->model->body_count; b++) {
+        const pel_shell_body *own = &loop->forces->bodies[b];
+        if (own->shell == NULL || (loop->parts & own->pressure_part) == 0 || !pel_shell_is_normal_form(own->shell))
+            continue;
+        normal_job job = {own, loop->forces->area_vectors, loop->force};
+        pel_pool_run(pool, (own->place_count + VERTEX_CHUNK - 1) / VERTEX_CHUNK, normal_chunk, &job);
     }
 }
 
 /* ---- evaluation ---- */
 
-static double sum_energies(const pel_shell_body *own, int32_t count, int column)
+static pel_shell_energy evaluate(shell_loop *loop, bool with_potential, pel_pool *pool)
 {
-    double sum = 0;
-    for (int32_t chunk = 0; chunk < count; chunk++)
-        sum += own->energies[chunk][column];
-    return sum;
-}
-
-static double body_volume(shell_loop *loop, pel_pool *pool)
-{
-    int32_t chunks = pel_shell_chunk_count(loop->own->shell->triangle_count, PEL_SHELL_CHUNK);
-    pel_pool_run(pool, chunks, volume_chunk, loop);
-    return sum_energies(loop->own, chunks, 2);
-}
-
-/* sets the loop's pressure; returns its potential */
-static double find_pressure(const pel_model *model, shell_loop *loop, pel_pool *pool)
-{
-    const pel_body *body = &model->bodies[loop->own->body];
-    const pel_shell *shell = loop->own->shell;
-    if ((loop->parts & loop->own->pressure_part) == 0)
-        return 0;
-    bool conservative = loop->own->pressure_part == PEL_SHELL_CONSERVATIVE;
-    double volume = body->rest_volume;
-    if (conservative || shell->pressure.kind != PEL_PRESSURE_GIVEN)
-        volume = body_volume(loop, pool);
-    loop->pressure = pel_pressure_difference(shell, loop->time, volume, body->rest_volume);
-    return conservative ? pel_pressure_potential(shell, loop->time, volume, body->rest_volume) : 0;
-}
-
-static void add_body(const pel_model *model, shell_loop *loop, pel_pool *pool, pel_shell_energy *energy)
-{
-    const pel_shell *shell = loop->own->shell;
-    int32_t triangle_chunks = pel_shell_chunk_count(shell->triangle_count, PEL_SHELL_CHUNK);
-    int32_t hinge_chunks = pel_shell_chunk_count(shell->hinge_count, PEL_SHELL_CHUNK);
-    energy->pressure += find_pressure(model, loop, pool);
-    pel_pool_run(pool, triangle_chunks, triangle_chunk, loop);
-    energy->membrane += sum_energies(loop->own, triangle_chunks, 0);
-    energy->fibres += sum_energies(loop->own, triangle_chunks, 1);
-    if ((loop->parts & PEL_SHELL_BENDING) != 0) {
-        pel_pool_run(pool, hinge_chunks, hinge_chunk, loop);
-        energy->bending += sum_energies(loop->own, hinge_chunks, 0);
+    const pel_shell_forces *forces = loop->forces;
+    pel_shell_energy energy = {0};
+    for (int32_t b = 0; b < forces->model->body_count; b++)
+        if ((loop->parts & forces->bodies[b].pressure_part) != 0)
+            energy.pressure += find_pressure(loop, &forces->bodies[b], with_potential, pool);
+    for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
+        loop->first = forces->batches->phase_begin[phase];
+        pel_pool_run(pool, forces->batches->phase_begin[phase + 1] - loop->first, bundle_chunk, loop);
+    }
+    for (int32_t i = 0; i < forces->batches->phase_begin[PEL_PHASE_COUNT]; i++) {
+        energy.membrane += forces->energies[i][PEL_ENERGY_MEMBRANE];
+        energy.bending += forces->energies[i][PEL_ENERGY_BENDING];
+        energy.fibres += forces->energies[i][PEL_ENERGY_FIBRES];
     }
     if (loop->force != NULL)
-        pel_pool_run(pool, pel_shell_chunk_count(loop->own->place_count, VERTEX_CHUNK), vertex_chunk, loop);
+        add_normal_pressures(loop, pool);
+    return energy;
 }
 
 pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, double time, int parts,
                                       pel_pool *pool, pel_record *force)
 {
-    pel_shell_energy energy = {0};
-    for (int32_t i = 0; forces != NULL && i < forces->count; i++) {
-        shell_loop loop = {&forces->bodies[i], position, force, time, 0, parts};
-        add_body(forces->model, &loop, pool, &energy);
-    }
-    return energy;
+    shell_loop loop = {forces, position, force, time, parts, 0};
+    return forces != NULL ? evaluate(&loop, true, pool) : (pel_shell_energy){0};
+}
+
+void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, double time, pel_pool *pool,
+                            pel_record *force)
+{
+    shell_loop loop = {forces, position, force, time, PEL_SHELL_PRESSURE, 0};
+    bool any = false;
+    for (int32_t b = 0; forces != NULL && b < forces->model->body_count; b++)
+        any |= forces->bodies[b].pressure_part != 0;
+    if (any)
+        evaluate(&loop, false, pool);
 }
 
 void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *position)
 {
-    for (int32_t b = 0; forces != NULL && b < forces->count; b++) {
-        const pel_shell_body *own = &forces->bodies[b];
-        for (int32_t t = 0; own->fibre_begin != NULL && t < own->shell->triangle_count; t++)
-            for (int32_t i = own->fibre_begin[t]; i < own->fibre_begin[t + 1]; i++) {
-                if (own->shell->regions[own->fibres[i].region].def.direction != PEL_FIBRE_PRINCIPAL)
-                    continue;
-                const pel_shell_triangle *triangle = &own->shell->triangles[t];
-                double x[3][3];
-                pel_load_points(position, triangle->vertices, 3, x);
-                pel_principal_direction(&triangle->rest, (const double(*)[3])x, own->fibres[i].direction);
-            }
-    }
+    for (int32_t b = 0; forces != NULL && b < forces->model->body_count; b++)
+        pel_batches_follow(forces->batches, b, position);
 }

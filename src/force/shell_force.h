@@ -1,16 +1,15 @@
 /* Forces and energies of the shells of a model: membrane, bending, fibres, pressure (paper B as energies).
 
-   Each triangle and hinge writes the forces on its corners to rows of its own; then every vertex gathers its rows in
-   one order. So sums have the same bits for any number of threads, and nothing is allocated. Membrane, bending,
-   pressure and volume go over lanes (shell_lanes.c), in the precision of the state; fibres, and what is asked for at
-   vertices, go element by element in double. The force of each part is the negative gradient of its energy, but for
-   pressure in the vertex-normal form or on a part of the surface. PEL_FIBRE_CAVE is a rule of position-based dynamics,
-   not an energy: it gives no force. */
+   The blocks of batches add to the forces of their corners, in the order of bundles that is the same for any number of
+   threads, and so are the bits. Nothing is allocated. Loops over blocks (shell_lanes.c) have the precision of the
+   state; what is asked for at vertices goes element by element in double. The force of each part is the negative
+   gradient of its energy, but for pressure in the vertex-normal form or on a part of the surface. PEL_FIBRE_CAVE is a
+   rule of position-based dynamics, not an energy: it gives no force. */
 #ifndef PEL_FORCE_SHELL_FORCE_H
 #define PEL_FORCE_SHELL_FORCE_H
 
 #include "base/pool.h"
-#include "model/shell.h"
+#include "batch/batches.h"
 
 typedef enum pel_shell_part {
     PEL_SHELL_MEMBRANE = 1,
@@ -29,11 +28,12 @@ typedef struct pel_shell_energy {
     double pressure; /* potential of what is conservative */
 } pel_shell_energy;
 
-/* Lists and scratch for all bodies of a model that are shells; one thread at a time uses it. */
+/* Laws and scratch for all bodies of a model that are shells; one thread at a time uses it. */
 typedef struct pel_shell_forces pel_shell_forces;
 
-/* *forces stays null when the model has no shell. Refuses (PEL_BAD_ARGUMENT) bending without a stiffness. */
-pel_status pel_shell_forces_create(const pel_model *model, pel_shell_forces **forces, pel_error *error);
+/* *forces stays null when the model has no shell. The batches, of any method, outlive it. Refuses (PEL_BAD_ARGUMENT)
+   bending without a stiffness. */
+pel_status pel_shell_forces_create(pel_batches *batches, pel_shell_forces **forces, pel_error *error);
 void pel_shell_forces_destroy(pel_shell_forces *forces);
 
 /* Sets directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions: once for each state. */
@@ -44,10 +44,17 @@ void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *positio
 pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, double time, int parts,
                                       pel_pool *pool, pel_record *force);
 
-/* After the surface of a body that refines has changed: makes its lists anew, without allocation. */
+/* Adds the forces of all pressures at a time to force (model vertex_count). */
+void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, double time, pel_pool *pool,
+                            pel_record *force);
+
+/* Lists the elements at each vertex of a body, for the function below. PEL_OUT_OF_MEMORY. */
+pel_status pel_shell_forces_list(pel_shell_forces *forces, int32_t body, pel_error *error);
+
+/* After the surface of a body that refines has changed: makes that list anew, without allocation. */
 void pel_shell_forces_rebuild(pel_shell_forces *forces, int32_t body);
 
-/* Force of membrane, bending and fibres on one vertex, from the elements at it alone. */
+/* Force of membrane, bending and fibres on one vertex of a body with lists, from the elements at it alone. */
 void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
                                 int32_t place, double force[3]);
 

@@ -1,19 +1,25 @@
-/* The loops of the forces of shells over blocks of elements, all lanes at once. A lane without an element has numbers
-   of zero: its energy and forces are zero. */
+/* Forces and energies of shells over the blocks of batches, all lanes at once. Blocks share no vertex, so a block adds
+   to the forces of its corners without looking at others. */
 #include "force/shell_body.h"
+#include "law/fibre.h"
+#include "measure/fibre.h"
 #include "measure/hinge.h"
 #include "measure/membrane.h"
 #include "measure/volume.h"
 
-static inline pel_lane number_of(const pel_real *numbers, int count, int32_t block, int j)
+PEL_INLINE const int32_t *steps_of(const pel_batch *batch, int32_t block, int k)
 {
-    return pel_lane_load(numbers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, 0);
+    return batch->steps + ((size_t)block * (size_t)batch->arity + (size_t)k) * PEL_BLOCK;
 }
 
-static inline pel_particle load_corner(const int32_t *steps, int arity, int32_t block, int k,
-                                       const pel_record *positions)
+PEL_INLINE pel_lane number_of(const pel_batch *batch, int32_t block, int j)
 {
-    return pel_particle_load(positions, steps + ((size_t)block * (size_t)arity + (size_t)k) * PEL_BLOCK, 0);
+    return pel_lane_load(batch->numbers + ((size_t)block * (size_t)batch->number_count + (size_t)j) * PEL_BLOCK, 0);
+}
+
+PEL_INLINE pel_particle corner_of(const pel_batch *batch, int32_t block, int k, const pel_record *position)
+{
+    return pel_particle_load(position, steps_of(batch, block, k), 0);
 }
 
 static inline double sum_of_lanes(pel_lane a)
@@ -24,148 +30,193 @@ static inline double sum_of_lanes(pel_lane a)
     return sum;
 }
 
-/* ---- triangles ---- */
+/* lanes that repeat another one count for nothing */
+static inline pel_lane used_lanes(pel_lane a, int32_t count)
+{
+    for (int32_t i = count; i < PEL_BLOCK; i++)
+        a[i] = 0;
+    return a;
+}
 
-typedef struct triangle_forces {
-    pel_lane3 row[3];
-} triangle_forces;
+/* ---- elements: energy and forces of a block ---- */
+
+/* psi times the area, and -d (area psi) / dx */
+PEL_INLINE pel_lane press_membrane(const pel_batch *batch, int32_t block, const pel_record *position,
+                                   pel_membrane_kind kind, pel_lane3 force[3])
+{
+    pel_lane law[PEL_LAW_NUMBERS], number[4];
+    pel_lane3 x[3], stress[2];
+    for (int i = 0; i < PEL_LAW_NUMBERS; i++)
+        law[i] = pel_lane_splat(batch->law.numbers[i]);
+    for (int j = 0; j < 4; j++)
+        number[j] = number_of(batch, block, j);
+    for (int k = 0; k < 3; k++)
+        x[k] = corner_of(batch, block, k, position).at;
+    pel_gradient f = pel_gradient_of(pel_lane3_subtract(x[0], x[2]), pel_lane3_subtract(x[1], x[2]), number[0],
+                                     number[1], number[2]);
+    pel_lane modulus = number[3];
+    if ((pel_law_traits(kind) & PEL_LAW_CONSTANT_TANGENT) != 0)
+        modulus = pel_lane_splat((pel_real)batch->law.modulus) / number[3];
+    pel_lane energy = pel_membrane_stress(kind, law, &f, stress), scale = -modulus;
+    force[0] = pel_lane3_combine(scale * number[0], stress[0], scale * number[1], stress[1]);
+    force[1] = pel_lane3_scale(stress[1], scale * number[2]);
+    force[2] = pel_lane3_subtract(pel_lane3_scale(force[0], pel_lane_splat(-1)), force[1]);
+    return modulus * energy;
+}
+
+PEL_INLINE pel_lane bend_angle(const pel_batch *batch, int32_t block, const pel_record *position, pel_lane3 force[4])
+{
+    pel_particle x[4];
+    for (int k = 0; k < 4; k++)
+        x[k] = corner_of(batch, block, k, position);
+    pel_hinge_lanes h = pel_hinge_of(x, number_of(batch, block, 0), number_of(batch, block, 1));
+    pel_lane moment = h.difference / number_of(batch, block, 2);
+    pel_hinge_gradients(&h, moment * h.length, force);
+    return PEL_CONSTANT(0.5) * moment * h.difference;
+}
+
+PEL_INLINE pel_lane bend_isometric(const pel_batch *batch, int32_t block, const pel_record *position,
+                                   pel_lane3 force[4])
+{
+    pel_particle x[4];
+    pel_lane weight[4];
+    for (int k = 0; k < 4; k++)
+        x[k] = corner_of(batch, block, k, position);
+    for (int k = 1; k < 4; k++)
+        weight[k] = number_of(batch, block, k - 1);
+    pel_isometric_weights(weight);
+    pel_lane3 sum = pel_isometric_of(x, weight);
+    pel_lane factor = pel_lane_splat(1) / number_of(batch, block, 3);
+    for (int k = 0; k < 4; k++)
+        force[k] = pel_lane3_scale(sum, -(factor * weight[k]));
+    return PEL_CONSTANT(0.5) * factor * (pel_lane3_dot(sum, sum) - number_of(batch, block, 4));
+}
+
+PEL_INLINE pel_lane pull_fibre(const pel_batch *batch, int32_t block, const pel_record *position, double rest_length,
+                               bool squared, pel_lane3 force[3])
+{
+    pel_lane3 x[3];
+    for (int k = 0; k < 3; k++)
+        x[k] = corner_of(batch, block, k, position).at;
+    pel_lane c0 = number_of(batch, block, 0), c1 = number_of(batch, block, 1);
+    pel_fibre_image f = pel_fibre_image_of(pel_lane3_subtract(x[0], x[2]), pel_lane3_subtract(x[1], x[2]), c0, c1);
+    pel_fibre_response r = pel_law_fibre(f.square, pel_lane_splat((pel_real)rest_length), squared);
+    pel_lane stiffness = pel_lane_splat(1) / number_of(batch, block, 2), scale = -(stiffness * r.strain * r.slope);
+    force[0] = pel_lane3_scale(f.image, scale * c0);
+    force[1] = pel_lane3_scale(f.image, scale * c1);
+    force[2] = pel_lane3_scale(f.image, -(scale * (c0 + c1)));
+    return stiffness * pel_law_fibre_energy(r);
+}
+
+PEL_INLINE pel_lane weight_of(const pel_batch *batch, int32_t block)
+{
+    return batch->number_count > 0 ? number_of(batch, block, 0) : pel_lane_splat(1);
+}
 
 /* a third of pressure times area along the normal on each corner (measure/volume.h) */
-static inline void add_pressure(const pel_shell_body *own, int32_t block, pel_lane sixth, const pel_particle x[3],
-                                triangle_forces *forces)
+PEL_INLINE pel_lane press_area(const pel_batch *batch, int32_t block, const pel_record *position, double pressure,
+                               pel_lane3 force[3])
 {
-    pel_lane weight = number_of(own->triangle_numbers, PEL_TRIANGLE_NUMBERS, block, 4);
-    pel_lane3 force = pel_area_vector(x[0].at, x[1].at, x[2].at);
-    if (own->area_vectors != NULL) {
-        pel_lane3_store(own->area_vectors + (size_t)block * PEL_BLOCK,
-                        pel_lane3_scale(force, pel_lane_splat((pel_real)0.5) * weight));
-        return;
-    }
-    force = pel_lane3_scale(force, sixth * weight);
+    pel_lane3 x[3];
     for (int k = 0; k < 3; k++)
-        forces->row[k] = pel_lane3_add(forces->row[k], force);
+        x[k] = corner_of(batch, block, k, position).at;
+    pel_lane scale = pel_lane_splat((pel_real)(pressure / 6)) * weight_of(batch, block);
+    force[0] = force[1] = force[2] = pel_lane3_scale(pel_area_vector(x[0], x[1], x[2]), scale);
+    return pel_lane_splat(0);
 }
 
-/* psi times the area, and the forces -d (area psi) / dx */
-PEL_INLINE pel_lane add_membrane(const pel_shell_body *own, int32_t block, pel_membrane_kind kind, const pel_lane *law,
-                                 const pel_particle x[3], triangle_forces *forces)
-{
-    pel_lane number[4];
-    for (int j = 0; j < 4; j++)
-        number[j] = number_of(own->triangle_numbers, PEL_TRIANGLE_NUMBERS, block, j);
-    pel_lane3 first = pel_lane3_subtract(x[0].at, x[2].at), second = pel_lane3_subtract(x[1].at, x[2].at);
-    pel_gradient f = pel_gradient_of(first, second, number[0], number[1], number[2]);
-    pel_lane3 stress[2];
-    pel_lane energy = pel_membrane_stress(kind, law, &f, stress), scale = -number[3];
-    forces->row[0] = pel_lane3_combine(scale * number[0], stress[0], scale * number[1], stress[1]);
-    forces->row[1] = pel_lane3_scale(stress[1], scale * number[2]);
-    forces->row[2] = pel_lane3_subtract(pel_lane3_scale(forces->row[0], pel_lane_splat(-1)), forces->row[1]);
-    return number[3] * energy;
-}
+/* ---- sweeps ---- */
 
-PEL_INLINE double sweep_triangles(const pel_shell_body *own, const pel_shell_sweep *sweep, pel_membrane_kind kind,
-                                  bool membrane)
-{
-    pel_lane energy = pel_lane_splat(0), sixth = pel_lane_splat((pel_real)(sweep->pressure / 6));
-    pel_lane law[PEL_LAW_NUMBERS];
-    for (int i = 0; i < PEL_LAW_NUMBERS; i++)
-        law[i] = pel_lane_splat((pel_real)own->law.numbers[i]);
-    const pel_lane3 none = {energy, energy, energy};
-    for (int32_t block = sweep->begin; block < sweep->end; block++) {
-        pel_particle x[3];
-        triangle_forces forces = {{none, none, none}};
-        for (int k = 0; k < 3; k++)
-            x[k] = load_corner(own->triangle_steps, 3, block, k, sweep->position);
-        if (membrane)
-            energy = energy + add_membrane(own, block, kind, law, x, &forces);
-        if (sweep->with_pressure)
-            add_pressure(own, block, sixth, x, &forces);
-        for (int k = 0; k < 3; k++)
-            pel_lane3_store(own->rows + ((size_t)block * 3 + (size_t)k) * PEL_BLOCK, forces.row[k]);
+/* The sweep of a kind: call finds forces and energy of a block. The batch is copied: what is stored cannot change a
+   local, so its fields stay in registers. */
+#define PEL_FORCE_SWEEP(name, corners, numbers_of, call)                                                               \
+    static double name(const pel_batch *given, int32_t begin, int32_t end, const pel_record *position, double amount,  \
+                       pel_record *force)                                                                              \
+    {                                                                                                                  \
+        pel_batch own = *given, *batch = &own;                                                                         \
+        own.arity = corners;                                                                                           \
+        own.number_count = numbers_of;                                                                                 \
+        pel_lane energy = pel_lane_splat(0);                                                                           \
+        (void)amount;                                                                                                  \
+        for (int32_t block = begin; block < end; block++) {                                                            \
+            pel_lane3 forces[corners];                                                                                 \
+            pel_lane part = call;                                                                                      \
+            energy = energy + (own.lane_counts[block] < PEL_BLOCK ? used_lanes(part, own.lane_counts[block]) : part);  \
+            for (int k = 0; force != NULL && k < corners; k++)                                                         \
+                pel_particle_move(force, steps_of(batch, block, k), 0, NULL, forces[k]);                               \
+        }                                                                                                              \
+        return sum_of_lanes(energy);                                                                                   \
     }
-    return sum_of_lanes(energy);
-}
 
-double pel_shell_sweep_triangles(const pel_shell_body *own, const pel_shell_sweep *sweep, bool membrane)
+#define PEL_FORCE_LAW(KIND, law, name)                                                                                 \
+    PEL_FORCE_SWEEP(sweep_##law, 3, PEL_TRIANGLE_NUMBERS,                                                              \
+                    press_membrane(batch, block, position, PEL_MEMBRANE_##KIND, forces))
+PEL_MEMBRANE_LAWS(PEL_FORCE_LAW)
+PEL_FORCE_SWEEP(sweep_angle, 4, PEL_ANGLE_NUMBERS, bend_angle(batch, block, position, forces))
+PEL_FORCE_SWEEP(sweep_isometric, 4, PEL_ISOMETRIC_NUMBERS, bend_isometric(batch, block, position, forces))
+PEL_FORCE_SWEEP(sweep_fibre, 3, given->number_count, pull_fibre(batch, block, position, amount, false, forces))
+PEL_FORCE_SWEEP(sweep_fibre_square, 3, given->number_count, pull_fibre(batch, block, position, amount, true, forces))
+PEL_FORCE_SWEEP(sweep_pressure, 3, given->number_count, press_area(batch, block, position, amount, forces))
+
+typedef double force_sweep(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position,
+                           double amount, pel_record *force);
+
+#define PEL_FORCE_LAW_ROW(KIND, law, name)                                                                             \
+    [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_##KIND] = sweep_##law,                                                     \
+                               [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_##KIND] = sweep_##law,
+static force_sweep *const sweeps[PEL_CONSTRAINT_COUNT] = {
+    PEL_MEMBRANE_LAWS(PEL_FORCE_LAW_ROW)[PEL_CONSTRAINT_ISOMETRIC] = sweep_isometric,
+    [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_isometric,
+    [PEL_CONSTRAINT_ANGLE] = sweep_angle,
+    [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_angle,
+    [PEL_CONSTRAINT_FIBRE] = sweep_fibre,
+    [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_fibre,
+    [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,
+    [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_fibre_square,
+    [PEL_CONSTRAINT_PRESSURE] = sweep_pressure,
+};
+
+double pel_shell_sweep(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position, double amount,
+                       pel_record *force)
 {
-    if (!membrane || !own->shell->has_membrane)
-        return sweep_triangles(own, sweep, PEL_MEMBRANE_STVK, false);
-    switch (own->law.kind) {
-#define SWEEP(KIND, law, name)                                                                                         \
-    case PEL_MEMBRANE_##KIND:                                                                                          \
-        return sweep_triangles(own, sweep, PEL_MEMBRANE_##KIND, true);
-        PEL_MEMBRANE_LAWS(SWEEP)
-#undef SWEEP
-    }
-    return 0;
+    return sweeps[batch->kind](batch, begin, end, position, amount, force);
 }
 
-double pel_shell_sweep_volumes(const pel_shell_body *own, const pel_shell_sweep *sweep)
+void pel_shell_sweep_areas(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position,
+                           pel_record *area_vectors)
+{
+    for (int32_t block = begin; block < end; block++) {
+        pel_lane3 x[3];
+        pel_record areas[PEL_BLOCK], sums[PEL_BLOCK];
+        for (int k = 0; k < 3; k++)
+            x[k] = corner_of(batch, block, k, position).at;
+        pel_lane half = pel_lane_splat((pel_real)0.5) * weight_of(batch, block);
+        pel_lane3 area = pel_lane3_scale(pel_area_vector(x[0], x[1], x[2]), half);
+        pel_lane length = pel_lane_sqrt(pel_lane3_dot(area, area));
+        pel_lane3_store(areas, area);
+        for (int i = 0; i < PEL_BLOCK; i++)
+            areas[i][3] = length[i];
+        for (int k = 0; k < 3; k++) {
+            /* all are read before any is written, as lanes may repeat */
+            const int32_t *steps = steps_of(batch, block, k);
+            for (int i = 0; i < PEL_BLOCK; i++)
+                sums[i] = pel_record_get(area_vectors, steps[i]) + areas[i];
+            for (int i = 0; i < PEL_BLOCK; i++)
+                pel_record_set(area_vectors, steps[i], sums[i]);
+        }
+    }
+}
+
+double pel_shell_sweep_volumes(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position,
+                               pel_record origin)
 {
     pel_lane volume = pel_lane_splat(0);
-    const pel_record corner = pel_record_get(sweep->position, own->triangle_steps[0]);
-    const pel_lane3 origin = {pel_lane_splat(corner[0]), pel_lane_splat(corner[1]), pel_lane_splat(corner[2])};
-    for (int32_t block = sweep->begin; block < sweep->end; block++) {
+    const pel_lane3 from = {pel_lane_splat(origin[0]), pel_lane_splat(origin[1]), pel_lane_splat(origin[2])};
+    for (int32_t block = begin; block < end; block++) {
         pel_lane3 x[3];
         for (int k = 0; k < 3; k++)
-            x[k] = pel_lane3_subtract(load_corner(own->triangle_steps, 3, block, k, sweep->position).at, origin);
-        pel_lane used = number_of(own->triangle_numbers, PEL_TRIANGLE_NUMBERS, block, 5);
-        volume = volume + used * pel_volume_of(x[0], x[1], x[2]);
+            x[k] = pel_lane3_subtract(corner_of(batch, block, k, position).at, from);
+        volume = volume + used_lanes(pel_volume_of(x[0], x[1], x[2]), batch->lane_counts[block]);
     }
     return sum_of_lanes(volume) / 6;
-}
-
-/* ---- hinges ---- */
-
-static inline void store_hinge(const pel_shell_body *own, int32_t block, const pel_lane3 force[4])
-{
-    for (int k = 0; k < 4; k++)
-        pel_lane3_store(own->rows + own->first_hinge_row + ((size_t)block * 4 + (size_t)k) * PEL_BLOCK, force[k]);
-}
-
-static double sweep_angles(const pel_shell_body *own, const pel_shell_sweep *sweep)
-{
-    const pel_real *numbers = own->hinge_numbers;
-    pel_lane energy = pel_lane_splat(0);
-    for (int32_t block = sweep->begin; block < sweep->end; block++) {
-        pel_particle x[4];
-        for (int k = 0; k < 4; k++)
-            x[k] = load_corner(own->hinge_steps, 4, block, k, sweep->position);
-        pel_hinge_lanes h = pel_hinge_of(x, number_of(numbers, PEL_HINGE_NUMBERS, block, 0),
-                                         number_of(numbers, PEL_HINGE_NUMBERS, block, 1));
-        pel_lane moment = number_of(numbers, PEL_HINGE_NUMBERS, block, 2) * h.difference;
-        energy = energy + moment * h.difference;
-        pel_lane3 force[4];
-        pel_hinge_gradients(&h, moment * h.length, force);
-        store_hinge(own, block, force);
-    }
-    return 0.5 * sum_of_lanes(energy);
-}
-
-static double sweep_isometric(const pel_shell_body *own, const pel_shell_sweep *sweep)
-{
-    const pel_real *numbers = own->hinge_numbers;
-    pel_lane energy = pel_lane_splat(0);
-    for (int32_t block = sweep->begin; block < sweep->end; block++) {
-        pel_particle x[4];
-        pel_lane weight[4];
-        for (int k = 0; k < 4; k++)
-            x[k] = load_corner(own->hinge_steps, 4, block, k, sweep->position);
-        for (int k = 1; k < 4; k++)
-            weight[k] = number_of(numbers, PEL_HINGE_NUMBERS, block, k - 1);
-        pel_isometric_weights(weight);
-        pel_lane3 sum = pel_isometric_of(x, weight);
-        pel_lane factor = number_of(numbers, PEL_HINGE_NUMBERS, block, 3);
-        energy = energy + factor * pel_lane3_dot(sum, sum) - number_of(numbers, PEL_HINGE_NUMBERS, block, 4);
-        pel_lane3 force[4];
-        for (int k = 0; k < 4; k++)
-            force[k] = pel_lane3_scale(sum, -(factor * weight[k]));
-        store_hinge(own, block, force);
-    }
-    return 0.5 * sum_of_lanes(energy);
-}
-
-double pel_shell_sweep_hinges(const pel_shell_body *own, const pel_shell_sweep *sweep)
-{
-    return own->shell->bending == PEL_BENDING_HINGE ? sweep_angles(own, sweep) : sweep_isometric(own, sweep);
 }

@@ -17,23 +17,64 @@ static void share(double energy, const int32_t *vertices, int count, const row_m
     }
 }
 
+/* minus the virial of forces of which the gradients are given */
+static double virial_of(const double x[3][3], const double gradient[3][3])
+{
+    double side[3], sum = 0;
+    for (int i = 1; i < 3; i++) {
+        pel_vec3_subtract(x[i], x[0], side);
+        sum += pel_vec3_dot(gradient[i], side);
+    }
+    return sum;
+}
+
+/* what a triangle or its fibres give: energies or virials, shared out to the rows of its corners */
+typedef struct corner_sums {
+    const pel_shell_body *own;
+    const pel_record *position;
+    double time;
+    bool virial;
+    row_map map;
+} corner_sums;
+
+static void add_membrane(const corner_sums *sums, double *values)
+{
+    const pel_shell *shell = sums->own->shell;
+    double x[3][3], gradient[3][3];
+    for (int32_t t = 0; shell->has_membrane && t < shell->triangle_count; t++) {
+        const int32_t *vertices = shell->triangles[t].vertices;
+        pel_load_points(sums->position, vertices, 3, x);
+        double energy = pel_shell_membrane_energy(sums->own, t, (const double(*)[3])x, sums->virial ? gradient : NULL);
+        share(sums->virial ? virial_of((const double(*)[3])x, (const double(*)[3])gradient) : energy, vertices, 3,
+              &sums->map, values);
+    }
+}
+
+static void add_fibres(const corner_sums *sums, double *values)
+{
+    const pel_shell *shell = sums->own->shell;
+    double x[3][3], gradient[3][3];
+    for (int32_t r = 0; r < shell->region_count; r++)
+        for (int32_t i = 0; i < pel_shell_fibre_count(&shell->regions[r]); i++) {
+            const pel_shell_fibre *fibre = &shell->regions[r].fibres[i];
+            const int32_t *vertices = shell->triangles[fibre->triangle].vertices;
+            pel_load_points(sums->position, vertices, 3, x);
+            double energy = pel_shell_fibre_energy(shell, &shell->regions[r], fibre, sums->time, (const double(*)[3])x,
+                                                   sums->virial ? gradient : NULL);
+            share(sums->virial ? virial_of((const double(*)[3])x, (const double(*)[3])gradient) : energy, vertices, 3,
+                  &sums->map, values);
+        }
+}
+
 void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *row_of_vertex,
                            const pel_record *position, double time, double *virials)
 {
     const pel_shell_body *own = pel_shell_body_of(forces, body);
-    const row_map map = {forces != NULL ? forces->model->mesh_vertex : NULL, row_of_vertex};
-    for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++) {
-        const int32_t *vertices = own->shell->triangles[t].vertices;
-        double x[3][3], rows[3][3] = {{0}}, side[3], sum = 0;
-        pel_load_points(position, vertices, 3, x);
-        pel_shell_membrane_energy(own, t, (const double(*)[3])x, rows);
-        pel_shell_fibre_energies(own, t, time, (const double(*)[3])x, rows);
-        for (int i = 1; i < 3; i++) {
-            pel_vec3_subtract(x[i], x[0], side);
-            sum -= pel_vec3_dot(rows[i], side);
-        }
-        share(sum, vertices, 3, &map, virials);
-    }
+    if (own == NULL)
+        return;
+    const corner_sums sums = {own, position, time, true, {forces->model->mesh_vertex, row_of_vertex}};
+    add_membrane(&sums, virials);
+    add_fibres(&sums, virials);
 }
 
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
@@ -47,45 +88,71 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     if (own == NULL)
         return;
     const pel_shell *shell = own->shell;
-    const row_map rows = {forces->model->mesh_vertex, row_of_vertex};
-    double x[4][3];
-    for (int32_t t = 0; t < shell->triangle_count; t++) {
-        const pel_shell_triangle *triangle = &shell->triangles[t];
-        pel_load_points(position, triangle->vertices, 3, x);
-        share(pel_shell_membrane_energy(own, t, (const double(*)[3])x, NULL), triangle->vertices, 3, &rows, membrane);
-        share(pel_shell_fibre_energies(own, t, time, (const double(*)[3])x, NULL), triangle->vertices, 3, &rows,
-              fibres);
-    }
+    const corner_sums sums = {own, position, time, false, {forces->model->mesh_vertex, row_of_vertex}};
+    add_membrane(&sums, membrane);
+    add_fibres(&sums, fibres);
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge *hinge = &shell->hinges[i];
+        double x[4][3];
         pel_load_points(position, hinge->vertices, 4, x);
-        double energy =
-            pel_shell_hinge_factor(shell, hinge) * pel_shell_hinge_energy(shell, hinge, (const double(*)[3])x, NULL);
-        share(energy, hinge->vertices, 4, &rows, bending);
+        double energy = pel_shell_hinge_factor(shell, hinge) *
+                        pel_shell_hinge_energy(shell, forces->model->rest, hinge, (const double(*)[3])x, NULL);
+        share(energy, hinge->vertices, 4, &sums.map, bending);
     }
 }
 
 /* ---- one vertex ---- */
 
-/* elastic force of one element on one of its corners */
-static void element_force(const pel_shell_body *own, const pel_record *position, double time, int32_t row,
-                          double force[3])
+static int corner_at(const int32_t *vertices, int32_t place)
+{
+    int corner = 0;
+    while (vertices[corner] != place)
+        corner++;
+    return corner;
+}
+
+static void subtract_hinge(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
+                           const pel_record *position, int32_t place, double force[3])
+{
+    double x[4][3], gradient[4][3];
+    pel_load_points(position, hinge->vertices, 4, x);
+    pel_shell_hinge_energy(shell, rest, hinge, (const double(*)[3])x, gradient);
+    pel_vec3_along(force, -pel_shell_hinge_factor(shell, hinge), gradient[corner_at(hinge->vertices, place)], force);
+}
+
+/* the fibres of a region in a triangle, or null: they stand by rising triangle */
+static const pel_shell_fibre *find_fibre(const pel_shell_region *region, int32_t triangle)
+{
+    int32_t low = 0, high = pel_shell_fibre_count(region);
+    while (low < high) {
+        int32_t middle = low + (high - low) / 2;
+        if (region->fibres[middle].triangle < triangle)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < pel_shell_fibre_count(region) && region->fibres[low].triangle == triangle ? &region->fibres[low]
+                                                                                           : NULL;
+}
+
+static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_record *position, double time,
+                              int32_t place, double force[3])
 {
     const pel_shell *shell = own->shell;
-    double x[4][3], rows[4][3] = {{0}};
-    if ((size_t)row >= own->first_hinge_row) {
-        row -= (int32_t)own->first_hinge_row;
-        const pel_shell_hinge *hinge = &shell->hinges[own->hinge_at[pel_lane_of(row, 4)]];
-        pel_load_points(position, hinge->vertices, 4, x);
-        pel_shell_hinge_energy(shell, hinge, (const double(*)[3])x, rows);
-        pel_vec3_scale(rows[pel_corner_of(row, 4)], -pel_shell_hinge_factor(shell, hinge), force);
-        return;
-    }
-    int32_t t = own->triangle_at[pel_lane_of(row, 3)];
+    double x[3][3], gradient[3][3];
+    int corner = corner_at(shell->triangles[t].vertices, place);
     pel_load_points(position, shell->triangles[t].vertices, 3, x);
-    pel_shell_membrane_energy(own, t, (const double(*)[3])x, rows);
-    pel_shell_fibre_energies(own, t, time, (const double(*)[3])x, rows);
-    pel_vec3_copy(rows[pel_corner_of(row, 3)], force);
+    if (shell->has_membrane) {
+        pel_shell_membrane_energy(own, t, (const double(*)[3])x, gradient);
+        pel_vec3_subtract(force, gradient[corner], force);
+    }
+    for (int32_t r = 0; r < shell->region_count; r++) {
+        const pel_shell_fibre *fibre = find_fibre(&shell->regions[r], t);
+        if (fibre == NULL)
+            continue;
+        pel_shell_fibre_energy(shell, &shell->regions[r], fibre, time, (const double(*)[3])x, gradient);
+        pel_vec3_subtract(force, gradient[corner], force);
+    }
 }
 
 void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
@@ -95,10 +162,13 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
     pel_vec3_set(force, 0, 0, 0);
     if (own == NULL)
         return;
-    int32_t v = place - own->first_place;
-    for (int32_t i = own->gather_begin[v]; i < own->gather_begin[v + 1]; i++) {
-        double part[3];
-        element_force(own, position, time, own->gather[i], part);
-        pel_vec3_add(force, part, force);
+    int32_t v = place - own->first_place, triangle_count = own->shell->triangle_count;
+    for (int32_t i = own->element_begin[v]; i < own->element_begin[v + 1]; i++) {
+        int32_t element = own->elements[i];
+        if (element < triangle_count)
+            subtract_triangle(own, element, position, time, place, force);
+        else
+            subtract_hinge(own->shell, forces->model->rest, &own->shell->hinges[element - triangle_count], position,
+                           place, force);
     }
 }

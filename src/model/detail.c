@@ -134,20 +134,23 @@ static void spread_densities(pel_body_detail *detail, const pel_model *model, co
     pel_detail_spread(detail, sizeof(pel_nodal) / sizeof(double), (double *)detail->densities);
 }
 
-/* a vertex between two pinned ones is pinned */
-static void spread_pins(pel_body_detail *detail, const pel_model *model, const pel_body *body)
+void pel_detail_spread_marks(const pel_lod_forest *forest, uint8_t *marks)
 {
-    const pel_lod_forest *forest = detail->forest;
-    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
-        detail->pinned[v] = model->inverse_mass[body->slot_of_vertex[v]] == 0;
     for (int32_t l = 0; l < forest->depth; l++) {
         const pel_topology *level = forest->levels[l];
         for (int32_t e = 0; e < level->edge_count; e++) {
             int32_t h = level->half_edge_of_edge[e];
-            detail->pinned[level->vertex_count + e] =
-                detail->pinned[pel_half_edge_origin(level, h)] && detail->pinned[pel_half_edge_target(level, h)];
+            marks[level->vertex_count + e] =
+                marks[pel_half_edge_origin(level, h)] && marks[pel_half_edge_target(level, h)];
         }
     }
+}
+
+static void spread_pins(pel_body_detail *detail, const pel_model *model, const pel_body *body)
+{
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++)
+        detail->pinned[v] = model->inverse_mass[body->slot_of_vertex[v]] == 0;
+    pel_detail_spread_marks(detail->forest, detail->pinned);
 }
 
 static void fit_moduli(pel_body_detail *detail, const pel_quantity *stiffness)

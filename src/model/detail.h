@@ -26,6 +26,10 @@ void pel_body_detail_destroy(pel_body_detail *detail);
    the base's vertices are given. */
 void pel_detail_spread(const pel_body_detail *detail, int32_t component_count, double *values);
 
+/* Marks (vertices of the finest level), of which those of the base's vertices are given: a vertex between two that are
+   marked is marked. */
+void pel_detail_spread_marks(const pel_lod_forest *forest, uint8_t *marks);
+
 /* The base edge to which edge k of triangle t of a level is parallel. */
 int32_t pel_detail_base_edge(const pel_body_detail *detail, int32_t level, int32_t t, int k);
 

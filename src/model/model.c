@@ -29,6 +29,8 @@ pel_body_def pel_body_def_default(void)
         .volumetric_damping = {.value = 0.5},
         .reference_count = 252,
         .friction = -1,
+        .restitution = -1,
+        .contact_thickness = -1,
         .refine = {.rings = 2, .dwell = 50, .interval = 10, .memory_limit = (size_t)2 << 30},
         .shell = pel_shell_def_default(),
         .cookie = BODY_COOKIE,
@@ -73,6 +75,11 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         return pel_body_refuse(error, body, "mass", b->mass, "give a finite mass above 0");
     if (!isfinite(b->friction))
         return pel_body_refuse(error, body, "friction", b->friction, "give a finite coefficient");
+    if (!isfinite(b->contact_thickness))
+        return pel_body_refuse(error, body, "contact_thickness", b->contact_thickness,
+                               "give a number of metres above 0");
+    if (!isfinite(b->restitution))
+        return pel_body_refuse(error, body, "restitution", b->restitution, "give a number from 0 to 1");
     if (b->reference_count < 1)
         return pel_body_refuse(error, body, "reference_count", b->reference_count, "give at least 1");
     const struct {
@@ -396,6 +403,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     body->uniform_spring = body->plain_spring = k->field != NULL ? -1 : pel_quantity_at(k, 0);
     body->diameter = bounding_diagonal(def->mesh);
     body->friction = def->friction;
+    body->restitution = def->restitution;
+    body->contact_thickness = def->contact_thickness;
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
 }

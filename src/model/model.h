@@ -55,8 +55,10 @@ typedef struct pel_body {
     bool closed;
     int32_t turned_count; /* triangles of the mesh as given that were inside out */
     double rest_volume, rest_area;
-    double diameter;       /* diagonal of the rest bounding box */
-    double friction;       /* Coulomb's coefficient; below 0: that of contact */
+    double diameter;          /* diagonal of the rest bounding box */
+    double friction;          /* Coulomb's coefficient; below 0: that of contact */
+    double restitution;       /* below 0: that of contact */
+    double contact_thickness; /* m; below 0: that of contact */
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     double plain_spring;   /* the same in slices that are plain */
     pel_curve curves[PEL_PARAMETER_COUNT];

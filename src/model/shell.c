@@ -244,21 +244,27 @@ static double triangle_bending(const pel_shell *shell, const pel_shell_triangle 
 }
 
 /* what hinges between parts of a triangle take from it */
-static void set_bending(const pel_body_def *def, const pel_body *body, pel_shell *shell)
+static pel_status create_parts(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
 {
+    if (body->detail == NULL)
+        return PEL_OK;
+    shell->parts = pel_allocate((size_t)shell->triangle_count, sizeof *shell->parts);
+    if (shell->parts == NULL)
+        return pel_fail_memory(error);
     const pel_quantity *given = &def->shell.bending.stiffness;
     for (int32_t t = 0; t < shell->triangle_count; t++) {
-        pel_shell_triangle *triangle = &shell->triangles[t];
+        pel_shell_part_bending *part = &shell->parts[t];
         const int32_t *v = body->mesh->triangles[t];
         bool own = given->field == NULL && given->value < 0;
-        triangle->bending = own ? triangle_bending(shell, triangle) : corner_mean(given, v);
-        triangle->curl = 1;
+        part->stiffness = own ? triangle_bending(shell, &shell->triangles[t]) : corner_mean(given, v);
+        part->curl = 1;
         for (int32_t i = 0; i < def->shell.anisotropy_count; i++) {
             const pel_anisotropy_def *curl = &def->shell.anisotropies[i];
             if (curl->mode == PEL_FIBRE_CURL)
-                triangle->curl *= 1 + mean_weight(curl->weights, v) * (curl->curvature - 1);
+                part->curl *= 1 + mean_weight(curl->weights, v) * (curl->curvature - 1);
         }
     }
+    return PEL_OK;
 }
 
 /* D of a hinge: given, or that of the two triangles beside it */
@@ -287,8 +293,11 @@ static bool setup_hinge(const pel_body *body, const pel_topology *topology, int3
     }
     hinge->triangles[0] = h / 3;
     hinge->triangles[1] = twin / 3;
-    return pel_bending_isometric_setup((const double(*)[3])x, &hinge->isometric) &&
-           pel_hinge_setup((const double(*)[3])x, &hinge->hinge);
+    pel_hinge stencil;
+    if (!pel_hinge_setup((const double(*)[3])x, &stencil))
+        return false;
+    hinge->rest_angle = stencil.rest_angle;
+    return true;
 }
 
 static pel_status fail_folded(const pel_shell_hinge *hinge, pel_error *error)
@@ -316,7 +325,7 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
         pel_shell_hinge *hinge = &shell->hinges[shell->hinge_count];
         if (!setup_hinge(body, topology, h, hinge))
             continue;
-        if (fabs(hinge->hinge.rest_angle) > FOLDED_ANGLE)
+        if (fabs(hinge->rest_angle) > FOLDED_ANGLE)
             return fail_folded(hinge, error);
         const int32_t ends[2] = {pel_half_edge_origin(topology, h), pel_half_edge_target(topology, h)};
         hinge->stiffness = hinge_stiffness(def, shell, hinge, ends);
@@ -325,7 +334,7 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
             if (curl->mode != PEL_FIBRE_CURL)
                 continue;
             double w = curl->weights == NULL ? 1 : 0.5 * (curl->weights[ends[0]] + curl->weights[ends[1]]);
-            hinge->hinge.rest_angle *= 1 + w * (curl->curvature - 1);
+            hinge->rest_angle *= 1 + w * (curl->curvature - 1);
         }
         shell->hinge_count++;
     }
@@ -443,7 +452,7 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
     if (status == PEL_OK)
         status = create_regions(def, b, shell, error);
     if (status == PEL_OK)
-        set_bending(def, b, shell);
+        status = create_parts(def, b, shell, error);
     shell->hinge_limit = shell->hinge_count;
     for (int32_t i = 0; i < shell->region_count; i++)
         shell->regions[i].fibre_limit = shell->regions[i].fibre_count;
@@ -458,7 +467,7 @@ void pel_shell_destroy(pel_shell *shell)
         pel_free(shell->regions[i].fibres);
         pel_free(shell->regions[i].rest_length.keys);
     }
-    void *arrays[] = {shell->triangles,    shell->hinges,      shell->regions,
+    void *arrays[] = {shell->triangles,    shell->hinges,      shell->regions,         shell->parts,
                       shell->outside.keys, shell->target.keys, shell->pressure_weights};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);

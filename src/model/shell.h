@@ -12,17 +12,20 @@ typedef struct pel_shell_triangle {
     int32_t vertices[3];
     pel_rest_triangle rest;
     double young, thickness; /* means of the corners */
-    double bending;          /* D, N m, for hinges where it is refined; 0 = unknown */
-    double curl;             /* factor on rest angles, for the same */
 } pel_shell_triangle;
 
-/* Two triangles that share an edge: vertices as in pellicle/bending.h. */
+/* What hinges between parts of a triangle take from it. */
+typedef struct pel_shell_part_bending {
+    double stiffness; /* D, N m; 0 = unknown */
+    double curl;      /* factor on rest angles */
+} pel_shell_part_bending;
+
+/* Two triangles that share an edge: vertices as in pellicle/bending.h. Other numbers follow from the rest positions. */
 typedef struct pel_shell_hinge {
     int32_t vertices[4];
     int32_t triangles[2]; /* of the mesh, left and right */
-    pel_bending_isometric isometric;
-    pel_hinge hinge;  /* rest angle with curls applied */
-    double stiffness; /* D, N m; 0 = unknown (no membrane and none given) */
+    double rest_angle;    /* rad, with curls applied */
+    double stiffness;     /* D, N m; 0 = unknown (no membrane and none given) */
 } pel_shell_hinge;
 
 /* Fibres of one region in one triangle. */
@@ -45,6 +48,7 @@ struct pel_shell {
     /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
     int32_t triangle_count, triangle_limit;
     pel_shell_triangle *triangles; /* (triangle_count) also without a membrane */
+    pel_shell_part_bending *parts; /* (triangle_count) of a body that can refine, else null */
 
     double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
 
@@ -68,6 +72,25 @@ static inline void pel_load_points(const pel_record *position, const int32_t *ve
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
             x[i][c] = (double)position[vertices[i]][c];
+}
+
+/* The stencils of a hinge, from rest positions (model vertex_count). */
+static inline pel_hinge pel_shell_angle(const pel_record *rest, const pel_shell_hinge *hinge)
+{
+    double x[4][3];
+    pel_hinge stencil;
+    pel_load_points(rest, hinge->vertices, 4, x);
+    pel_hinge_setup((const double(*)[3])x, &stencil);
+    stencil.rest_angle = hinge->rest_angle;
+    return stencil;
+}
+static inline pel_bending_isometric pel_shell_isometric(const pel_record *rest, const pel_shell_hinge *hinge)
+{
+    double x[4][3];
+    pel_bending_isometric stencil;
+    pel_load_points(rest, hinge->vertices, 4, x);
+    pel_bending_isometric_setup((const double(*)[3])x, &stencil);
+    return stencil;
 }
 
 /* Refuses numbers out of range (PEL_BAD_ARGUMENT with the body). */

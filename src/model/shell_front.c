@@ -270,12 +270,14 @@ static bool make_hinge(const pel_shell_front *own, const pel_front *front, int32
         hinge->vertices[k] = own->shell.triangles[t].vertices[c];
         pel_vec3_copy(front->forest->rest_positions[own->surface[t].vertices[c]], x[k]);
     }
-    if (!pel_bending_isometric_setup((const double(*)[3])x, &hinge->isometric) ||
-        !pel_hinge_setup((const double(*)[3])x, &hinge->hinge))
+    pel_hinge stencil;
+    if (!pel_hinge_setup((const double(*)[3])x, &stencil))
         return false;
-    const pel_shell_triangle *left = &own->shell.triangles[h / 3], *right = &own->shell.triangles[twin / 3];
-    hinge->stiffness = 0.5 * (left->bending + right->bending);
-    hinge->hinge.rest_angle *= 0.5 * (left->curl + right->curl);
+    const pel_shell_part_bending *parts = own->given->parts;
+    const pel_shell_part_bending *left = &parts[own->base_of_triangle[h / 3]];
+    const pel_shell_part_bending *right = &parts[own->base_of_triangle[twin / 3]];
+    hinge->stiffness = 0.5 * (left->stiffness + right->stiffness);
+    hinge->rest_angle = stencil.rest_angle * 0.5 * (left->curl + right->curl);
     return true;
 }
 

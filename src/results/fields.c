@@ -13,7 +13,10 @@ const pel_run_field_info pel_run_fields[PEL_RUN_FIELD_COUNT] = {
     {"bending_energy", 1, "J", "a quarter of the bending energy of each hinge at the vertex"},
     {"fibre_energy", 1, "J", "a third of the energy of the fibres of each triangle at the vertex"},
     {"pressure", 3, "N", "force of the pressure on the vertex (paper B, figure 2)"},
-    {"contact", 1, "", "1 where a tool touches or holds the vertex, else 0"},
+    {"contact", 1, "", "1 where a tool touches or holds the vertex, or a surface touches it, else 0"},
+    {"contact_force", 3, "N",
+     "force of contacts on the vertex: of bodies, tools and grasps; mean over the last step where the method has "
+     "velocities"},
     {"area", 1, "m2", "area of the surface that is nearest to the vertex (mixed Voronoi area)"},
     {"normal", 3, "", "unit normal, triangles weighted by their angle"},
     {"mean_curvature", 1, "1/m", "mean curvature, positive on a sphere (cotangent Laplacian); 0 on a boundary"},

@@ -18,6 +18,7 @@ typedef enum pel_run_field {
     PEL_RUN_FIBRE_ENERGY,
     PEL_RUN_PRESSURE,
     PEL_RUN_CONTACT,
+    PEL_RUN_CONTACT_FORCE,
     /* those from here on are measured on the surface (pellicle/measure.h) */
     PEL_RUN_AREA,
     PEL_RUN_NORMAL,

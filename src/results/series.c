@@ -75,6 +75,15 @@ static bool has_pins(const pel_sim *sim, int32_t body)
     return pel_model_pinned_count(pel_sim_model(sim), body) > 0;
 }
 
+static const char *const body_columns[] = {"contact_force", "contact_force_x", "contact_force_y", "contact_force_z"};
+enum { BODY_COLUMN_COUNT = sizeof body_columns / sizeof body_columns[0] };
+
+/* bodies that may touch each other */
+static bool have_contact(const pel_sim *sim)
+{
+    return pel_sim_contact_thickness(sim) > 0 && pel_model_body_count(pel_sim_model(sim)) > 1;
+}
+
 static const char *const shell_columns[] = {"membrane_energy", "bending_energy", "fibre_energy"};
 enum { SHELL_COLUMN_COUNT = sizeof shell_columns / sizeof shell_columns[0] };
 
@@ -103,6 +112,9 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     for (int32_t b = 0; b < pel_model_body_count(model); b++)
         for (int c = 0; has_pins(sim, b) && c < SUPPORT_COLUMN_COUNT; c++)
             put_named_column(series, pel_model_body_name(model, b), support_columns[c]);
+    for (int32_t b = 0; b < pel_model_body_count(model); b++)
+        for (int c = 0; have_contact(sim) && c < BODY_COLUMN_COUNT; c++)
+            put_named_column(series, pel_model_body_name(model, b), body_columns[c]);
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++) {
         put_text(series, ",");
         put_text(series, shell_columns[c]);
@@ -118,14 +130,19 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     put_text(series, "\n");
 }
 
+/* its size, then x, y, z */
+static void put_force(pel_run_series *series, const double f[3])
+{
+    put_number(series, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+    for (int i = 0; i < 3; i++)
+        put_number(series, f[i]);
+}
+
 static void put_tool(pel_run_series *series, const pel_sim *sim, int32_t tool, double force_max)
 {
     pel_tool_reading reading;
     pel_sim_get_tool(sim, tool, &reading);
-    const double *f = reading.force;
-    put_number(series, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
-    for (int i = 0; i < 3; i++)
-        put_number(series, f[i]);
+    put_force(series, reading.force);
     put_count(series, ",", reading.contact_count);
     for (int i = 0; i < 3; i++)
         put_number(series, reading.position[i]);
@@ -137,10 +154,14 @@ static void put_support(pel_run_series *series, pel_sim *sim, int32_t body)
 {
     pel_support_reading reading;
     pel_sim_get_support(sim, body, &reading);
-    const double *f = reading.force;
-    put_number(series, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
-    for (int i = 0; i < 3; i++)
-        put_number(series, f[i]);
+    put_force(series, reading.force);
+}
+
+static void put_body(pel_run_series *series, const pel_sim *sim, int32_t body)
+{
+    double force[3];
+    pel_sim_get_body_contact(sim, body, force);
+    put_force(series, force);
 }
 
 static void put_ledger(pel_run_series *series, const pel_sim_ledger *ledger)
@@ -185,7 +206,7 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
         sizeof first_columns +
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT) * PEL_NUMBER_SIZE +
         (size_t)pel_sim_tool_count(sim) * tool_room +
-        (size_t)pel_model_body_count(pel_sim_model(sim)) * SUPPORT_COLUMN_COUNT * name_room;
+        (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
     series->line = pel_allocate(series->room, 1);
     return series->line != NULL ? PEL_OK : pel_fail_memory(error);
 }
@@ -288,6 +309,8 @@ pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_ru
     for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
         if (has_pins(sim, b))
             put_support(series, sim, b);
+    for (int32_t b = 0; have_contact(sim) && b < pel_model_body_count(pel_sim_model(sim)); b++)
+        put_body(series, sim, b);
     const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++)
         put_number(series, energies[c]);

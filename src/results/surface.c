@@ -396,6 +396,9 @@ static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_
     case PEL_RUN_CONTACT:
         pel_sim_get_contacts(sim, body, values);
         break;
+    case PEL_RUN_CONTACT_FORCE:
+        pel_sim_get_contact_forces(sim, body, values);
+        break;
     case PEL_RUN_ENERGY:
     case PEL_RUN_SPRING_ENERGY:
     case PEL_RUN_VOLUMETRIC_ENERGY:

@@ -24,6 +24,10 @@ enum { JAM_STEPS = 10 };
 #define THIN_SHARE 1e-4
 /* edges of a mesh that turn by less than this are flat */
 #define FLAT_ANGLE 1e-6
+/* of the elastic energy of shells: bending that takes part beside stretching; of the energy supplied: less is rounding
+ */
+#define LAYER_SHARE 0.1
+#define LEAST_ENERGY 1e-6
 
 static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
@@ -133,8 +137,9 @@ static void flag_body(pel_run_state *run, pel_warning_kind kind, int32_t b, doub
     pel_warn(&run->totals.warnings, kind, 0, value);
 }
 
-/* Edges against sqrt(R h), the length over which a dent of a shell bends. A body that refines has shorter ones where
-   they are needed. */
+/* Edges against sqrt(R h), the width of the layer in which a load bends a shell beside its stretching (Calladine 1983,
+   Theory of Shell Structures, sections 7.5 and 11.4). A body that refines has shorter ones where they are needed. Loads
+   that stretch only need no such edges: frames tell whether it bends (bends_locally). */
 static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
@@ -147,8 +152,8 @@ static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
         return status;
     edge = ldexp(edge, -body->refine.levels);
     double limit = sqrt(radius * mean_of(&membrane->thickness, body->mesh->vertex_count));
-    if (edge > limit)
-        flag_body(run, PEL_WARN_COARSE, b, edge, limit);
+    if (edge > limit && !(run->flagged[PEL_WARN_COARSE].limit > 0))
+        run->flagged[PEL_WARN_COARSE] = (pel_flagged_body){b, edge, limit};
     return PEL_OK;
 }
 
@@ -243,11 +248,22 @@ void pel_warnings_check_step(pel_run_state *run)
     check_tools(run, frame);
 }
 
+/* In that layer bending and stretching hold energies of the same size (Pogorelov 1988, Bendings of Surfaces and
+   Stability of Shells, chapter 1). A state of membrane forces bends by h / R of that; one that bends without stretching
+   does so over the length of the body. */
+static bool bends_locally(const pel_sim_measures *measures, const pel_sim_ledger *ledger)
+{
+    double bending = measures->bending_energy, both = bending + measures->membrane_energy;
+    return both > LEAST_ENERGY * ledger->supplied && bending > LAYER_SHARE * both && bending < (1 - LAYER_SHARE) * both;
+}
+
 void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
                               const pel_sim_ledger *ledger)
 {
     if (measures->least_volume_ratio <= 0)
         pel_warn(tallies, PEL_WARN_INVERTED_VOLUME, frame, -measures->least_volume_ratio);
+    if (bends_locally(measures, ledger))
+        pel_warn(tallies, PEL_WARN_COARSE, frame, 0);
     if (ledger->energy_error > ledger->tolerance)
         pel_warn(tallies, PEL_WARN_ENERGY, frame, ledger->energy_error);
 }
@@ -454,6 +470,8 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
 static bool holds(const pel_run_state *run, pel_warning_kind kind)
 {
     const pel_warning_tally *tally = &run->totals.warnings.of[kind];
+    if (kind == PEL_WARN_COARSE)
+        return tally->count > 0 && run->flagged[kind].limit > 0;
     if (kind == PEL_WARN_JAMMED)
         return tally->count >= JAM_STEPS || (tally->count > 0 && tally->worst >= JAM_AT_ONCE);
     if (kind == PEL_WARN_ENERGY)
@@ -479,8 +497,7 @@ int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
 /* known before the first step */
 static bool is_of_scene(int kind)
 {
-    return kind == PEL_WARN_SOFT || kind == PEL_WARN_COARSE || kind == PEL_WARN_MILLIMETRES ||
-           kind == PEL_WARN_INVERTED_MESH;
+    return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

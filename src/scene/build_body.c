@@ -127,8 +127,9 @@ static pel_status read_materials(const pel_scene_body_source *source, pel_body_d
         {"volumetric", "damping", "bodies[].volumetric", &body->volumetric_damping},
     };
     const pel_scene_value *contact = pel_scene_value_entry(source->value, "contact");
-    if (contact != NULL)
-        body->friction = pel_scene_value_number(contact, "friction");
+    pel_scene_value_read(contact, "friction", &body->friction);
+    pel_scene_value_read(contact, "restitution", &body->restitution);
+    pel_scene_value_read(contact, "thickness", &body->contact_thickness);
     pel_status status = read_mass(source, body);
     for (size_t i = 0; status == PEL_OK && i < sizeof quantities / sizeof quantities[0]; i++)
         status = pel_scene_build_quantity(source, pel_scene_value_entry(source->value, quantities[i].group),

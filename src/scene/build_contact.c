@@ -31,6 +31,7 @@ pel_status pel_scene_build_contact(pel_scene_reader *reader, const pel_scene_val
     contact->self = pel_scene_value_boolean(value, "self");
     contact->between = pel_scene_value_boolean(value, "between");
     contact->friction = pel_scene_value_number(value, "friction");
+    pel_scene_value_read(value, "restitution", &contact->restitution);
     contact->method = methods[pel_scene_value_integer(value, "method")];
     contact->response = responses[pel_scene_value_integer(value, "response")];
     contact->allow_tangled = pel_scene_value_integer(value, "start") == 1;

@@ -173,8 +173,9 @@ static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *val
     tool->name = pel_scene_value_entry(value, "name")->text;
     tool->press = pel_scene_value_boolean(value, "press");
     tool->grasp = grasp != NULL;
-    if (pel_scene_value_entry(value, "friction") != NULL)
-        tool->friction = pel_scene_value_number(value, "friction");
+    pel_scene_value_read(value, "friction", &tool->friction);
+    pel_scene_value_read(value, "restitution", &tool->restitution);
+    pel_scene_value_read(value, "thickness", &tool->thickness);
     pel_status status = PEL_OK;
     pel_scene_value *mesh = pel_scene_value_entry(value, "mesh");
     if (mesh != NULL)

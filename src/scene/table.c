@@ -67,7 +67,11 @@ static const pel_scene_row rows[] = {
     {"bodies[].springs.damping", QUANTITY, .unit = "N s/m", AT_LEAST(0), .preset = "0.5",
      .doc = "damping d of each vertex (eq. A-2)"},
     {"bodies[].contact", MAP, .doc = "surface of this body in contact; leave out for what `contact` says"},
-    {"bodies[].contact.friction", NUMBER, AT_LEAST(0), REQUIRED, .doc = "Coulomb's coefficient of the body"},
+    {"bodies[].contact.friction", NUMBER, AT_LEAST(0), .doc = "Coulomb's coefficient of the body"},
+    {"bodies[].contact.thickness", NUMBER, .unit = "m", POSITIVE,
+     .doc = "thickness of the body; two surfaces keep half the thickness of each as distance"},
+    {"bodies[].contact.restitution", NUMBER, BETWEEN(0, 1),
+     .doc = "share of the normal velocity that its collisions give back"},
     {"bodies[].volumetric", MAP,
      .doc = "virtual volumetric springs that draw each vertex home (paper A, eq. A-4); leave out for none"},
     {"bodies[].volumetric.stiffness", QUANTITY, .unit = "N/m", AT_LEAST(0), .preset = "1.5",
@@ -208,6 +212,11 @@ static const pel_scene_row rows[] = {
     {"tools[].body", TEXT, .doc = "name of the only body that it acts on; leave out for all"},
     {"tools[].friction", NUMBER, AT_LEAST(0),
      .doc = "Coulomb's coefficient of the tool; leave out for that of contact"},
+    {"tools[].thickness", NUMBER, .unit = "m", POSITIVE,
+     .doc = "thickness about the tool: half of it and of that of the body is kept as distance; leave out for that of "
+            "contact"},
+    {"tools[].restitution", NUMBER, BETWEEN(0, 1),
+     .doc = "share of the normal velocity that its collisions give back; leave out for that of contact"},
     {"tools[].press", BOOLEAN, .preset = "true", .doc = "keeps the body out of the tool"},
     {"tools[].grasp", MAP, .doc = "holds the vertices in it and near its surface for a while; leave out for never"},
     {"tools[].grasp.from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "closes at this time"},
@@ -237,11 +246,16 @@ static const pel_scene_row rows[] = {
     {"contact.self", BOOLEAN, .preset = "true", .doc = "parts of one body touch each other"},
     {"contact.between", BOOLEAN, .preset = "true", .doc = "different bodies touch each other"},
     {"contact.thickness", .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE, .preset = "relative 1e-4",
-     .doc = "distance that is kept: `relative` times the diagonal of the box about all bodies (at most half the "
+     .doc = "thickness of bodies and tools that have none of their own; a pair keeps half of each as distance. "
+            "`relative` times the diagonal of the box about all bodies (at most half the "
             "shortest edge), or a number of metres"},
     {"contact.friction", NUMBER, AT_LEAST(0), .preset = "0",
      .doc = "Coulomb's coefficient of bodies and tools that have none of their own; a pair has the geometric mean of "
             "both"},
+    {"contact.restitution", NUMBER, BETWEEN(0, 1),
+     .doc = "share of the normal velocity with which bodies and tools part after a collision, of those that have none "
+            "of their own; a pair has the larger one. Methods with velocities only; leave out for what the elasticity "
+            "of the bodies gives back"},
     {"contact.method", WORD("conservative", "bridson"), .preset = "conservative",
      .doc = "how contacts are found: with a test that misses none, or with the cubic as in paper B; what guards the "
             "end of a step is always the former"},

@@ -68,53 +68,82 @@ static double diagonal(const pel_model *model)
     return pel_vec3_distance(low, high);
 }
 
-/* at rest, on the finest level of a body that refines; also the body and vertex where it begins */
-static double shortest_edge(const pel_model *model, int32_t *body, int32_t *vertex)
+typedef struct edge_place {
+    double length; /* m */
+    int32_t body, vertex;
+} edge_place;
+
+/* shortest edge of a body at rest, on the finest level where it refines, and where it begins */
+static edge_place shortest_edge(const pel_model *model, int32_t body)
 {
-    double shortest = HUGE_VAL;
-    for (int32_t b = 0; b < model->body_count; b++) {
-        const pel_mesh *mesh = model->bodies[b].mesh;
-        double levels = model->bodies[b].detail != NULL ? ldexp(1, model->bodies[b].detail->def.levels) : 1;
-        for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
-            int32_t v = mesh->triangles[h / 3][h % 3];
-            double length =
-                pel_vec3_distance(mesh->positions[v], mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]]) / levels;
-            if (length < shortest) {
-                shortest = length;
-                *body = b;
-                *vertex = v;
-            }
-        }
+    const pel_mesh *mesh = model->bodies[body].mesh;
+    double levels = model->bodies[body].detail != NULL ? ldexp(1, model->bodies[body].detail->def.levels) : 1;
+    edge_place shortest = {HUGE_VAL, body, 0};
+    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
+        int32_t v = mesh->triangles[h / 3][h % 3];
+        double length =
+            pel_vec3_distance(mesh->positions[v], mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]]) / levels;
+        if (length < shortest.length)
+            shortest = (edge_place){length, body, v};
     }
     return shortest;
 }
 
-/* a thickness that was given is taken or refused; the relative one gives way to short edges */
-static pel_status choose_thickness(pel_sim *sim, pel_error *error)
+static pel_status refuse_thickness(const pel_sim *sim, double thickness, const edge_place *edge, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g is more than the shortest edge, %g, of body '%s'",
+             thickness, edge->length, sim->given->bodies[edge->body].name);
+    pel_fail_element(error, "vertex", edge->vertex);
+    pel_fail_remedy(error, "use at most %.3g, or a mesh without such short edges", 0.5 * edge->length);
+    return PEL_BAD_ARGUMENT;
+}
+
+/* the thickness of all groups that have none of their own: what was given is taken or refused, the relative one gives
+   way to short edges */
+static pel_status choose_thickness(pel_sim *sim, const edge_place *shortest, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    int32_t body = 0, vertex = 0;
-    double shortest = shortest_edge(sim->given, &body, &vertex);
     double thickness = contacts->def.thickness;
-    if (thickness > shortest) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g is more than the shortest edge, %g, of body '%s'",
-                 thickness, shortest, sim->given->bodies[body].name);
-        pel_fail_element(error, "vertex", vertex);
-        pel_fail_remedy(error, "use at most %.3g, or a mesh without such short edges", 0.5 * shortest);
-        return PEL_BAD_ARGUMENT;
-    }
     if (!(thickness > 0))
-        thickness = fmin(contacts->def.relative_thickness * diagonal(sim->given), 0.5 * shortest);
+        thickness = fmin(contacts->def.relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
     if (!(thickness > 0)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has an edge without length", sim->given->bodies[body].name);
-        pel_fail_element(error, "vertex", vertex);
+        pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has an edge without length",
+                 sim->given->bodies[shortest->body].name);
+        pel_fail_element(error, "vertex", shortest->vertex);
         pel_fail_remedy(error, "repair the mesh, or give contact a thickness in metres");
         return PEL_BAD_ARGUMENT;
     }
     contacts->thickness = thickness;
-    contacts->guarded = GUARDED_SHARE * thickness;
-    contacts->near = thickness + NEAR_SHARE * shortest;
     return PEL_OK;
+}
+
+/* of bodies, none of which may be thicker than its edges are long, and tools */
+static pel_status set_thicknesses(pel_sim *sim, pel_error *error)
+{
+    pel_sim_contacts *contacts = sim->contacts;
+    int32_t body_count = sim->model->body_count, count = body_count + sim->tool_count;
+    edge_place shortest = {.length = HUGE_VAL}, edges;
+    for (int32_t b = 0; b < body_count; b++) {
+        edges = shortest_edge(sim->given, b);
+        shortest = edges.length < shortest.length ? edges : shortest;
+    }
+    contacts->thickness_of_group = pel_allocate((size_t)count, sizeof *contacts->thickness_of_group);
+    if (contacts->thickness_of_group == NULL)
+        return pel_fail_memory(error);
+    pel_status status = choose_thickness(sim, &shortest, error);
+    contacts->least = HUGE_VAL;
+    for (int32_t i = 0; status == PEL_OK && i < count; i++) {
+        double own = i < body_count ? sim->given->bodies[i].contact_thickness : sim->tools[i - body_count].thickness;
+        double thickness = contacts->thickness_of_group[i] = own > 0 ? own : contacts->thickness;
+        edges = i < body_count ? shortest_edge(sim->given, i) : shortest;
+        if (i < body_count && thickness > edges.length)
+            return refuse_thickness(sim, thickness, &edges, error);
+        contacts->least = fmin(contacts->least, thickness);
+        contacts->largest = fmax(contacts->largest, thickness);
+    }
+    contacts->guarded = GUARDED_SHARE * contacts->least;
+    contacts->near = contacts->largest + NEAR_SHARE * shortest.length;
+    return status;
 }
 
 static pel_status allocate_guard(pel_sim *sim, pel_error *error)
@@ -132,15 +161,14 @@ static pel_status allocate_guard(pel_sim *sim, pel_error *error)
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
-/* tools press with the thickness about them */
+/* what tools press with reaches as far as their largest distance from a body */
 static void grow_tools(pel_sim *sim)
 {
-    for (int32_t i = 0; i < sim->tool_count; i++) {
-        pel_solid *solid = &sim->tools[i].press_solid;
-        solid->radius += sim->contacts->thickness;
-        for (int k = 0; k < 3; k++)
-            solid->half_extents[k] += sim->contacts->thickness;
-    }
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        for (int32_t b = 0; b < sim->model->body_count; b++) {
+            double thickness = pel_contact_thickness(sim->contacts, b, sim->model->body_count + i);
+            sim->tools[i].press_margin = fmax(sim->tools[i].press_margin, thickness);
+        }
 }
 
 static pel_status refuse_mesh_tools(const pel_sim *sim, pel_error *error)
@@ -173,7 +201,7 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
         sim->contacts->def.sweeps = SWEEP_PRESET;
     int64_t limit = (int64_t)CONTACTS_PER_VERTEX * sim->model->vertex_count;
     sim->contacts->limit = def->limit > 0 ? def->limit : (int32_t)(limit < INT32_MAX / 2 ? limit : INT32_MAX / 2);
-    status = choose_thickness(sim, error);
+    status = set_thicknesses(sim, error);
     if (status == PEL_OK)
         status = pel_contact_surface_create(sim, error);
     if (status == PEL_OK)
@@ -196,6 +224,7 @@ void pel_contacts_destroy(pel_sim *sim)
     void *arrays[] = {contacts->triangles,
                       contacts->group_of_point,
                       contacts->friction_of_group,
+                      contacts->thickness_of_group,
                       contacts->may_meet,
                       contacts->revisions,
                       contacts->tools,
@@ -232,9 +261,9 @@ void pel_contacts_destroy(pel_sim *sim)
 static bool make_contact(const pel_sim *sim, const pel_collision *pair, const pel_ccd_hit *hit, pel_contact *contact)
 {
     const pel_sim_contacts *contacts = sim->contacts;
-    double separation = contacts->thickness, free = 0;
     /* points 0 and 3 are of either side */
     const int32_t *group = contacts->group_of_point;
+    double separation = pel_contact_thickness(contacts, group[pair->vertices[0]], group[pair->vertices[3]]), free = 0;
     double friction = pel_contact_friction(contacts, group[pair->vertices[0]], group[pair->vertices[3]]);
     *contact = (pel_contact){.friction = (pel_real)friction};
     double drift[3] = {0, 0, 0};
@@ -410,7 +439,7 @@ static pel_status search(pel_sim *sim, double distance, pel_collision_result *fo
     query.start = (const double *)contacts->start;
     query.end = (const double *)contacts->end;
     query.min_separation = distance;
-    query.tolerance = 1e-2 * contacts->thickness;
+    query.tolerance = 1e-2 * contacts->least;
     query.near = contacts->near;
     query.method = contacts->def.method;
     pel_status status = pel_collider_detect(contacts->collider, &query, found, error);
@@ -477,8 +506,8 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     contacts->way_is_searched = false;
     expect_tools(sim);
     expect_vertices(sim);
-    double reach = contacts->thickness * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
-    reach = fmin(reach, 4 * contacts->thickness);
+    double reach = contacts->largest * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(contacts);
+    reach = fmin(reach, 4 * contacts->largest);
     pel_collision_result found;
     pel_status status = search(sim, fmax(least, reach), &found, error);
     /* what slides along the edges between the flat triangles of a tool must not run into them */
@@ -494,7 +523,7 @@ static pel_status search_way(pel_sim *sim, pel_collision_result *found, pel_erro
         *found = contacts->on_way;
         return PEL_OK;
     }
-    pel_status status = search(sim, contacts->thickness, found, error);
+    pel_status status = search(sim, contacts->largest, found, error);
     double began = seconds_now();
     if (status == PEL_OK)
         status = pel_contact_find_conflicts(sim, found, error);
@@ -532,7 +561,7 @@ static void correct(pel_sim *sim, int32_t sweeps)
 {
     pel_sim_contacts *contacts = sim->contacts;
     pel_state *state = sim->state;
-    double tolerance = SWEEP_TOLERANCE * contacts->thickness;
+    double tolerance = SWEEP_TOLERANCE * contacts->least;
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].pose_substep = sim->tools[i].pose_before;
     pel_contacts_place_tools(sim);
@@ -551,18 +580,24 @@ static void correct(pel_sim *sim, int32_t sweeps)
         pel_contacts_stop(&contacts->list, state->position_next, state->velocity_next, sim->step.dt, VELOCITY_SWEEPS);
 }
 
-/* what was corrected after the solver acts on tools by the change of velocities */
-static void touch_tools(pel_sim *sim)
+/* Forces of what was corrected after the solver, by the change of velocities. Without velocities a correction undoes
+   the step of the forces that press, alpha F dt^2 / m (paper A, eq. A-5), and tools are read from these forces. */
+static void take_corrections(pel_sim *sim)
 {
     const pel_sim_contacts *contacts = sim->contacts;
+    double dt = sim->step.dt, alpha = pel_sim_alpha(sim);
     for (int32_t c = 0; c < contacts->list.count; c++) {
         const pel_contact *contact = &contacts->list.contacts[c];
+        int32_t tool = contacts->keys[c].tool;
         double stopped[3];
-        if (contacts->keys[c].tool < 0 || !(contact->push > 0))
+        if (!(contact->push > 0))
             continue;
         for (int k = 0; k < 3; k++)
             stopped[k] = (double)contact->stopped[k];
-        pel_tool_take(sim, &sim->tools[contacts->keys[c].tool], contact, stopped, 1 / sim->step.dt);
+        if (alpha > 0 && tool < 0)
+            pel_contact_take_push(sim, tool, contact, 1 / (alpha * dt * dt));
+        else
+            pel_contact_take(sim, tool, contact, stopped, 1 / dt);
     }
 }
 
@@ -657,7 +692,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
         pel_tools_return(sim);
         return status;
     }
-    touch_tools(sim);
+    take_corrections(sim);
     pel_tools_read(sim, time);
     return PEL_OK;
 }

@@ -88,10 +88,12 @@ typedef struct pel_contact_heights {
 
 struct pel_sim_contacts {
     pel_contact_def def;
-    double thickness; /* m */
-    double guarded;   /* m, distance that the guard keeps */
-    double mean_edge; /* m, of the bodies at rest */
-    double near;      /* m, what starts within it needs no time of impact (pel_ccd_batch) */
+    double thickness;           /* m, of bodies and tools that have none of their own */
+    double least, largest;      /* m, of all of them */
+    double *thickness_of_group; /* (bodies, then tools) */
+    double guarded;             /* m, distance that the guard keeps */
+    double mean_edge;           /* m, of the bodies at rest */
+    double near;                /* m, what starts within it needs no time of impact (pel_ccd_batch) */
 
     /* the surface */
     pel_collider *collider;
@@ -162,7 +164,7 @@ void pel_contacts_place_tools(pel_sim *sim);
 /* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
    the start of the substep. */
 void pel_contacts_refresh(pel_sim *sim, const pel_record *start);
-/* After the sweeps of a substep: its impulses act on the tools. rate: see pel_tool_take. */
+/* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);
 
 /* ---- contact_height.c ---- */
@@ -192,6 +194,9 @@ pel_mesh pel_contact_mesh(const pel_sim *sim);
 void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_result *found);
 /* Coulomb's coefficient between two groups: bodies, then tools */
 double pel_contact_friction(const pel_sim_contacts *contacts, int32_t a, int32_t b);
+
+/* m, distance that two groups keep: half the thickness of either */
+double pel_contact_thickness(const pel_sim_contacts *contacts, int32_t a, int32_t b);
 
 /* ---- contact_round.c ---- */
 /* Adds a conflict for each triangle that comes too near to a sphere or capsule between start and end. */

@@ -180,7 +180,9 @@ static void set_tool_share(const pel_sim *sim, const pel_contact_key *key, const
                            const double normal[3], pel_contact *contact)
 {
     const pel_sim_contacts *contacts = sim->contacts;
-    double separation = contacts->thickness, drift[3] = {0, 0, 0};
+    const int32_t *group = contacts->group_of_point;
+    double separation = pel_contact_thickness(contacts, group[key->points[0]], group[key->points[3]]);
+    double drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i] - contacts->place_count;
         contact->weights[i] = point < 0 ? (pel_real)weights[i] : 0;
@@ -238,7 +240,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     pel_contact_key *key = &contacts->keys[c];
     pel_contact *contact = &contacts->list.contacts[c];
     double x[4][3], weights[4], normal[3];
-    if (key->gap > FAR * contacts->thickness && (contacts->substep + c) % FAR_INTERVAL != 0)
+    if (key->gap > FAR * contacts->largest && (contacts->substep + c) % FAR_INTERVAL != 0)
         return;
     for (int i = 0; i < 4; i++)
         load_point(sim, key->points[i], x[i]);
@@ -285,7 +287,6 @@ void pel_contacts_tally(pel_sim *sim, double rate)
         if (!(contact->push > 0))
             continue;
         key->has_pushed = true;
-        if (key->tool >= 0)
-            pel_tool_take_push(sim, &sim->tools[key->tool], contact, rate);
+        pel_contact_take_push(sim, key->tool, contact, rate);
     }
 }

@@ -23,7 +23,7 @@ static const int edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
 static void set_round(const pel_sim *sim, int32_t tool, round_tool *round)
 {
     const pel_tool *t = &sim->tools[tool];
-    double grown = t->solid.radius + sim->contacts->thickness;
+    double grown = t->solid.radius + sim->contacts->largest;
     *round = (round_tool){.tool = tool, .is_capsule = t->solid.kind == PEL_SOLID_CAPSULE, .radius = t->solid.radius};
     for (int k = 0; k < 3; k++) {
         round->low[k] = HUGE_VAL;

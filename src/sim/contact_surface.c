@@ -184,6 +184,11 @@ double pel_contact_friction(const pel_sim_contacts *contacts, int32_t a, int32_t
     return first == second ? first : sqrt(first * second);
 }
 
+double pel_contact_thickness(const pel_sim_contacts *contacts, int32_t a, int32_t b)
+{
+    return 0.5 * (contacts->thickness_of_group[a] + contacts->thickness_of_group[b]);
+}
+
 static pel_status allocate_surface(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;

@@ -149,41 +149,25 @@ static pel_status refuse_pairs(const pel_sim *sim, pel_error *error)
     return PEL_BAD_ARGUMENT;
 }
 
-static bool tool_is_involved(const pel_sim *sim, pel_pair pair)
-{
-    const pel_sim_contacts *contacts = sim->contacts;
-    return contacts->triangles[pair.first][0] >= contacts->place_count ||
-           contacts->triangles[pair.second][0] >= contacts->place_count;
-}
-
 /* a tool that is a surface must not cut a body, nor be inside a closed one */
 static pel_status refuse_tools(const pel_sim *sim, pel_error *error)
 {
     const pel_sim_contacts *contacts = sim->contacts;
+    int32_t body_count = sim->model->body_count;
     for (int64_t i = 0; i < contacts->tangles.count; i++) {
-        char first[NAME_ROOM], second[NAME_ROOM];
-        if (!tool_is_involved(sim, contacts->tangles.pairs[i]))
-            continue;
-        describe(sim, contacts->tangles.pairs[i].first, first, sizeof first);
-        describe(sim, contacts->tangles.pairs[i].second, second, sizeof second);
-        pel_fail(error, PEL_BAD_ARGUMENT, "a tool starts inside a body: triangles of %s and %s intersect", first,
-                 second);
-        pel_fail_remedy(error, "move its first key away from the body");
-        return PEL_BAD_ARGUMENT;
+        const pel_pair *pair = &contacts->tangles.pairs[i];
+        int32_t first = contacts->group_of_point[contacts->triangles[pair->first][0]];
+        int32_t second = contacts->group_of_point[contacts->triangles[pair->second][0]];
+        int32_t tool = (first > second ? first : second) - body_count;
+        if (tool >= 0)
+            return pel_tool_refuse_inside(sim, tool, first < second ? first : second, error);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
-        for (int32_t b = 0; b < sim->model->body_count; b++) {
-            const pel_tool *tool = &sim->tools[i];
-            if (tool->mesh == NULL || !tool->press || (tool->body >= 0 && tool->body != b) ||
-                !sim->model->bodies[b].closed ||
-                !pel_tool_is_enclosed(sim, contacts->start[contacts->tools[i].point_begin], b))
-                continue;
-            pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' starts inside body '%s'", tool->name,
-                     sim->model->bodies[b].name);
-            pel_fail_element(error, "tool", i);
-            pel_fail_remedy(error, "move its first key away from the body");
-            return PEL_BAD_ARGUMENT;
-        }
+        for (int32_t b = 0; b < body_count; b++)
+            if (sim->tools[i].mesh != NULL && sim->tools[i].press && pel_tool_acts_on(&sim->tools[i], b) &&
+                sim->model->bodies[b].closed &&
+                pel_tool_is_enclosed(sim, contacts->start[contacts->tools[i].point_begin], b))
+                return pel_tool_refuse_inside(sim, i, b, error);
     return PEL_OK;
 }
 

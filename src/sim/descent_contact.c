@@ -33,7 +33,7 @@ static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint
                        pel_meeting *meeting)
 {
     const pel_tool *tool = &sim->tools[constraint->tool];
-    pel_solid large = tool->press_solid;
+    pel_solid large = pel_tool_press_solid(sim, tool, constraint->vertices[0]);
     double far = 4 * pel_tool_size(tool) + pel_vec3_length(tool->pose.position), normal[3];
     large.radius += far;
     double depth = pel_tool_triangle_depth(sim, tool, &large, position, constraint->triangle, meeting->weights, normal);
@@ -227,7 +227,8 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_descent_contac
 {
     const pel_contact *contact = &sim->contacts->list.contacts[number];
     const pel_contact_key *key = &sim->contacts->keys[number];
-    double thickness = sim->contacts->thickness;
+    const int32_t *group = sim->contacts->group_of_point;
+    double thickness = pel_contact_thickness(sim->contacts, group[key->points[0]], group[key->points[3]]);
     *constraint = (pel_descent_contact){
         .offset = (double)contact->separation + SLACK_SHARE * thickness,
         .tolerance = GAP_TOLERANCE * thickness,

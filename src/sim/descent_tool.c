@@ -103,7 +103,8 @@ static pel_status add_corner(const tool_search *search, int32_t v, pel_error *er
         return PEL_OK;
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);
-    double gap = pel_solid_distance(&tool->press_solid, local, normal);
+    const pel_solid solid = pel_tool_press_solid(sim, tool, v);
+    double gap = pel_solid_distance(&solid, local, normal);
     if (gap > search->reach)
         return PEL_OK;
     for (int i = 0; i < 4; i++)
@@ -126,9 +127,8 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < 3; i++)
         status = add_corner(search, sim->model->triangles[t][i], error);
-    pel_solid grown = tool->press_solid;
-    for (int k = 0; k < 3; k++)
-        grown.half_extents[k] += search->reach;
+    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    const pel_solid grown = pel_solid_grown(&solid, search->reach);
     pel_descent_contact constraint = at_triangle(search, t);
     double normal[3], *w = constraint.weights;
     double depth = pel_tool_triangle_depth(sim, tool, &grown, sim->state->position_next, t, w, normal);
@@ -140,7 +140,7 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][i], corner[i]);
         pel_pose_to_local(&tool->pose, corner[i], corner[i]);
     }
-    double support = pel_box_separation(tool->press_solid.half_extents, (const double(*)[3])corner, axis);
+    double support = pel_box_separation(solid.half_extents, (const double(*)[3])corner, axis);
     double gap = -support;
     for (int i = 0; i < 3; i++)
         gap += w[i] * pel_vec3_dot(axis, corner[i]);
@@ -211,12 +211,26 @@ pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
 
 /* ---- readings ---- */
 
+/* load and drag as forces of the step; both act at the same point but for what a round tool has slid in the last round
+ */
+static void add_action(pel_sim *sim, const pel_descent_contact *constraint, const pel_meeting *meeting)
+{
+    pel_contact_action action = {.vertices = constraint->vertices, .tool = constraint->tool};
+    memcpy(action.weights, meeting->weights, sizeof action.weights);
+    pel_vec3_scale(meeting->normal, constraint->load, action.load);
+    pel_vec3_add(action.load, constraint->drag, action.force);
+    pel_contact_forces_add(sim, &action);
+}
+
 static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
 {
-    pel_tool *tool = &sim->tools[constraint->tool];
     double point[3] = {0, 0, 0}, sum = 0, side = 0, load[3], x[3];
     pel_meeting meeting;
     pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
+    add_action(sim, constraint, &meeting);
+    if (constraint->tool < 0)
+        return;
+    pel_tool *tool = &sim->tools[constraint->tool];
     for (int i = 0; i < 4; i++) {
         int32_t v = constraint->vertices[i];
         if (meeting.weights[i] == 0)
@@ -241,6 +255,6 @@ void pel_descent_contacts_read(pel_sim *sim)
 {
     const pel_sim_descent *descent = sim->descent;
     for (int32_t c = 0; c < descent->count; c++)
-        if (descent->constraints[c].tool >= 0 && descent->constraints[c].load > 0)
+        if (descent->constraints[c].load > 0)
             read_constraint(sim, &descent->constraints[c]);
 }

@@ -11,6 +11,8 @@
 #include "sim/contact.h"
 #include "sim/tool.h"
 
+#include <string.h>
+
 /* sweeps over the near triangles at most */
 enum { SWEEP_LIMIT = 100 };
 /* depth that counts as touching, relative to the tool's size */
@@ -21,9 +23,10 @@ enum { SWEEP_LIMIT = 100 };
 pel_search_box pel_tool_box(const pel_tool *tool, double margin)
 {
     double local[3], axis[3], half[3] = {0, 0, 0};
-    pel_solid_half_box(&tool->press_solid, local);
+    pel_solid_half_box(&tool->solid, local);
     for (int i = 0; i < 3; i++) {
-        pel_vec3_set(axis, i == 0 ? local[0] : 0, i == 1 ? local[1] : 0, i == 2 ? local[2] : 0);
+        double extent = local[i] + tool->press_margin;
+        pel_vec3_set(axis, i == 0 ? extent : 0, i == 1 ? extent : 0, i == 2 ? extent : 0);
         pel_rotate(tool->pose.rotation, axis, axis);
         for (int j = 0; j < 3; j++)
             half[j] += fabs(axis[j]);
@@ -77,6 +80,15 @@ typedef struct surface_point {
     int count;
 } surface_point;
 
+pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t v)
+{
+    if (sim->contacts == NULL)
+        return tool->solid;
+    int32_t group = sim->model->body_count + (int32_t)(tool - sim->tools);
+    return pel_solid_grown(&tool->solid,
+                           pel_contact_thickness(sim->contacts, sim->model->body_of_slice[v / PEL_WIDTH], group));
+}
+
 double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v)
 {
     if (sim->contacts == NULL)
@@ -120,12 +132,18 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     if (approach <= 0)
         return;
     double impulse = approach / inertia, back[3], force[3];
+    const int32_t vertices[4] = {at->vertices[0], at->vertices[1], at->vertices[2], at->vertices[0]};
+    pel_contact_action action = {.vertices = vertices, .tool = (int32_t)(tool - sim->tools)};
+    memcpy(action.weights, at->weights, 3 * sizeof *action.weights);
     change_velocity(sim, at, impulse, normal);
-    pel_vec3_scale(normal, -impulse / sim->step.dt, force);
+    pel_vec3_scale(normal, impulse / sim->step.dt, action.load);
+    pel_vec3_copy(action.load, action.force);
     if (oppose_across(relative, normal, pel_sim_friction(sim, tool, at->vertices[0]) * approach, back)) {
         change_velocity(sim, at, 1 / inertia, back);
-        pel_vec3_along(force, -1 / (inertia * sim->step.dt), back, force);
+        pel_vec3_along(action.force, 1 / (inertia * sim->step.dt), back, action.force);
     }
+    pel_contact_forces_add(sim, &action);
+    pel_vec3_scale(action.force, -1, force);
     pel_tool_add_reaction(tool, point, force);
 }
 
@@ -232,7 +250,8 @@ static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, do
     double x[3], local[3], normal[3];
     pel_vertex_position(sim->state->position_next, sim->model->triangles[t][corner], x);
     pel_pose_to_local(&tool->pose, x, local);
-    double depth = -pel_solid_distance(&tool->press_solid, local, normal);
+    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][corner]);
+    double depth = -pel_solid_distance(&solid, local, normal);
     if (depth <= tolerance)
         return false;
     const double weights[3] = {corner == 0, corner == 1, corner == 2};
@@ -261,16 +280,16 @@ static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *bo
 static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
 {
     double weights[3], normal[3];
-    double depth =
-        pel_tool_triangle_depth(sim, tool, &tool->press_solid, sim->state->position_next, t, weights, normal);
+    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    double depth = pel_tool_triangle_depth(sim, tool, &solid, sim->state->position_next, t, weights, normal);
     return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
 }
 
 /* with contact the solid is grown by the thickness, most of which is to be kept */
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 {
-    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool), thickness = pel_sim_contact_thickness(sim);
-    return thickness > 0 ? fmin(tolerance, 0.1 * thickness) : tolerance;
+    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
+    return sim->contacts != NULL ? fmin(tolerance, 0.1 * sim->contacts->least) : tolerance;
 }
 
 /* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at

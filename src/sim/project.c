@@ -25,32 +25,17 @@ static pel_status create(pel_sim *sim, pel_error *error)
     if (status == PEL_OK && solver->second_order)
         status = pel_state_add_history(sim->model, sim->state, error);
     if (status == PEL_OK)
-        status = pel_projector_create(sim->model, solver, &sim->projector, error);
+        status = pel_projector_create(sim->batches, solver, &sim->projector, error);
     if (status == PEL_OK)
         sim->projector->pool = sim->pool;
     return status;
 }
 
-/* a pressure that the projector does not know */
-static bool has_normal_pressure(const pel_sim *sim)
-{
-    for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
-        const pel_shell *shell = sim->model->bodies[b].shell;
-        if (shell != NULL && shell->pressure.kind != PEL_PRESSURE_NONE &&
-            shell->pressure.form != PEL_PRESSURE_CONSISTENT)
-            return true;
-    }
-    return false;
-}
-
 /* adds loads and pressure at a time to sim->force, which is 0: what a substep takes it leaves so */
-static void find_forces(pel_sim *sim, double time, bool normal_pressure, const pel_record *positions)
+static void find_forces(pel_sim *sim, double time, const pel_record *positions)
 {
     pel_loads_add(sim, time, sim->force);
-    if (normal_pressure)
-        pel_shell_forces_add(sim->shells, positions, time, PEL_SHELL_PRESSURE, sim->pool, sim->force);
-    else
-        pel_projector_add_pressure(sim->projector, positions, time, sim->force);
+    pel_shell_forces_press(sim->shells, positions, time, sim->pool, sim->force);
 }
 
 /* contacts of one kind or the other that act in the substeps; null = none */
@@ -83,7 +68,7 @@ static void sweep(pel_sim *sim, const pel_record *start)
     }
 }
 
-static void run_substep(pel_sim *sim, int32_t number, bool normal_pressure)
+static void run_substep(pel_sim *sim, int32_t number)
 {
     pel_state *state = sim->state;
     pel_projector *projector = sim->projector;
@@ -94,7 +79,7 @@ static void run_substep(pel_sim *sim, int32_t number, bool normal_pressure)
     /* second order: forces belong to the end of a substep */
     double lead = sim->solver.second_order ? projector->substep : 0;
     pel_tools_place(sim, (double)(number + 1) / count);
-    find_forces(sim, pel_sim_time(sim) + lead + number * projector->substep, normal_pressure,
+    find_forces(sim, pel_sim_time(sim) + lead + number * projector->substep,
                 number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
@@ -117,16 +102,16 @@ static void run_substep(pel_sim *sim, int32_t number, bool normal_pressure)
     pel_project_finish(projector, state, lists, 2, &sim->boundary, place);
 }
 
-static void run_substeps(pel_sim *sim, bool normal_pressure)
+static void run_substeps(pel_sim *sim)
 {
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_tools_place(sim, 0);
     for (int32_t s = 0; s < sim->solver.substeps; s++)
-        run_substep(sim, s, normal_pressure);
+        run_substep(sim, s);
 }
 
 /* Pairs that the step ran into although nothing told so at its start take part when it is done anew. */
-static pel_status repeat_with_new_pairs(pel_sim *sim, bool normal_pressure, pel_error *error)
+static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
 {
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < REPEAT_LIMIT && pel_sim_all_inside(sim); i++) {
@@ -136,7 +121,8 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, bool normal_pressure, pel_
             break;
         pel_contacts_forget_step(sim);
         pel_tools_forget_step(sim);
-        run_substeps(sim, normal_pressure);
+        pel_contact_forces_begin(sim);
+        run_substeps(sim);
     }
     return status;
 }
@@ -145,7 +131,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
     pel_tools_begin(sim, pel_sim_next_time(sim));
-    bool has_pairs = pel_sim_has_loop_contacts(sim), normal_pressure = has_normal_pressure(sim);
+    bool has_pairs = pel_sim_has_loop_contacts(sim);
     pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
     if (status == PEL_OK && has_pairs)
         status = pel_contact_heights_find(sim, error);
@@ -154,9 +140,9 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     if (status != PEL_OK)
         return status;
     pel_projector_begin(sim->projector, state, pel_sim_time(sim));
-    run_substeps(sim, normal_pressure);
+    run_substeps(sim);
     if (has_pairs)
-        status = repeat_with_new_pairs(sim, normal_pressure, error);
+        status = repeat_with_new_pairs(sim, error);
     result->diverged = !pel_sim_all_inside(sim);
     return status;
 }

@@ -45,12 +45,23 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
 pel_status pel_shells_create(pel_sim *sim, pel_error *error)
 {
     pel_status status = check_shells(sim, error);
-    return status == PEL_OK ? pel_shell_forces_create(sim->model, &sim->shells, error) : status;
+    if (status == PEL_OK)
+        status = pel_batches_create(sim->model, sim->solver.method, &sim->batches, error);
+    if (status == PEL_OK)
+        status = pel_shell_forces_create(sim->batches, &sim->shells, error);
+    for (int32_t b = 0; status == PEL_OK && b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        /* the criterion of refinement looks at single vertices */
+        if (body->shell != NULL && body->detail != NULL && body->detail->def.above > 0)
+            status = pel_shell_forces_list(sim->shells, b, error);
+    }
+    return status;
 }
 
 void pel_shells_destroy(pel_sim *sim)
 {
     pel_shell_forces_destroy(sim->shells);
+    pel_batches_destroy(sim->batches);
 }
 
 /* new position and velocity of a vertex by the force of its shell; fine vertices have no inverse mass there */
@@ -122,9 +133,8 @@ void pel_shells_follow(pel_sim *sim, int32_t body)
 {
     sim->state->older_is_known = false;
     sim->substeps.now.is_stale = true;
+    pel_batches_rebuild(sim->batches, body);
     pel_shell_forces_rebuild(sim->shells, body);
-    if (sim->projector != NULL) {
-        pel_projector_follow(sim->projector, body);
+    if (sim->projector != NULL)
         pel_projector_hold(sim->projector, sim->boundary.is_held);
-    }
 }

@@ -71,6 +71,7 @@ static pel_status follow_surface(pel_sim *sim, pel_error *error)
         sim->tool_search->is_fitted = false;
     if (sim->active != NULL)
         pel_refine_step(sim);
+    pel_contact_forces_begin(sim);
     return sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : PEL_OK;
 }
 
@@ -118,12 +119,14 @@ static void accept_part(pel_sim *sim, double next)
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(sim->state);
+    pel_contact_forces_accept(sim);
     sim->state->step += is_last;
     pel_tools_end_step(sim, next);
     if (is_last)
         pel_weights_follow(sim);
     if (sim->stepper->accept != NULL)
         sim->stepper->accept(sim);
+    pel_restitution_apply(sim);
     pel_parts_accept(sim);
 }
 

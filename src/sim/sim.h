@@ -2,6 +2,7 @@
 #ifndef PEL_SIM_SIM_H
 #define PEL_SIM_SIM_H
 
+#include "batch/batches.h"
 #include "force/body_force.h"
 #include "force/shell_force.h"
 #include "geom/solid.h"
@@ -68,11 +69,11 @@ typedef struct pel_tool_tally {
 
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
-    pel_solid solid;              /* of a mesh: the sphere about it */
-    pel_solid press_solid;        /* grown by the thickness of contacts */
-    double friction;              /* its own; below 0: that of contact */
-    pel_mesh *mesh;               /* null = the solid */
-    struct pel_mesh_query *query; /* of a mesh that grasps: what is inside of it or near; else null */
+    pel_solid solid;                         /* of a mesh: the sphere about it */
+    double press_margin;                     /* m, the largest distance from a body that it keeps */
+    double friction, restitution, thickness; /* its own; below 0: that of contact */
+    pel_mesh *mesh;                          /* null = the solid */
+    struct pel_mesh_query *query;            /* of a mesh that grasps: what is inside of it or near; else null */
     pel_pose_key *keys;
     double (*key_spins)[3]; /* (key_count) spin of the pose at each key */
     int32_t key_count;
@@ -93,9 +94,10 @@ typedef struct pel_tool {
     int32_t held_count;
     int32_t *support; /* (support_count) of a keyed support: the places that it holds; else null */
     int32_t support_count;
-    double center[3];     /* of a keyed support at rest */
-    int32_t *held;        /* (held_count) vertices held */
-    double (*anchors)[3]; /* (held_count) their places in the tool's frame */
+    uint8_t *support_marks; /* (vertices of the finest level) 1 = of the support; null = its body does not refine */
+    double center[3];       /* of a keyed support at rest */
+    int32_t *held;          /* (held_count) vertices held */
+    double (*anchors)[3];   /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
     double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts so far */
     bool was_held_back, hold_is_counted;
@@ -190,6 +192,35 @@ typedef struct pel_sim_parts {
 /* (descent.c) what the method needs */
 typedef struct pel_sim_descent pel_sim_descent;
 
+/* What a body or tool did to a body in a step. Sums over contacts; those with a load are weighted by it. */
+typedef struct pel_pair_force {
+    double force[3];  /* N */
+    double load[3];   /* N, the part along the normals of contacts */
+    double point[3];  /* N m, sum of load times place */
+    double approach;  /* N m, sum of load times way along the normal from the start of the step to the contact */
+    double load_size; /* N, sum of the sizes of loads */
+} pel_pair_force;
+
+/* A pair of groups that collides (restitution.c). */
+typedef struct pel_collision_state {
+    uint8_t is_on;
+    int32_t idle_steps;      /* since the pair pressed last */
+    double approach;         /* m/s, largest so far, at the contact */
+    double normal[3];        /* unit, from the higher group to the lower one */
+    double point[3];         /* m */
+    double contact_distance; /* m, of the centers along the normal while they touched */
+    double risen;            /* m, beyond that */
+} pel_collision_state;
+
+/* Forces of contacts and tools in a step, means where it has substeps (contact_force.c). */
+typedef struct pel_contact_forces {
+    pel_record *vertex, *vertex_next; /* (vertex_count) N, in the last step and in the present one; null without
+                                         contact and tools */
+    pel_pair_force *pair, *pair_next; /* (body_count x group_count) on the body of the row; groups are bodies, then
+                                         tools; of two bodies the lower one has the row */
+    int32_t group_count;
+} pel_contact_forces;
+
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
     const pel_model *given;
@@ -202,6 +233,7 @@ struct pel_sim {
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */
     double alpha_limit;
+    pel_batches *batches;     /* the elements of all bodies */
     pel_projector *projector; /* position-based methods, else null */
     pel_shell_forces *shells; /* null = no body is a shell */
     pel_sim_descent *descent; /* null = another method */
@@ -235,6 +267,8 @@ struct pel_sim {
     bool held_is_listed;           /* the boundary is that of the tools */
     pel_sim_solids *solids;        /* (tool_solid.h) methods with substeps; null = no tool presses */
     pel_support_reading *supports; /* (body_count) of pinned vertices, projected methods; null = nothing is pinned */
+    pel_contact_forces contact_forces;
+    pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
     pel_ledger ledger;
     pel_sim_parts parts;
 };
@@ -352,6 +386,21 @@ double pel_loads_work(const pel_sim *sim, double from, double to);
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* ---- contact_force.c ---- */
+/* After tools, before contacts. PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_forces_create(pel_sim *sim, pel_error *error);
+void pel_contact_forces_destroy(pel_sim *sim);
+/* Before a step, or before its substeps are done anew. */
+void pel_contact_forces_begin(pel_sim *sim);
+/* The forces of the step become the present ones. */
+void pel_contact_forces_accept(pel_sim *sim);
+
+/* ---- restitution.c ---- */
+/* After contacts. PEL_BAD_ARGUMENT for a number out of range or a method without velocities, PEL_OUT_OF_MEMORY. */
+pel_status pel_restitution_create(pel_sim *sim, pel_error *error);
+/* After a step that is accepted. */
+void pel_restitution_apply(pel_sim *sim);
 
 /* ---- support.c ---- */
 /* PEL_OUT_OF_MEMORY */

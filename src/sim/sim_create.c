@@ -18,7 +18,7 @@ pel_sim_def pel_sim_def_default(void)
 {
     return (pel_sim_def){
         .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true, .second_order = PEL_AUTO},
-        .contact = {.self = true, .between = true, .relative_thickness = 1e-4},
+        .contact = {.self = true, .between = true, .relative_thickness = 1e-4, .restitution = -1},
         .cookie = SIM_COOKIE,
     };
 }
@@ -136,8 +136,12 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_supports_create(sim, error);
     if (status == PEL_OK)
         status = pel_solids_create(sim, error);
+    if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
+        status = pel_contact_forces_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK)
+        status = pel_restitution_create(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create_event(sim, error);
     if (status == PEL_OK && sim->stepper->check_start != NULL)
@@ -174,6 +178,8 @@ void pel_sim_destroy(pel_sim *sim)
         return;
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
+    pel_free(sim->collisions);
+    pel_contact_forces_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
     pel_supports_destroy(sim);

@@ -60,7 +60,7 @@ static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         hash = hash_double(hash, numbers[i]);
     for (int32_t h = 0; h < shell->hinge_count; h++)
-        hash = hash_double(hash_double(hash, shell->hinges[h].stiffness), shell->hinges[h].hinge.rest_angle);
+        hash = hash_double(hash_double(hash, shell->hinges[h].stiffness), shell->hinges[h].rest_angle);
     for (int32_t r = 0; r < shell->region_count; r++) {
         const pel_shell_region *region = &shell->regions[r];
         hash = pel_hash_word(hash, (uint64_t)region->def.mode * 64 + (uint64_t)region->def.kind);
@@ -105,7 +105,13 @@ uint64_t pel_sim_fingerprint(const pel_sim *sim)
         const pel_contact_def *def = &sim->contacts->def;
         hash = hash_double(hash, sim->contacts->thickness);
         for (int32_t i = 0; i < sim->model->body_count + sim->tool_count; i++)
-            hash = hash_double(hash, sim->contacts->friction_of_group[i]);
+            hash = hash_double(hash_double(hash, sim->contacts->friction_of_group[i]),
+                               sim->contacts->thickness_of_group[i]);
+        for (int32_t i = 0; i < sim->model->body_count; i++)
+            hash = hash_double(hash, model->bodies[i].restitution);
+        for (int32_t i = 0; i < sim->tool_count; i++)
+            hash = hash_double(hash, sim->tools[i].restitution);
+        hash = hash_double(hash, def->restitution);
         hash = pel_hash_word(hash, (uint64_t)def->method * 8 + (uint64_t)def->response * 4 + (uint64_t)def->self * 2 +
                                        (uint64_t)def->between);
         hash = pel_hash_word(hash, (uint64_t)def->sweeps << 32 | (uint64_t)(uint32_t)sim->contacts->limit);
@@ -292,6 +298,14 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer_tool(at, &sim->tools[t], count);
     if (sim->supports != NULL)
         transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
+    const pel_contact_forces *forces = &sim->contact_forces;
+    if (forces->vertex != NULL) {
+        transfer(at, forces->vertex, count * sizeof *forces->vertex);
+        transfer(at, forces->pair, (size_t)sim->model->body_count * (size_t)forces->group_count * sizeof *forces->pair);
+    }
+    if (sim->collisions != NULL)
+        transfer(at, sim->collisions,
+                 (size_t)sim->model->body_count * (size_t)forces->group_count * sizeof *sim->collisions);
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)

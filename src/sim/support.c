@@ -18,18 +18,22 @@ static void add_force(pel_support_reading *reading, const double point[3], const
     pel_vec3_add(reading->torque, torque, reading->torque);
 }
 
-/* forces (vertex_count) times a factor at the pinned vertices of a body, which are at `positions` */
+/* forces (vertex_count) times a factor, and those of contacts, at the pinned vertices of a body, which are at
+ * `positions`
+ */
 static void sum_pins(const pel_sim *sim, int32_t body, const pel_record *positions, const pel_record *forces,
-                     double factor, pel_support_reading *reading)
+                     double factor, const pel_record *contacts, pel_support_reading *reading)
 {
     *reading = (pel_support_reading){0};
     for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
-        double point[3], force[3];
+        double point[3], force[3], contact[3] = {0, 0, 0};
         if (!is_pinned(sim, v))
             continue;
         pel_vertex_position(positions, v, point);
         pel_vertex_position(forces, v, force);
-        pel_vec3_scale(force, factor, force);
+        if (contacts != NULL)
+            pel_vertex_position(contacts, v, contact);
+        pel_vec3_along(contact, factor, force, force);
         add_force(reading, point, force);
         reading->vertex_count++;
     }
@@ -62,7 +66,7 @@ void pel_supports_read(pel_sim *sim)
 {
     for (int32_t b = 0; sim->supports != NULL && b < sim->model->body_count; b++)
         sum_pins(sim, b, sim->state->position_next, sim->projector->reaction, 1.0 / sim->solver.substeps,
-                 &sim->supports[b]);
+                 sim->contact_forces.vertex_next, &sim->supports[b]);
 }
 
 static int32_t count_pins(const pel_sim *sim, int32_t body)
@@ -81,7 +85,7 @@ void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *readin
     reading->vertex_count = count_pins(sim, body);
     if (reading->vertex_count > 0 && sim->projector == NULL) {
         pel_sim_compute_forces(sim);
-        sum_pins(sim, body, sim->state->position, sim->force, 1, reading);
+        sum_pins(sim, body, sim->state->position, sim->force, 1, sim->contact_forces.vertex, reading);
     }
     for (int32_t t = 0; t < sim->tool_count; t++) {
         const pel_tool *tool = &sim->tools[t];

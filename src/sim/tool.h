@@ -53,6 +53,19 @@ static inline double pel_tool_size(const pel_tool *tool)
     return half[0] + half[1] + half[2];
 }
 
+/* grown by a distance about it */
+static inline pel_solid pel_solid_grown(const pel_solid *solid, double margin)
+{
+    pel_solid grown = *solid;
+    grown.radius += margin;
+    for (int k = 0; k < 3; k++)
+        grown.half_extents[k] += margin;
+    return grown;
+}
+
+/* the solid that the body of a vertex is kept out of */
+pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t v);
+
 static inline bool pel_tool_is_round(const pel_tool *tool)
 {
     return tool->mesh == NULL && tool->solid.kind != PEL_SOLID_BOX;
@@ -88,22 +101,40 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
     pel_vec3_add(tool->torque, torque, tool->torque);
 }
 
+/* ---- contact_force.c ---- */
+/* What acts at a point of surfaces, a weighted sum of vertices. */
+typedef struct pel_contact_action {
+    const int32_t *vertices; /* (4) */
+    double weights[4];       /* 0 where unused */
+    double force[3];         /* N, on the sum: each vertex has it times its weight */
+    double load[3];          /* N, the part of it along the normal */
+    int32_t tool;            /* that it comes from; -1 = of surfaces of bodies */
+} pel_contact_action;
+
+/* Adds it to the forces of the step. */
+void pel_contact_forces_add(pel_sim *sim, const pel_contact_action *action);
+/* The force of a tool on one vertex, without a load. */
+void pel_contact_forces_add_at(pel_sim *sim, int32_t v, int32_t tool, const double force[3]);
+/* Adds what changed the sum of a contact by `change`, times rate over its mobility: with displacements in m the rate is
+   in 1/s2, with velocities in 1/s. tool: its other side, which takes the reaction and what it touches; -1 = none. */
+void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate);
+/* the same for the push and friction of a substep */
+void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate);
+
 /* force of a held vertex at a point on its tool */
 static inline void pel_tool_add_grip(pel_sim *sim, pel_tool *tool, int32_t v, const double point[3],
                                      const double force[3])
 {
+    double back[3];
     pel_vec3_add(sim->grip_forces[v], force, sim->grip_forces[v]);
     pel_tool_add_reaction(tool, point, force);
+    pel_vec3_scale(force, -1, back);
+    pel_contact_forces_add_at(sim, v, (int32_t)(tool - sim->tools), back);
 }
 
-/* ---- tool_reading.c ---- */
-/* Adds to the tool's force what changed the sum of a contact by `change`, times rate over its mobility, and what it
-   touches: with displacements in m the rate is in 1/s2, with velocities in 1/s. */
-void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const double change[3], double rate);
-/* the same for the push and friction of a substep */
-void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double rate);
-
 /* ---- tool_grip.c ---- */
+/* Holds a vertex where it is at rest in the frame of a support. */
+void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v);
 /* Begins or ends the grasp; true when other vertices are held than before. */
 bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time);
 /* who holds what, for the methods that ask in every substep */
@@ -112,7 +143,11 @@ void pel_tools_list_held(pel_sim *sim);
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
 
 /* ---- tool_start.c ---- */
-/* Refuses (PEL_BAD_ARGUMENT) a tool that starts in a body. */
+/* m, the least way after which a tool is outside a body */
+double pel_tool_way_out(const pel_sim *sim, const pel_tool *tool, int32_t body);
+/* PEL_BAD_ARGUMENT with that way */
+pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t body, pel_error *error);
+/* the same where a solid starts inside a body */
 pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *error);
 
 /* ---- press.c ---- */

@@ -9,8 +9,13 @@
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){
-        .shape = PEL_TOOL_SPHERE, .body = -1, .press = true, .friction = -1, .grasp_until = (double)INFINITY};
+    return (pel_tool_def){.shape = PEL_TOOL_SPHERE,
+                          .body = -1,
+                          .press = true,
+                          .friction = -1,
+                          .restitution = -1,
+                          .thickness = -1,
+                          .grasp_until = (double)INFINITY};
 }
 
 /* ---- checks ---- */
@@ -49,9 +54,6 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
 {
     if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
         return refuse(error, tool, "support has no body or no vertices", "give a body and vertices of its mesh");
-    if (sim->given->bodies[def->body].detail != NULL)
-        return refuse(error, tool, "keyed support of a body that refines",
-                      "switch refine off for this body, or hold it by a tool with grasp");
     if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
         return refuse(error, tool, "center of the support is not finite", "give a point in metres");
     for (int32_t i = 0; i < def->vertex_count; i++) {
@@ -86,6 +88,10 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
     }
     if (!isfinite(def->friction))
         return refuse(error, tool, "the friction of a tool is not finite", "give a coefficient of at least 0");
+    if (!isfinite(def->restitution))
+        return refuse(error, tool, "the restitution of a tool is not finite", "give a number from 0 to 1");
+    if (!isfinite(def->thickness))
+        return refuse(error, tool, "the thickness of a tool is not finite", "give a number of metres above 0");
     if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
         return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
                       "give grasp_from < grasp_until and a reach of at least 0");
@@ -119,11 +125,20 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
     for (int32_t i = 0; i < def->vertex_count; i++)
         tool->support[i] = body->slot_of_vertex[def->vertices[i]];
     tool->support_count = def->vertex_count;
+    if (sim->given->bodies[def->body].detail != NULL) {
+        const pel_lod_forest *forest = sim->given->bodies[def->body].detail->forest;
+        tool->support_marks = pel_allocate((size_t)forest->levels[forest->depth]->vertex_count, 1);
+        if (tool->support_marks == NULL)
+            return pel_fail_memory(error);
+        for (int32_t i = 0; i < def->vertex_count; i++)
+            tool->support_marks[def->vertices[i]] = 1;
+        pel_detail_spread_marks(forest, tool->support_marks);
+    }
     tool->grasp = true;
     tool->grasp_from = 0;
     tool->grasp_until = (double)INFINITY;
     tool->press = false;
-    tool->solid.radius = tool->press_solid.radius = body->diameter;
+    tool->solid.radius = body->diameter;
     pel_vec3_copy(def->center, tool->center);
     return PEL_OK;
 }
@@ -139,7 +154,6 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
                                            [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
     tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
     memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
-    tool->press_solid = tool->solid;
     if (def->shape == PEL_TOOL_MESH) {
         pel_status status = create_mesh(tool, def->mesh, error);
         if (status == PEL_OK && def->grasp)
@@ -154,6 +168,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
     tool->friction = def->friction;
+    tool->restitution = def->restitution;
+    tool->thickness = def->thickness;
     tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
@@ -235,9 +251,9 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys,          tool->key_spins, tool->planes,
-                          tool->planes_before, tool->touches,   tool->touch_of_vertex,
-                          tool->held,          tool->anchors,   tool->support};
+        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes, tool->planes_before,
+                          tool->touches, tool->touch_of_vertex, tool->held,   tool->anchors,
+                          tool->support, tool->support_marks};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
         pel_mesh_destroy(tool->mesh);

@@ -35,20 +35,30 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
     }
 }
 
-/* anchors of a support are places at rest */
+void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v)
+{
+    double rest[3];
+    if (sim->held[v])
+        return;
+    sim->held[v] = 1;
+    sim->held_is_listed = false;
+    sim->state->position[v][3] = 0;
+    pel_vertex_position(sim->model->rest, v, rest);
+    pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
+    tool->held[tool->held_count++] = v;
+}
+
+/* the vertices that were given, and those between them where the body is refined already */
 static void hold_support(pel_sim *sim, pel_tool *tool)
 {
-    for (int32_t i = 0; i < tool->support_count; i++) {
-        int32_t v = tool->support[i];
-        double rest[3];
-        if (sim->held[v])
-            continue;
-        sim->held[v] = 1;
-        sim->state->position[v][3] = 0;
-        pel_vertex_position(sim->model->rest, v, rest);
-        pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
-        tool->held[tool->held_count++] = v;
-    }
+    for (int32_t i = 0; i < tool->support_count; i++)
+        pel_tool_hold_at_rest(sim, tool, tool->support[i]);
+    if (tool->support_marks == NULL)
+        return;
+    const pel_active_body *own = &sim->active->bodies[tool->body];
+    for (int32_t v = own->fine_begin; v < own->fine_end; v++)
+        if (sim->model->mesh_vertex[v] >= 0 && tool->support_marks[sim->model->mesh_vertex[v]])
+            pel_tool_hold_at_rest(sim, tool, v);
 }
 
 static void release(pel_sim *sim, pel_tool *tool)
@@ -119,6 +129,8 @@ static void carry(pel_sim *sim, pel_tool *tool)
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
         pel_tool_add_grip(sim, tool, v, target, change);
+        /* what touches it pushes against the tool (tool_reading.c) */
+        state->position_next[v][3] = 0;
     }
 }
 

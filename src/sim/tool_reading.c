@@ -19,13 +19,13 @@ static void find_load_and_shell_forces(pel_sim *sim, double time)
     pel_shell_forces_add(sim->shells, sim->state->position_next, time, PEL_SHELL_ALL, sim->pool, sim->force);
 }
 
-/* force on a touched vertex at the new positions */
+/* force on a touched vertex at the new positions, other contacts included */
 static void static_force(const pel_sim *sim, int32_t v, double force[3])
 {
     const pel_state *state = sim->state;
     pel_record elastic = pel_elastic_force_at(sim->model, state, state->position_next, v);
     for (int i = 0; i < 3; i++)
-        force[i] = (double)(elastic[i] + sim->force[v][i]);
+        force[i] = (double)(elastic[i] + sim->force[v][i] + sim->contact_forces.vertex_next[v][i]);
 }
 
 /* what of a force presses against the tool, which cannot pull, and what of the rest friction holds */
@@ -55,6 +55,8 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
         } else {
             hold_against(sim, tool, touch->vertex, touch->push, force);
             pel_tool_add_reaction(tool, x, force);
+            pel_vec3_scale(force, -1, force);
+            pel_contact_forces_add_at(sim, touch->vertex, (int32_t)(tool - sim->tools), force);
         }
     }
 }
@@ -100,52 +102,31 @@ static void read_grip(pel_sim *sim, pel_tool *tool)
     }
 }
 
-void pel_tool_take(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const double change[3], double rate)
-{
-    const pel_record *positions = sim->state->position_next;
-    double free = 0, point[3] = {0, 0, 0}, sum = 0, side = 0, force[3], x[3];
-    for (int i = 0; i < 4; i++) {
-        double weight = (double)contact->weights[i];
-        if (weight == 0)
-            continue;
-        free += (double)positions[contact->vertices[i]][3] * weight * weight;
-        pel_vertex_position(positions, contact->vertices[i], x);
-        pel_vec3_along(point, fabs(weight), x, point);
-        sum += fabs(weight);
-        side += weight;
-    }
-    if (!(free > 0))
-        return;
-    for (int i = 0; i < 4; i++) {
-        int32_t v = contact->vertices[i];
-        double share = (double)(contact->weights[i] * contact->push * positions[v][3]) / free;
-        if (share == 0)
-            continue;
-        pel_touch *touch = pel_tool_touch(tool, v);
-        for (int k = 0; k < 3; k++)
-            touch->push[k] += share * (double)contact->normal[k];
-    }
-    pel_vec3_scale(point, 1 / sum, point);
-    /* of surfaces the tool may be the first or the second one */
-    pel_vec3_scale(change, -copysign(rate / free, side), force);
-    pel_tool_add_reaction(tool, point, force);
-}
-
-void pel_tool_take_push(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double rate)
-{
-    double change[3];
-    for (int k = 0; k < 3; k++)
-        change[k] = (double)(contact->push * contact->normal[k] + contact->tangential[k]);
-    pel_tool_take(sim, tool, contact, change, rate);
-}
-
 /* ---- all methods ---- */
+
+/* what contacts do to held vertices goes on to the tool that holds them; the explicit step needs their mass again */
+static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        double force[3], x[3];
+        /* the grip itself is among the forces of the step */
+        pel_vertex_position(sim->contact_forces.vertex_next, v, force);
+        pel_vec3_add(force, sim->grip_forces[v], force);
+        pel_vertex_position(sim->state->position_next, v, x);
+        pel_tool_add_grip(sim, tool, v, x, force);
+        if (sim->projector == NULL)
+            sim->state->position_next[v][3] = sim->model->inverse_mass[v];
+    }
+}
 
 void pel_tools_read(pel_sim *sim, double time)
 {
     int32_t touch_count = 0;
     if (sim->stepper->read_tools != NULL)
         sim->stepper->read_tools(sim);
+    for (int32_t i = 0; i < sim->tool_count && sim->state->velocity_next != NULL; i++)
+        pass_contacts_on(sim, &sim->tools[i]);
     for (int32_t i = 0; i < sim->tool_count && sim->projector != NULL; i++)
         read_grip(sim, &sim->tools[i]);
     for (int32_t i = 0; i < sim->tool_count; i++)

@@ -57,10 +57,24 @@ static void release_places(pel_sim *sim, pel_tool *tool)
     }
 }
 
+/* new vertices between those of a support belong to it */
+static void extend_support(pel_sim *sim, int32_t body, pel_tool *tool)
+{
+    const pel_active_body *own = &sim->active->bodies[body];
+    for (int32_t i = 0; i < own->front->added_count; i++) {
+        int32_t v = own->front->added_vertices[i];
+        if (tool->support_marks[v])
+            pel_tool_hold_at_rest(sim, tool, own->place_of_vertex[v]);
+    }
+}
+
 void pel_tools_update(pel_sim *sim, int32_t body)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
-        follow_planes(sim, body, &sim->tools[i]);
-        release_places(sim, &sim->tools[i]);
+        pel_tool *tool = &sim->tools[i];
+        follow_planes(sim, body, tool);
+        release_places(sim, tool);
+        if (tool->support_marks != NULL && tool->body == body && tool->phase == PEL_GRASP_HOLDING)
+            extend_support(sim, body, tool);
     }
 }

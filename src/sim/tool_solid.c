@@ -159,13 +159,14 @@ static void refresh_vertex(const pel_sim *sim, const pel_record *start, const pe
     double x[3], local[3], before[3], normal[3], normal_before[3];
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);
-    double distance = pel_solid_distance(&tool->press_solid, local, normal);
+    const pel_solid solid = pel_tool_press_solid(sim, tool, v);
+    double distance = pel_solid_distance(&solid, local, normal);
     set_plane(tool, x, normal, -distance, contact);
     start_in_tool(tool, start, v, before);
     double way = pel_vec3_distance(local, before);
-    if (way < FAST_SHARE * least_half_width(&tool->press_solid))
+    if (way < FAST_SHARE * least_half_width(&solid))
         return;
-    double distance_before = pel_solid_distance(&tool->press_solid, before, normal_before);
+    double distance_before = pel_solid_distance(&solid, before, normal_before);
     if (distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED)
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
 }
@@ -201,7 +202,7 @@ static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_too
         start_in_tool(tool, start, sim->model->triangles[t][c], before[c]);
         way = fmax(way, pel_vec3_distance(local[c], before[c]));
     }
-    pel_solid reach = tool->press_solid;
+    pel_solid reach = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
     if (way < FAST_SHARE * reach.radius)
         return false;
     reach.radius += way;
@@ -223,15 +224,16 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, const 
                              pel_contact *contact)
 {
     double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
+    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
     bool is_box = tool->solid.kind == PEL_SOLID_BOX;
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
         pel_pose_to_local(&tool->pose, corner[c], local[c]);
     }
     contact->separation = (pel_real)-HUGE_VAL;
-    if (is_box && is_deepest_at_corner(tool->press_solid.half_extents, local))
+    if (is_box && is_deepest_at_corner(solid.half_extents, local))
         return;
-    double depth = pel_solid_depth(&tool->press_solid, local[0], local[1], local[2], weights, normal);
+    double depth = pel_solid_depth(&solid, local[0], local[1], local[2], weights, normal);
     if (!is_box && is_passed(sim, start, tool, t, local, depth > 0 ? normal : NULL, contact))
         return;
     if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT)
@@ -261,5 +263,5 @@ void pel_solids_tally(pel_sim *sim, double rate)
     const pel_sim_solids *solids = sim->solids;
     for (int32_t c = 0; c < solids->list.count; c++)
         if (solids->list.contacts[c].push > 0)
-            pel_tool_take_push(sim, &sim->tools[solids->pairs[c].tool], &solids->list.contacts[c], rate);
+            pel_contact_take_push(sim, solids->pairs[c].tool, &solids->list.contacts[c], rate);
 }

@@ -29,7 +29,7 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error);
    the start of the substep. */
 void pel_solids_refresh(pel_sim *sim, const pel_record *start);
 
-/* After the sweeps of a substep: its impulses act on the tools. rate: see pel_tool_take. */
+/* After the sweeps of a substep: its impulses act on the tools. rate: see pel_contact_take. */
 void pel_solids_tally(pel_sim *sim, double rate);
 
 #endif

@@ -1,6 +1,24 @@
-/* Where a tool starts: outside of the bodies that it presses. */
+/* Tools that start inside a body are refused, and told how far they have to go.
+
+   That is the least way of all directions that are tried after which the tool is outside: along the axes of the world
+   and of the tool, the normal of the triangle that is deepest in it, and through the point of the surface that is
+   nearest to its centre. Along a direction the way is found by bisection. */
 #include "base/status.h"
+#include "pellicle/geometry.h"
+#include "sim/contact.h"
 #include "sim/tool.h"
+
+/* of a tool's size: a tool that is less deep may start */
+#define START_DEPTH 1e-3
+/* of the way that is sure to be enough: how exactly the way is found */
+enum { BISECTIONS = 20, DIRECTION_LIMIT = 16 };
+
+/* a tool against one body */
+typedef struct overlap {
+    const pel_sim *sim;
+    const pel_tool *tool;
+    int32_t body;
+} overlap;
 
 /* solid angle of a triangle seen from the origin over 4 pi */
 static double winding(const double a[3], const double b[3], const double c[3])
@@ -11,78 +29,185 @@ static double winding(const double a[3], const double b[3], const double c[3])
     return atan2(pel_vec3_dot(a, n), divisor) / 6.283185307179586;
 }
 
+static void load_corners(const overlap *o, int32_t t, double corner[3][3])
+{
+    for (int c = 0; c < 3; c++)
+        pel_vertex_position(o->sim->state->position, o->sim->model->triangles[t][c], corner[c]);
+}
+
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body)
 {
-    double sum = 0;
+    const overlap o = {sim, NULL, body};
+    double sum = 0, corner[3][3];
     for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
-        int32_t t = pel_surface_triangle(sim->model, body, i);
-        double corner[3][3];
-        for (int c = 0; c < 3; c++) {
-            pel_vertex_position(sim->state->position, sim->model->triangles[t][c], corner[c]);
+        load_corners(&o, pel_surface_triangle(sim->model, body, i), corner);
+        for (int c = 0; c < 3; c++)
             pel_vec3_subtract(corner[c], point, corner[c]);
-        }
         sum += winding(corner[0], corner[1], corner[2]);
     }
     return fabs(sum) > 0.5;
 }
 
-static pel_status refuse_inside(const pel_tool *tool, int32_t index, const char *body, double depth, pel_error *error)
+/* ---- solids ---- */
+
+/* depth of a triangle in the solid at a pose; out: the way out, in the world */
+static double depth_at(const overlap *o, const pel_pose *pose, double corner[3][3], double out[3])
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' starts inside body '%s' (by %.3g m)", tool->name, body, depth);
+    double local[3][3], weights[3], normal[3], far = pel_tool_size(o->tool), nearest[3];
+    /* most are out of the sphere about it */
+    if (pel_closest_point_triangle(pose->position, corner[0], corner[1], corner[2], nearest) > far * far)
+        return 0;
+    for (int c = 0; c < 3; c++)
+        pel_pose_to_local(pose, corner[c], local[c]);
+    double depth = pel_solid_depth(&o->tool->solid, local[0], local[1], local[2], weights, normal);
+    if (depth > 0)
+        pel_rotate(pose->rotation, normal, out);
+    return depth;
+}
+
+/* ---- meshes ---- */
+
+static void low_and_high(double corner[3][3], double low[3], double high[3])
+{
+    for (int k = 0; k < 3; k++) {
+        low[k] = fmin(corner[0][k], fmin(corner[1][k], corner[2][k]));
+        high[k] = fmax(corner[0][k], fmax(corner[1][k], corner[2][k]));
+    }
+}
+
+/* whether a triangle of the tool's mesh at a pose cuts one of the body */
+static bool is_cut(const overlap *o, const pel_pose *pose, double corner[3][3])
+{
+    const pel_mesh *mesh = o->tool->mesh;
+    double low[3], high[3], own[3][3], own_low[3], own_high[3], far = o->tool->solid.radius, nearest[3];
+    if (pel_closest_point_triangle(pose->position, corner[0], corner[1], corner[2], nearest) > far * far)
+        return false;
+    low_and_high(corner, low, high);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        for (int c = 0; c < 3; c++)
+            pel_pose_to_world(pose, mesh->positions[mesh->triangles[t][c]], own[c]);
+        low_and_high(own, own_low, own_high);
+        bool apart = false;
+        for (int k = 0; k < 3; k++)
+            apart |= own_low[k] > high[k] || low[k] > own_high[k];
+        if (!apart && pel_triangles_intersect((const double(*)[3])own, (const double(*)[3])corner))
+            return true;
+    }
+    return false;
+}
+
+/* ---- the way out ---- */
+
+static bool overlaps(const overlap *o, const pel_pose *pose)
+{
+    const pel_model *model = o->sim->model;
+    double corner[3][3], out[3], inner[3];
+    for (int32_t i = 0; i < pel_surface_count(model, o->body); i++) {
+        load_corners(o, pel_surface_triangle(model, o->body, i), corner);
+        if (o->tool->mesh != NULL ? is_cut(o, pose, corner) : depth_at(o, pose, corner, out) > 0)
+            return true;
+    }
+    pel_vec3_copy(pose->position, inner);
+    if (o->tool->mesh != NULL)
+        pel_pose_to_world(pose, o->tool->mesh->positions[0], inner);
+    return model->bodies[o->body].closed && pel_tool_is_enclosed(o->sim, inner, o->body);
+}
+
+static void add_direction(double directions[DIRECTION_LIMIT][3], int *count, const double direction[3])
+{
+    double unit[3];
+    pel_vec3_copy(direction, unit);
+    if (!(pel_vec3_normalize(unit) > 0))
+        return;
+    for (int sign = -1; sign <= 1 && *count < DIRECTION_LIMIT; sign += 2)
+        pel_vec3_scale(unit, sign, directions[(*count)++]);
+}
+
+/* also returns a way that is sure to be enough */
+static double find_directions(const overlap *o, double directions[DIRECTION_LIMIT][3], int *count)
+{
+    const pel_model *model = o->sim->model;
+    const double *center = o->tool->pose.position;
+    double corner[3][3], weights[3], out[3], outmost[3] = {0, 0, 0}, nearest[3] = {0, 0, 0};
+    double least = HUGE_VAL, deepest = 0, farthest = 0;
+    for (int32_t i = 0; i < pel_surface_count(model, o->body); i++) {
+        load_corners(o, pel_surface_triangle(model, o->body, i), corner);
+        for (int c = 0; c < 3; c++)
+            farthest = fmax(farthest, pel_vec3_distance(center, corner[c]));
+        double square = pel_closest_point_triangle(center, corner[0], corner[1], corner[2], weights);
+        for (int k = 0; k < 3 && square < least; k++)
+            nearest[k] = weights[0] * corner[0][k] + weights[1] * corner[1][k] + weights[2] * corner[2][k] - center[k];
+        least = fmin(least, square);
+        double depth = o->tool->mesh == NULL ? depth_at(o, &o->tool->pose, corner, out) : 0;
+        if (depth > deepest) {
+            deepest = depth;
+            pel_vec3_copy(out, outmost);
+        }
+    }
+    add_direction(directions, count, nearest);
+    add_direction(directions, count, outmost);
+    for (int k = 0; k < 3; k++) {
+        const double axis[3] = {k == 0, k == 1, k == 2};
+        double turned[3];
+        pel_rotate(o->tool->pose.rotation, axis, turned);
+        add_direction(directions, count, axis);
+        add_direction(directions, count, turned);
+    }
+    return farthest + 2 * pel_tool_size(o->tool);
+}
+
+double pel_tool_way_out(const pel_sim *sim, const pel_tool *tool, int32_t body)
+{
+    const overlap o = {sim, tool, body};
+    double directions[DIRECTION_LIMIT][3];
+    int count = 0;
+    double least = find_directions(&o, directions, &count), tolerance = ldexp(least, -BISECTIONS);
+    for (int i = 0; i < count; i++) {
+        double low = 0, high = least;
+        pel_pose pose = tool->pose;
+        pel_vec3_along(tool->pose.position, high, directions[i], pose.position);
+        /* no shorter way in this direction */
+        if (i > 0 && overlaps(&o, &pose))
+            continue;
+        while (high - low > tolerance) {
+            double middle = 0.5 * (low + high);
+            pel_vec3_along(tool->pose.position, middle, directions[i], pose.position);
+            if (overlaps(&o, &pose))
+                low = middle;
+            else
+                high = middle;
+        }
+        least = high;
+    }
+    return least;
+}
+
+/* ---- the check ---- */
+
+pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t body, pel_error *error)
+{
+    const pel_tool *tool = &sim->tools[index];
+    pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' starts inside body '%s' (by %.3g m)", tool->name,
+             sim->model->bodies[body].name, pel_tool_way_out(sim, tool, body));
     pel_fail_element(error, "tool", index);
     pel_fail_remedy(error, "move its first key away from the body by at least that much");
     return PEL_BAD_ARGUMENT;
-}
-
-/* how far the solid extends from its centre along a unit vector of its frame */
-static double extent_along(const pel_solid *solid, const double along[3])
-{
-    const double *half = solid->half_extents;
-    if (solid->kind == PEL_SOLID_BOX)
-        return half[0] * fabs(along[0]) + half[1] * fabs(along[1]) + half[2] * fabs(along[2]);
-    return solid->radius + (solid->kind == PEL_SOLID_CAPSULE ? solid->half_length * fabs(along[2]) : 0);
-}
-
-/* the way out of a body for a tool whose centre is inside: through the nearest point of the surface, by all of the tool
- */
-static double depth_inside(const pel_sim *sim, const pel_tool *tool, int32_t body)
-{
-    double least = HUGE_VAL, corner[3][3], nearest[3] = {0, 0, 0}, weights[3];
-    for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
-        const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, body, i)];
-        for (int c = 0; c < 3; c++)
-            pel_vertex_position(sim->state->position, v[c], corner[c]);
-        double square = pel_closest_point_triangle(tool->pose.position, corner[0], corner[1], corner[2], weights);
-        if (!(square < least))
-            continue;
-        least = square;
-        for (int c = 0; c < 3; c++)
-            nearest[c] = weights[0] * corner[0][c] + weights[1] * corner[1][c] + weights[2] * corner[2][c];
-    }
-    double distance = sqrt(least), along[3] = {0, 0, 1};
-    pel_pose_to_local(&tool->pose, nearest, nearest);
-    if (distance > 0)
-        pel_vec3_scale(nearest, 1 / distance, along);
-    return distance + extent_along(&tool->solid, along);
 }
 
 pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *error)
 {
     const pel_tool *tool = &sim->tools[index];
     for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body *body = &sim->model->bodies[b];
-        if (tool->body >= 0 && tool->body != b)
-            continue;
-        double deepest = 0, weights[3], normal[3];
-        for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            int32_t t = pel_surface_triangle(sim->model, b, i);
-            deepest = fmax(deepest,
-                           pel_tool_triangle_depth(sim, tool, &tool->solid, sim->state->position, t, weights, normal));
+        const overlap o = {sim, tool, b};
+        double deepest = 0, corner[3][3], out[3];
+        for (int32_t i = 0; pel_tool_acts_on(tool, b) && i < pel_surface_count(sim->model, b); i++) {
+            load_corners(&o, pel_surface_triangle(sim->model, b, i), corner);
+            deepest = fmax(deepest, depth_at(&o, &tool->pose, corner, out));
         }
-        if (body->closed && pel_tool_is_enclosed(sim, tool->pose.position, b))
-            return refuse_inside(tool, index, body->name, depth_inside(sim, tool, b), error);
-        if (deepest > 1e-3 * pel_tool_size(tool))
-            return refuse_inside(tool, index, body->name, deepest, error);
+        bool is_inside = pel_tool_acts_on(tool, b) && sim->model->bodies[b].closed &&
+                         pel_tool_is_enclosed(sim, tool->pose.position, b);
+        if (is_inside || deepest > START_DEPTH * pel_tool_size(tool))
+            return pel_tool_refuse_inside(sim, index, b, error);
     }
     return PEL_OK;
 }

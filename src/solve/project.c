@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "force/pressure.h"
 #include "solve/contact.h"
 
 #include <math.h>
@@ -13,69 +12,48 @@ enum { VERTEX_CHUNK = 2048 };
 
 /* ---- creation ---- */
 
-/* the number of bundles of a phase: pieces, even seams, odd seams, the rest */
-static int32_t bundle_count(const pel_project_body *body, int phase)
+static pel_status make_multipliers(const pel_batches *batches)
 {
-    int32_t seams = body->piece_count - 1;
-    const int32_t counts[PEL_PHASE_COUNT] = {body->piece_count, (seams + 1) / 2, seams / 2, seams > 0};
-    return counts[phase];
-}
-
-static int32_t bundle_number(const pel_project_body *body, int phase, int32_t i)
-{
-    const int32_t numbers[PEL_PHASE_COUNT] = {i, body->piece_count + 2 * i, body->piece_count + 2 * i + 1,
-                                              2 * body->piece_count - 1};
-    return numbers[phase];
-}
-
-static pel_status make_phases(pel_projector *projector, pel_error *error)
-{
-    int32_t count = 0;
-    for (int32_t b = 0; b < projector->model->body_count; b++)
-        count += 2 * projector->bodies[b].piece_count;
-    projector->bundles = pel_allocate((size_t)count, sizeof *projector->bundles);
-    if (projector->bundles == NULL)
-        return pel_fail_memory(error);
-    count = 0;
-    for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
-        projector->phase_begin[phase] = count;
-        for (int32_t b = 0; b < projector->model->body_count; b++)
-            for (int32_t i = 0; i < bundle_count(&projector->bodies[b], phase); i++)
-                projector->bundles[count++] = (pel_bundle){b, bundle_number(&projector->bodies[b], phase, i)};
-    }
-    projector->phase_begin[PEL_PHASE_COUNT] = count;
+    for (int32_t b = 0; b < batches->model->body_count; b++)
+        for (int32_t i = 0; i < batches->bodies[b].batch_count; i++) {
+            pel_batch *batch = &batches->bodies[b].batches[i];
+            size_t count = (size_t)batch->capacity * PEL_BLOCK * (size_t)batch->multiplier_count;
+            if (!batch->is_projected || count == 0 || batch->multipliers != NULL)
+                continue;
+            batch->multipliers = pel_allocate_aligned(count, sizeof *batch->multipliers);
+            if (batch->multipliers == NULL)
+                return PEL_OUT_OF_MEMORY;
+        }
     return PEL_OK;
 }
 
 static pel_status build(pel_projector *projector, pel_error *error)
 {
     const pel_model *model = projector->model;
+    const pel_solver_def *solver = &projector->solver;
     size_t count = (size_t)model->vertex_count;
-    projector->bodies = pel_allocate((size_t)model->body_count, sizeof *projector->bodies);
     projector->base = pel_allocate_aligned(count, sizeof *projector->base);
-    if (projector->bodies == NULL || projector->base == NULL)
-        return pel_fail_memory(error);
-    if (projector->solver.second_order) {
+    bool made = projector->base != NULL;
+    if (solver->second_order) {
         projector->touches = pel_allocate((size_t)model->body_count, sizeof *projector->touches);
         projector->older_position = pel_allocate_aligned(count, sizeof *projector->older_position);
         projector->older_velocity = pel_allocate_aligned(count, sizeof *projector->older_velocity);
-        if (projector->older_position == NULL || projector->older_velocity == NULL || projector->touches == NULL)
-            return pel_fail_memory(error);
+        made &= projector->older_position != NULL && projector->older_velocity != NULL && projector->touches != NULL;
     }
-    pel_status status = PEL_OK;
-    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
-        status = pel_project_body_create(model, b, &projector->solver, &projector->bodies[b], error);
-    return status == PEL_OK ? make_phases(projector, error) : status;
+    if (made && solver->method == PEL_METHOD_XPBD && solver->iterations > 1)
+        made = make_multipliers(projector->batches) == PEL_OK;
+    return made ? PEL_OK : pel_fail_memory(error);
 }
 
-pel_status pel_projector_create(const pel_model *model, const pel_solver_def *solver, pel_projector **projector,
+pel_status pel_projector_create(pel_batches *batches, const pel_solver_def *solver, pel_projector **projector,
                                 pel_error *error)
 {
     *projector = NULL;
     pel_projector *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
-    made->model = model;
+    made->model = batches->model;
+    made->batches = batches;
     made->solver = *solver;
     made->substep = solver->dt / solver->substeps;
     pel_status status = build(made, error);
@@ -90,10 +68,8 @@ void pel_projector_destroy(pel_projector *projector)
 {
     if (projector == NULL)
         return;
-    for (int32_t b = 0; projector->bodies != NULL && b < projector->model->body_count; b++)
-        pel_project_body_destroy(&projector->bodies[b]);
-    void *arrays[] = {projector->bodies,         projector->bundles,  projector->base,     projector->older_position,
-                      projector->older_velocity, projector->reaction, projector->is_fixed, projector->touches};
+    void *arrays[] = {projector->base,     projector->older_position, projector->older_velocity,
+                      projector->reaction, projector->is_fixed,       projector->touches};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(projector);
@@ -127,11 +103,6 @@ void pel_projector_set_time(pel_projector *projector, pel_state *state, double d
     projector->substep = substep;
 }
 
-void pel_projector_follow(pel_projector *projector, int32_t body)
-{
-    pel_project_body_follow(projector->model, body, &projector->solver, &projector->bodies[body]);
-}
-
 /* ---- sweeps ---- */
 
 typedef struct sweep_job {
@@ -143,12 +114,13 @@ typedef struct sweep_job {
 static void sweep_bundle(void *context, int32_t chunk)
 {
     const sweep_job *job = context;
-    const pel_bundle *bundle = &job->projector->bundles[job->first + chunk];
-    const pel_project_body *body = &job->projector->bodies[bundle->body];
+    const pel_batches *batches = job->projector->batches;
+    const pel_bundle *bundle = &batches->bundles[job->first + chunk];
+    const pel_body_batches *body = &batches->bodies[bundle->body];
     pel_batch_sweep *const *kernels = job->projector->is_plain ? pel_project_plain : pel_project_wide;
     for (int32_t i = 0; i < body->batch_count; i++) {
         const pel_batch *batch = &body->batches[i];
-        if (body->is_on[i])
+        if (batch->is_on)
             kernels[batch->kind](batch, batch->bundle_begin[bundle->number], batch->bundle_begin[bundle->number + 1],
                                  job->positions);
     }
@@ -157,48 +129,17 @@ static void sweep_bundle(void *context, int32_t chunk)
 void pel_project_sweep(const pel_projector *projector, pel_record *positions)
 {
     for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
-        sweep_job job = {projector, positions, projector->phase_begin[phase]};
-        pel_pool_run(projector->pool, projector->phase_begin[phase + 1] - job.first, sweep_bundle, &job);
-    }
-}
-
-static void press_bundle(void *context, int32_t chunk)
-{
-    const sweep_job *job = context;
-    const pel_bundle *bundle = &job->projector->bundles[job->first + chunk];
-    const pel_batch *batch = job->projector->bodies[bundle->body].pressure;
-    if (batch != NULL)
-        pel_project_wide[batch->kind](batch, batch->bundle_begin[bundle->number],
-                                      batch->bundle_begin[bundle->number + 1], job->positions);
-}
-
-void pel_projector_add_pressure(pel_projector *projector, const pel_record *positions, double time, pel_record *force)
-{
-    const pel_model *model = projector->model;
-    bool any = false;
-    for (int32_t b = 0; b < model->body_count; b++) {
-        const pel_body *body = &model->bodies[b];
-        pel_batch *batch = projector->bodies[b].pressure;
-        if (batch == NULL)
-            continue;
-        any = true;
-        bool by_volume = body->shell->pressure.kind != PEL_PRESSURE_GIVEN;
-        double volume = by_volume ? pel_body_volume(model, b, positions) : body->rest_volume;
-        batch->law.strength = (pel_real)(pel_pressure_difference(body->shell, time, volume, body->rest_volume) / 6);
-        batch->target = force;
-    }
-    for (int phase = 0; any && phase < PEL_PHASE_COUNT; phase++) {
-        /* the kernel reads positions only */
-        sweep_job job = {projector, (pel_record *)(uintptr_t)positions, projector->phase_begin[phase]};
-        pel_pool_run(projector->pool, projector->phase_begin[phase + 1] - job.first, press_bundle, &job);
+        const int32_t *begin = &projector->batches->phase_begin[phase];
+        sweep_job job = {projector, positions, begin[0]};
+        pel_pool_run(projector->pool, begin[1] - begin[0], sweep_bundle, &job);
     }
 }
 
 static void forget_multipliers(const pel_projector *projector)
 {
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        for (int32_t i = 0; i < projector->bodies[b].batch_count; i++) {
-            const pel_batch *batch = &projector->bodies[b].batches[i];
+        for (int32_t i = 0; i < projector->batches->bodies[b].batch_count; i++) {
+            const pel_batch *batch = &projector->batches->bodies[b].batches[i];
             size_t count = (size_t)batch->block_count * PEL_BLOCK * (size_t)batch->multiplier_count;
             if (batch->multipliers != NULL)
                 memset(batch->multipliers, 0, count * sizeof *batch->multipliers);
@@ -375,14 +316,14 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
     for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
         projector->is_held = is_held(projector->model, v);
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_begin(&projector->bodies[b], projector->model, b, &projector->solver, state, time);
+        pel_project_body_begin(projector->batches, b, &projector->solver, state, time);
 }
 
 static void set_time(pel_projector *projector, const pel_state *state, double tau)
 {
     projector->tau = tau;
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_set_time(&projector->bodies[b], state->factors[b], tau);
+        pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], tau);
 }
 
 static vertex_job make_job(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
@@ -480,8 +421,9 @@ pel_status pel_projector_record_reactions(pel_projector *projector, pel_error *e
     projector->is_fixed = pel_allocate(count, sizeof *projector->is_fixed);
     bool made = projector->reaction != NULL && projector->is_fixed != NULL;
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        for (int32_t i = 0; made && i < projector->bodies[b].batch_count; i++)
-            made = record_batch(projector, &projector->bodies[b].batches[i]) == PEL_OK;
+        for (int32_t i = 0; made && i < projector->batches->bodies[b].batch_count; i++)
+            made = !projector->batches->bodies[b].batches[i].is_projected ||
+                   record_batch(projector, &projector->batches->bodies[b].batches[i]) == PEL_OK;
     if (!made)
         return pel_fail_memory(error);
     pel_projector_hold(projector, NULL);
@@ -496,18 +438,16 @@ void pel_projector_hold(pel_projector *projector, const uint8_t *is_held)
     for (int32_t v = 0; v < model->vertex_count; v++)
         projector->is_fixed[v] = !(model->inverse_mass[v] > 0) || (is_held != NULL && is_held[v]);
     for (int32_t b = 0; b < model->body_count; b++)
-        pel_project_body_mark_fixed(&projector->bodies[b], projector->is_fixed);
+        pel_project_body_mark_fixed(&projector->batches->bodies[b], projector->is_fixed);
 }
 
-/* a body of which something touches goes on as if it had always moved so */
-static void restart_touching(const pel_projector *projector, pel_state *state, int32_t body)
+void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body)
 {
     const pel_real substep = (pel_real)projector->substep;
-    int32_t begin = projector->model->bodies[body].slice_begin * PEL_WIDTH;
     int32_t end = pel_body_place_end(projector->model, body);
-    if (memchr(state->contact + begin, 1, (size_t)(end - begin)) == NULL)
+    if (state->older_position == NULL)
         return;
-    for (int32_t v = begin; v < end; v++) {
+    for (int32_t v = projector->model->bodies[body].slice_begin * PEL_WIDTH; v < end; v++) {
         state->older_position[v] = state->position[v] - substep * state->velocity[v];
         state->older_velocity[v] = state->velocity[v];
     }
@@ -524,6 +464,9 @@ void pel_projector_accept(pel_projector *projector, pel_state *state)
     projector->older_position = position;
     projector->older_velocity = velocity;
     /* what touched anything has no smooth past, see forget_past */
-    for (int32_t b = 0; b < projector->model->body_count; b++)
-        restart_touching(projector, state, b);
+    for (int32_t b = 0; b < projector->model->body_count; b++) {
+        int32_t begin = projector->model->bodies[b].slice_begin * PEL_WIDTH;
+        if (memchr(state->contact + begin, 1, (size_t)(pel_body_place_end(projector->model, b) - begin)) != NULL)
+            pel_projector_restart(projector, state, b);
+    }
 }

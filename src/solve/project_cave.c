@@ -17,34 +17,6 @@
 
 #include <math.h>
 
-static pel_real *number_at(const pel_batch *batch, int32_t i, int j)
-{
-    size_t block = (size_t)i / PEL_BLOCK, lane = (size_t)i % PEL_BLOCK;
-    return &batch->numbers[(block * (size_t)batch->number_count + (size_t)j) * PEL_BLOCK + lane];
-}
-
-void pel_project_cave_measure(pel_project_body *own, const pel_shell *shell, int32_t first_place, int32_t place_count)
-{
-    own->first_place = first_place;
-    for (int32_t i = 0; i < place_count; i++)
-        own->areas[i] = 0;
-    for (int32_t t = 0; t < shell->triangle_count; t++)
-        for (int k = 0; k < 3; k++)
-            own->areas[shell->triangles[t].vertices[k] - first_place] += shell->triangles[t].rest.area;
-}
-
-void pel_project_cave_fill(const pel_project_body *own, const pel_shell *shell, const pel_batch *batch, int32_t i)
-{
-    const pel_shell_fibre *fibre = &shell->regions[batch->region].fibres[batch->sources[i]];
-    const pel_shell_triangle *triangle = &shell->triangles[fibre->triangle];
-    *number_at(batch, i, PEL_CAVE_WEIGHT) = (pel_real)fibre->weight;
-    for (int k = 0; k < 3; k++) {
-        *number_at(batch, i, PEL_CAVE_SHARE + k) =
-            (pel_real)(triangle->rest.area / own->areas[triangle->vertices[k] - own->first_place]);
-        *number_at(batch, i, PEL_CAVE_WAY + k) = 0;
-    }
-}
-
 /* strain of a fibre whose image has the squared length: of its length, or (stvk) Green's; the same for small ones */
 static double strain_of(pel_fibre_kind kind, double square)
 {
@@ -56,7 +28,7 @@ static void find_depths(const pel_batch *batch, const pel_anisotropy_def *def, i
                         const pel_shell_triangle *triangle, const pel_state *state, double dt, double depth[3])
 {
     double x[3][3], v[3][3], image[3], normal[3];
-    double c0 = (double)*number_at(batch, i, 0), c1 = (double)*number_at(batch, i, 1);
+    double c0 = (double)*pel_batch_number(batch, i, 0), c1 = (double)*pel_batch_number(batch, i, 1);
     pel_load_points(state->position, triangle->vertices, 3, x);
     pel_load_points(state->velocity, triangle->vertices, 3, v);
     for (int c = 0; c < 3; c++)
@@ -79,10 +51,10 @@ void pel_project_cave_begin(const pel_batch *batch, const pel_shell *shell, cons
     double projections = (double)solver->substeps * solver->substeps * solver->iterations;
     for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
         const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
-        double depth[3], weight = (double)*number_at(batch, i, PEL_CAVE_WEIGHT);
+        double depth[3], weight = (double)*pel_batch_number(batch, i, PEL_CAVE_WEIGHT);
         find_depths(batch, &region->def, i, triangle, state, solver->dt, depth);
         for (int k = 0; k < 3; k++)
-            *number_at(batch, i, PEL_CAVE_WAY + k) =
-                (pel_real)(weight / projections * (double)*number_at(batch, i, PEL_CAVE_SHARE + k) * depth[k]);
+            *pel_batch_number(batch, i, PEL_CAVE_WAY + k) =
+                (pel_real)(weight / projections * (double)*pel_batch_number(batch, i, PEL_CAVE_SHARE + k) * depth[k]);
     }
 }

@@ -40,7 +40,7 @@
 #include "measure/length.h"
 #include "measure/membrane.h"
 #include "measure/volume.h"
-#include "solve/project_batch.h"
+#include "solve/project.h"
 
 /* ---- access ---- */
 
@@ -158,7 +158,7 @@ PEL_INLINE void project_membrane(const pel_batch *batch, int32_t block, int32_t 
 {
     pel_lane numbers[PEL_LAW_NUMBERS];
     load_law(batch, numbers);
-    triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
+    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
     pel_lane3 stress[2];
     pel_lane energy = pel_membrane_stress(kind, numbers, &t.f, stress);
     pel_lane bottom = sum_of_squares(&t, stress[0], stress[1]);
@@ -245,9 +245,10 @@ PEL_INLINE void solve_quadratic(const pel_batch *batch, int32_t block, int32_t l
 PEL_INLINE void project_strain_green(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                      pel_lane3 *ways)
 {
-    triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
+    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
     pel_strain s = pel_green_strain(&t.f);
-    pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
+    pel_lane softness =
+        number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.inverse_square);
     pel_lane change[3];
     solve_quadratic(batch, block, lane, mobility_of(&t, &s), s.strain, softness, change);
     move_triangle(&t, pel_lane_splat(1), pel_lane3_combine(change[0], t.f.f1, change[2], t.f.f2),
@@ -259,10 +260,11 @@ PEL_INLINE void project_strain_aligned(const pel_batch *batch, int32_t block, in
                                        pel_lane3 *ways)
 {
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2);
-    triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
+    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
     pel_factor f = pel_factor_of(&t.f);
     pel_strain s = pel_factor_strain(&f);
-    pel_lane softness = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.inverse_square);
+    pel_lane softness =
+        number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.inverse_square);
     pel_lane inverse = one / pel_lane_max(f.a, pel_lane_splat((pel_real)0.5));
     pel_lane by_b = f.b * inverse, by_c = f.c * inverse, change[3];
     pel_symmetric3 g = {t.pp,
@@ -319,13 +321,14 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
 {
     pel_lane numbers[PEL_LAW_NUMBERS];
     load_law(batch, numbers);
-    triangle_lanes t = load_triangle(batch, block, lane, 4, positions);
+    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
     pel_strain s = pel_green_strain(&t.f);
     pel_response r;
     pel_respond(kind, numbers, &s, &r);
     const pel_symmetric3 *h = &r.positive;
     pel_symmetric3 g = mobility_of(&t, &s);
-    pel_lane k = number_of(batch, block, 4, 3, lane) * pel_lane_splat(batch->law.square_time), old[3];
+    pel_lane k = number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.square_time),
+             old[3];
     /* a crushed triangle counts as 1e15 times stiffer than its points are mobile, so that no product overflows */
     k = pel_lane_min(k, PEL_CONSTANT(1e15) / ((h->a11 + h->a22 + h->a33) * (g.a11 + g.a22 + g.a33)));
     for (int i = 0; i < 3; i++)
@@ -362,9 +365,9 @@ PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t
 {
     for (int a = 0; a < 4; a++)
         p[a] = load_particle(batch, block, a, lane, positions);
-    pel_lane k[4], number = number_of(batch, block, 4, 3, lane);
+    pel_lane k[4], number = number_of(batch, block, PEL_ISOMETRIC_NUMBERS, compliant ? 3 : 4, lane);
     for (int a = 1; a < 4; a++)
-        k[a] = number_of(batch, block, 4, a - 1, lane);
+        k[a] = number_of(batch, block, PEL_ISOMETRIC_NUMBERS, a - 1, lane);
     pel_isometric_weights(k);
     pel_lane3 u = pel_isometric_of(p, k);
     pel_lane m[4], mobility;
@@ -397,7 +400,7 @@ PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lan
                               pel_particle p[4], pel_lane3 *ways, bool compliant)
 {
     const pel_lane one = pel_lane_splat(1);
-    const int count = compliant ? 3 : 2;
+    const int count = PEL_ANGLE_NUMBERS;
     for (int k = 0; k < 4; k++)
         p[k] = load_particle(batch, block, k, lane, positions);
     pel_hinge_lanes h =
@@ -429,19 +432,21 @@ PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lan
 /* the image of a fibre is a distance between weighted points */
 typedef struct fibre_lanes {
     pel_particle point[3];
-    pel_lane c0, c1, number; /* number: the third of the constraint */
+    pel_lane c0, c1, number; /* number: softness, or weight of pbd */
     pel_fibre_image fibre;
     pel_lane mobility;
 } fibre_lanes;
 
-PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions)
+PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                                  bool compliant)
 {
+    const int count = compliant ? PEL_FIBRE_NUMBERS : PEL_FIBRE_WEIGHTED_NUMBERS;
     fibre_lanes f;
     for (int k = 0; k < 3; k++)
         f.point[k] = load_particle(batch, block, k, lane, positions);
-    f.c0 = number_of(batch, block, 3, 0, lane);
-    f.c1 = number_of(batch, block, 3, 1, lane);
-    f.number = number_of(batch, block, 3, 2, lane);
+    f.c0 = number_of(batch, block, count, 0, lane);
+    f.c1 = number_of(batch, block, count, 1, lane);
+    f.number = number_of(batch, block, count, compliant ? 2 : 3, lane);
     f.fibre = pel_fibre_image_of(pel_lane3_subtract(f.point[0].at, f.point[2].at),
                                  pel_lane3_subtract(f.point[1].at, f.point[2].at), f.c0, f.c1);
     pel_lane c2 = f.c0 + f.c1;
@@ -453,7 +458,7 @@ PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lan
                               pel_lane3 *ways, bool squared, bool compliant)
 {
     const pel_lane half = pel_lane_splat((pel_real)0.5);
-    fibre_lanes f = load_fibre(batch, block, lane, positions);
+    fibre_lanes f = load_fibre(batch, block, lane, positions, compliant);
     /* gradient c_k times the slope times the image */
     pel_fibre_response r = pel_law_fibre(f.fibre.square, pel_lane_splat(batch->law.rest_length), squared);
     pel_lane mobility = f.mobility;
@@ -488,34 +493,6 @@ PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane
         pel_lane way = number_of(batch, block, PEL_CAVE_NUMBERS, PEL_CAVE_WAY + k, lane);
         pel_lane_mask moves = pel_lane_above(p[k].fourth, pel_lane_splat(0));
         ways[k] = pel_lane3_scale(normal, pel_lane_where(moves, inverse * way));
-    }
-}
-
-/* ---- pressure ---- */
-
-/* a third of pressure times area along the normal on each corner (measure/volume.h) */
-static void add_pressure(const pel_batch *given, int32_t begin, int32_t end, pel_record *positions)
-{
-    pel_batch own = *given, *batch = &own;
-    own.arity = 3;
-    for (int32_t block = begin; block < end; block++) {
-        pel_record forces[PEL_BLOCK], sums[PEL_BLOCK];
-        for (int32_t lane = 0; lane < pel_lane_passes(PEL_BLOCK); lane++) {
-            pel_particle a = load_particle(batch, block, 0, lane, positions);
-            pel_particle b = load_particle(batch, block, 1, lane, positions);
-            pel_particle c = load_particle(batch, block, 2, lane, positions);
-            pel_lane3 normal = pel_area_vector(a.at, b.at, c.at);
-            pel_lane scale = pel_lane_splat(batch->law.strength) * number_of(batch, block, 1, 0, lane);
-            pel_lane3_store(forces + lane, pel_lane3_scale(normal, scale));
-        }
-        for (int k = 0; k < 3; k++) {
-            /* all are read before any is written, as lanes may repeat */
-            const int32_t *steps = steps_of(batch, block, k);
-            for (int32_t lane = 0; lane < PEL_BLOCK; lane++)
-                sums[lane] = pel_record_get(batch->target, steps[lane]) + forces[lane];
-            for (int32_t lane = 0; lane < PEL_BLOCK; lane++)
-                pel_record_set(batch->target, steps[lane], sums[lane]);
-        }
     }
 }
 
@@ -648,7 +625,7 @@ PEL_PROJECT_SWEEP(sweep_cave, 3, project_cave(batch, block, lane, positions, way
         [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge, [PEL_CONSTRAINT_FIBRE] = sweep_fibre,                     \
         [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square, [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,       \
         [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave,         \
-        [PEL_CONSTRAINT_LIMIT] = sweep_limit, [PEL_CONSTRAINT_PRESSURE] = add_pressure,                                \
+        [PEL_CONSTRAINT_LIMIT] = sweep_limit,                                                                          \
     }
 
 #endif

@@ -289,7 +289,7 @@ static void add_membrane(const pel_model *model, const pel_shell *shell, const p
 /* ---- bending and fibres ---- */
 
 static double hinge_mobility(const pel_model *model, const pel_shell *shell, const pel_shell_hinge *hinge,
-                             const pel_record *positions)
+                             const pel_bending_isometric *isometric, const pel_record *positions)
 {
     double x[4][3], gradient[4][3] = {{0}}, sum = 0;
     if (shell->bending == PEL_BENDING_HINGE) {
@@ -297,7 +297,7 @@ static double hinge_mobility(const pel_model *model, const pel_shell *shell, con
         pel_dihedral_angle((const double(*)[3])x, gradient);
     }
     for (int k = 0; k < 4; k++) {
-        double weight = hinge->isometric.weight[k];
+        double weight = isometric->weight[k];
         double square = shell->bending == PEL_BENDING_HINGE ? pel_vec3_squared_length(gradient[k]) : weight * weight;
         sum += (double)model->inverse_mass[hinge->vertices[k]] * square;
     }
@@ -311,11 +311,13 @@ static void add_bending(const pel_model *model, const pel_shell *shell, const pe
     bool is_angle = shell->bending == PEL_BENDING_HINGE;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge *hinge = &shell->hinges[i];
-        double factor = is_angle ? hinge->hinge.factor : hinge->isometric.factor;
+        const pel_bending_isometric isometric = pel_shell_isometric(model->rest, hinge);
+        double factor = is_angle ? pel_shell_angle(model->rest, hinge).factor : isometric.factor;
         /* the factor of the isometric stencil is 3 over the area */
         double stiffness = hinge->stiffness * (is_angle ? factor : factor / 3);
-        double energy = factor > 0 ? hinge->stiffness / hinge->isometric.factor : 0;
-        add_element(scratch, hinge->vertices, 4, energy, stiffness * hinge_mobility(model, shell, hinge, positions));
+        double energy = factor > 0 ? hinge->stiffness / isometric.factor : 0;
+        add_element(scratch, hinge->vertices, 4, energy,
+                    stiffness * hinge_mobility(model, shell, hinge, &isometric, positions));
     }
 }
 

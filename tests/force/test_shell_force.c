@@ -24,22 +24,30 @@
 typedef struct forces {
     pel_model *model;
     pel_state *state;
+    pel_batches *batches;
     pel_shell_forces *shells;
     pel_record *force;
 } forces;
 
-static forces make_forces(const pel_body_def *body)
+static forces make_forces_of(const pel_body_def *body, pel_method method)
 {
     forces made = {.model = make_model(body)};
     made.state = make_state(made.model);
     made.force = make_records(made.model);
-    assert_int_equal(pel_shell_forces_create(made.model, &made.shells, NULL), PEL_OK);
+    assert_int_equal(pel_batches_create(made.model, method, &made.batches, NULL), PEL_OK);
+    assert_int_equal(pel_shell_forces_create(made.batches, &made.shells, NULL), PEL_OK);
     return made;
+}
+
+static forces make_forces(const pel_body_def *body)
+{
+    return make_forces_of(body, PEL_METHOD_EXPLICIT);
 }
 
 static void free_forces(forces *made)
 {
     pel_shell_forces_destroy(made->shells);
+    pel_batches_destroy(made->batches);
     free(made->force);
     pel_state_destroy(made->state);
     pel_model_destroy(made->model);
@@ -394,6 +402,49 @@ static void test_threads(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* the layouts of all methods give the same forces and energies */
+static void test_methods(void **unused)
+{
+    (void)unused;
+    static const pel_method methods[4] = {PEL_METHOD_EXPLICIT, PEL_METHOD_PBD, PEL_METHOD_PBD_DISTANCE,
+                                          PEL_METHOD_XPBD};
+    static const pel_bending_model models[] = {PEL_BENDING_HINGE, PEL_BENDING_ISOMETRIC, PEL_BENDING_ISOMETRIC_REST};
+    pel_mesh *mesh = make_sphere(6);
+    for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++)
+        for (int bending = 0; bending < 3; bending++) {
+            pel_body_def body = full_body(mesh);
+            body.shell.membrane.kind = (pel_membrane_kind)kind;
+            body.shell.bending.model = models[bending];
+            body.shell.bending.stiffness.value = 5;
+            body.shell.pressure.form = bending == 0 ? PEL_PRESSURE_CONSISTENT : PEL_PRESSURE_VERTEX_NORMAL;
+            pel_record *first = NULL;
+            pel_shell_energy first_energy = {0};
+            for (int m = 0; m < 4; m++) {
+                random_state random = {13};
+                forces on = make_forces_of(&body, methods[m]);
+                shake(on.model, on.state->position, 0.02, &random);
+                pel_shell_energy energy = evaluate(&on, 0, PEL_SHELL_ALL);
+                if (m == 0) {
+                    first = make_records(on.model);
+                    memcpy(first, on.force, (size_t)on.model->vertex_count * sizeof *first);
+                    first_energy = energy;
+                }
+                double scale = largest_force(&on);
+                for (int32_t v = 0; v < on.model->vertex_count; v++)
+                    for (int c = 0; c < 3; c++)
+                        assert_near((double)on.force[v][c] / scale, (double)first[v][c] / scale,
+                                    10 * BALANCE_TOLERANCE);
+                assert_near(energy.membrane / first_energy.membrane, 1, ENERGY_TOLERANCE);
+                assert_near(energy.bending / first_energy.bending, 1, ENERGY_TOLERANCE);
+                assert_near(energy.fibres / first_energy.fibres, 1, ENERGY_TOLERANCE);
+                assert_near(energy.pressure, first_energy.pressure, ENERGY_TOLERANCE * fabs(energy.pressure));
+                free_forces(&on);
+            }
+            free(first);
+        }
+    pel_mesh_destroy(mesh);
+}
+
 /* parts add up, and nothing acts at rest */
 static void test_parts(void **unused)
 {
@@ -432,6 +483,7 @@ static void check_force_at(const pel_body_def *body, double flatness, random_sta
     for (int32_t v = 0; v < on.model->vertex_count; v++)
         on.state->position[v][2] *= (pel_real)flatness;
     pel_shell_forces_follow(on.shells, on.state->position);
+    assert_int_equal(pel_shell_forces_list(on.shells, 0, NULL), PEL_OK);
     evaluate(&on, 0, PEL_SHELL_ELASTIC);
     double force[3], scale = largest_force(&on);
     for (int32_t v = 0; v < on.model->vertex_count; v++) {
@@ -467,10 +519,18 @@ static void test_force_at(void **unused)
 
 static pel_status create_forces(const void *model, pel_error *error)
 {
-    pel_shell_forces *shells;
-    pel_status status = pel_shell_forces_create(model, &shells, error);
-    assert_true((shells == NULL) == (status != PEL_OK));
+    pel_batches *batches;
+    pel_shell_forces *shells = NULL;
+    pel_status status = pel_batches_create(model, PEL_METHOD_EXPLICIT, &batches, error);
+    assert_true((batches == NULL) == (status != PEL_OK));
+    if (status == PEL_OK) {
+        status = pel_shell_forces_create(batches, &shells, error);
+        assert_true((shells == NULL) == (status != PEL_OK));
+    }
+    if (status == PEL_OK)
+        status = pel_shell_forces_list(shells, 0, error);
     pel_shell_forces_destroy(shells);
+    pel_batches_destroy(batches);
     return status;
 }
 
@@ -485,18 +545,23 @@ static void test_creation(void **unused)
     pel_model_destroy(model);
     /* bending that no one gave a stiffness */
     pel_error error;
+    pel_batches *batches;
     pel_shell_forces *shells;
     body.shell.membrane.on = false;
     model = make_model(&body);
-    assert_int_equal(pel_shell_forces_create(model, &shells, &error), PEL_BAD_ARGUMENT);
+    assert_int_equal(pel_batches_create(model, PEL_METHOD_PBD, &batches, NULL), PEL_OK);
+    assert_int_equal(pel_shell_forces_create(batches, &shells, &error), PEL_BAD_ARGUMENT);
     assert_string_equal(error.what, "bending has no stiffness");
+    pel_batches_destroy(batches);
     pel_model_destroy(model);
     pel_body_def plain = pel_body_def_default();
     plain.name = "ball";
     plain.mesh = mesh;
     model = make_model(&plain);
-    assert_int_equal(pel_shell_forces_create(model, &shells, &error), PEL_OK);
+    assert_int_equal(pel_batches_create(model, PEL_METHOD_EXPLICIT, &batches, NULL), PEL_OK);
+    assert_int_equal(pel_shell_forces_create(batches, &shells, &error), PEL_OK);
     assert_null(shells);
+    pel_batches_destroy(batches);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
 }
@@ -513,6 +578,7 @@ int main(void)
         cmocka_unit_test(test_pressure_forms),
         cmocka_unit_test(test_vertex_energies),
         cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_methods),
         cmocka_unit_test(test_parts),
         cmocka_unit_test(test_force_at),
         cmocka_unit_test(test_creation),

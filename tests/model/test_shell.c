@@ -88,10 +88,12 @@ static void check_hinges(const pel_mesh *mesh, bool convex)
         pel_vec3_triangle_normal(x[0], x[1], x[2], normal);
         pel_vec3_triangle_normal(mesh->positions[left[0]], mesh->positions[left[1]], mesh->positions[left[2]], edge);
         assert_true(pel_vec3_dot(normal, edge) > 0);
-        assert_true(hinge->hinge.rest_angle == pel_dihedral_angle((const double(*)[3])x, NULL));
-        assert_true(!convex || hinge->hinge.rest_angle > 0);
+        assert_true(hinge->rest_angle == pel_dihedral_angle((const double(*)[3])x, NULL));
+        assert_true(!convex || hinge->rest_angle > 0);
         assert_near(hinge->stiffness, 1e5 * 1e-6 / (12 * 0.91), 1e-15);
-        assert_true(hinge->isometric.factor > 0 && hinge->hinge.factor > 0);
+        assert_true(pel_shell_isometric(model->rest, hinge).factor > 0);
+        assert_true(pel_shell_angle(model->rest, hinge).factor > 0);
+        assert_true(pel_shell_angle(model->rest, hinge).rest_angle == hinge->rest_angle);
     }
     pel_topology_destroy(topology);
     pel_model_destroy(model);
@@ -199,8 +201,7 @@ static void test_regions(void **unused)
         mesh_corners(model, shell->hinges[i].vertices, 4, x);
         for (int k = 0; k < 2; k++)
             w += 0.5 * weights[model->mesh_vertex[shell->hinges[i].vertices[k]]];
-        assert_near(shell->hinges[i].hinge.rest_angle, (1 - 2 * w) * pel_dihedral_angle((const double(*)[3])x, NULL),
-                    1e-14);
+        assert_near(shell->hinges[i].rest_angle, (1 - 2 * w) * pel_dihedral_angle((const double(*)[3])x, NULL), 1e-14);
     }
     pel_model_destroy(model);
     free(weights);

@@ -20,7 +20,8 @@ static const char text[] =
     "solver: { method: quasi-static, dt: 0.01 }\n"
     "duration: 1\n"
     "output: { precision: double, fields: [displacement, velocity, force, energy, spring_energy, volumetric_energy,\n"
-    "    membrane_energy, bending_energy, fibre_energy, pressure, contact, area, normal, mean_curvature,\n"
+    "    membrane_energy, bending_energy, fibre_energy, pressure, contact, contact_force, area, normal, "
+    "mean_curvature,\n"
     "    gaussian_curvature, stress] }\n";
 
 static pel_scene *load_text(const char *scene_text)

@@ -567,7 +567,7 @@ static void test_bad_input(void **unused)
     scene.tool_mesh = make_sphere(3);
     scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
     scene_move(&scene, 0, 0.5, 0, 0.5, 0, 1);
-    assert_refused(&scene, "tool starts inside a body");
+    assert_refused(&scene, "starts inside body 'first'");
     pel_transform transform = pel_transform_default();
     transform.scale[0] = transform.scale[1] = transform.scale[2] = 0.3;
     assert_int_equal(pel_mesh_transform(scene.tool_mesh, &transform, NULL), PEL_OK);

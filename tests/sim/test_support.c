@@ -221,6 +221,53 @@ static void test_resumes(void **unused)
     end(&s, sim);
 }
 
+/* a support of a strip that is fine everywhere, or where it is stretched, holds what lies between its vertices; it
+   pulls with the closed form, and a run that resumes has the same bits */
+static void test_refined(void **unused)
+{
+    (void)unused;
+    const double stretch = 0.02, lambda = 1.05;
+    double expected = young * thickness * width * lambda * 0.5 * (lambda * lambda - 1);
+    for (int c = 0; c < CASE_COUNT; c++)
+        for (int everywhere = 0; everywhere < 2; everywhere++) {
+            strip s;
+            if (cases[c].method == PEL_METHOD_PBD)
+                continue;
+            begin(&s, cases[c].method, cases[c].method == PEL_METHOD_EXPLICIT ? 2e-4 : cases[c].dt);
+            s.def.solver.drag = cases[c].drag;
+            s.def.solver.iterations = cases[c].iterations;
+            s.body.refine.levels = everywhere ? 1 : 2;
+            s.body.refine.everywhere = everywhere;
+            s.body.refine.above = everywhere ? 0 : 0.02;
+            s.body.refine.interval = 5;
+            s.body.refine.rings = 2;
+            pull(&s, true, stretch);
+            pel_sim *sim = create(&s, 0);
+            run_steps(sim, cases[c].steps / 2);
+            sim = resume_sim(sim, &s.def);
+            run_steps(sim, cases[c].steps / 2);
+            pel_tool_reading tool;
+            pel_support_reading reading;
+            pel_sim_get_tool(sim, 0, &tool);
+            pel_sim_get_support(sim, 0, &reading);
+            /* three vertices, and those between them; where the boundary is cut anew its corners are rounder */
+            assert_true(pel_sim_vertex_count(sim, 0) > s.mesh->vertex_count);
+            assert_int_equal(tool.held_count, everywhere ? 5 : 9);
+            assert_near(tool.force[0], -expected, 2e-2 * expected);
+            assert_near(reading.force[0], 0, 1e-2 * expected);
+            int32_t count = pel_sim_vertex_count(sim, 0), on_path = 0;
+            double *x = malloc(3 * (size_t)count * sizeof *x), *rest = malloc(3 * (size_t)count * sizeof *rest);
+            pel_sim_get_positions(sim, 0, x);
+            pel_sim_get_rest_positions(sim, 0, rest);
+            for (size_t v = 0; v < 3 * (size_t)count; v += 3)
+                on_path += fabs(x[v] - rest[v] - stretch) < 1e-6 && fabs(x[v + 1] - rest[v + 1]) < 1e-6;
+            assert_int_equal(on_path, tool.held_count);
+            free(x);
+            free(rest);
+            end(&s, sim);
+        }
+}
+
 static void expect_refused(strip *s, const char *words)
 {
     pel_sim *sim;
@@ -257,8 +304,8 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_weight),  cmocka_unit_test(test_pull),     cmocka_unit_test(test_path),
-        cmocka_unit_test(test_resumes), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_weight),  cmocka_unit_test(test_pull),    cmocka_unit_test(test_path),
+        cmocka_unit_test(test_resumes), cmocka_unit_test(test_refined), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,23 +57,23 @@ static void check_groups(const pel_batch *batch, int32_t begin, int32_t end)
 /* every constraint stands in one used lane, lanes of a group of blocks share no vertex, bundles of a phase neither */
 static void check_layout(const pel_projector *projector, int32_t expected[3])
 {
-    const pel_project_body *body = &projector->bodies[0];
+    const pel_body_batches *body = &projector->batches->bodies[0];
     int32_t *owner = calloc((size_t)projector->model->vertex_count, sizeof *owner);
     for (int32_t i = 0; i < body->batch_count; i++) {
         const pel_batch *batch = &body->batches[i];
         int32_t count = 0;
         for (int32_t block = 0; block < batch->block_count; block++)
             count += batch->lane_counts[block];
-        for (int32_t n = 0; n < 2 * body->piece_count; n++)
+        for (int32_t n = 0; n < 2 * body->pieces.piece_count; n++)
             check_groups(batch, batch->bundle_begin[n], batch->bundle_begin[n + 1]);
         assert_int_equal(count, expected[batch->arity - 2]);
     }
     for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
         memset(owner, 0, (size_t)projector->model->vertex_count * sizeof *owner);
-        for (int32_t n = projector->phase_begin[phase]; n < projector->phase_begin[phase + 1]; n++)
+        for (int32_t n = projector->batches->phase_begin[phase]; n < projector->batches->phase_begin[phase + 1]; n++)
             for (int32_t i = 0; i < body->batch_count; i++) {
                 const pel_batch *batch = &body->batches[i];
-                int32_t number = projector->bundles[n].number, width = batch->arity * PEL_BLOCK;
+                int32_t number = projector->batches->bundles[n].number, width = batch->arity * PEL_BLOCK;
                 for (int32_t at = batch->bundle_begin[number] * width; at < batch->bundle_begin[number + 1] * width;
                      at++) {
                     int32_t v = batch->steps[at] / PEL_STEP;
@@ -94,12 +94,15 @@ static void test_layout(void **unused)
         def.spring_stiffness.value = 1;
         pel_model *model = make_model(&def);
         const pel_solver_def solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .iterations = 1, .substeps = 1};
+        pel_batches *batches;
         pel_projector *projector;
-        assert_int_equal(pel_projector_create(model, &solver, &projector, NULL), PEL_OK);
+        assert_int_equal(pel_batches_create(model, solver.method, &batches, NULL), PEL_OK);
+        assert_int_equal(pel_projector_create(batches, &solver, &projector, NULL), PEL_OK);
         int32_t edges = mesh->triangle_count * 3 / 2, expected[3] = {edges, mesh->triangle_count, edges};
         check_layout(projector, expected);
-        assert_true(frequency < 32 || projector->bodies[0].piece_count > 2);
+        assert_true(frequency < 32 || projector->batches->bodies[0].pieces.piece_count > 2);
         pel_projector_destroy(projector);
+        pel_batches_destroy(batches);
         pel_model_destroy(model);
         pel_mesh_destroy(mesh);
     }
@@ -124,11 +127,14 @@ static void test_fan_of_many_triangles(void **unused)
     pel_body_def def = stiff_body(mesh);
     pel_model *model = make_model(&def);
     const pel_solver_def solver = {.method = PEL_METHOD_PBD, .dt = 0.01, .iterations = 1, .substeps = 1};
+    pel_batches *batches;
     pel_projector *projector;
-    assert_int_equal(pel_projector_create(model, &solver, &projector, NULL), PEL_OK);
+    assert_int_equal(pel_batches_create(model, solver.method, &batches, NULL), PEL_OK);
+    assert_int_equal(pel_projector_create(batches, &solver, &projector, NULL), PEL_OK);
     int32_t expected[3] = {2 * SPOKES, SPOKES, SPOKES};
     check_layout(projector, expected);
     pel_projector_destroy(projector);
+    pel_batches_destroy(batches);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
 }
@@ -175,16 +181,18 @@ static void test_wide_is_plain(void **unused)
                 const pel_solver_def solver = {.method = methods[m], .dt = 0.01, .iterations = 2, .substeps = 1};
                 pel_record *results[3];
                 for (int run = 0; run < 3; run++) {
+                    pel_batches *batches;
                     pel_projector *projector;
                     pel_state *state;
-                    assert_int_equal(pel_projector_create(model, &solver, &projector, NULL), PEL_OK);
+                    assert_int_equal(pel_batches_create(model, solver.method, &batches, NULL), PEL_OK);
+                    assert_int_equal(pel_projector_create(batches, &solver, &projector, NULL), PEL_OK);
                     assert_int_equal(pel_state_create(model, true, &state, NULL), PEL_OK);
                     state->bending[0].weight = 0.4;
                     projector->is_plain = run == 0;
                     projector->pool = run == 2 ? pool : NULL;
                     disturb(model, state, 0.01);
                     pel_projector_begin(projector, state, 0);
-                    pel_project_body_set_time(&projector->bodies[0], state->factors[0], projector->substep);
+                    pel_project_body_set_time(&projector->batches->bodies[0], state->factors[0], projector->substep);
                     for (int i = 0; i < 3; i++)
                         pel_project_sweep(projector, state->position_next);
                     size_t size = (size_t)model->vertex_count * sizeof(pel_record);
@@ -194,6 +202,7 @@ static void test_wide_is_plain(void **unused)
                         assert_memory_equal(results[0], results[run], size);
                     pel_state_destroy(state);
                     pel_projector_destroy(projector);
+                    pel_batches_destroy(batches);
                 }
                 for (int run = 0; run < 3; run++)
                     free(results[run]);

@@ -9,7 +9,7 @@
 #include "math/vec3.h"
 #include "pellicle/bending.h"
 #include "pellicle/element.h"
-#include "solve/project_batch.h"
+#include "solve/project.h"
 
 enum { POINTS = 4 * PEL_BLOCK, ROUNDS = 200 };
 
@@ -168,7 +168,7 @@ static void test_energy_constraints(void **unused)
         for (int n = 0; n < ROUNDS; n++) {
             static sample s;
             pel_rest_triangle rest[PEL_BLOCK];
-            make_batch(&s, (pel_constraint)(PEL_CONSTRAINT_MEMBRANE + kind), 3, 3, 3);
+            make_batch(&s, (pel_constraint)(PEL_CONSTRAINT_MEMBRANE + kind), 3, PEL_TRIANGLE_NUMBERS, 3);
             random_points(&random, &s, 0.2, n % 2 == 1);
             set_law(&s.batch, (pel_membrane_kind)kind);
             set_rest_triangles(&s, rest);
@@ -194,7 +194,7 @@ static void test_energy_falls_to_a_quarter(void **unused)
     for (int n = 0; n < ROUNDS; n++) {
         static sample s;
         pel_rest_triangle rest[PEL_BLOCK];
-        make_batch(&s, PEL_CONSTRAINT_MEMBRANE, 3, 3, 3);
+        make_batch(&s, PEL_CONSTRAINT_MEMBRANE, 3, PEL_TRIANGLE_NUMBERS, 3);
         random_points(&random, &s, 0.005, false);
         set_law(&s.batch, PEL_MEMBRANE_STVK);
         set_rest_triangles(&s, rest);
@@ -276,7 +276,8 @@ static void test_bending(void **unused)
         for (int form = 0; form < 3; form++) {
             static sample s;
             bool hinge = form == 2;
-            make_batch(&s, hinge ? PEL_CONSTRAINT_ANGLE : PEL_CONSTRAINT_ISOMETRIC, 4, hinge ? 2 : 4, 3);
+            make_batch(&s, hinge ? PEL_CONSTRAINT_ANGLE : PEL_CONSTRAINT_ISOMETRIC, 4,
+                       hinge ? PEL_ANGLE_NUMBERS : PEL_ISOMETRIC_NUMBERS, 3);
             random_points(&random, &s, 0.3, n % 2 == 1);
             s.batch.law.weight = (pel_real)0.4;
             pel_bending_isometric stencils[PEL_BLOCK];
@@ -286,7 +287,7 @@ static void test_bending(void **unused)
                 assert_true(pel_hinge_setup((const double(*)[3])s.rest[lane], &hinges[lane]));
                 for (int j = 0; j < 3; j++)
                     s.numbers[j * PEL_BLOCK + lane] = (pel_real)stencils[lane].weight[j + 1];
-                s.numbers[3 * PEL_BLOCK + lane] =
+                s.numbers[4 * PEL_BLOCK + lane] =
                     (pel_real)(form == 1 ? 2 * stencils[lane].rest_energy / stencils[lane].factor : 0);
                 if (hinge) {
                     s.numbers[lane] = (pel_real)cos(hinges[lane].rest_angle);
@@ -322,7 +323,8 @@ static void test_fibres(void **unused)
         for (int squared = 0; squared < 2; squared++) {
             static sample s;
             pel_rest_triangle rest[PEL_BLOCK];
-            make_batch(&s, squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE, 3, 3, 1);
+            make_batch(&s, squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE, 3, PEL_FIBRE_WEIGHTED_NUMBERS,
+                       1);
             random_points(&random, &s, 0.2, n % 2 == 1);
             double length = squared ? 1 : 0.8, direction[PEL_BLOCK][2];
             s.batch.law.rest_length = (pel_real)length;
@@ -334,7 +336,7 @@ static void test_fibres(void **unused)
                 const double *i = rest[lane].inverse;
                 s.numbers[lane] = (pel_real)(i[0] * direction[lane][0] + i[1] * direction[lane][1]);
                 s.numbers[PEL_BLOCK + lane] = (pel_real)(i[2] * direction[lane][1]);
-                s.numbers[2 * PEL_BLOCK + lane] = (pel_real)0.7;
+                s.numbers[3 * PEL_BLOCK + lane] = (pel_real)0.7;
             }
             project(&s);
             for (int lane = 0; lane < PEL_BLOCK; lane++) {
@@ -446,18 +448,22 @@ static void test_collapsed(void **unused)
             bool angle = kind == PEL_CONSTRAINT_ANGLE || kind == PEL_CONSTRAINT_ANGLE_COMPLIANT;
             bool strain = kind >= PEL_CONSTRAINT_STRAIN && kind < PEL_CONSTRAINT_ISOMETRIC;
             bool fibre = kind >= PEL_CONSTRAINT_FIBRE;
-            int count = edge    ? 1 + (kind == PEL_CONSTRAINT_SPRING)
-                        : angle ? 2 + (kind == PEL_CONSTRAINT_ANGLE_COMPLIANT)
-                                : (fibre             ? kind == PEL_CONSTRAINT_CAVE ? PEL_CAVE_NUMBERS : 3
-                                   : hinge || strain ? 4
-                                                     : 3);
+            int count = PEL_TRIANGLE_NUMBERS; /* or as many as of a fibre of pbd */
+            if (edge)
+                count = 1 + (kind == PEL_CONSTRAINT_SPRING);
+            else if (hinge)
+                count = angle ? PEL_ANGLE_NUMBERS : PEL_ISOMETRIC_NUMBERS;
+            else if (kind == PEL_CONSTRAINT_CAVE)
+                count = PEL_CAVE_NUMBERS;
+            else if (kind == PEL_CONSTRAINT_LIMIT || kind >= PEL_CONSTRAINT_FIBRE_COMPLIANT)
+                count = 3;
             make_batch(&s, (pel_constraint)kind, edge ? 2 : hinge ? 4 : 3, count, 3);
             random_points(&random, &s, 0, false);
             int material = strain ? kind - PEL_CONSTRAINT_STRAIN : kind - PEL_CONSTRAINT_MEMBRANE;
             if (!edge && !hinge && !fibre)
                 set_law(&s.batch, (pel_membrane_kind)material);
             s.batch.law.weight = s.batch.law.square_time = s.batch.law.inverse_square = 1;
-            s.batch.law.strength = s.batch.law.rest_length = (pel_real)0.1;
+            s.batch.law.rest_length = (pel_real)0.1;
             for (int i = 0; i < PEL_CAVE_NUMBERS * PEL_BLOCK; i++)
                 s.numbers[i] = (pel_real)(i < PEL_BLOCK || i >= 2 * PEL_BLOCK ? 1 : -0.3);
             for (int i = 0; i < POINTS; i++) {

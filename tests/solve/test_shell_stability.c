@@ -8,14 +8,17 @@
 static pel_stability stability_of(const pel_model *model)
 {
     pel_state *state = make_state(model);
+    pel_batches *batches;
     pel_shell_forces *forces;
+    assert_int_equal(pel_batches_create(model, PEL_METHOD_EXPLICIT, &batches, NULL), PEL_OK);
     pel_stability stability;
-    assert_int_equal(pel_shell_forces_create(model, &forces, NULL), PEL_OK);
+    assert_int_equal(pel_shell_forces_create(batches, &forces, NULL), PEL_OK);
     pel_stability_bound(model, &stability);
     pel_shell_stability_bound(forces, &stability);
     assert_true(stability.stiffness == stability.stiffness_bound);
     assert_int_equal(pel_shell_stability_refine(model, state, forces, NULL, &stability, NULL), PEL_OK);
     pel_shell_forces_destroy(forces);
+    pel_batches_destroy(batches);
     pel_state_destroy(state);
     return stability;
 }

@@ -1,22 +1,20 @@
-/* The layout of constraints: bundles by the pieces that their vertices lie in, colours within a bundle, blocks within a
-   colour. Everything follows from the lists alone, so that it is the same on every machine.
+/* Colours are given greedily, the lowest one that none of an element's vertices has yet, with a mask of 64 bits at each
+   vertex; what finds none takes part in another round of 64. Elements are taken by their first vertex in the model's
+   order, which goes over the surface in rings: sorted so, those of one colour lie near each other. */
+#include "batch/layout.h"
 
-   Colours are given greedily, the lowest one that none of a constraint's vertices has yet, with a mask of 64 bits at
-   each vertex; what finds none takes part in another round of 64. Constraints are taken by their first vertex in the
-   model's order, which goes over the surface in rings: sorted so, those of one colour lie near each other. */
 #include "base/memory.h"
 #include "base/status.h"
-#include "solve/project.h"
 
 #include <string.h>
 
 enum { COLORS = 64 };
 
-pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model *model, int32_t count_limit,
-                                    int32_t bundle_count, pel_error *error)
+pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_pieces *pieces, int32_t count_limit,
+                                    pel_error *error)
 {
     *scratch = (pel_build_scratch){.count_limit = count_limit};
-    size_t count = (size_t)count_limit, places = (size_t)model->vertex_count;
+    size_t count = (size_t)count_limit, places = (size_t)pieces->place_count;
     scratch->vertices = pel_allocate(4 * count, sizeof *scratch->vertices);
     scratch->origins = pel_allocate(count, sizeof *scratch->origins);
     scratch->order = pel_allocate(count, sizeof *scratch->order);
@@ -24,7 +22,7 @@ pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_model 
     scratch->color = pel_allocate(count, sizeof *scratch->color);
     scratch->counts = pel_allocate((places > count ? places : count) + COLORS + 2, sizeof *scratch->counts);
     scratch->masks = pel_allocate(places, sizeof *scratch->masks);
-    scratch->bundles = pel_allocate((size_t)bundle_count + 1, sizeof *scratch->bundles);
+    scratch->bundles = pel_allocate((size_t)pel_bundle_count(pieces) + 1, sizeof *scratch->bundles);
     if (scratch->bundles != NULL && scratch->vertices != NULL && scratch->origins != NULL && scratch->order != NULL &&
         scratch->sorted != NULL && scratch->color != NULL && scratch->counts != NULL && scratch->masks != NULL)
         return PEL_OK;
@@ -52,8 +50,8 @@ static void sum_counts(int32_t *begin, int32_t key_count)
 typedef struct build {
     const int32_t *vertices;
     int arity;
-    int32_t count, first_place, place_count, bundle_count;
-    const pel_project_body *body;
+    int32_t count, bundle_count;
+    const pel_pieces *pieces;
     pel_build_scratch *scratch;
 } build;
 
@@ -63,15 +61,15 @@ static int32_t lowest_place(const build *job, int32_t c)
     int32_t least = v[0];
     for (int k = 1; k < job->arity; k++)
         least = v[k] < least ? v[k] : least;
-    return least - job->first_place;
+    return least - job->pieces->first_place;
 }
 
 static int32_t bundle_of(const build *job, int32_t c)
 {
-    const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity, pieces = job->body->piece_count;
-    int32_t low = job->body->piece_of_place[v[0] - job->first_place], high = low;
+    const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity, pieces = job->pieces->piece_count;
+    int32_t low = job->pieces->piece_of_place[v[0] - job->pieces->first_place], high = low;
     for (int k = 1; k < job->arity; k++) {
-        int32_t piece = job->body->piece_of_place[v[k] - job->first_place];
+        int32_t piece = job->pieces->piece_of_place[v[k] - job->pieces->first_place];
         low = piece < low ? piece : low;
         high = piece > high ? piece : high;
     }
@@ -79,13 +77,13 @@ static int32_t bundle_of(const build *job, int32_t c)
 }
 
 /* counting sort by place into order, then by bundle into sorted; begin (bundle_count + 1) */
-static void sort_constraints(const build *job, int32_t *begin)
+static void sort_elements(const build *job, int32_t *begin)
 {
     pel_build_scratch *s = job->scratch;
-    memset(s->counts, 0, ((size_t)job->place_count + 1) * sizeof *s->counts);
+    memset(s->counts, 0, ((size_t)job->pieces->place_count + 1) * sizeof *s->counts);
     for (int32_t c = 0; c < job->count; c++)
         s->counts[lowest_place(job, c) + 1]++;
-    sum_counts(s->counts, job->place_count);
+    sum_counts(s->counts, job->pieces->place_count);
     for (int32_t c = 0; c < job->count; c++)
         s->order[s->counts[lowest_place(job, c)]++] = c;
     memset(s->counts, 0, ((size_t)job->bundle_count + 1) * sizeof *s->counts);
@@ -97,11 +95,11 @@ static void sort_constraints(const build *job, int32_t *begin)
         s->sorted[s->counts[bundle_of(job, s->order[i])]++] = s->order[i];
 }
 
-/* gives the constraints sorted[from .. to - 1] colours; returns their number */
+/* gives the elements sorted[from .. to - 1] colours; returns their number */
 static int32_t color_bundle(const build *job, int32_t from, int32_t to)
 {
     pel_build_scratch *s = job->scratch;
-    int32_t left = to - from, color_count = 0;
+    int32_t left = to - from, color_count = 0, first = job->pieces->first_place;
     for (int32_t i = from; i < to; i++)
         s->color[s->sorted[i]] = -1;
     for (int32_t round = 0; left > 0; round += COLORS) {
@@ -110,19 +108,19 @@ static int32_t color_bundle(const build *job, int32_t from, int32_t to)
             const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity;
             uint64_t taken = 0;
             for (int k = 0; k < job->arity; k++)
-                taken |= s->masks[v[k]];
+                taken |= s->masks[v[k] - first];
             if (s->color[c] >= 0 || taken == UINT64_MAX)
                 continue;
             int32_t color = __builtin_ctzll(~taken);
             for (int k = 0; k < job->arity; k++)
-                s->masks[v[k]] |= (uint64_t)1 << color;
+                s->masks[v[k] - first] |= (uint64_t)1 << color;
             s->color[c] = round + color;
             color_count = round + color >= color_count ? round + color + 1 : color_count;
             left--;
         }
         for (int32_t i = from; i < to; i++)
             for (int k = 0; k < job->arity; k++)
-                s->masks[job->vertices[(size_t)s->sorted[i] * (size_t)job->arity + (size_t)k]] = 0;
+                s->masks[job->vertices[(size_t)s->sorted[i] * (size_t)job->arity + (size_t)k] - first] = 0;
     }
     return color_count;
 }
@@ -172,11 +170,9 @@ static int32_t fill_bundle(pel_batch *batch, const build *job, int32_t block, in
     return block;
 }
 
-pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_count, bool with_multipliers,
-                             pel_error *error)
+pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_count, pel_error *error)
 {
     size_t lanes = (size_t)capacity * PEL_BLOCK;
-    with_multipliers &= batch->multiplier_count > 0;
     batch->capacity = capacity;
     batch->bundle_begin = pel_allocate((size_t)bundle_count + 1, sizeof *batch->bundle_begin);
     batch->steps = pel_allocate_aligned(lanes * (size_t)batch->arity, sizeof *batch->steps);
@@ -184,17 +180,14 @@ pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_
     batch->sources = pel_allocate(lanes, sizeof *batch->sources);
     batch->lane_counts = pel_allocate((size_t)capacity, sizeof *batch->lane_counts);
     batch->followers = pel_allocate((size_t)capacity, sizeof *batch->followers);
-    if (with_multipliers)
-        batch->multipliers = pel_allocate_aligned(lanes * (size_t)batch->multiplier_count, sizeof *batch->multipliers);
     bool room = batch->bundle_begin != NULL && batch->steps != NULL && batch->numbers != NULL &&
-                batch->sources != NULL && batch->lane_counts != NULL && batch->followers != NULL &&
-                (!with_multipliers || batch->multipliers != NULL);
+                batch->sources != NULL && batch->lane_counts != NULL && batch->followers != NULL;
     return room ? PEL_OK : pel_fail_memory(error);
 }
 
 int32_t pel_batch_bound(const pel_batch *batch, int32_t count_limit, int32_t bundle_count, int32_t most)
 {
-    /* greedy colours: one more than a constraint has neighbours; each may leave one block unfilled in each bundle */
+    /* greedy colours: one more than an element has neighbours; each may leave one block unfilled in each bundle */
     int64_t colors = (int64_t)batch->arity * (most - 1) + 1;
     int64_t bound = count_limit / PEL_BLOCK + bundle_count * colors;
     return bound < count_limit ? (int32_t)bound : count_limit;
@@ -208,16 +201,14 @@ static int32_t count_blocks(const build *job, const int32_t *begin)
     return blocks;
 }
 
-pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32_t first_place, int32_t place_count,
-                           int32_t count, bool with_multipliers, pel_build_scratch *scratch, pel_error *error)
+pel_status pel_batch_build(pel_batch *batch, const pel_pieces *pieces, int32_t count, pel_build_scratch *scratch,
+                           pel_error *error)
 {
-    build job = {scratch->vertices, batch->arity,          count, first_place,
-                 place_count,       2 * body->piece_count, body,  scratch};
+    build job = {scratch->vertices, batch->arity, count, pel_bundle_count(pieces), pieces, scratch};
     int32_t *begin = scratch->bundles;
-    sort_constraints(&job, begin);
+    sort_elements(&job, begin);
     if (batch->steps == NULL) {
-        pel_status status =
-            pel_batch_reserve(batch, count_blocks(&job, begin), job.bundle_count, with_multipliers, error);
+        pel_status status = pel_batch_reserve(batch, count_blocks(&job, begin), job.bundle_count, error);
         if (status != PEL_OK)
             return status;
     }
@@ -232,10 +223,22 @@ pel_status pel_batch_build(pel_batch *batch, const pel_project_body *body, int32
     return PEL_OK;
 }
 
+void pel_batch_share(pel_batch *batch, const pel_batch *other)
+{
+    batch->is_shared = true;
+    batch->capacity = other->capacity;
+    batch->block_count = other->block_count;
+    batch->bundle_begin = other->bundle_begin;
+    batch->steps = other->steps;
+    batch->lane_counts = other->lane_counts;
+}
+
 void pel_batch_destroy(pel_batch *batch)
 {
-    void *arrays[] = {batch->bundle_begin, batch->steps,       batch->numbers,   batch->multipliers,
-                      batch->sources,      batch->lane_counts, batch->followers, batch->has_fixed};
+    void *shared[] = {batch->bundle_begin, batch->steps, batch->lane_counts};
+    void *arrays[] = {batch->numbers, batch->multipliers, batch->sources, batch->followers, batch->has_fixed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
+    for (size_t i = 0; !batch->is_shared && i < sizeof shared / sizeof *shared; i++)
+        pel_free(shared[i]);
 }

@@ -1,8 +1,10 @@
-/* Constraints of one kind in blocks of PEL_BLOCK that share no vertex, so that a block is projected at once. A block's
-   vertices and numbers stand together, lane by lane; the unused lanes of a last block repeat a used one, which changes
-   nothing when all lanes are loaded before any is stored. */
-#ifndef PEL_SOLVE_PROJECT_BATCH_H
-#define PEL_SOLVE_PROJECT_BATCH_H
+/* Elements of one kind in blocks of PEL_BLOCK that share no vertex, so that a block is worked on at once: projection
+   moves its points, forces add to them. A block's vertices and numbers stand together, lane by lane; the unused lanes
+   of a last block repeat a used one, which changes nothing when all lanes are loaded before any is stored.
+
+   Blocks stand by bundles (batches.h) and within a bundle by colours. */
+#ifndef PEL_BATCH_BATCH_H
+#define PEL_BATCH_BATCH_H
 
 #include "base/wide.h"
 #include "law/membrane.h"
@@ -12,30 +14,37 @@
  */
 enum { PEL_BATCH_GROUP = 4 };
 
-/* passes of a strain limit in a sweep */
-enum { PEL_LIMIT_PASSES = 6 };
-
-/* what a batch asks for, with its numbers per constraint; "compliant" ones are those of xpbd */
+/* What a batch consists of, with its numbers per element. A softness is 1 / stiffness, the one of a membrane
+   1 / (area young thickness); laws without a constant tangent have area times the shear modulus in its place.
+   "Compliant" ones are those of xpbd and of forces; those of pbd, whose constraints are the energies, have the same
+   numbers and some that only pbd reads. */
 typedef enum pel_constraint {
     PEL_CONSTRAINT_DISTANCE, /* rest length */
-    PEL_CONSTRAINT_SPRING,   /* rest length, 1 / stiffness */
-    PEL_CONSTRAINT_MEMBRANE, /* inverse of the rest matrix (3); one kind for each material from here on */
-    PEL_CONSTRAINT_STRAIN = PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_COUNT,  /* the same and area times the shear modulus
-                                  of the law; 1 / (area young thickness) for laws with a constant tangent */
-    PEL_CONSTRAINT_ISOMETRIC = PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_COUNT, /* weights of x1, x2, x3 and |K x|^2 of the
-                                 rest shape, 0 for the literal form */
-    PEL_CONSTRAINT_ISOMETRIC_COMPLIANT,                                    /* the same weights and 1 / stiffness */
-    PEL_CONSTRAINT_ANGLE,                                                  /* rest angle */
-    PEL_CONSTRAINT_ANGLE_COMPLIANT,                                        /* rest angle, 1 / stiffness */
-    PEL_CONSTRAINT_FIBRE,           /* image weights of x0 - x2 and x1 - x2, weight of the region */
+    PEL_CONSTRAINT_SPRING,   /* rest length, softness */
+    PEL_CONSTRAINT_MEMBRANE, /* inverse of the rest matrix (3), softness; one kind for each material from here on */
+    PEL_CONSTRAINT_STRAIN = PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_COUNT,  /* the same */
+    PEL_CONSTRAINT_ISOMETRIC = PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_COUNT, /* weights of x1, x2, x3, softness, and
+                                 |K x|^2 of the rest shape, 0 for the literal form */
+    PEL_CONSTRAINT_ISOMETRIC_COMPLIANT,                                    /* the same */
+    PEL_CONSTRAINT_ANGLE,           /* cosine and sine of the rest angle, softness */
+    PEL_CONSTRAINT_ANGLE_COMPLIANT, /* the same */
+    PEL_CONSTRAINT_FIBRE,           /* image weights of x0 - x2 and x1 - x2, softness, weight of the region */
     PEL_CONSTRAINT_FIBRE_SQUARE,    /* the same, energy in the square of the length */
-    PEL_CONSTRAINT_FIBRE_COMPLIANT, /* the image weights and 1 / (area stiffness weight) */
+    PEL_CONSTRAINT_FIBRE_COMPLIANT, /* without the weight */
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
     PEL_CONSTRAINT_CAVE,     /* image weights, then as in pel_cave_number */
     PEL_CONSTRAINT_LIMIT,    /* inverse of the rest matrix (3): principal stretches between two limits */
-    PEL_CONSTRAINT_PRESSURE, /* weight; no constraint: adds forces to `target` */
+    PEL_CONSTRAINT_PRESSURE, /* weight, or none where all are 1; a force, never projected */
     PEL_CONSTRAINT_COUNT
 } pel_constraint;
+
+enum {
+    PEL_TRIANGLE_NUMBERS = 4,
+    PEL_ISOMETRIC_NUMBERS = 5,
+    PEL_ANGLE_NUMBERS = 3,
+    PEL_FIBRE_NUMBERS = 3,
+    PEL_FIBRE_WEIGHTED_NUMBERS = 4
+};
 
 /* numbers of a triangle that caves in */
 typedef enum pel_cave_number {
@@ -45,10 +54,7 @@ typedef enum pel_cave_number {
     PEL_CAVE_NUMBERS = 9
 } pel_cave_number;
 
-/* a fibre that is so much shorter than at rest drives its triangle inward by the strength of the region in a step */
-#define PEL_CAVE_STRAIN 0.05
-
-/* numbers that all constraints of a batch share */
+/* numbers that all elements of a batch share */
 typedef struct pel_batch_law {
     pel_real numbers[PEL_LAW_NUMBERS]; /* membrane: those of its law */
     double modulus;                    /* membrane: shear modulus of the law over young */
@@ -57,7 +63,6 @@ typedef struct pel_batch_law {
     pel_real least_strain;             /* limit: Green strain of the least principal stretch */
     pel_real most_strain;              /* limit: of the largest one */
     pel_real rest_length;              /* fibres: factor on the length at rest, now */
-    pel_real strength;                 /* pressure: a sixth of it [Pa] */
     pel_real square_time;              /* s2, of the substep, times the factor of a keyed stiffness */
     pel_real inverse_square;           /* its inverse */
     pel_real force_rate;               /* 1/s2: from displacements times masses to forces */
@@ -68,25 +73,28 @@ typedef struct pel_batch {
     pel_batch_law law;
     int arity, number_count, multiplier_count;
     int32_t region;        /* of the shell whose fibres these are, else -1 */
+    bool is_projected;     /* the method sweeps over it; else it is there for forces and energies */
+    bool is_on;            /* it is, and has an effect at present */
     int32_t capacity;      /* blocks */
     int32_t block_count;   /* in use */
+    bool is_shared;        /* bundles, steps and lane counts are those of another batch */
     int32_t *bundle_begin; /* (bundle_count + 1) first block of each bundle */
     int32_t *steps;        /* (capacity x arity x PEL_BLOCK) places in the model's order times PEL_STEP */
     pel_real *numbers;     /* (capacity x number_count x PEL_BLOCK) */
-    pel_real *multipliers; /* (capacity x multiplier_count x PEL_BLOCK) of xpbd with iterations; else null */
-    int32_t *sources;      /* (capacity x PEL_BLOCK) the constraint in a lane, numbered as it was given */
+    int32_t *sources;      /* (capacity x PEL_BLOCK) the element in a lane, numbered as it was given; null when its
+                              numbers never change */
     uint8_t *lane_counts;  /* (capacity) lanes used */
     uint8_t *followers;    /* (capacity) blocks after this one that are computed with it; those of a colour */
-    pel_record *target;    /* (model vertex_count) of a pressure, else null */
+    /* of projection */
+    pel_real *multipliers; /* (capacity x multiplier_count x PEL_BLOCK) of xpbd with iterations; else null */
     uint8_t *has_fixed;    /* (capacity) 1 = a vertex of the block is pinned or held; null = reactions not recorded */
     pel_record *reaction;  /* (model vertex_count) forces on what holds vertices; null likewise */
 } pel_batch;
 
-/* projects the blocks begin .. end - 1 of a batch in their order */
-typedef void pel_batch_sweep(const pel_batch *batch, int32_t begin, int32_t end, pel_record *positions);
-
-/* the kernels for all lanes at once, and the plain ones lane by lane: the same bits */
-extern pel_batch_sweep *const pel_project_wide[PEL_CONSTRAINT_COUNT];
-extern pel_batch_sweep *const pel_project_plain[PEL_CONSTRAINT_COUNT];
+static inline pel_real *pel_batch_number(const pel_batch *batch, int32_t i, int j)
+{
+    size_t block = (size_t)i / PEL_BLOCK, lane = (size_t)i % PEL_BLOCK;
+    return &batch->numbers[(block * (size_t)batch->number_count + (size_t)j) * PEL_BLOCK + lane];
+}
 
 #endif

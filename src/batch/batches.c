@@ -1,0 +1,617 @@
+#include "batch/batches.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "measure/element.h"
+
+#include <string.h>
+
+/* vertices of a piece: its records and elements fit the nearer caches, and it is worth a thread */
+enum { PIECE_SIZE = 2048 };
+
+/* what building a body hands around */
+typedef struct plan {
+    const pel_model *model;
+    const pel_body *body;
+    pel_body_batches *made;
+    pel_method method;
+    bool projects; /* what cannot move is left out */
+    bool literal;  /* pbd: energies are the constraints */
+    int32_t first_place, place_count;
+} plan;
+
+static double edge_stiffness(const plan *p, int32_t slot, int32_t lane)
+{
+    return p->body->uniform_spring >= 0 ? p->body->uniform_spring : (double)p->model->stiffnesses[slot][lane];
+}
+
+static bool may_matter(const plan *p, const int32_t *places, int count)
+{
+    for (int k = 0; k < count; k++)
+        if (!p->projects || p->model->inverse_mass[places[k]] > 0)
+            return true;
+    return false;
+}
+
+static void push_element(plan *p, const int32_t *places, int arity, int32_t origin, int32_t *count)
+{
+    memcpy(p->made->scratch->vertices + (size_t)*count * (size_t)arity, places, (size_t)arity * sizeof *places);
+    p->made->scratch->origins[(*count)++] = origin;
+}
+
+static void add_element(plan *p, const int32_t *places, int arity, int32_t origin, int32_t *count)
+{
+    if (may_matter(p, places, arity))
+        push_element(p, places, arity, origin, count);
+}
+
+/* ---- lists ---- */
+
+static int32_t list_edges(plan *p)
+{
+    const pel_model *model = p->model;
+    int32_t count = 0;
+    for (int32_t v = p->first_place; v < p->first_place + p->place_count; v++) {
+        int32_t slice = v / PEL_WIDTH, lane = v % PEL_WIDTH;
+        for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+            const int32_t ends[2] = {v, model->neighbours[slot][lane]};
+            bool all = p->method == PEL_METHOD_PBD_DISTANCE;
+            if (ends[1] > v && (all || edge_stiffness(p, slot, lane) > 0))
+                add_element(p, ends, 2, slot * PEL_WIDTH + lane, &count);
+        }
+    }
+    return count;
+}
+
+static int32_t list_triangles(plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t count = 0;
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        if (shell->triangles[t].rest.area > 0)
+            add_element(p, shell->triangles[t].vertices, 3, t, &count);
+    return count;
+}
+
+/* also what cannot move: the volume is that of all */
+static int32_t list_pressed(plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t count = 0;
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        if (shell->pressure_weights == NULL || shell->pressure_weights[t] != 0)
+            push_element(p, shell->triangles[t].vertices, 3, t, &count);
+    return count;
+}
+
+static int32_t list_hinges(plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t count = 0;
+    for (int32_t h = 0; h < shell->hinge_count; h++)
+        if (p->literal || shell->hinges[h].stiffness > 0)
+            add_element(p, shell->hinges[h].vertices, 4, h, &count);
+    return count;
+}
+
+static int32_t list_fibres(plan *p, const pel_shell_region *region)
+{
+    int32_t count = 0;
+    for (int32_t f = 0; f < region->fibre_count; f++) {
+        const pel_shell_triangle *triangle = &p->body->shell->triangles[region->fibres[f].triangle];
+        if (triangle->rest.area > 0)
+            add_element(p, triangle->vertices, 3, f, &count);
+    }
+    return count;
+}
+
+/* ---- numbers ---- */
+
+static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
+{
+    int32_t slot = batch->sources[i] / PEL_WIDTH, lane = batch->sources[i] % PEL_WIDTH;
+    *pel_batch_number(batch, i, 0) = p->model->rest_lengths[slot][lane];
+    if (batch->kind == PEL_CONSTRAINT_SPRING)
+        *pel_batch_number(batch, i, 1) = (pel_real)(1 / edge_stiffness(p, slot, lane));
+}
+
+static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
+{
+    const pel_shell_triangle *t = &p->body->shell->triangles[batch->sources[i]];
+    for (int j = 0; j < 3; j++)
+        *pel_batch_number(batch, i, j) = (pel_real)t->rest.inverse[j];
+    if (batch->kind == PEL_CONSTRAINT_LIMIT)
+        return;
+    double stiffness = t->rest.area * t->young * t->thickness;
+    bool constant = (pel_membrane_law_traits(p->body->shell->material.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
+    *pel_batch_number(batch, i, 3) = (pel_real)(constant ? 1 / stiffness : batch->law.modulus * stiffness);
+}
+
+static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
+{
+    if (batch->number_count > 0)
+        *pel_batch_number(batch, i, 0) = (pel_real)p->body->shell->pressure_weights[batch->sources[i]];
+}
+
+static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
+{
+    const pel_shell *shell = p->body->shell;
+    const pel_shell_hinge *h = &shell->hinges[batch->sources[i]];
+    if (shell->bending == PEL_BENDING_HINGE) {
+        *pel_batch_number(batch, i, 0) = (pel_real)cos(h->rest_angle);
+        *pel_batch_number(batch, i, 1) = (pel_real)sin(h->rest_angle);
+        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h->stiffness * pel_shell_angle(p->model->rest, h).factor));
+        return;
+    }
+    const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, h);
+    for (int j = 0; j < 3; j++)
+        *pel_batch_number(batch, i, j) = (pel_real)stencil.weight[j + 1];
+    /* E = D / 3 times factor / 2 |K x|^2 stands for a plate (theory page, section 5) */
+    *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h->stiffness * stencil.factor));
+    double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * stencil.rest_energy / stencil.factor;
+    *pel_batch_number(batch, i, 4) = (pel_real)square;
+}
+
+static void set_direction(const pel_batch *batch, int32_t i, const pel_rest_triangle *rest, const double direction[2])
+{
+    *pel_batch_number(batch, i, 0) = (pel_real)(rest->inverse[0] * direction[0] + rest->inverse[1] * direction[1]);
+    *pel_batch_number(batch, i, 1) = (pel_real)(rest->inverse[2] * direction[1]);
+}
+
+/* weight and shares of a triangle that caves in */
+static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fibre *fibre, int32_t i)
+{
+    const pel_shell_triangle *triangle = &p->body->shell->triangles[fibre->triangle];
+    *pel_batch_number(batch, i, PEL_CAVE_WEIGHT) = (pel_real)fibre->weight;
+    for (int k = 0; k < 3; k++) {
+        *pel_batch_number(batch, i, PEL_CAVE_SHARE + k) =
+            (pel_real)(triangle->rest.area / p->made->areas[triangle->vertices[k] - p->first_place]);
+        *pel_batch_number(batch, i, PEL_CAVE_WAY + k) = 0;
+    }
+}
+
+static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_region *region, int32_t i)
+{
+    const pel_shell_fibre *fibre = &region->fibres[batch->sources[i]];
+    const pel_rest_triangle *rest = &p->body->shell->triangles[fibre->triangle].rest;
+    set_direction(batch, i, rest, fibre->direction);
+    if (batch->kind == PEL_CONSTRAINT_CAVE) {
+        fill_cave(p, batch, fibre, i);
+        return;
+    }
+    *pel_batch_number(batch, i, 2) = (pel_real)(1 / (rest->area * region->def.stiffness * fibre->weight));
+    if (batch->number_count == PEL_FIBRE_WEIGHTED_NUMBERS)
+        *pel_batch_number(batch, i, 3) = (pel_real)fibre->weight;
+}
+
+/* ---- batches ---- */
+
+/* the elements of a batch into the scratch; returns how many */
+static int32_t list_elements(plan *p, const pel_batch *batch)
+{
+    if (batch->arity == 2)
+        return list_edges(p);
+    if (batch->arity == 4)
+        return list_hinges(p);
+    if (batch->region >= 0)
+        return list_fibres(p, &p->body->shell->regions[batch->region]);
+    return batch->kind == PEL_CONSTRAINT_PRESSURE ? list_pressed(p) : list_triangles(p);
+}
+
+static void fill_number(const plan *p, const pel_batch *batch, int32_t i)
+{
+    if (batch->arity == 2)
+        fill_edge(p, batch, i);
+    else if (batch->arity == 4)
+        fill_hinge(p, batch, i);
+    else if (batch->region >= 0)
+        fill_fibre(p, batch, &p->body->shell->regions[batch->region], i);
+    else if (batch->kind == PEL_CONSTRAINT_PRESSURE)
+        fill_pressed(p, batch, i);
+    else
+        fill_triangle(p, batch, i);
+}
+
+/* areas around the vertices */
+static void measure_areas(const plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    for (int32_t i = 0; i < p->place_count; i++)
+        p->made->areas[i] = 0;
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        for (int k = 0; k < 3; k++)
+            p->made->areas[shell->triangles[t].vertices[k] - p->first_place] += shell->triangles[t].rest.area;
+}
+
+/* lays out the elements that the body has at present */
+static pel_status fill_batch(plan *p, pel_batch *batch, pel_error *error)
+{
+    int32_t count = list_elements(p, batch);
+    pel_status status = pel_batch_build(batch, &p->made->pieces, count, p->made->scratch, error);
+    if (batch->kind == PEL_CONSTRAINT_CAVE)
+        measure_areas(p);
+    for (int32_t i = 0; status == PEL_OK && i < batch->block_count * PEL_BLOCK; i++)
+        fill_number(p, batch, i);
+    return status;
+}
+
+/* edges of the body, at most */
+static int32_t edge_limit(const plan *p)
+{
+    int32_t first = p->first_place / PEL_WIDTH, slices = p->place_count / PEL_WIDTH;
+    /* each stands at both of its ends */
+    return (p->model->slot_begin[first + slices] - p->model->slot_begin[first]) * PEL_WIDTH / 2;
+}
+
+/* edges, and triangles, at a vertex on any surface that the body can have */
+static int32_t valence_limit(const plan *p)
+{
+    int32_t most = 0, first = p->first_place / PEL_WIDTH;
+    for (int32_t s = first; s < first + p->place_count / PEL_WIDTH; s++) {
+        int32_t room = p->model->slot_begin[s + 1] - p->model->slot_begin[s];
+        most = room > most ? room : most;
+    }
+    return most;
+}
+
+/* room for whatever the surface of a body that refines can become */
+static pel_status reserve_batch(const plan *p, pel_batch *batch, pel_error *error)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t valence = valence_limit(p), bundles = pel_bundle_count(&p->made->pieces), limit = 0;
+    if (batch->arity == 2)
+        limit = edge_limit(p);
+    else if (batch->arity == 4)
+        limit = shell->hinge_limit;
+    else
+        limit = batch->region >= 0 ? shell->regions[batch->region].fibre_limit : shell->triangle_limit;
+    /* a hinge has edges at two of its vertices, and lies across from the two others */
+    int32_t bound = pel_batch_bound(batch, limit, bundles, batch->arity == 4 ? 2 * valence : valence);
+    return pel_batch_reserve(batch, bound, bundles, error);
+}
+
+static pel_status add_batch(plan *p, pel_batch batch, pel_error *error)
+{
+    pel_batch *made = &p->made->batches[p->made->batch_count++];
+    *made = batch;
+    pel_status status = p->body->front != NULL ? reserve_batch(p, made, error) : PEL_OK;
+    return status == PEL_OK ? fill_batch(p, made, error) : status;
+}
+
+static pel_status add_springs(plan *p, pel_error *error)
+{
+    bool compliant = p->method == PEL_METHOD_XPBD;
+    pel_batch batch = {.arity = 2, .region = -1, .is_projected = true, .number_count = compliant ? 2 : 1};
+    batch.kind = compliant ? PEL_CONSTRAINT_SPRING : PEL_CONSTRAINT_DISTANCE;
+    batch.multiplier_count = 1;
+    return add_batch(p, batch, error);
+}
+
+/* shells that the method sweeps over */
+static bool projects_shells(const plan *p)
+{
+    return p->method == PEL_METHOD_PBD || p->method == PEL_METHOD_XPBD;
+}
+
+static pel_status add_membrane(plan *p, pel_error *error)
+{
+    pel_membrane_material material = p->body->shell->material;
+    material.young = material.thickness = 1;
+    pel_membrane_law law = pel_membrane_law_of(&material);
+    pel_batch batch = {.arity = 3, .number_count = PEL_TRIANGLE_NUMBERS, .multiplier_count = 3, .region = -1};
+    batch.kind = (pel_constraint)((int)(p->literal ? PEL_CONSTRAINT_MEMBRANE : PEL_CONSTRAINT_STRAIN) + (int)law.kind);
+    batch.is_projected = projects_shells(p);
+    batch.law.modulus = law.modulus;
+    batch.law.poisson = (pel_real)law.poisson;
+    for (int i = 0; i < PEL_LAW_NUMBERS; i++)
+        batch.law.numbers[i] = (pel_real)law.numbers[i];
+    return add_batch(p, batch, error);
+}
+
+/* after everything else that acts on the triangles, so that a sweep ends with it */
+static pel_status add_limit(plan *p, pel_error *error)
+{
+    double limit = p->body->shell->strain_limit, least = 1 - limit, most = 1 + limit;
+    pel_batch batch = {.kind = PEL_CONSTRAINT_LIMIT, .arity = 3, .number_count = 3, .region = -1, .is_projected = true};
+    batch.law.least_strain = (pel_real)(0.5 * (least * least - 1));
+    batch.law.most_strain = (pel_real)(0.5 * (most * most - 1));
+    return add_batch(p, batch, error);
+}
+
+static pel_status add_bending(plan *p, pel_error *error)
+{
+    bool hinge = p->body->shell->bending == PEL_BENDING_HINGE;
+    pel_batch batch = {.arity = 4, .region = -1, .is_projected = projects_shells(p)};
+    batch.kind = p->literal ? PEL_CONSTRAINT_ISOMETRIC : PEL_CONSTRAINT_ISOMETRIC_COMPLIANT;
+    if (hinge)
+        batch.kind = p->literal ? PEL_CONSTRAINT_ANGLE : PEL_CONSTRAINT_ANGLE_COMPLIANT;
+    batch.number_count = hinge ? PEL_ANGLE_NUMBERS : PEL_ISOMETRIC_NUMBERS;
+    batch.multiplier_count = hinge ? 1 : 3;
+    return add_batch(p, batch, error);
+}
+
+static pel_status add_region(plan *p, int32_t r, pel_error *error)
+{
+    const pel_shell_region *region = &p->body->shell->regions[r];
+    bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
+    pel_batch batch = {.arity = 3, .number_count = PEL_FIBRE_NUMBERS, .multiplier_count = 1, .law.rest_length = 1};
+    batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
+    if (region->def.mode == PEL_FIBRE_CAVE) {
+        batch = (pel_batch){.kind = PEL_CONSTRAINT_CAVE, .arity = 3, .number_count = PEL_CAVE_NUMBERS};
+    } else if (p->literal) {
+        batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
+        batch.number_count = PEL_FIBRE_WEIGHTED_NUMBERS;
+    }
+    batch.region = r;
+    batch.is_projected = projects_shells(p);
+    return add_batch(p, batch, error);
+}
+
+/* the batch of the membrane, when it has all triangles and no event changes them; else null */
+static const pel_batch *whole_membrane(const plan *p)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; p->body->front == NULL && i < p->made->batch_count; i++) {
+        const pel_batch *batch = &p->made->batches[i];
+        if (batch->arity != 3 || batch->region >= 0 || batch->kind == PEL_CONSTRAINT_LIMIT)
+            continue;
+        for (int32_t block = 0; block < batch->block_count; block++)
+            count += batch->lane_counts[block];
+        return count == p->body->shell->triangle_count ? batch : NULL;
+    }
+    return NULL;
+}
+
+static pel_status add_pressure(plan *p, pel_error *error)
+{
+    bool weighted = p->body->shell->pressure_weights != NULL;
+    pel_batch batch = {.kind = PEL_CONSTRAINT_PRESSURE, .arity = 3, .number_count = weighted, .region = -1};
+    const pel_batch *membrane = weighted ? NULL : whole_membrane(p);
+    if (membrane == NULL)
+        return add_batch(p, batch, error);
+    pel_batch_share(&batch, membrane);
+    p->made->batches[p->made->batch_count++] = batch;
+    return PEL_OK;
+}
+
+/* curls are in the rest angles; caving in is a rule of projection and gives no force */
+static bool has_elements(const plan *p, const pel_shell_region *region)
+{
+    return region->def.mode != PEL_FIBRE_CURL && (region->def.mode != PEL_FIBRE_CAVE || projects_shells(p));
+}
+
+static pel_status add_batches(plan *p, pel_error *error)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t most = 2 + (shell != NULL ? 3 + shell->region_count : 0);
+    p->made->batches = pel_allocate((size_t)most, sizeof *p->made->batches);
+    if (p->made->batches == NULL)
+        return pel_fail_memory(error);
+    pel_status status = PEL_OK;
+    if (p->projects && (p->method == PEL_METHOD_PBD_DISTANCE || p->body->uniform_spring != 0))
+        status = add_springs(p, error);
+    if (shell == NULL)
+        return status;
+    if (status == PEL_OK && shell->has_membrane)
+        status = add_membrane(p, error);
+    if (status == PEL_OK && shell->bending != PEL_BENDING_OFF)
+        status = add_bending(p, error);
+    for (int32_t r = 0; status == PEL_OK && r < shell->region_count; r++)
+        if (has_elements(p, &shell->regions[r]))
+            status = add_region(p, r, error);
+    if (status == PEL_OK && shell->strain_limit > 0 && projects_shells(p))
+        status = add_limit(p, error);
+    if (status == PEL_OK && shell->pressure.kind != PEL_PRESSURE_NONE)
+        status = add_pressure(p, error);
+    return status;
+}
+
+/* the largest list: edges, triangles or hinges */
+static int32_t count_limit(const plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t most = edge_limit(p);
+    if (shell != NULL && shell->triangle_limit > most)
+        most = shell->triangle_limit;
+    if (shell != NULL && shell->hinge_limit > most)
+        most = shell->hinge_limit;
+    return most;
+}
+
+static plan plan_of(pel_batches *batches, int32_t body)
+{
+    const pel_model *model = batches->model;
+    plan p = {.model = model, .body = &model->bodies[body], .method = batches->method, .made = &batches->bodies[body]};
+    p.literal = p.method == PEL_METHOD_PBD;
+    p.projects = batches->is_projected;
+    p.first_place = p.body->slice_begin * PEL_WIDTH;
+    p.place_count = pel_body_place_end(model, body) - p.first_place;
+    return p;
+}
+
+/* vertices of the mesh stand in rings: pieces are runs of them; finer ones go with one of the mesh nearby */
+static void update_pieces(const plan *p)
+{
+    pel_pieces *pieces = &p->made->pieces;
+    int32_t mesh_places = (p->body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH * PEL_WIDTH;
+    for (int32_t i = 0; i < p->place_count; i++) {
+        int32_t base = i, v = p->model->mesh_vertex[p->first_place + i], parents[2];
+        if (i >= mesh_places && v >= 0) {
+            while (pel_lod_forest_vertex_parents(p->body->front->forest, v, parents))
+                v = parents[0];
+            base = p->body->slot_of_vertex[v] - p->first_place;
+        }
+        int32_t piece = base / PIECE_SIZE;
+        pieces->piece_of_place[i] = piece < pieces->piece_count ? piece : pieces->piece_count - 1;
+    }
+}
+
+static bool caves(const pel_shell *shell)
+{
+    for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
+        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE)
+            return true;
+    return false;
+}
+
+static bool changes(const plan *p, const pel_batch *batch)
+{
+    return batch->region >= 0 && (batch->kind == PEL_CONSTRAINT_CAVE ||
+                                  p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
+}
+
+/* lets go of what only bodies that refine need again */
+static void end_build(plan *p)
+{
+    if (p->body->front != NULL)
+        return;
+    for (int32_t i = 0; i < p->made->batch_count; i++)
+        if (!changes(p, &p->made->batches[i])) {
+            pel_free(p->made->batches[i].sources);
+            p->made->batches[i].sources = NULL;
+        }
+    pel_build_scratch_destroy(p->made->scratch);
+    pel_free(p->made->scratch);
+    p->made->scratch = NULL;
+}
+
+static pel_status create_body(plan *p, pel_error *error)
+{
+    pel_body_batches *made = p->made;
+    int32_t count = (p->body->mesh->vertex_count + PIECE_SIZE / 2) / PIECE_SIZE;
+    made->pieces = (pel_pieces){.piece_count = count > 1 ? count : 1};
+    made->pieces.first_place = p->first_place;
+    made->pieces.place_count = p->place_count;
+    made->pieces.piece_of_place = pel_allocate((size_t)p->place_count, sizeof *made->pieces.piece_of_place);
+    made->scratch = pel_allocate(1, sizeof *made->scratch);
+    if (made->pieces.piece_of_place == NULL || made->scratch == NULL)
+        return pel_fail_memory(error);
+    update_pieces(p);
+    if (caves(p->body->shell)) {
+        made->areas = pel_allocate((size_t)p->place_count, sizeof *made->areas);
+        if (made->areas == NULL)
+            return pel_fail_memory(error);
+    }
+    pel_status status = pel_build_scratch_create(made->scratch, &made->pieces, count_limit(p), error);
+    if (status == PEL_OK)
+        status = add_batches(p, error);
+    if (status == PEL_OK)
+        end_build(p);
+    return status;
+}
+
+static void destroy_body(pel_body_batches *body)
+{
+    for (int32_t i = 0; i < body->batch_count; i++)
+        pel_batch_destroy(&body->batches[i]);
+    if (body->scratch != NULL)
+        pel_build_scratch_destroy(body->scratch);
+    pel_free(body->scratch);
+    pel_free(body->batches);
+    pel_free(body->areas);
+    pel_free(body->pieces.piece_of_place);
+}
+
+/* ---- all bodies ---- */
+
+/* the number of bundles of a phase: pieces, even seams, odd seams, the rest */
+static int32_t bundles_of_phase(const pel_body_batches *body, int phase)
+{
+    int32_t pieces = body->pieces.piece_count, seams = pieces - 1;
+    const int32_t counts[PEL_PHASE_COUNT] = {pieces, (seams + 1) / 2, seams / 2, seams > 0};
+    return counts[phase];
+}
+
+static int32_t bundle_number(const pel_body_batches *body, int phase, int32_t i)
+{
+    int32_t pieces = body->pieces.piece_count;
+    const int32_t numbers[PEL_PHASE_COUNT] = {i, pieces + 2 * i, pieces + 2 * i + 1, 2 * pieces - 1};
+    return numbers[phase];
+}
+
+static pel_status make_phases(pel_batches *batches, pel_error *error)
+{
+    int32_t count = 0, body_count = batches->model->body_count;
+    for (int32_t b = 0; b < body_count; b++)
+        count += pel_bundle_count(&batches->bodies[b].pieces);
+    batches->bundles = pel_allocate((size_t)count, sizeof *batches->bundles);
+    if (batches->bundles == NULL)
+        return pel_fail_memory(error);
+    count = 0;
+    for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
+        batches->phase_begin[phase] = count;
+        for (int32_t b = 0; b < body_count; b++)
+            for (int32_t i = 0; i < bundles_of_phase(&batches->bodies[b], phase); i++)
+                batches->bundles[count++] = (pel_bundle){b, bundle_number(&batches->bodies[b], phase, i)};
+    }
+    batches->phase_begin[PEL_PHASE_COUNT] = count;
+    return PEL_OK;
+}
+
+pel_status pel_batches_create(const pel_model *model, pel_method method, pel_batches **batches, pel_error *error)
+{
+    *batches = NULL;
+    pel_batches *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->model = model;
+    made->method = method;
+    made->is_projected = method == PEL_METHOD_PBD || method == PEL_METHOD_PBD_DISTANCE || method == PEL_METHOD_XPBD;
+    made->bodies = pel_allocate((size_t)model->body_count, sizeof *made->bodies);
+    pel_status status = made->bodies != NULL ? PEL_OK : pel_fail_memory(error);
+    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++) {
+        plan p = plan_of(made, b);
+        status = create_body(&p, error);
+    }
+    if (status == PEL_OK)
+        status = make_phases(made, error);
+    if (status == PEL_OK)
+        *batches = made;
+    else
+        pel_batches_destroy(made);
+    return status;
+}
+
+void pel_batches_destroy(pel_batches *batches)
+{
+    if (batches == NULL)
+        return;
+    for (int32_t b = 0; batches->bodies != NULL && b < batches->model->body_count; b++)
+        destroy_body(&batches->bodies[b]);
+    pel_free(batches->bodies);
+    pel_free(batches->bundles);
+    pel_free(batches);
+}
+
+void pel_batches_rebuild(pel_batches *batches, int32_t body)
+{
+    plan p = plan_of(batches, body);
+    update_pieces(&p);
+    for (int32_t i = 0; i < p.made->batch_count; i++)
+        fill_batch(&p, &p.made->batches[i], NULL);
+}
+
+/* ---- directions ---- */
+
+static void follow_region(const pel_batch *batch, const pel_shell *shell, const pel_record *positions)
+{
+    const pel_shell_region *region = &shell->regions[batch->region];
+    for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
+        const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
+        double x[3][3], direction[2];
+        pel_load_points(positions, triangle->vertices, 3, x);
+        pel_principal_direction(&triangle->rest, (const double(*)[3])x, direction);
+        set_direction(batch, i, &triangle->rest, direction);
+    }
+}
+
+void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *positions)
+{
+    const pel_shell *shell = batches->model->bodies[body].shell;
+    const pel_body_batches *own = &batches->bodies[body];
+    for (int32_t i = 0; i < own->batch_count; i++) {
+        int32_t region = own->batches[i].region;
+        if (region >= 0 && shell->regions[region].def.direction == PEL_FIBRE_PRINCIPAL)
+            follow_region(&own->batches[i], shell, positions);
+    }
+}

@@ -1,0 +1,382 @@
+/* Restitution: after a collision two bodies, or a body and a tool, part with e times the normal velocity with which
+   they met, however much of it their elasticity has given back by then.
+
+   Newton's law is one of rigid motions. In a shell of many vertices a law at each vertex (Bridson et al. 2002; Mueller
+   et al. 2020, section 3.6) says little about the body: the vertices that touch weigh next to nothing, and what is
+   behind them goes on. So the law acts on the rigid part of the motion, velocity V of the center and spin w from
+   momentum and angular momentum, at the point p and normal n that the loads of the pair's contacts have on average. An
+   impulse J at p along n changes V by J n / M and w by I^-1 (p - c) x J n, as for rigid bodies; vertices get the
+   velocity field of that, so momentum and angular momentum stay, and the deformation goes on as it was. Pinned and held
+   bodies, and tools, move as they are made to.
+
+   A collision begins with the first step in which the pair presses, and ends with the first one in which it does not
+   and parts. Its approach and its parting are counted at the place of the contact: u^2 +- 2 a s with the relative
+   acceleration a of gravity over the way s within the step. When a body has lost its velocity without giving it back it
+   rests in the contact; then it is sent off at once. An impulse adds no more energy than the run has lost by then
+   (ledger.h) where a method has the material's energy, so e <= 1 makes none appear. What approaches more slowly than 2
+   g dt does not bounce, so that what rests stays at rest (Mueller et al. 2020, section 3.6). */
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+#include <string.h>
+
+/* of the approach: what approaches more slowly than that has come to rest in the contact */
+#define REST_SHARE 0.05
+/* in steps of gravity: the least approach that bounces */
+#define LEAST_STEPS 2
+/* of the mean edge: a pair that approaches by so much without a push is no collision any more */
+#define IDLE_SHARE 1.0
+/* of the cube of the trace of the inertia: below it the body is a line */
+#define LEAST_INERTIA 1e-12
+
+/* rigid part of the motion of a group */
+typedef struct rigid_motion {
+    bool is_free;
+    double inverse_mass, center[3], velocity[3], spin[3];
+    double inverse_inertia[3][3];
+} rigid_motion;
+
+/* a pair of groups in a collision, now and when the step began */
+typedef struct encounter {
+    pel_sim *sim;
+    pel_collision_state *state;
+    int32_t groups[2];
+    rigid_motion before[2], now[2];
+    double restitution;
+} encounter;
+
+/* ---- rigid motions ---- */
+
+static void invert(const double m[3][3], double inverse[3][3])
+{
+    double trace = m[0][0] + m[1][1] + m[2][2], determinant = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            int a = (i + 1) % 3, b = (i + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
+            inverse[k][i] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
+        }
+    for (int k = 0; k < 3; k++)
+        determinant += m[0][k] * inverse[k][0];
+    double scale = determinant > LEAST_INERTIA * trace * trace * trace ? 1 / determinant : 0;
+    for (int i = 0; i < 3; i++)
+        pel_vec3_scale(inverse[i], scale, inverse[i]);
+}
+
+static void apply(const double m[3][3], const double x[3], double y[3])
+{
+    pel_vec3_set(y, pel_vec3_dot(m[0], x), pel_vec3_dot(m[1], x), pel_vec3_dot(m[2], x));
+}
+
+static bool is_free(const pel_sim *sim, int32_t body)
+{
+    const pel_model *model = sim->model;
+    for (int32_t v = model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(model, body); v++)
+        if (model->mesh_vertex[v] >= 0 && (!(model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v])))
+            return false;
+    return true;
+}
+
+/* center, velocity and mass */
+static double sum_momentum(const pel_sim *sim, int32_t body, const pel_record *position, const pel_record *velocity,
+                           rigid_motion *motion)
+{
+    const pel_model *model = sim->model;
+    double sum = 0, x[3], v[3];
+    for (int32_t i = model->bodies[body].slice_begin * PEL_WIDTH; i < pel_body_place_end(model, body); i++) {
+        double mass = model->mesh_vertex[i] >= 0 ? (double)model->mass[i] : 0;
+        if (!(mass > 0))
+            continue;
+        pel_vertex_position(position, i, x);
+        pel_vertex_position(velocity, i, v);
+        pel_vec3_along(motion->center, mass, x, motion->center);
+        pel_vec3_along(motion->velocity, mass, v, motion->velocity);
+        sum += mass;
+    }
+    pel_vec3_scale(motion->center, 1 / sum, motion->center);
+    pel_vec3_scale(motion->velocity, 1 / sum, motion->velocity);
+    return sum;
+}
+
+static rigid_motion motion_of_body(const pel_sim *sim, int32_t body, const pel_record *position,
+                                   const pel_record *velocity)
+{
+    const pel_model *model = sim->model;
+    rigid_motion motion = {.is_free = is_free(sim, body)};
+    double inertia[3][3] = {{0}}, momentum[3] = {0, 0, 0}, x[3], v[3], turn[3];
+    double sum = sum_momentum(sim, body, position, velocity, &motion);
+    if (!motion.is_free) {
+        pel_vec3_set(motion.velocity, 0, 0, 0);
+        return motion;
+    }
+    motion.inverse_mass = 1 / sum;
+    for (int32_t i = model->bodies[body].slice_begin * PEL_WIDTH; i < pel_body_place_end(model, body); i++) {
+        double mass = model->mesh_vertex[i] >= 0 ? (double)model->mass[i] : 0;
+        if (!(mass > 0))
+            continue;
+        pel_vertex_position(position, i, x);
+        pel_vertex_position(velocity, i, v);
+        pel_vec3_subtract(x, motion.center, x);
+        pel_vec3_cross(x, v, turn);
+        pel_vec3_along(momentum, mass, turn, momentum);
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                inertia[a][b] += mass * ((a == b ? pel_vec3_squared_length(x) : 0) - x[a] * x[b]);
+    }
+    invert((const double(*)[3])inertia, motion.inverse_inertia);
+    apply((const double(*)[3])motion.inverse_inertia, momentum, motion.spin);
+    return motion;
+}
+
+static rigid_motion motion_of_tool(const pel_sim *sim, const pel_tool *tool, bool now)
+{
+    rigid_motion motion = {0};
+    double turn[3];
+    pel_vec3_copy(now ? tool->pose.position : tool->pose_before.position, motion.center);
+    pel_vec3_subtract(tool->pose.position, tool->pose_before.position, motion.velocity);
+    pel_vec3_scale(motion.velocity, 1 / sim->step.dt, motion.velocity);
+    pel_tool_turn(&tool->pose_before, &tool->pose, turn);
+    pel_vec3_scale(turn, 1 / sim->step.dt, motion.spin);
+    return motion;
+}
+
+/* the step is accepted: its start is in what was exchanged */
+static rigid_motion motion_of(const pel_sim *sim, int32_t group, bool now)
+{
+    const pel_state *state = sim->state;
+    if (group >= sim->model->body_count)
+        return motion_of_tool(sim, &sim->tools[group - sim->model->body_count], now);
+    return now ? motion_of_body(sim, group, state->position, state->velocity)
+               : motion_of_body(sim, group, state->position_before, state->velocity_next);
+}
+
+static void velocity_at(const rigid_motion *motion, const double point[3], double velocity[3])
+{
+    double arm[3];
+    pel_vec3_subtract(point, motion->center, arm);
+    pel_vec3_cross(motion->spin, arm, velocity);
+    pel_vec3_add(velocity, motion->velocity, velocity);
+}
+
+/* ---- one pair ---- */
+
+/* relative velocity along the normal, above 0 = the groups part */
+static double parting(const rigid_motion motions[2], const double point[3], const double normal[3])
+{
+    double a[3], b[3];
+    velocity_at(&motions[0], point, a);
+    velocity_at(&motions[1], point, b);
+    pel_vec3_subtract(a, b, a);
+    return pel_vec3_dot(a, normal);
+}
+
+static double distance_along(const rigid_motion motions[2], const double normal[3])
+{
+    double way[3];
+    pel_vec3_subtract(motions[0].center, motions[1].center, way);
+    return pel_vec3_dot(way, normal);
+}
+
+/* relative acceleration of gravity against the normal [m/s2] */
+static double fall(const encounter *e)
+{
+    double along = pel_vec3_dot(e->sim->model->gravity, e->state->normal);
+    return -along * ((e->now[0].is_free ? 1 : 0) - (e->now[1].is_free ? 1 : 0));
+}
+
+/* change of the parting velocity by an impulse of 1 N s on each */
+static double mobility(const encounter *e)
+{
+    double sum = 0;
+    for (int i = 0; i < 2; i++) {
+        double arm[3], turn[3], change[3];
+        pel_vec3_subtract(e->state->point, e->now[i].center, arm);
+        pel_vec3_cross(arm, e->state->normal, turn);
+        apply((const double(*)[3])e->now[i].inverse_inertia, turn, change);
+        sum += e->now[i].inverse_mass + pel_vec3_dot(turn, change);
+    }
+    return sum;
+}
+
+/* an impulse [N s] on a body; the forces of the step count it where the mass is that it moves */
+static void push_body(const encounter *e, int i, double impulse)
+{
+    pel_sim *sim = e->sim;
+    const pel_model *model = sim->model;
+    const rigid_motion *motion = &e->now[i];
+    double arm[3], turn[3], spin[3], change[3], x[3], dt = sim->step.dt;
+    pel_vec3_subtract(e->state->point, motion->center, arm);
+    pel_vec3_cross(arm, e->state->normal, turn);
+    pel_vec3_scale(turn, impulse, turn);
+    apply((const double(*)[3])motion->inverse_inertia, turn, spin);
+    for (int32_t v = model->bodies[e->groups[i]].slice_begin * PEL_WIDTH;
+         motion->is_free && v < pel_body_place_end(model, e->groups[i]); v++) {
+        if (model->mesh_vertex[v] < 0)
+            continue;
+        pel_vertex_position(sim->state->position, v, x);
+        pel_vec3_subtract(x, motion->center, x);
+        pel_vec3_cross(spin, x, change);
+        pel_vec3_along(change, impulse * motion->inverse_mass, e->state->normal, change);
+        for (int k = 0; k < 3; k++) {
+            sim->state->velocity[v][k] += (pel_real)change[k];
+            sim->contact_forces.vertex[v][k] += (pel_real)((double)model->mass[v] * change[k] / dt);
+        }
+    }
+    if (sim->projector != NULL)
+        pel_projector_restart(sim->projector, sim->state, e->groups[i]);
+}
+
+/* the reaction on a tool, and its work */
+static void push_tool(const encounter *e, double impulse)
+{
+    pel_sim *sim = e->sim;
+    pel_tool *tool = &sim->tools[e->groups[1] - sim->model->body_count];
+    double force[3], velocity[3];
+    pel_vec3_scale(e->state->normal, -impulse / sim->step.dt, force);
+    pel_tool_add_reaction(tool, e->state->point, force);
+    velocity_at(&e->now[1], e->state->point, velocity);
+    sim->ledger.sums.work_tools += impulse * pel_vec3_dot(velocity, e->state->normal);
+}
+
+static void push(const encounter *e, double impulse)
+{
+    pel_sim *sim = e->sim;
+    pel_pair_force *pair = &sim->contact_forces.pair[e->groups[0] * sim->contact_forces.group_count + e->groups[1]];
+    push_body(e, 0, impulse);
+    if (e->groups[1] < sim->model->body_count)
+        push_body(e, 1, -impulse);
+    else
+        push_tool(e, impulse);
+    pel_vec3_along(pair->force, impulse / sim->step.dt, e->state->normal, pair->force);
+    sim->force_is_present = false;
+}
+
+/* Energy that the run has lost by now [J]. That of pbd is not the material's: there the approach alone bounds it. */
+static double lost_energy(pel_sim *sim)
+{
+    pel_sim_ledger ledger;
+    if (sim->stepper->has_substeps && !sim->stepper->is_compliant)
+        return HUGE_VAL;
+    pel_sim_get_ledger(sim, &ledger);
+    return ledger.dissipated_solver - ledger.energy_error;
+}
+
+/* Brings the parting velocity to that of Newton's law. A pair that still presses waits until that takes no more energy
+   than was lost. */
+static void part(encounter *e, double speed, bool presses)
+{
+    double wanted = e->restitution * e->state->approach, risen = 2 * fall(e) * e->state->risen;
+    double aim = sqrt(fmax(0, wanted * wanted - risen)), free = mobility(e);
+    double gain = 0.5 * (aim * aim - speed * speed) / free;
+    if (presses && aim <= speed)
+        return;
+    if (gain > 0) {
+        double lost = fmax(0, lost_energy(e->sim));
+        if (presses && lost < gain)
+            return;
+        if (lost < gain)
+            aim = sqrt(fmax(speed * speed + 2 * free * lost, 0));
+    }
+    push(e, (aim - speed) / free);
+}
+
+/* place and approach of a pair that presses */
+static void meet(encounter *e, const pel_pair_force *pair)
+{
+    pel_collision_state *state = e->state;
+    pel_vec3_copy(pair->load, state->normal);
+    pel_vec3_normalize(state->normal);
+    pel_vec3_scale(pair->point, 1 / pair->load_size, state->point);
+    double way = fmax(0, pair->approach / pair->load_size), speed = -parting(e->before, state->point, state->normal);
+    double square = speed * fabs(speed) + 2 * fall(e) * way;
+    if (square > state->approach * state->approach)
+        state->approach = sqrt(square);
+    state->contact_distance = distance_along(e->before, state->normal) - way;
+    state->idle_steps = 0;
+}
+
+static void collide(encounter *e, const pel_pair_force *pair)
+{
+    pel_collision_state *state = e->state;
+    bool presses = pair->load_size > 0;
+    double least = LEAST_STEPS * e->sim->step.dt * pel_vec3_length(e->sim->model->gravity);
+    if (presses)
+        meet(e, pair);
+    else
+        state->idle_steps++;
+    if (!(e->now[0].is_free || e->now[1].is_free) || !(state->approach > least)) {
+        *state = (pel_collision_state){0};
+        return;
+    }
+    state->is_on = true;
+    state->risen = distance_along(e->now, state->normal) - state->contact_distance;
+    double speed = parting(e->now, state->point, state->normal);
+    bool has_parted = !presses && speed > 0;
+    if (has_parted || (presses && fabs(speed) < REST_SHARE * state->approach))
+        part(e, speed, presses);
+    double idle_way = state->idle_steps * e->sim->step.dt * state->approach;
+    if (has_parted || idle_way > IDLE_SHARE * e->sim->contacts->mean_edge)
+        *state = (pel_collision_state){0};
+}
+
+/* ---- all of them ---- */
+
+static double restitution_of(const pel_sim *sim, int32_t group)
+{
+    int32_t tool = group - sim->model->body_count;
+    double own = tool < 0 ? sim->model->bodies[group].restitution : sim->tools[tool].restitution;
+    return own >= 0 ? own : sim->contacts->def.restitution;
+}
+
+/* below 0 where neither has any */
+static double restitution_of_pair(const pel_sim *sim, int32_t a, int32_t b)
+{
+    return fmax(restitution_of(sim, a), restitution_of(sim, b));
+}
+
+static bool is_used(const pel_sim *sim)
+{
+    bool used = false;
+    for (int32_t g = 0; sim->contacts != NULL && g < sim->contact_forces.group_count; g++)
+        used |= restitution_of(sim, g) >= 0;
+    return used;
+}
+
+pel_status pel_restitution_create(pel_sim *sim, pel_error *error)
+{
+    if (!is_used(sim))
+        return PEL_OK;
+    for (int32_t g = 0; g < sim->contact_forces.group_count; g++)
+        if (restitution_of(sim, g) > 1 || !isfinite(restitution_of(sim, g))) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "restitution of contact is %g", restitution_of(sim, g));
+            pel_fail_remedy(error, "give a number from 0 to 1, or leave it out for what the material gives back");
+            return PEL_BAD_ARGUMENT;
+        }
+    if (!pel_sim_has_velocity(sim)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "restitution needs velocities, which this method does not have");
+        pel_fail_remedy(error, "leave it out, or use the method xpbd, pbd or explicit");
+        return PEL_BAD_ARGUMENT;
+    }
+    size_t count = (size_t)sim->model->body_count * (size_t)sim->contact_forces.group_count;
+    sim->collisions = pel_allocate(count, sizeof *sim->collisions);
+    return sim->collisions != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+void pel_restitution_apply(pel_sim *sim)
+{
+    int32_t body_count = sim->model->body_count, group_count = sim->contact_forces.group_count;
+    for (int32_t a = 0; sim->collisions != NULL && a < body_count; a++)
+        for (int32_t b = a + 1; b < group_count; b++) {
+            const pel_pair_force *pair = &sim->contact_forces.pair[a * group_count + b];
+            encounter e = {.sim = sim, .state = &sim->collisions[a * group_count + b], .groups = {a, b}};
+            e.restitution = restitution_of_pair(sim, a, b);
+            if (e.restitution < 0 || !(pair->load_size > 0 || e.state->is_on))
+                continue;
+            for (int i = 0; i < 2; i++) {
+                e.before[i] = motion_of(sim, e.groups[i], false);
+                e.now[i] = motion_of(sim, e.groups[i], true);
+            }
+            collide(&e, pair);
+        }
+}

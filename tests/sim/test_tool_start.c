@@ -1,0 +1,97 @@
+/* Tools that start inside a body: the way out that the error tells, for every shape. */
+#include "sim/contact_scene.h"
+
+#include "math/vec3.h"
+
+/* the way that the error tells; -1 when the tool may start */
+static double way_told(contact_scene *scene)
+{
+    pel_sim *sim;
+    pel_error error;
+    if (pel_sim_create(&scene->def, &sim, &error) == PEL_OK) {
+        pel_sim_destroy(sim);
+        return -1;
+    }
+    assert_non_null(strstr(error.what, "starts inside body 'first' (by "));
+    assert_non_null(strstr(error.remedy, "by at least that much"));
+    return strtod(strstr(error.what, "(by ") + 4, NULL);
+}
+
+static pel_mesh *make_box_mesh(double half)
+{
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_CYLINDER);
+    def.radius = half;
+    def.height = 2 * half;
+    def.capped = true;
+    pel_mesh *mesh;
+    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+    return mesh;
+}
+
+/* a tenth less than that way is too little, a little more is enough */
+static void check_way(contact_scene *scene, double x, double y, double z, double expected, const double direction[3])
+{
+    scene_move(scene, 0, x, y, z, z, 1);
+    double way = way_told(scene), share = 0.9;
+    assert_near(way, expected, 6e-3 * expected + 1e-4);
+    for (int k = 0; k < 2; k++, share += 0.15) {
+        scene_move(scene, 0, x + share * way * direction[0], y + share * way * direction[1],
+                   z + share * way * direction[2], z + share * way * direction[2], 1);
+        assert_true((way_told(scene) < 0) == (k == 1));
+    }
+}
+
+/* the top of a large block is at z = 1 */
+static void test_block(void **unused)
+{
+    (void)unused;
+    static const double up[3] = {0, 0, 1};
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+    scene_body(&scene, make_box_mesh(1));
+    pel_tool_def *tool = scene_tool(&scene, PEL_TOOL_CAPSULE);
+    tool->radius = 0.05;
+    tool->half_length = 0.3;
+    scene_move(&scene, 0, 0, 0, 3, 3, 1);
+    pel_sim *sim = scene_create(&scene);
+    /* upright: the tip, the axis, and all of it */
+    check_way(&scene, 0, 0, 1.33, 0.02, up);
+    check_way(&scene, 0, 0, 1.15, 0.2, up);
+    check_way(&scene, 0, 0, 0.9, 0.45, up);
+    tool->shape = PEL_TOOL_SPHERE;
+    tool->radius = 0.3;
+    check_way(&scene, 0, 0, 1.2, 0.1, up);
+    check_way(&scene, 0, 0, 0.8, 0.5, up);
+    tool->shape = PEL_TOOL_BOX;
+    pel_vec3_set(tool->half_extents, 0.1, 0.1, 0.2);
+    check_way(&scene, 0, 0, 1.1, 0.1, up);
+    check_way(&scene, 0, 0, 0.7, 0.5, up);
+    tool->shape = PEL_TOOL_MESH;
+    tool->mesh = scene.tool_mesh = make_box_mesh(0.2);
+    check_way(&scene, 0, 0, 1.1, 0.1, up);
+    check_way(&scene, 0, 0, 0.7, 0.5, up);
+    scene_end(&scene, sim);
+}
+
+/* a capsule through a sheet goes out the shorter way along its axis */
+static void test_sheet(void **unused)
+{
+    (void)unused;
+    static const double up[3] = {0, 0, 1};
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+    scene_body(&scene, make_shape(PEL_SHAPE_GRID));
+    pel_tool_def *tool = scene_tool(&scene, PEL_TOOL_CAPSULE);
+    tool->radius = 0.02;
+    tool->half_length = 0.1;
+    scene_move(&scene, 0, 0, 0, 3, 3, 1);
+    pel_sim *sim = scene_create(&scene);
+    check_way(&scene, 0.03, 0.01, 0.05, 0.07, up);
+    scene_end(&scene, sim);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_block), cmocka_unit_test(test_sheet)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
