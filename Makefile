@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test demo bench bench-peers web format docs pictures install packages clean
+.PHONY: help build program test nightly demo bench bench-peers web format docs pictures install packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -23,6 +23,9 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh, SCEN
 
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
+
+nightly: build ## run the long tests: all scenes to their ends, stopped and continued
+	@PELLICLE_LONG=1 ctest --test-dir build/$(PRESET) --output-on-failure --timeout 7200 -R '^run/resume$$'
 
 bench: program ## run the benchmarks
 	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)

@@ -1,6 +1,6 @@
 #include "bench.h"
 #include "commands.h"
-#include "common.h"
+#include "diagnostics.h"
 #include "json.h"
 
 #include <stdlib.h>

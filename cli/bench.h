@@ -2,7 +2,7 @@
 #ifndef PELLICLE_CLI_BENCH_H
 #define PELLICLE_CLI_BENCH_H
 
-#include "common.h"
+#include "diagnostics.h"
 
 enum { CLI_BENCH_NUMBERS = 20 };
 

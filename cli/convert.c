@@ -1,5 +1,5 @@
 #include "commands.h"
-#include "common.h"
+#include "diagnostics.h"
 
 #include <pellicle/export.h>
 

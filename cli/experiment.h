@@ -2,7 +2,7 @@
 #ifndef PELLICLE_CLI_EXPERIMENT_H
 #define PELLICLE_CLI_EXPERIMENT_H
 
-#include "common.h"
+#include "diagnostics.h"
 #include "plot.h"
 
 #include <pellicle/frames.h>

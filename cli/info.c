@@ -1,5 +1,5 @@
 #include "commands.h"
-#include "common.h"
+#include "diagnostics.h"
 #include "json.h"
 
 #include <pellicle/mesh_check.h>

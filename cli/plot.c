@@ -1,5 +1,5 @@
 #include "plot.h"
-#include "common.h"
+#include "diagnostics.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* The materials that scenes may name. */
 #include "commands.h"
-#include "common.h"
+#include "diagnostics.h"
 #include "help.h"
 #include "json.h"
 

@@ -1,6 +1,6 @@
 /* Texts that the scene's table of parameters yields. */
 #include "commands.h"
-#include "common.h"
+#include "diagnostics.h"
 
 #include <pellicle/scene.h>
 

@@ -1,6 +1,6 @@
 /* pellicle render: the options become a pel_render_def. */
 #include "commands.h"
-#include "common.h"
+#include "diagnostics.h"
 
 #include <pellicle/render.h>
 

@@ -3,12 +3,12 @@
    before all frames were read once without an error. */
 #include "pellicle/render.h"
 
-#include "view/canvas.h"
 #include "view/field.h"
 #include "view/film.h"
-#include "view/page.h"
+#include "view/frame_selection.h"
+#include "view/gl_target.h"
 #include "view/run.h"
-#include "view/shots.h"
+#include "view/sheet_layout.h"
 #include "view/support.h"
 #include "view/writer.h"
 
@@ -26,13 +26,13 @@ typedef struct job {
     pel_render_def def;
     const pel_log *log;
     view_run *runs; /* (def.input_count) */
-    view_shots shots;
-    view_page page;
-    view_canvas *canvas;
+    view_frame_selection shots;
+    view_sheet page;
+    view_gl_target *canvas;
     view_camera camera;
     view_image image;
     view_scale scale;
-    view_soup soup;
+    view_triangle_list soup;
     const char *field; /* null = plain */
     char field_name[PEL_NAME_SIZE];
     int32_t component_count;
@@ -257,7 +257,7 @@ static pel_status see_arrow(job *j, const double ends[2][3], pel_error *error)
 
 static pel_status add_arrow(job *j, const double ends[2][3], pel_error *error)
 {
-    return view_soup_add_arrow(&j->soup, &j->camera, ends[0], ends[1], 0.006 * body_size(j), error);
+    return view_triangle_list_add_arrow(&j->soup, &j->camera, ends[0], ends[1], 0.006 * body_size(j), error);
 }
 
 static pel_status visit_arrows(job *j, const pel_mesh *mesh, const double (*vectors)[3], const double (*normals)[3],
@@ -403,10 +403,10 @@ static pel_status draw_surface(job *j, const pel_mesh *mesh, const char *place, 
             j->values[v] = fmin(fmax((j->values[v] - j->range[0]) / (j->range[1] - j->range[0]), 0), 1);
     }
     j->soup.count = 0;
-    pel_status status =
-        view_soup_add_mesh(&j->soup, &j->camera, mesh, j->field != NULL ? j->values : NULL, j->def.flat, error);
+    pel_status status = view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, j->field != NULL ? j->values : NULL,
+                                                    j->def.flat, error);
     if (status == PEL_OK)
-        view_canvas_draw(j->canvas, &j->soup, &look);
+        view_gl_target_draw(j->canvas, &j->soup, &look);
     return status;
 }
 
@@ -416,7 +416,7 @@ static pel_status draw_arrows(job *j, const pel_mesh *mesh, pel_error *error)
     j->soup.count = 0;
     pel_status status = walk_arrows(j, mesh, add_arrow, error);
     if (status == PEL_OK)
-        view_canvas_draw(j->canvas, &j->soup, &look);
+        view_gl_target_draw(j->canvas, &j->soup, &look);
     return status;
 }
 
@@ -428,10 +428,10 @@ static pel_status draw_tools(job *j, view_shot shot, pel_error *error)
         double position[3], rotation[4];
         const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
         j->soup.count = 0;
-        pel_status status = view_soup_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
+        pel_status status = view_triangle_list_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
         if (status != PEL_OK)
             return status;
-        view_canvas_draw(j->canvas, &j->soup, &look);
+        view_gl_target_draw(j->canvas, &j->soup, &look);
     }
     return PEL_OK;
 }
@@ -457,7 +457,7 @@ static void draw_label(job *j, view_shot shot, int32_t cell)
     if (run->has_times && length < sizeof text)
         snprintf(text + length, sizeof text - length, "%st = %.*f s", length > 0 ? ", " : "", j->time_decimals,
                  view_run_time(run, shot.frame));
-    view_page_label(&j->page, &j->image, cell, text);
+    view_sheet_label(&j->page, &j->image, cell, text);
 }
 
 static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *error)
@@ -467,16 +467,16 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     if (status != PEL_OK)
         return status;
     double start = view_clock();
-    view_canvas_begin(j->canvas, &j->camera, j->page.background);
+    view_gl_target_begin(j->canvas, &j->camera, j->page.background);
     status = draw_surface(j, mesh, frame_path(j, shot), error);
     if (status == PEL_OK && j->def.arrows != NULL)
         status = draw_arrows(j, mesh, error);
     if (status == PEL_OK)
         status = draw_tools(j, shot, error);
     int32_t x, y;
-    view_page_cell(&j->page, cell, &x, &y);
+    view_sheet_cell(&j->page, cell, &x, &y);
     if (status == PEL_OK)
-        status = view_canvas_read(j->canvas, &j->image, x, y, error);
+        status = view_gl_target_read(j->canvas, &j->image, x, y, error);
     if (status == PEL_OK && !j->def.hide_labels)
         draw_label(j, shot, cell);
     j->summary.draw_s += view_clock() - start;
@@ -489,9 +489,9 @@ static pel_status draw_page(job *j, int32_t page, pel_error *error)
     const view_shot *shots = j->shots.shots + (size_t)page * (size_t)j->shots.cell_count;
     double start = view_clock();
     double before = j->summary.draw_s;
-    view_page_begin(&j->page, &j->image);
+    view_sheet_begin(&j->page, &j->image);
     if (j->field != NULL && !j->def.hide_bar)
-        view_page_bar(&j->page, &j->image, j->color_map, &j->scale);
+        view_sheet_bar(&j->page, &j->image, j->color_map, &j->scale);
     j->summary.draw_s += view_clock() - start;
     pel_status status = PEL_OK;
     for (int32_t cell = 0; status == PEL_OK && cell < j->shots.cell_count; ++cell) {
@@ -547,7 +547,7 @@ static pel_status write_pictures(job *j, bool folder, pel_error *error)
 /* real time, within what looks like a film */
 static double film_rate(const job *j)
 {
-    const view_shots *shots = &j->shots;
+    const view_frame_selection *shots = &j->shots;
     if (j->def.frame_rate > 0 || shots->page_count < 2)
         return j->def.frame_rate > 0 ? j->def.frame_rate : 10;
     view_shot first = shots->shots[0], last = shots->shots[(size_t)(shots->page_count - 1) * (size_t)shots->cell_count];
@@ -584,22 +584,22 @@ static pel_status make_page(job *j, pel_error *error)
     if (j->field != NULL)
         view_scale_make(&scale, j->field, j->def.component, j->component_count, j->def.unit, some);
     bool labels = j->def.labels != NULL || j->def.input_count > 1 || j->runs[0].has_times;
-    view_page_def def = {.columns = j->shots.columns,
-                         .rows = j->shots.rows,
-                         .width = j->def.width,
-                         .height = j->def.height,
-                         .background = j->def.background,
-                         .title = j->def.title,
-                         .bar_title = j->field != NULL && !j->def.hide_bar ? scale.title : NULL,
-                         .labels = labels && !j->def.hide_labels};
-    return view_page_create(&j->page, &def, error);
+    view_sheet_def def = {.columns = j->shots.columns,
+                          .rows = j->shots.rows,
+                          .width = j->def.width,
+                          .height = j->def.height,
+                          .background = j->def.background,
+                          .title = j->def.title,
+                          .bar_title = j->field != NULL && !j->def.hide_bar ? scale.title : NULL,
+                          .labels = labels && !j->def.hide_labels};
+    return view_sheet_create(&j->page, &def, error);
 }
 
 static pel_status prepare(job *j, pel_error *error)
 {
     pel_status status = open_runs(j, error);
     if (status == PEL_OK)
-        status = view_shots_create(&j->shots, &j->def, j->runs, error);
+        status = view_frame_selection_create(&j->shots, &j->def, j->runs, error);
     if (status == PEL_OK)
         status = choose_field(j, error);
     if (status == PEL_OK)
@@ -609,9 +609,9 @@ static pel_status prepare(job *j, pel_error *error)
     if (status == PEL_OK)
         status = view_image_create(&j->image, j->page.width, j->page.height, error);
     if (status == PEL_OK)
-        status = view_canvas_create(j->page.cell_width, j->page.cell_height, &j->canvas, error);
+        status = view_gl_target_create(j->page.cell_width, j->page.cell_height, &j->canvas, error);
     if (status == PEL_OK)
-        view_canvas_set_color_map(j->canvas, j->color_map);
+        view_gl_target_set_color_map(j->canvas, j->color_map);
     return status;
 }
 
@@ -622,7 +622,7 @@ static void summarize(job *j)
     summary->height = j->page.height;
     snprintf(summary->field, sizeof summary->field, "%s", j->field_name);
     memcpy(summary->range, j->range, sizeof summary->range);
-    snprintf(summary->renderer, sizeof summary->renderer, "%s", view_canvas_renderer(j->canvas));
+    snprintf(summary->renderer, sizeof summary->renderer, "%s", view_gl_target_renderer(j->canvas));
 }
 
 static void clean(job *j)
@@ -631,11 +631,11 @@ static void clean(job *j)
         view_run_close(&j->runs[r]);
     free(j->runs);
     free(j->values);
-    view_soup_destroy(&j->soup);
-    view_shots_destroy(&j->shots);
-    view_canvas_destroy(j->canvas);
+    view_triangle_list_destroy(&j->soup);
+    view_frame_selection_destroy(&j->shots);
+    view_gl_target_destroy(j->canvas);
     view_image_destroy(&j->image);
-    view_page_destroy(&j->page);
+    view_sheet_destroy(&j->page);
 }
 
 pel_status pel_render(const pel_render_def *def, const pel_log *log, pel_render_summary *summary, pel_error *error)

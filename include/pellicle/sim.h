@@ -385,9 +385,11 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
 uint64_t pel_sim_hash(const pel_sim *sim);
 
-/* Snapshot: everything a later pel_sim_load needs to continue with the same bits, in a buffer of pel_sim_save_size
-   bytes (fixed for one sim). Load refuses a snapshot of another model, solver or version (PEL_BAD_FORMAT), and one
-   whose numbers are out of range: then only the next successful load gives a state to go on from. */
+/* Snapshot: everything a later pel_sim_load needs to continue with the same bits, statistics of contact and ledger
+   included, in a buffer of pel_sim_save_size bytes (fixed for one sim). Load refuses (PEL_BAD_FORMAT) a snapshot that
+   was made with any other number of the defs, and names the parts that differ ("made with other: gravity, tools"); one
+   of another version or precision; one that is damaged. The state stays as it was. Only of a forged one, with a right
+   checksum and numbers out of range, a part may be loaded before it is refused. */
 size_t pel_sim_save_size(const pel_sim *sim);
 void pel_sim_save(const pel_sim *sim, void *bytes);
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);

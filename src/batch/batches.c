@@ -439,7 +439,7 @@ static void update_pieces(const plan *p)
         if (i >= mesh_places && v >= 0) {
             while (pel_lod_forest_vertex_parents(p->body->front->forest, v, parents))
                 v = parents[0];
-            base = p->body->slot_of_vertex[v] - p->first_place;
+            base = p->body->model_index[v] - p->first_place;
         }
         int32_t piece = base / PIECE_SIZE;
         pieces->piece_of_place[i] = piece < pieces->piece_count ? piece : pieces->piece_count - 1;

@@ -21,11 +21,11 @@ typedef struct pel_box {
 
 /* eight boxes, lane by lane; an empty lane overlaps nothing */
 enum { PEL_LANES = 8 };
-typedef float pel_lanes __attribute__((vector_size(32)));
-typedef int32_t pel_lanes_mask __attribute__((vector_size(32)));
+typedef float pel_box8 __attribute__((vector_size(32)));
+typedef int32_t pel_box8_mask __attribute__((vector_size(32)));
 
 typedef struct pel_box_group {
-    pel_lanes low[3], high[3];
+    pel_box8 low[3], high[3];
 } pel_box_group;
 
 static inline pel_corner pel_corner_min(pel_corner a, pel_corner b)
@@ -92,9 +92,9 @@ static inline double pel_box_area(const pel_box *box)
     return x >= 0 ? x * y + y * z + z * x : 0;
 }
 
-static inline pel_lanes pel_lanes_splat(float x)
+static inline pel_box8 pel_box8_splat(float x)
 {
-    return (pel_lanes){x, x, x, x, x, x, x, x};
+    return (pel_box8){x, x, x, x, x, x, x, x};
 }
 
 static inline pel_box pel_box_group_get(const pel_box_group *group, int lane)
@@ -112,7 +112,7 @@ static inline void pel_box_group_set(pel_box_group *group, int lane, pel_box box
 }
 
 /* bit i: lane i is set */
-static inline unsigned pel_lanes_bits(pel_lanes_mask mask)
+static inline unsigned pel_box8_bits(pel_box8_mask mask)
 {
 #if defined(__AVX__)
     return (unsigned)_mm256_movemask_ps((__m256)mask);
@@ -124,19 +124,19 @@ static inline unsigned pel_lanes_bits(pel_lanes_mask mask)
 #endif
 }
 
-static inline pel_lanes_mask pel_lanes_equal(pel_lanes_mask lanes, int32_t x)
+static inline pel_box8_mask pel_box8_equal(pel_box8_mask lanes, int32_t x)
 {
-    return (pel_lanes_mask)(lanes == (pel_lanes_mask){x, x, x, x, x, x, x, x});
+    return (pel_box8_mask)(lanes == (pel_box8_mask){x, x, x, x, x, x, x, x});
 }
 
 /* lanes that overlap the box with these corners */
-static inline pel_lanes_mask pel_box_group_overlaps(const pel_box_group *group, const float low[3], const float high[3])
+static inline pel_box8_mask pel_box_group_overlaps(const pel_box_group *group, const float low[3], const float high[3])
 {
-    pel_lanes_mask hit = (pel_lanes_mask)(group->low[0] <= pel_lanes_splat(high[0]));
-    hit &= (pel_lanes_mask)(group->high[0] >= pel_lanes_splat(low[0]));
+    pel_box8_mask hit = (pel_box8_mask)(group->low[0] <= pel_box8_splat(high[0]));
+    hit &= (pel_box8_mask)(group->high[0] >= pel_box8_splat(low[0]));
     for (int k = 1; k < 3; k++) {
-        hit &= (pel_lanes_mask)(group->low[k] <= pel_lanes_splat(high[k]));
-        hit &= (pel_lanes_mask)(group->high[k] >= pel_lanes_splat(low[k]));
+        hit &= (pel_box8_mask)(group->low[k] <= pel_box8_splat(high[k]));
+        hit &= (pel_box8_mask)(group->high[k] >= pel_box8_splat(low[k]));
     }
     return hit;
 }

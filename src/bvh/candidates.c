@@ -359,3 +359,40 @@ pel_status pel_candidates_at_rest(pel_candidates *c, const double (*positions)[3
         c->vertex_face_count = c->edge_edge_count = 0;
     return status;
 }
+
+/* ---- memory ---- */
+
+void pel_candidates_memory(pel_candidates *c, pel_memory_part parts[PEL_CANDIDATES_PARTS])
+{
+    size_t vertex_count = (size_t)c->tree->vertex_count;
+    const pel_memory_part all[PEL_CANDIDATES_PARTS] = {
+        {&c->margin, sizeof c->margin},
+        {&c->kept_limit, sizeof c->kept_limit},
+        {&c->has_kept, sizeof c->has_kept},
+        {&c->kept_uses, sizeof c->kept_uses},
+        {&c->pause, sizeof c->pause},
+        {&c->pause_length, sizeof c->pause_length},
+        {c->kept_boxes, vertex_count * sizeof *c->kept_boxes},
+        {c->kept_positions, vertex_count * sizeof *c->kept_positions},
+    };
+    memcpy(parts, all, sizeof all);
+}
+
+pel_status pel_candidates_recall(pel_candidates *c, pel_pool *pool, pel_error *error)
+{
+    unsigned char kept;
+    memcpy(&kept, &c->has_kept, 1);
+    bool is_whole = kept <= 1 && c->margin >= 0 && c->kept_uses >= 0 && c->kept_uses <= INT32_MAX / 2 &&
+                    c->pause >= 0 && c->pause <= PAUSE_LIMIT && c->pause_length >= 0 && c->pause_length <= PAUSE_LIMIT;
+    for (int32_t v = 0; is_whole && kept == 1 && v < c->tree->vertex_count; v++)
+        is_whole = pel_corner_below(c->kept_boxes[v].low, c->kept_boxes[v].high);
+    c->has_kept = is_whole && kept == 1;
+    if (!is_whole)
+        return pel_fail(error, PEL_BAD_FORMAT, "the memory of the search for pairs is damaged");
+    if (!c->has_kept)
+        return PEL_OK;
+    pel_tree_refit(c->tree, c->kept_boxes, pool);
+    pel_status status = pel_find_pairs(c->tree, c->tree, both_kinds, pool, &c->search, error);
+    c->has_kept = status == PEL_OK;
+    return status;
+}

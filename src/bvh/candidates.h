@@ -33,6 +33,14 @@ typedef struct pel_collision_groups {
     int32_t group_count;
 } pel_collision_groups;
 
+/* A piece of memory that is saved as it stands. */
+typedef struct pel_memory_part {
+    void *data;
+    size_t size;
+} pel_memory_part;
+
+enum { PEL_CANDIDATES_PARTS = 8 };
+
 typedef struct pel_candidates {
     pel_tree *tree;              /* own */
     pel_collision_groups groups; /* not owned; to be set between updates */
@@ -72,5 +80,12 @@ pel_status pel_candidates_update(pel_candidates *candidates, const double (*star
 /* The same for a surface that does not move, without a margin: what was kept is forgotten. */
 pel_status pel_candidates_at_rest(pel_candidates *candidates, const double (*positions)[3], double thickness,
                                   pel_pool *pool, pel_error *error);
+
+/* What past updates decide of those to come, beside the surface; the kept pairs follow from it. The pieces are of the
+   same sizes for any surface with as many vertices. */
+void pel_candidates_memory(pel_candidates *candidates, pel_memory_part parts[PEL_CANDIDATES_PARTS]);
+/* Finds the kept pairs again after the pieces were overwritten. PEL_BAD_FORMAT when they cannot be what was saved;
+   other errors as for an update. */
+pel_status pel_candidates_recall(pel_candidates *candidates, pel_pool *pool, pel_error *error);
 
 #endif

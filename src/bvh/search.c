@@ -106,13 +106,13 @@ static probe get_probe(const pel_tree *tree, int32_t group, int lane)
 /* bit i: lane i of the group overlaps */
 static unsigned touching(const pel_tree *tree, int32_t group, const pel_box *box)
 {
-    return pel_lanes_bits(
+    return pel_box8_bits(
         pel_box_group_overlaps(&tree->groups[group], (const float *)&box->low, (const float *)&box->high));
 }
 
 static unsigned touched(const pel_tree *tree, int32_t group, const probe *p)
 {
-    return pel_lanes_bits(pel_box_group_overlaps(&tree->groups[group], p->low, p->high));
+    return pel_box8_bits(pel_box_group_overlaps(&tree->groups[group], p->low, p->high));
 }
 
 /* bit i: lane i of the group, of edges or triangles, has a vertex of the probe, of which it has vertex_count; most of
@@ -120,11 +120,11 @@ static unsigned touched(const pel_tree *tree, int32_t group, const probe *p)
 static unsigned neighbours(const pel_tree *tree, int32_t group, const probe *p, int vertex_count)
 {
     const pel_member_group *members = &tree->members[group];
-    pel_lanes_mask shared = {0};
+    pel_box8_mask shared = {0};
     for (int i = 0; i < vertex_count; i++)
         for (int corner = 0; corner < 3; corner++)
-            shared |= pel_lanes_equal(members->vertices[corner], p->vertices[i]);
-    return pel_lanes_bits(shared);
+            shared |= pel_box8_equal(members->vertices[corner], p->vertices[i]);
+    return pel_box8_bits(shared);
 }
 
 /* takes the lowest set bit away and returns its number */

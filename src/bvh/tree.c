@@ -211,9 +211,9 @@ static void sort_triangles(pel_tree *tree, int32_t begin, int32_t end)
 /* puts an element into the next lane of the groups from `first` on; returns the new number of elements */
 static int32_t add_member(pel_tree *tree, int32_t first, int32_t count, int32_t element)
 {
-    pel_lanes_mask *lanes = &tree->members[first + count / PEL_LANES].element;
+    pel_box8_mask *lanes = &tree->members[first + count / PEL_LANES].element;
     if (count % PEL_LANES == 0)
-        *lanes = (pel_lanes_mask){-1, -1, -1, -1, -1, -1, -1, -1};
+        *lanes = (pel_box8_mask){-1, -1, -1, -1, -1, -1, -1, -1};
     (*lanes)[count % PEL_LANES] = element;
     return count + 1;
 }

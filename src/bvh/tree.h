@@ -27,7 +27,7 @@ typedef struct pel_leaf {
 /* what is in the lanes of a group: a triangle, vertex or edge, -1 = nothing; and its vertices, of a vertex or an edge
    the last one repeated */
 typedef struct pel_member_group {
-    pel_lanes_mask element, vertices[3];
+    pel_box8_mask element, vertices[3];
 } pel_member_group;
 
 typedef struct pel_tree {

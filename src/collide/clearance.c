@@ -5,6 +5,7 @@
 #include "math/vec3.h"
 #include "pellicle/geometry.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64 };
@@ -164,6 +165,22 @@ static bool is_worth_it(pel_clearance *clearance, const double (*start)[3], cons
     return clearance->pause == 0;
 }
 
+/* all pairs nearer than `reach` at some positions */
+static pel_status find_near(pel_clearance *clearance, pel_candidates *candidates, const double (*positions)[3],
+                            double reach, pel_pool *pool, pel_error *error)
+{
+    pel_status status = pel_candidates_at_rest(candidates, positions, reach, pool, error);
+    near_job job = {.tree = candidates->tree, .positions = positions, .square = reach * reach};
+    if (status != PEL_OK)
+        return status;
+    if (!keep_near(&job, candidates->vertex_face, candidates->vertex_face_count, pool, &clearance->vertex_face))
+        return pel_fail_memory(error);
+    job.edge_edge = true;
+    if (!keep_near(&job, candidates->edge_edge, candidates->edge_edge_count, pool, &clearance->edge_edge))
+        return pel_fail_memory(error);
+    return PEL_OK;
+}
+
 bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, const double (*start)[3],
                          const double (*end)[3], double needed, double margin, pel_pool *pool)
 {
@@ -171,15 +188,39 @@ bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, c
         return false;
     double reach = needed * (1 + 2 * SLACK) + margin;
     clearance->uses = 0;
-    if (pel_candidates_at_rest(candidates, start, reach, pool, NULL) != PEL_OK)
-        return false;
-    near_job job = {.tree = candidates->tree, .positions = start, .square = reach * reach};
-    if (!keep_near(&job, candidates->vertex_face, candidates->vertex_face_count, pool, &clearance->vertex_face))
-        return false;
-    job.edge_edge = true;
-    if (!keep_near(&job, candidates->edge_edge, candidates->edge_edge_count, pool, &clearance->edge_edge))
+    if (find_near(clearance, candidates, start, reach, pool, NULL) != PEL_OK)
         return false;
     memcpy(clearance->positions, start, (size_t)clearance->point_count * sizeof *start);
     clearance->reach = reach;
     return true;
+}
+
+/* ---- memory ---- */
+
+void pel_clearance_memory(pel_clearance *clearance, pel_memory_part parts[PEL_CLEARANCE_PARTS])
+{
+    const pel_memory_part all[PEL_CLEARANCE_PARTS] = {
+        {&clearance->reach, sizeof clearance->reach},
+        {&clearance->uses, sizeof clearance->uses},
+        {&clearance->pause, sizeof clearance->pause},
+        {&clearance->pause_length, sizeof clearance->pause_length},
+        {clearance->positions, (size_t)clearance->point_count * sizeof *clearance->positions},
+    };
+    memcpy(parts, all, sizeof all);
+}
+
+pel_status pel_clearance_recall(pel_clearance *clearance, pel_candidates *candidates, pel_pool *pool, pel_error *error)
+{
+    double reach = clearance->reach;
+    clearance->reach = 0;
+    if (!(reach >= 0 && isfinite(reach)) || clearance->uses < 0 || clearance->uses > INT32_MAX / 2 ||
+        clearance->pause < 0 || clearance->pause > PAUSE_LIMIT || clearance->pause_length < 0 ||
+        clearance->pause_length > PAUSE_LIMIT)
+        return pel_fail(error, PEL_BAD_FORMAT, "the memory of the search for pairs is damaged");
+    if (!(reach > 0))
+        return PEL_OK;
+    pel_status status = find_near(clearance, candidates, (const double(*)[3])clearance->positions, reach, pool, error);
+    if (status == PEL_OK)
+        clearance->reach = reach;
+    return status;
 }

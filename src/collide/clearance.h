@@ -37,4 +37,12 @@ bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], co
 bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, const double (*start)[3],
                          const double (*end)[3], double needed, double margin, pel_pool *pool);
 
+enum { PEL_CLEARANCE_PARTS = 5 };
+
+/* What it knows, but for the pairs, which follow from it (pel_candidates_memory). */
+void pel_clearance_memory(pel_clearance *clearance, pel_memory_part parts[PEL_CLEARANCE_PARTS]);
+/* Finds the pairs again after the pieces were overwritten; what the candidates keep is forgotten. PEL_BAD_FORMAT when
+   they cannot be what was saved; other errors as for an update. */
+pel_status pel_clearance_recall(pel_clearance *clearance, pel_candidates *candidates, pel_pool *pool, pel_error *error);
+
 #endif

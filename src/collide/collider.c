@@ -103,31 +103,86 @@ static double mean_edge(const double (*positions)[3], const int32_t (*triangles)
     return isfinite(sum) ? sum / (3.0 * triangle_count) : 0;
 }
 
-pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
-                                    const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
+/* what knows of one surface; nothing is left behind on failure */
+static pel_status make_surface(const pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
+                               const int32_t (*triangles)[3], int32_t triangle_count, pel_candidates **made,
+                               pel_clearance *clearance, pel_error *error)
 {
     int64_t memory = collider->memory_limit;
     if (memory == 0)
         memory =
             MEMORY_PER_TRIANGLE * triangle_count > LEAST_MEMORY ? MEMORY_PER_TRIANGLE * triangle_count : LEAST_MEMORY;
     double margin = collider->margin >= 0 ? collider->margin : 0.2 * mean_edge(positions, triangles, triangle_count);
-    pel_candidates *made;
     pel_status status = pel_candidates_create(positions, vertex_count, triangles, triangle_count, margin,
-                                              memory / BYTES_PER_PAIR, &made, error);
+                                              memory / BYTES_PER_PAIR, made, error);
     if (status != PEL_OK)
         return status;
+    status = pel_clearance_create(vertex_count, clearance, error);
+    if (status != PEL_OK)
+        pel_candidates_destroy(*made);
+    else if (collider->candidates != NULL)
+        (*made)->groups = collider->candidates->groups;
+    return status;
+}
+
+static void replace_surface(pel_collider *collider, pel_candidates *made, const pel_clearance *clearance)
+{
+    pel_clearance_clear(&collider->clearance);
+    pel_candidates_destroy(collider->candidates);
+    collider->clearance = *clearance;
+    collider->candidates = made;
+}
+
+pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
+                                    const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
+{
+    pel_candidates *made;
     pel_clearance clearance;
-    status = pel_clearance_create(vertex_count, &clearance, error);
+    pel_status status =
+        make_surface(collider, positions, vertex_count, triangles, triangle_count, &made, &clearance, error);
+    if (status == PEL_OK)
+        replace_surface(collider, made, &clearance);
+    return status;
+}
+
+void pel_collider_memory(pel_collider *collider, pel_memory_part parts[PEL_COLLIDER_PARTS])
+{
+    pel_candidates_memory(collider->candidates, parts);
+    pel_clearance_memory(&collider->clearance, parts + PEL_CANDIDATES_PARTS);
+}
+
+static void copy_memory(const pel_memory_part *from, const pel_memory_part *to, int count)
+{
+    for (int i = 0; i < count; i++)
+        memcpy(to[i].data, from[i].data, to[i].size);
+}
+
+pel_status pel_collider_recall(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
+                               const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
+{
+    pel_memory_part saved[PEL_COLLIDER_PARTS], parts[PEL_CANDIDATES_PARTS];
+    pel_candidates *made;
+    pel_clearance clearance;
+    pel_status status =
+        make_surface(collider, positions, vertex_count, triangles, triangle_count, &made, &clearance, error);
+    if (status != PEL_OK)
+        return status;
+    pel_collider_memory(collider, saved);
+    pel_candidates_memory(made, parts);
+    /* the pairs of the clearance first: they are searched with the candidates */
+    pel_memory_part clear[PEL_CLEARANCE_PARTS];
+    pel_clearance_memory(&clearance, clear);
+    copy_memory(saved + PEL_CANDIDATES_PARTS, clear, PEL_CLEARANCE_PARTS);
+    status = pel_clearance_recall(&clearance, made, collider->pool, error);
+    copy_memory(saved, parts, PEL_CANDIDATES_PARTS);
+    if (status == PEL_OK)
+        status = pel_candidates_recall(made, collider->pool, error);
     if (status != PEL_OK) {
+        pel_clearance_clear(&clearance);
         pel_candidates_destroy(made);
         return status;
     }
-    pel_clearance_clear(&collider->clearance);
-    collider->clearance = clearance;
-    if (collider->candidates != NULL)
-        made->groups = collider->candidates->groups;
-    pel_candidates_destroy(collider->candidates);
-    collider->candidates = made;
+    replace_surface(collider, made, &clearance);
     return PEL_OK;
 }
 

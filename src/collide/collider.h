@@ -3,7 +3,7 @@
 #define PEL_COLLIDE_COLLIDER_H
 
 #include "base/pool.h"
-#include "bvh/candidates.h"
+#include "collide/clearance.h"
 #include "pellicle/collide.h"
 
 /* Loops run on this pool from now on, which stays the caller's; null = one thread. */
@@ -20,5 +20,17 @@ const pel_tree *pel_collider_tree(const pel_collider *collider);
    (PEL_OUT_OF_MEMORY) the old surface stays. */
 pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                     const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
+
+enum { PEL_COLLIDER_PARTS = PEL_CANDIDATES_PARTS + PEL_CLEARANCE_PARTS };
+
+/* What past searches decide of those to come: with it and the same surface a collider finds the same pairs by the same
+   searches, and counts the same. The pieces stay where they are until another surface is set, and their sizes for good.
+ */
+void pel_collider_memory(pel_collider *collider, pel_memory_part parts[PEL_COLLIDER_PARTS]);
+/* Sets another surface with as many vertices as before, for which the pieces were overwritten by those of an earlier
+   search of it; what follows from them is found anew. Errors as for pel_collider_set_surface, and PEL_BAD_FORMAT when
+   the pieces cannot be what was saved. */
+pel_status pel_collider_recall(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
+                               const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
 
 #endif

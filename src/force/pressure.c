@@ -56,7 +56,7 @@ double pel_body_volume(const pel_model *model, int32_t body, const pel_record *p
     /* a shell's triangles stand in an order that does not depend on how a refined surface came about */
     const pel_shell *shell = model->bodies[body].shell;
     double volume = 0, at[3];
-    pel_vertex_position(position, model->bodies[body].slot_of_vertex[0], at);
+    pel_vertex_position(position, model->bodies[body].model_index[0], at);
     int32_t count = pel_surface_count(model, body);
     for (int32_t i = 0; i < count; i++) {
         const int32_t *v =

@@ -59,15 +59,15 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
                                 int32_t place, double force[3]);
 
 /* Energies on the vertices of one body by row: a third of each triangle, a quarter of each hinge there. Rows are the
-   vertices of the mesh, or what row_of_vertex says of vertices of the forest. The arrays (vertex_count) are
+   vertices of the mesh, or what output_vertex says of vertices of the forest. The arrays (vertex_count) are
    overwritten, with zeros for a body that is no shell. */
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
-                               const int32_t *row_of_vertex, const pel_record *position, double time, double *membrane,
+                               const int32_t *output_vertex, const pel_record *position, double time, double *membrane,
                                double *bending, double *fibres);
 
 /* Adds to each mesh vertex of a body a third of the virial of membrane and fibres of each triangle there: the
    derivative of their energy by the logarithm of the size, twice tension times area. */
-void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *row_of_vertex,
+void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
                            const pel_record *position, double time, double *virials);
 
 /* D of a hinge as the factor of its energy element: D for hinges, D / 3 for the isometric model */

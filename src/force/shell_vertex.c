@@ -4,16 +4,16 @@
 
 #include <string.h>
 
-/* the row of a place: its number in the mesh or forest, or what row_of_vertex says of that */
+/* the row of a place: its number in the mesh or forest, or what output_vertex says of that */
 typedef struct row_map {
-    const int32_t *mesh_vertex, *row_of_vertex;
+    const int32_t *mesh_vertex, *output_vertex;
 } row_map;
 
 static void share(double energy, const int32_t *vertices, int count, const row_map *rows, double *values)
 {
     for (int i = 0; i < count; i++) {
         int32_t v = rows->mesh_vertex[vertices[i]];
-        values[rows->row_of_vertex != NULL ? rows->row_of_vertex[v] : v] += energy / count;
+        values[rows->output_vertex != NULL ? rows->output_vertex[v] : v] += energy / count;
     }
 }
 
@@ -66,19 +66,19 @@ static void add_fibres(const corner_sums *sums, double *values)
         }
 }
 
-void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *row_of_vertex,
+void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
                            const pel_record *position, double time, double *virials)
 {
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     if (own == NULL)
         return;
-    const corner_sums sums = {own, position, time, true, {forces->model->mesh_vertex, row_of_vertex}};
+    const corner_sums sums = {own, position, time, true, {forces->model->mesh_vertex, output_vertex}};
     add_membrane(&sums, virials);
     add_fibres(&sums, virials);
 }
 
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
-                               const int32_t *row_of_vertex, const pel_record *position, double time, double *membrane,
+                               const int32_t *output_vertex, const pel_record *position, double time, double *membrane,
                                double *bending, double *fibres)
 {
     const pel_shell_body *own = pel_shell_body_of(forces, body);
@@ -88,7 +88,7 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     if (own == NULL)
         return;
     const pel_shell *shell = own->shell;
-    const corner_sums sums = {own, position, time, false, {forces->model->mesh_vertex, row_of_vertex}};
+    const corner_sums sums = {own, position, time, false, {forces->model->mesh_vertex, output_vertex}};
     add_membrane(&sums, membrane);
     add_fibres(&sums, fibres);
     for (int32_t i = 0; i < shell->hinge_count; i++) {

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* value, with its bytes turned around when they stand in the other order than this machine's */
-static inline uint64_t pel_order_bytes(uint64_t value, size_t size, bool big_endian)
+static inline uint64_t pel_vertex_order_bytes(uint64_t value, size_t size, bool big_endian)
 {
     const bool same = big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
     return same ? value : __builtin_bswap64(value) >> (64 - 8 * size);
@@ -25,13 +25,13 @@ static inline uint64_t pel_load_bytes(const char *bytes, size_t size, bool big_e
         return (unsigned char)*bytes;
     case 2:
         memcpy(&value_2, bytes, sizeof value_2);
-        return pel_order_bytes(value_2, size, big_endian);
+        return pel_vertex_order_bytes(value_2, size, big_endian);
     case 4:
         memcpy(&value_4, bytes, sizeof value_4);
-        return pel_order_bytes(value_4, size, big_endian);
+        return pel_vertex_order_bytes(value_4, size, big_endian);
     default:
         memcpy(&value, bytes, sizeof value);
-        return pel_order_bytes(value, size, big_endian);
+        return pel_vertex_order_bytes(value, size, big_endian);
     }
 }
 

@@ -3,21 +3,21 @@
 #define PEL_IO_FORMATS_H
 
 #include "io/file.h"
-#include "io/scan.h"
+#include "io/text_cursor.h"
 #include "pellicle/mesh.h"
 
-pel_status pel_obj_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
-pel_status pel_ply_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
-pel_status pel_stl_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
-pel_status pel_off_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
+pel_status pel_obj_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
+pel_status pel_ply_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
+pel_status pel_stl_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
+pel_status pel_off_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
 
 /* whether a file begins like this format (ASCII STL) */
-bool pel_obj_matches(const pel_scan *scan);
-bool pel_ply_matches(const pel_scan *scan);
-bool pel_stl_matches(const pel_scan *scan);
-bool pel_off_matches(const pel_scan *scan);
+bool pel_obj_matches(const pel_text_cursor *scan);
+bool pel_ply_matches(const pel_text_cursor *scan);
+bool pel_stl_matches(const pel_text_cursor *scan);
+bool pel_off_matches(const pel_text_cursor *scan);
 /* whether a file is as long as it must be to be binary STL, which no other file is by chance */
-bool pel_stl_size_fits(const pel_scan *scan);
+bool pel_stl_size_fits(const pel_text_cursor *scan);
 
 typedef enum pel_encoding { PEL_ENCODING_ASCII, PEL_ENCODING_LITTLE, PEL_ENCODING_BIG } pel_encoding;
 

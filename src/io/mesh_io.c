@@ -16,17 +16,17 @@ pel_mesh_format pel_mesh_format_of_path(const char *path)
     const char *dot = strrchr(path, '.');
     if (dot == NULL)
         return PEL_FORMAT_AUTO;
-    pel_scan extension = {.at = dot + 1, .end = dot + strlen(dot)};
+    pel_text_cursor extension = {.at = dot + 1, .end = dot + strlen(dot)};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
-        pel_scan ahead = extension;
-        if (pel_scan_accept(&ahead, formats[i].extension) && ahead.at == ahead.end)
+        pel_text_cursor ahead = extension;
+        if (pel_text_cursor_accept(&ahead, formats[i].extension) && ahead.at == ahead.end)
             return formats[i].format;
     }
     return PEL_FORMAT_AUTO;
 }
 
 /* headers that cannot be mistaken first, then the extension, then the look of the first words */
-static pel_mesh_format detect_format(const pel_scan *scan)
+static pel_mesh_format detect_format(const pel_text_cursor *scan)
 {
     if (pel_ply_matches(scan))
         return PEL_FORMAT_PLY;
@@ -42,7 +42,7 @@ static pel_mesh_format detect_format(const pel_scan *scan)
     return pel_obj_matches(scan) ? PEL_FORMAT_OBJ : PEL_FORMAT_AUTO;
 }
 
-static void skip_byte_order_mark(pel_scan *scan)
+static void skip_byte_order_mark(pel_text_cursor *scan)
 {
     if (scan->end - scan->at >= 3 && memcmp(scan->at, "\xef\xbb\xbf", 3) == 0)
         scan->at += 3;
@@ -66,7 +66,7 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
         pel_fail_place(error, name, 0, 0);
         return PEL_BAD_FORMAT;
     }
-    pel_scan scan = {.name = name, .begin = bytes, .at = bytes, .end = (const char *)bytes + size};
+    pel_text_cursor scan = {.name = name, .begin = bytes, .at = bytes, .end = (const char *)bytes + size};
     skip_byte_order_mark(&scan);
     switch (format == PEL_FORMAT_AUTO ? detect_format(&scan) : format) {
     case PEL_FORMAT_OBJ:

@@ -1,13 +1,13 @@
-#include "io/builder.h"
 #include "io/formats.h"
+#include "io/polygon_soup.h"
 
 #include "base/memory.h"
 
 #include <string.h>
 
 typedef struct obj_reader {
-    pel_scan *scan;
-    pel_builder builder;
+    pel_text_cursor *scan;
+    pel_polygon_soup builder;
     size_t colour_count;    /* vertices with a colour or weight */
     size_t reference_count; /* corners with texture or normal indices */
     size_t curve_count;     /* points and lines */
@@ -15,7 +15,7 @@ typedef struct obj_reader {
 } obj_reader;
 
 /* white space within a statement, which goes on after a backslash at the end of a line */
-static inline void skip_blanks(pel_scan *scan)
+static inline void skip_blanks(pel_text_cursor *scan)
 {
     while (scan->at < scan->end) {
         if (pel_is_blank(*scan->at)) {
@@ -29,41 +29,41 @@ static inline void skip_blanks(pel_scan *scan)
     }
 }
 
-static inline bool at_statement_end(const pel_scan *scan)
+static inline bool at_statement_end(const pel_text_cursor *scan)
 {
     return scan->at == scan->end || pel_is_line_end(*scan->at) || *scan->at == '#';
 }
 
 /* to the end of a statement, over continued lines; a comment is never continued */
-static void skip_statement(pel_scan *scan)
+static void skip_statement(pel_text_cursor *scan)
 {
     while (!at_statement_end(scan)) {
         skip_blanks(scan);
         if (!at_statement_end(scan))
             scan->at++;
     }
-    pel_scan_skip_line(scan);
+    pel_text_cursor_skip_line(scan);
 }
 
 static pel_status read_vertex(obj_reader *reader, pel_error *error)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     double position[3], rest;
     for (int i = 0; i < 3; i++) {
         skip_blanks(scan);
-        if (!pel_scan_number(scan, &position[i]))
-            return pel_scan_fail_number(scan, error, "a finite coordinate");
+        if (!pel_text_cursor_number(scan, &position[i]))
+            return pel_text_cursor_fail_number(scan, error, "a finite coordinate");
     }
     /* a weight or a colour may follow */
     skip_blanks(scan);
     bool more = !at_statement_end(scan);
     while (!at_statement_end(scan)) {
-        if (!pel_scan_number(scan, &rest))
-            return pel_scan_fail_number(scan, error, "a number");
+        if (!pel_text_cursor_number(scan, &rest))
+            return pel_text_cursor_fail_number(scan, error, "a number");
         skip_blanks(scan);
     }
     reader->colour_count += more;
-    return pel_builder_add_vertex(&reader->builder, position) ? PEL_OK : pel_fail_memory(error);
+    return pel_polygon_soup_add_vertex(&reader->builder, position) ? PEL_OK : pel_fail_memory(error);
 }
 
 /* vertex number of the file, from 1 or counted back from the last vertex, to an index */
@@ -73,12 +73,12 @@ static pel_status resolve_index(const obj_reader *reader, int64_t number, const 
     const int64_t count = (int64_t)reader->builder.vertex_count;
     int64_t index = number > 0 ? number - 1 : count + number;
     if (number == 0)
-        return pel_scan_fail(reader->scan, place, error, "number the vertices from 1",
-                             "a face uses vertex 0 but OBJ counts from 1");
+        return pel_text_cursor_fail(reader->scan, place, error, "number the vertices from 1",
+                                    "a face uses vertex 0 but OBJ counts from 1");
     if (index < 0 || index >= INT32_MAX)
-        return pel_scan_fail(reader->scan, place, error, "correct the index",
-                             "a face uses vertex %lld but %lld vertices stand before it", (long long)number,
-                             (long long)count);
+        return pel_text_cursor_fail(reader->scan, place, error, "correct the index",
+                                    "a face uses vertex %lld but %lld vertices stand before it", (long long)number,
+                                    (long long)count);
     *vertex = (int32_t)index;
     return PEL_OK;
 }
@@ -86,25 +86,25 @@ static pel_status resolve_index(const obj_reader *reader, int64_t number, const 
 /* v, v/vt, v//vn or v/vt/vn */
 static pel_status read_corner(obj_reader *reader, pel_error *error)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     const char *place = scan->at;
     int64_t number, ignored;
     int32_t vertex = 0;
-    if (!pel_scan_integer(scan, &number))
-        return pel_scan_fail_number(scan, error, "a vertex number");
+    if (!pel_text_cursor_integer(scan, &number))
+        return pel_text_cursor_fail_number(scan, error, "a vertex number");
     if (scan->at < scan->end && *scan->at == '/') {
         reader->reference_count++;
         for (int i = 0; i < 2 && scan->at < scan->end && *scan->at == '/'; i++) {
             scan->at++;
-            pel_scan_integer(scan, &ignored);
+            pel_text_cursor_integer(scan, &ignored);
         }
     }
-    if (!pel_scan_at_break(scan)) {
+    if (!pel_text_cursor_at_break(scan)) {
         scan->at = place;
-        return pel_scan_fail_number(scan, error, "a face corner (v, v/vt, v//vn or v/vt/vn)");
+        return pel_text_cursor_fail_number(scan, error, "a face corner (v, v/vt, v//vn or v/vt/vn)");
     }
     pel_status status = resolve_index(reader, number, place, &vertex, error);
-    if (status == PEL_OK && !pel_builder_add_corner(&reader->builder, vertex, place))
+    if (status == PEL_OK && !pel_polygon_soup_add_corner(&reader->builder, vertex, place))
         status = pel_fail_memory(error);
     return status;
 }
@@ -117,7 +117,7 @@ static pel_status read_face(obj_reader *reader, pel_error *error)
         if (status != PEL_OK)
             return status;
     }
-    return pel_builder_end_polygon(&reader->builder, count) ? PEL_OK : pel_fail_memory(error);
+    return pel_polygon_soup_end_polygon(&reader->builder, count) ? PEL_OK : pel_fail_memory(error);
 }
 
 /* every statement that is not a vertex or a face */
@@ -136,7 +136,7 @@ static pel_status read_other(obj_reader *reader, const char *word, size_t length
         reader->unknown_count++;
     } else if (!pel_word_is_one_of(word, length, silent)) {
         reader->scan->at = word;
-        return pel_scan_fail_number(reader->scan, error, "an OBJ statement");
+        return pel_text_cursor_fail_number(reader->scan, error, "an OBJ statement");
     }
     skip_statement(reader->scan);
     return PEL_OK;
@@ -145,7 +145,7 @@ static pel_status read_other(obj_reader *reader, const char *word, size_t length
 static pel_status read_statement(obj_reader *reader, pel_error *error)
 {
     size_t length;
-    const char *word = pel_scan_word(reader->scan, &length);
+    const char *word = pel_text_cursor_word(reader->scan, &length);
     if (length == 1 && word[0] == 'v')
         return read_vertex(reader, error);
     if (length == 1 && word[0] == 'f')
@@ -155,9 +155,10 @@ static pel_status read_statement(obj_reader *reader, pel_error *error)
 
 static pel_status read_statements(obj_reader *reader, pel_error *error)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     pel_status status = PEL_OK;
-    for (pel_scan_skip_comments(scan); scan->at < scan->end && status == PEL_OK; pel_scan_skip_comments(scan))
+    for (pel_text_cursor_skip_comments(scan); scan->at < scan->end && status == PEL_OK;
+         pel_text_cursor_skip_comments(scan))
         status = read_statement(reader, error);
     return status;
 }
@@ -174,26 +175,26 @@ static void note_ignored(const obj_reader *reader, const pel_log *log)
         pel_log_line(log, "%zu statements for curves, surfaces or display ignored", reader->unknown_count);
 }
 
-pel_status pel_obj_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
+pel_status pel_obj_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
     obj_reader reader = {.scan = scan};
-    pel_builder_init(&reader.builder, 1);
+    pel_polygon_soup_init(&reader.builder, 1);
     pel_status status = read_statements(&reader, error);
     if (status == PEL_OK) {
         note_ignored(&reader, log);
-        status = pel_builder_finish(&reader.builder, scan, log, mesh, error);
+        status = pel_polygon_soup_finish(&reader.builder, scan, log, mesh, error);
     }
-    pel_builder_free(&reader.builder);
+    pel_polygon_soup_free(&reader.builder);
     return status;
 }
 
-bool pel_obj_matches(const pel_scan *scan)
+bool pel_obj_matches(const pel_text_cursor *scan)
 {
     static const char *const words[] = {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl", NULL};
-    pel_scan ahead = *scan;
-    pel_scan_skip_comments(&ahead);
+    pel_text_cursor ahead = *scan;
+    pel_text_cursor_skip_comments(&ahead);
     size_t length;
-    const char *word = pel_scan_word(&ahead, &length);
+    const char *word = pel_text_cursor_word(&ahead, &length);
     return pel_word_is_one_of(word, length, words);
 }
 

@@ -1,5 +1,5 @@
-#include "io/builder.h"
 #include "io/formats.h"
+#include "io/polygon_soup.h"
 
 #include "base/memory.h"
 
@@ -13,14 +13,14 @@ typedef enum off_kind {
 } off_kind;
 
 /* goes behind the header word */
-static off_kind accept_header(pel_scan *scan)
+static off_kind accept_header(pel_text_cursor *scan)
 {
     static const char *const plain[] = {"OFF", "off", NULL};
     static const char *const extra[] = {"COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF", NULL};
     static const char *const other[] = {"4OFF", "nOFF", "4nOFF", "C4OFF", "CnOFF", "N4OFF", "ST4OFF", NULL};
     size_t length;
-    pel_scan_skip_comments(scan);
-    const char *word = pel_scan_word(scan, &length);
+    pel_text_cursor_skip_comments(scan);
+    const char *word = pel_text_cursor_word(scan, &length);
     if (pel_word_is_one_of(word, length, plain))
         return OFF_PLAIN;
     if (pel_word_is_one_of(word, length, extra))
@@ -28,82 +28,86 @@ static off_kind accept_header(pel_scan *scan)
     return pel_word_is_one_of(word, length, other) ? OFF_OTHER : OFF_NONE;
 }
 
-bool pel_off_matches(const pel_scan *scan)
+bool pel_off_matches(const pel_text_cursor *scan)
 {
-    pel_scan ahead = *scan;
+    pel_text_cursor ahead = *scan;
     return accept_header(&ahead) != OFF_NONE;
 }
 
-static pel_status read_header(pel_scan *scan, off_kind *kind, pel_error *error)
+static pel_status read_header(pel_text_cursor *scan, off_kind *kind, pel_error *error)
 {
     *kind = accept_header(scan);
     if (*kind == OFF_NONE)
-        return pel_scan_fail(scan, scan->begin, error, "begin the file with OFF", "the file does not begin with OFF");
+        return pel_text_cursor_fail(scan, scan->begin, error, "begin the file with OFF",
+                                    "the file does not begin with OFF");
     if (*kind == OFF_OTHER)
-        return pel_scan_fail(scan, scan->at, error, "export it as plain OFF",
-                             "vertices have four or n coordinates instead of three");
-    pel_scan_skip_blanks(scan);
-    if (pel_scan_accept(scan, "BINARY"))
-        return pel_scan_fail(scan, scan->at, error, "export it as ASCII OFF or as PLY", "binary OFF cannot be read");
+        return pel_text_cursor_fail(scan, scan->at, error, "export it as plain OFF",
+                                    "vertices have four or n coordinates instead of three");
+    pel_text_cursor_skip_blanks(scan);
+    if (pel_text_cursor_accept(scan, "BINARY"))
+        return pel_text_cursor_fail(scan, scan->at, error, "export it as ASCII OFF or as PLY",
+                                    "binary OFF cannot be read");
     return PEL_OK;
 }
 
 /* a count that the rest of the file can hold, when each item takes `smallest` bytes or more */
-static pel_status read_count(pel_scan *scan, const char *what, int64_t smallest, int64_t *count, pel_error *error)
+static pel_status read_count(pel_text_cursor *scan, const char *what, int64_t smallest, int64_t *count,
+                             pel_error *error)
 {
-    pel_scan_skip_comments(scan);
+    pel_text_cursor_skip_comments(scan);
     const char *place = scan->at;
-    if (!pel_scan_integer(scan, count) || !pel_scan_at_break(scan) || *count < 0) {
+    if (!pel_text_cursor_integer(scan, count) || !pel_text_cursor_at_break(scan) || *count < 0) {
         scan->at = place;
-        return pel_scan_fail_number(scan, error, what);
+        return pel_text_cursor_fail_number(scan, error, what);
     }
     if (*count > (scan->end - scan->at) / smallest)
-        return pel_scan_fail(scan, place, error, "the file seems to be cut off: copy or export it again",
-                             "%s is %lld, more than the file can hold", what + 2, (long long)*count);
+        return pel_text_cursor_fail(scan, place, error, "the file seems to be cut off: copy or export it again",
+                                    "%s is %lld, more than the file can hold", what + 2, (long long)*count);
     return PEL_OK;
 }
 
-static pel_status read_vertices(pel_scan *scan, int64_t count, pel_builder *builder, pel_error *error)
+static pel_status read_vertices(pel_text_cursor *scan, int64_t count, pel_polygon_soup *builder, pel_error *error)
 {
-    if (!pel_builder_reserve_vertices(builder, (size_t)count))
+    if (!pel_polygon_soup_reserve_vertices(builder, (size_t)count))
         return pel_fail_memory(error);
     for (int64_t v = 0; v < count; v++) {
         double position[3];
         for (int i = 0; i < 3; i++) {
-            pel_scan_skip_comments(scan);
-            if (!pel_scan_number(scan, &position[i]))
-                return pel_scan_fail_number(scan, error, "a finite coordinate");
+            pel_text_cursor_skip_comments(scan);
+            if (!pel_text_cursor_number(scan, &position[i]))
+                return pel_text_cursor_fail_number(scan, error, "a finite coordinate");
         }
         /* normals, colours and texture coordinates */
-        pel_scan_skip_line(scan);
-        if (!pel_builder_add_vertex(builder, position))
+        pel_text_cursor_skip_line(scan);
+        if (!pel_polygon_soup_add_vertex(builder, position))
             return pel_fail_memory(error);
     }
     return PEL_OK;
 }
 
-static pel_status read_face(pel_scan *scan, pel_builder *builder, pel_error *error)
+static pel_status read_face(pel_text_cursor *scan, pel_polygon_soup *builder, pel_error *error)
 {
     int64_t count, vertex;
     pel_status status = read_count(scan, "a number of corners", 2, &count, error);
     for (int64_t i = 0; i < count && status == PEL_OK; i++) {
-        pel_scan_skip_comments(scan);
+        pel_text_cursor_skip_comments(scan);
         const char *place = scan->at;
-        if (!pel_scan_integer(scan, &vertex) || !pel_scan_at_break(scan) || vertex < 0 || vertex >= INT32_MAX) {
+        if (!pel_text_cursor_integer(scan, &vertex) || !pel_text_cursor_at_break(scan) || vertex < 0 ||
+            vertex >= INT32_MAX) {
             scan->at = place;
-            return pel_scan_fail_number(scan, error, "a vertex index");
+            return pel_text_cursor_fail_number(scan, error, "a vertex index");
         }
-        if (!pel_builder_add_corner(builder, (int32_t)vertex, place))
+        if (!pel_polygon_soup_add_corner(builder, (int32_t)vertex, place))
             return pel_fail_memory(error);
     }
-    if (status == PEL_OK && !pel_builder_end_polygon(builder, (size_t)count))
+    if (status == PEL_OK && !pel_polygon_soup_end_polygon(builder, (size_t)count))
         status = pel_fail_memory(error);
     /* the colour of the face */
-    pel_scan_skip_line(scan);
+    pel_text_cursor_skip_line(scan);
     return status;
 }
 
-static pel_status read_body(pel_scan *scan, pel_builder *builder, pel_error *error)
+static pel_status read_body(pel_text_cursor *scan, pel_polygon_soup *builder, pel_error *error)
 {
     int64_t vertex_count, face_count;
     pel_status status = read_count(scan, "a number of vertices", 6, &vertex_count, error);
@@ -112,27 +116,27 @@ static pel_status read_body(pel_scan *scan, pel_builder *builder, pel_error *err
     if (status != PEL_OK)
         return status;
     /* the number of edges, which may be missing */
-    pel_scan_skip_line(scan);
+    pel_text_cursor_skip_line(scan);
     status = read_vertices(scan, vertex_count, builder, error);
     for (int64_t f = 0; f < face_count && status == PEL_OK; f++)
         status = read_face(scan, builder, error);
     return status;
 }
 
-pel_status pel_off_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
+pel_status pel_off_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
     off_kind kind;
-    pel_builder builder;
-    pel_builder_init(&builder, 0);
+    pel_polygon_soup builder;
+    pel_polygon_soup_init(&builder, 0);
     pel_status status = read_header(scan, &kind, error);
     if (status == PEL_OK)
         status = read_body(scan, &builder, error);
     if (status == PEL_OK) {
         if (kind == OFF_EXTRA)
             pel_log_line(log, "normals, colours and texture coordinates of vertices ignored");
-        status = pel_builder_finish(&builder, scan, log, mesh, error);
+        status = pel_polygon_soup_finish(&builder, scan, log, mesh, error);
     }
-    pel_builder_free(&builder);
+    pel_polygon_soup_free(&builder);
     return status;
 }
 

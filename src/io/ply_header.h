@@ -41,7 +41,7 @@ typedef struct pel_ply_header {
 } pel_ply_header;
 
 /* Reads the header and goes to the first byte behind it. */
-pel_status pel_ply_read_header(pel_scan *scan, pel_ply_header *header, pel_error *error);
+pel_status pel_ply_read_header(pel_text_cursor *scan, pel_ply_header *header, pel_error *error);
 /* the element or property of that name, or null */
 const pel_ply_element *pel_ply_find_element(const pel_ply_header *header, const char *name);
 const pel_ply_property *pel_ply_find_property(const pel_ply_header *header, const pel_ply_element *element,

@@ -1,6 +1,6 @@
-#include "io/builder.h"
 #include "io/bytes.h"
 #include "io/ply_header.h"
+#include "io/polygon_soup.h"
 
 #include "base/memory.h"
 
@@ -15,9 +15,9 @@ typedef struct sink {
 } sink;
 
 typedef struct ply_reader {
-    pel_scan *scan;
+    pel_text_cursor *scan;
     pel_ply_header header;
-    pel_builder builder;
+    pel_polygon_soup builder;
     pel_field *fields; /* vertex properties other than x, y, z */
     int32_t field_count;
     sink sinks[PEL_PLY_PROPERTY_LIMIT]; /* of the vertex properties */
@@ -49,10 +49,10 @@ static double load_binary(const char *bytes, pel_ply_type type, bool big)
 /* the next value of either encoding; false when there is none */
 static inline bool read_value(ply_reader *reader, pel_ply_type type, double *value)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     if (reader->header.encoding == PEL_ENCODING_ASCII) {
-        pel_scan_skip_spaces(scan);
-        return pel_scan_any_number(scan, value);
+        pel_text_cursor_skip_spaces(scan);
+        return pel_text_cursor_any_number(scan, value);
     }
     const size_t size = pel_ply_type_size(type);
     if ((size_t)(scan->end - scan->at) < size)
@@ -65,10 +65,10 @@ static inline bool read_value(ply_reader *reader, pel_ply_type type, double *val
 static pel_status fail_value(const ply_reader *reader, const pel_ply_property *property, pel_error *error)
 {
     if (reader->header.encoding == PEL_ENCODING_ASCII)
-        return pel_scan_fail_number(reader->scan, error, "a number");
-    return pel_scan_fail(reader->scan, reader->scan->end, error,
-                         "the file seems to be cut off: copy or export it again", "the file ends within property '%s'",
-                         property->name);
+        return pel_text_cursor_fail_number(reader->scan, error, "a number");
+    return pel_text_cursor_fail(reader->scan, reader->scan->end, error,
+                                "the file seems to be cut off: copy or export it again",
+                                "the file ends within property '%s'", property->name);
 }
 
 static pel_status read_list_count(ply_reader *reader, const pel_ply_property *property, size_t *count, pel_error *error)
@@ -80,15 +80,16 @@ static pel_status read_list_count(ply_reader *reader, const pel_ply_property *pr
     /* values take a byte or more each, in either encoding */
     const double room = (double)(reader->scan->end - reader->scan->at);
     if (!(value >= 0 && value <= room && value == floor(value)))
-        return pel_scan_fail(reader->scan, place, error, "the file seems to be damaged: copy or export it again",
-                             "list '%s' has %g values, which the rest of the file cannot hold", property->name, value);
+        return pel_text_cursor_fail(reader->scan, place, error, "the file seems to be damaged: copy or export it again",
+                                    "list '%s' has %g values, which the rest of the file cannot hold", property->name,
+                                    value);
     *count = (size_t)value;
     return PEL_OK;
 }
 
 static pel_status skip_values(ply_reader *reader, const pel_ply_property *property, size_t count, pel_error *error)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     if (reader->header.encoding != PEL_ENCODING_ASCII) {
         const size_t size = pel_ply_type_size(property->type);
         if ((size_t)(scan->end - scan->at) / size < count)
@@ -128,10 +129,10 @@ static pel_status check_element_count(const ply_reader *reader, const pel_ply_el
     room += ascii;
     if (smallest == 0 || element->count <= room / smallest)
         return PEL_OK;
-    return pel_scan_fail(reader->scan, ascii ? element->place : reader->scan->end, error,
-                         "the file seems to be cut off: copy or export it again",
-                         "the header promises %lld elements '%s', more than the file holds", (long long)element->count,
-                         element->name);
+    return pel_text_cursor_fail(reader->scan, ascii ? element->place : reader->scan->end, error,
+                                "the file seems to be cut off: copy or export it again",
+                                "the header promises %lld elements '%s', more than the file holds",
+                                (long long)element->count, element->name);
 }
 
 /* Length of the stem when the properties from here on are stem_0, stem_1, ... (two or more), and how many; else 0.
@@ -190,10 +191,10 @@ static pel_status prepare_vertices(ply_reader *reader, const pel_ply_element *el
     for (int i = 0; i < element->property_count; i++)
         axis_count += axis_of(properties[i].name) >= 0 && !properties[i].is_list;
     if (axis_count != 3)
-        return pel_scan_fail(reader->scan, element->place, error, "add the missing property",
-                             "vertices have no properties x, y and z");
+        return pel_text_cursor_fail(reader->scan, element->place, error, "add the missing property",
+                                    "vertices have no properties x, y and z");
     reader->fields = pel_allocate((size_t)element->property_count, sizeof *reader->fields);
-    if (reader->fields == NULL || !pel_builder_reserve_vertices(&reader->builder, (size_t)element->count))
+    if (reader->fields == NULL || !pel_polygon_soup_reserve_vertices(&reader->builder, (size_t)element->count))
         return pel_fail_memory(error);
     for (int i = 0; i < element->property_count;) {
         int axis = axis_of(properties[i].name);
@@ -227,8 +228,8 @@ static pel_status read_vertex(ply_reader *reader, const pel_ply_element *element
         if (!read_value(reader, properties[i].type, &value))
             return fail_value(reader, &properties[i], error);
         if (!isfinite(value))
-            return pel_scan_fail(reader->scan, place, error, "repair the mesh in the program that wrote it",
-                                 "property '%s' of vertex %lld is %g", properties[i].name, (long long)v, value);
+            return pel_text_cursor_fail(reader->scan, place, error, "repair the mesh in the program that wrote it",
+                                        "property '%s' of vertex %lld is %g", properties[i].name, (long long)v, value);
         to->base[to->stride * v] = value;
     }
     return PEL_OK;
@@ -247,7 +248,7 @@ static pel_status read_vertices(ply_reader *reader, const pel_ply_element *eleme
    False when it is anything else. */
 static bool load_triangle(ply_reader *reader, const pel_ply_property *property, int32_t vertices[3])
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     if (reader->header.encoding == PEL_ENCODING_ASCII || pel_ply_type_size(property->count_type) != 1 ||
         (property->type != PEL_PLY_INT32 && property->type != PEL_PLY_UINT32) || scan->end - scan->at < 13 ||
         *scan->at != 3)
@@ -268,7 +269,7 @@ static pel_status read_corners(ply_reader *reader, const pel_ply_property *prope
     int32_t triangle[3];
     const char *start = reader->scan->at;
     if (load_triangle(reader, property, triangle))
-        return pel_builder_add_triangle(&reader->builder, triangle, start) ? PEL_OK : pel_fail_memory(error);
+        return pel_polygon_soup_add_triangle(&reader->builder, triangle, start) ? PEL_OK : pel_fail_memory(error);
     pel_status status = read_list_count(reader, property, &count, error);
     for (size_t i = 0; i < count && status == PEL_OK; i++) {
         const char *place = reader->scan->at;
@@ -276,11 +277,12 @@ static pel_status read_corners(ply_reader *reader, const pel_ply_property *prope
         if (!read_value(reader, property->type, &value))
             return fail_value(reader, property, error);
         if (!(value >= 0 && value < INT32_MAX && value == floor(value)))
-            return pel_scan_fail(reader->scan, place, error, "correct the index", "%g is not a vertex index", value);
-        if (!pel_builder_add_corner(&reader->builder, (int32_t)value, place))
+            return pel_text_cursor_fail(reader->scan, place, error, "correct the index", "%g is not a vertex index",
+                                        value);
+        if (!pel_polygon_soup_add_corner(&reader->builder, (int32_t)value, place))
             return pel_fail_memory(error);
     }
-    if (status == PEL_OK && !pel_builder_end_polygon(&reader->builder, count))
+    if (status == PEL_OK && !pel_polygon_soup_end_polygon(&reader->builder, count))
         status = pel_fail_memory(error);
     return status;
 }
@@ -292,8 +294,8 @@ static pel_status read_faces(ply_reader *reader, const pel_ply_element *element,
     if (corners == NULL)
         corners = pel_ply_find_property(&reader->header, element, "vertex_index");
     if (corners == NULL || !corners->is_list)
-        return pel_scan_fail(reader->scan, element->place, error, "add the property",
-                             "faces have no list property vertex_indices");
+        return pel_text_cursor_fail(reader->scan, element->place, error, "add the property",
+                                    "faces have no list property vertex_indices");
     pel_status status = PEL_OK;
     for (int64_t f = 0; f < element->count && status == PEL_OK; f++)
         for (int i = 0; i < element->property_count && status == PEL_OK; i++)
@@ -319,8 +321,8 @@ static pel_status read_body(ply_reader *reader, pel_error *error)
     const pel_ply_element *vertices = pel_ply_find_element(header, "vertex");
     const pel_ply_element *faces = pel_ply_find_element(header, "face");
     if (vertices == NULL || vertices->count == 0)
-        return pel_scan_fail(reader->scan, reader->scan->begin, error, "export the mesh again",
-                             "the header promises no vertices");
+        return pel_text_cursor_fail(reader->scan, reader->scan->begin, error, "export the mesh again",
+                                    "the header promises no vertices");
     const pel_ply_element *last = faces != NULL && faces > vertices ? faces : vertices;
     reader->scan->binary = header->encoding != PEL_ENCODING_ASCII;
     pel_status status = PEL_OK;
@@ -342,7 +344,7 @@ static pel_status finish(ply_reader *reader, const pel_log *log, pel_mesh **mesh
 {
     if (reader->ignored_list_count > 0)
         pel_log_line(log, "%zu list properties of vertices ignored", reader->ignored_list_count);
-    pel_status status = pel_builder_finish(&reader->builder, reader->scan, log, mesh, error);
+    pel_status status = pel_polygon_soup_finish(&reader->builder, reader->scan, log, mesh, error);
     if (status != PEL_OK || reader->field_count == 0)
         return status;
     (*mesh)->fields = reader->fields;
@@ -357,17 +359,17 @@ static void free_reader(ply_reader *reader)
     for (int32_t f = 0; f < reader->field_count; f++)
         pel_free(reader->fields[f].values);
     pel_free(reader->fields);
-    pel_builder_free(&reader->builder);
+    pel_polygon_soup_free(&reader->builder);
     pel_free(reader);
 }
 
-pel_status pel_ply_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
+pel_status pel_ply_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
     ply_reader *reader = pel_allocate(1, sizeof *reader);
     if (reader == NULL)
         return pel_fail_memory(error);
     reader->scan = scan;
-    pel_builder_init(&reader->builder, 0);
+    pel_polygon_soup_init(&reader->builder, 0);
     pel_status status = pel_ply_read_header(scan, &reader->header, error);
     if (status == PEL_OK)
         status = read_body(reader, error);

@@ -1,6 +1,6 @@
-#include "io/builder.h"
 #include "io/bytes.h"
 #include "io/formats.h"
+#include "io/polygon_soup.h"
 
 #include "base/memory.h"
 #include "math/vec3.h"
@@ -13,53 +13,53 @@
 enum { HEADER_SIZE = 80, START_SIZE = 84, FACET_SIZE = 50, NORMAL_SIZE = 12, FLOAT_SIZE = 4 };
 
 typedef struct stl_reader {
-    pel_scan *scan;
-    pel_builder builder;
+    pel_text_cursor *scan;
+    pel_polygon_soup builder;
 } stl_reader;
 
 static bool add_facet(stl_reader *reader, double corners[3][3], const char *place)
 {
     for (int i = 0; i < 3; i++)
-        if (!pel_builder_add_loose_corner(&reader->builder, corners[i], place))
+        if (!pel_polygon_soup_add_loose_corner(&reader->builder, corners[i], place))
             return false;
-    return pel_builder_end_loose_polygon(&reader->builder, 3);
+    return pel_polygon_soup_end_loose_polygon(&reader->builder, 3);
 }
 
-static uint64_t binary_facet_count(const pel_scan *scan)
+static uint64_t binary_facet_count(const pel_text_cursor *scan)
 {
     return pel_load_bytes(scan->begin + HEADER_SIZE, 4, false);
 }
 
 /* the size that a binary file claims to have; 0 when it is too short to say */
-static uint64_t claimed_size(const pel_scan *scan)
+static uint64_t claimed_size(const pel_text_cursor *scan)
 {
     return scan->end - scan->begin < START_SIZE ? 0 : START_SIZE + FACET_SIZE * binary_facet_count(scan);
 }
 
-bool pel_stl_size_fits(const pel_scan *scan)
+bool pel_stl_size_fits(const pel_text_cursor *scan)
 {
     return claimed_size(scan) == (uint64_t)(scan->end - scan->begin);
 }
 
-bool pel_stl_matches(const pel_scan *scan)
+bool pel_stl_matches(const pel_text_cursor *scan)
 {
-    pel_scan ahead = *scan;
-    pel_scan_skip_spaces(&ahead);
-    return pel_scan_accept(&ahead, "solid");
+    pel_text_cursor ahead = *scan;
+    pel_text_cursor_skip_spaces(&ahead);
+    return pel_text_cursor_accept(&ahead, "solid");
 }
 
-static pel_status check_binary_size(const pel_scan *scan, const pel_log *log, pel_error *error)
+static pel_status check_binary_size(const pel_text_cursor *scan, const pel_log *log, pel_error *error)
 {
     const uint64_t size = (uint64_t)(scan->end - scan->begin), claimed = claimed_size(scan);
     if (claimed == 0)
-        return pel_scan_fail(scan, scan->end, error, "the file seems to be cut off: copy or export it again",
-                             "neither 'solid' nor the %d bytes that a binary STL begins with", (int)START_SIZE);
+        return pel_text_cursor_fail(scan, scan->end, error, "the file seems to be cut off: copy or export it again",
+                                    "neither 'solid' nor the %d bytes that a binary STL begins with", (int)START_SIZE);
     if (claimed > size)
-        return pel_scan_fail(scan, scan->begin + HEADER_SIZE, error,
-                             "the file seems to be cut off or is no STL: copy or export it again",
-                             "%llu facets take %llu bytes but the file has %llu",
-                             (unsigned long long)binary_facet_count(scan), (unsigned long long)claimed,
-                             (unsigned long long)size);
+        return pel_text_cursor_fail(scan, scan->begin + HEADER_SIZE, error,
+                                    "the file seems to be cut off or is no STL: copy or export it again",
+                                    "%llu facets take %llu bytes but the file has %llu",
+                                    (unsigned long long)binary_facet_count(scan), (unsigned long long)claimed,
+                                    (unsigned long long)size);
     if (claimed < size)
         pel_log_line(log, "%llu bytes behind the last facet ignored", (unsigned long long)(size - claimed));
     return PEL_OK;
@@ -67,7 +67,7 @@ static pel_status check_binary_size(const pel_scan *scan, const pel_log *log, pe
 
 static pel_status read_binary(stl_reader *reader, const pel_log *log, pel_error *error)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     scan->binary = true;
     pel_status status = check_binary_size(scan, log, error);
     if (status != PEL_OK)
@@ -80,8 +80,8 @@ static pel_status read_binary(stl_reader *reader, const pel_log *log, pel_error 
             const char *place = facet + NORMAL_SIZE + FLOAT_SIZE * i;
             double value = pel_load_float(place, false);
             if (!isfinite(value))
-                return pel_scan_fail(scan, place, error, "repair the mesh in the program that wrote it",
-                                     "a coordinate of facet %llu is %g", (unsigned long long)f, value);
+                return pel_text_cursor_fail(scan, place, error, "repair the mesh in the program that wrote it",
+                                            "a coordinate of facet %llu is %g", (unsigned long long)f, value);
             corners[i / 3][i % 3] = value;
         }
         if (!add_facet(reader, corners, facet))
@@ -90,20 +90,20 @@ static pel_status read_binary(stl_reader *reader, const pel_log *log, pel_error 
     return PEL_OK;
 }
 
-static bool accept_next(pel_scan *scan, const char *word)
+static bool accept_next(pel_text_cursor *scan, const char *word)
 {
-    pel_scan_skip_spaces(scan);
-    return pel_scan_accept(scan, word);
+    pel_text_cursor_skip_spaces(scan);
+    return pel_text_cursor_accept(scan, word);
 }
 
-static pel_status read_corner(pel_scan *scan, double position[3], pel_error *error)
+static pel_status read_corner(pel_text_cursor *scan, double position[3], pel_error *error)
 {
     if (!accept_next(scan, "vertex"))
-        return pel_scan_fail_number(scan, error, "'vertex' (a facet has three)");
+        return pel_text_cursor_fail_number(scan, error, "'vertex' (a facet has three)");
     for (int i = 0; i < 3; i++) {
-        pel_scan_skip_spaces(scan);
-        if (!pel_scan_number(scan, &position[i]))
-            return pel_scan_fail_number(scan, error, "a finite coordinate");
+        pel_text_cursor_skip_spaces(scan);
+        if (!pel_text_cursor_number(scan, &position[i]))
+            return pel_text_cursor_fail_number(scan, error, "a finite coordinate");
     }
     return PEL_OK;
 }
@@ -111,45 +111,45 @@ static pel_status read_corner(pel_scan *scan, double position[3], pel_error *err
 /* from behind the word "facet" to behind "endfacet"; the normal may be anything */
 static pel_status read_facet(stl_reader *reader, pel_error *error)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     double corners[3][3];
     size_t length;
     const char *place = scan->at;
     if (accept_next(scan, "normal")) {
         for (int i = 0; i < 3; i++) {
-            pel_scan_skip_spaces(scan);
-            pel_scan_word(scan, &length);
+            pel_text_cursor_skip_spaces(scan);
+            pel_text_cursor_word(scan, &length);
         }
     }
     if (!accept_next(scan, "outer") || !accept_next(scan, "loop"))
-        return pel_scan_fail_number(scan, error, "'outer loop'");
+        return pel_text_cursor_fail_number(scan, error, "'outer loop'");
     for (int i = 0; i < 3; i++) {
         pel_status status = read_corner(scan, corners[i], error);
         if (status != PEL_OK)
             return status;
     }
     if (!accept_next(scan, "endloop") || !accept_next(scan, "endfacet"))
-        return pel_scan_fail_number(scan, error, "'endloop' and 'endfacet'");
+        return pel_text_cursor_fail_number(scan, error, "'endloop' and 'endfacet'");
     return add_facet(reader, corners, place) ? PEL_OK : pel_fail_memory(error);
 }
 
 static pel_status read_ascii(stl_reader *reader, const pel_log *log, pel_error *error)
 {
-    pel_scan *scan = reader->scan;
+    pel_text_cursor *scan = reader->scan;
     bool ended = false;
-    for (pel_scan_skip_spaces(scan); scan->at < scan->end; pel_scan_skip_spaces(scan)) {
-        if (pel_scan_accept(scan, "facet")) {
+    for (pel_text_cursor_skip_spaces(scan); scan->at < scan->end; pel_text_cursor_skip_spaces(scan)) {
+        if (pel_text_cursor_accept(scan, "facet")) {
             pel_status status = read_facet(reader, error);
             if (status != PEL_OK)
                 return status;
             ended = false;
-        } else if (pel_scan_accept(scan, "solid")) {
-            pel_scan_skip_line(scan);
-        } else if (pel_scan_accept(scan, "endsolid")) {
-            pel_scan_skip_line(scan);
+        } else if (pel_text_cursor_accept(scan, "solid")) {
+            pel_text_cursor_skip_line(scan);
+        } else if (pel_text_cursor_accept(scan, "endsolid")) {
+            pel_text_cursor_skip_line(scan);
             ended = true;
         } else {
-            return pel_scan_fail_number(scan, error, "'solid', 'facet' or 'endsolid'");
+            return pel_text_cursor_fail_number(scan, error, "'solid', 'facet' or 'endsolid'");
         }
     }
     if (!ended)
@@ -157,18 +157,18 @@ static pel_status read_ascii(stl_reader *reader, const pel_log *log, pel_error *
     return PEL_OK;
 }
 
-pel_status pel_stl_read(pel_scan *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
+pel_status pel_stl_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
     stl_reader reader = {.scan = scan};
-    pel_builder_init(&reader.builder, 0);
+    pel_polygon_soup_init(&reader.builder, 0);
     /* many binary files begin with "solid" too, so the size decides first */
     const bool ascii = !pel_stl_size_fits(scan) && pel_stl_matches(scan);
     pel_status status = ascii ? read_ascii(&reader, log, error) : read_binary(&reader, log, error);
     if (status == PEL_OK)
-        status = pel_builder_weld(&reader.builder, log, error);
+        status = pel_polygon_soup_weld(&reader.builder, log, error);
     if (status == PEL_OK)
-        status = pel_builder_finish(&reader.builder, scan, log, mesh, error);
-    pel_builder_free(&reader.builder);
+        status = pel_polygon_soup_finish(&reader.builder, scan, log, mesh, error);
+    pel_polygon_soup_free(&reader.builder);
     return status;
 }
 

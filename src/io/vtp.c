@@ -3,17 +3,17 @@
        <VTKFile> <PolyData> <FieldData/> <Piece> <PointData/> <Points/> <Polys/> </Piece> </PolyData>
        <AppendedData encoding="raw"> _ array array ... </AppendedData> </VTKFile>
 
-   A raw array is a word of 8 bytes with its size, then its bytes; a packed one is what blocks.h describes. The arrays
-   are laid out in memory first, because the head of the file names their offsets, and then written in one go. The
-   triangles come last, in a block of their own that serves the next file too when they are the same.
-   Format: Kitware, "VTK XML file formats". */
+   A raw array is a word of 8 bytes with its size, then its bytes; a packed one is what vtk_blocks.h describes. The
+   arrays are laid out in memory first, because the head of the file names their offsets, and then written in one go.
+   The triangles come last, in a block of their own that serves the next file too when they are the same. Format:
+   Kitware, "VTK XML file formats". */
 #include "pellicle/results.h"
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "io/blocks.h"
 #include "io/byte_order.h"
 #include "io/file.h"
+#include "io/vtk_blocks.h"
 #include "io/xml.h"
 
 #include <string.h>
@@ -127,7 +127,7 @@ static pel_status append_array(pel_vtp_writer *writer, vtp_section *section, vtp
 {
     uint64_t size = array_size(array);
     array->offset = section->size;
-    if (!grow(section, section->size + (compress ? pel_blocks_bound(size) : sizeof size + size)) ||
+    if (!grow(section, section->size + (compress ? pel_vtk_blocks_bound(size) : sizeof size + size)) ||
         (compress && !grow(&writer->scratch, size)))
         return pel_fail_memory(error);
     unsigned char *out = (unsigned char *)section->bytes + section->size;
@@ -135,7 +135,7 @@ static pel_status append_array(pel_vtp_writer *writer, vtp_section *section, vtp
     pel_status status = PEL_OK;
     if (compress) {
         encode(array, writer->scratch.bytes);
-        status = pel_blocks_pack(writer->scratch.bytes, size, out, &used, error);
+        status = pel_vtk_blocks_pack(writer->scratch.bytes, size, out, &used, error);
     } else {
         memcpy(out, &size, sizeof size);
         encode(array, out + sizeof size);

@@ -6,9 +6,9 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "io/blocks.h"
 #include "io/byte_order.h"
 #include "io/file.h"
+#include "io/vtk_blocks.h"
 #include "io/xml.h"
 
 #include <stdio.h>
@@ -211,9 +211,9 @@ static pel_status take_bytes(vtp_reader *reader, const vtp_array *array, int64_t
     const unsigned char *at = reader->data + array->offset;
     size_t available = reader->data_size - array->offset;
     if (reader->packed)
-        used = pel_blocks_check(at, available, reader->word_size, size);
+        used = pel_vtk_blocks_check(at, available, reader->word_size, size);
     else if (available >= reader->word_size && size <= available - reader->word_size &&
-             pel_blocks_word(at, reader->word_size) == size)
+             pel_vtk_blocks_word(at, reader->word_size) == size)
         used = reader->word_size + size;
     if (used == 0 || used > reader->unused)
         return fail_at(reader, at, "an array has not the size that its head tells");
@@ -225,7 +225,7 @@ static pel_status take_bytes(vtp_reader *reader, const vtp_array *array, int64_t
         memcpy(*bytes, at + reader->word_size, size);
         return PEL_OK;
     }
-    pel_status status = pel_blocks_unpack(at, reader->word_size, *bytes, size, reader->error);
+    pel_status status = pel_vtk_blocks_unpack(at, reader->word_size, *bytes, size, reader->error);
     return status == PEL_BAD_FORMAT ? fail_at(reader, at, "a packed array is damaged") : status;
 }
 

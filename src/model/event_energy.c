@@ -20,7 +20,7 @@ static double spring_of(const pel_model *model, const pel_state *state, int32_t 
 }
 
 /* of all springs of a marked place, those between marked ones by half */
-static double energy_of_place(const pel_active *active, double factor, const pel_state *state, int32_t place,
+static double energy_of_place(const pel_refined_model *active, double factor, const pel_state *state, int32_t place,
                               pel_record *force)
 {
     const pel_model *model = &active->model;
@@ -39,8 +39,8 @@ static double energy_of_place(const pel_active *active, double factor, const pel
     return sum;
 }
 
-double pel_event_energy(pel_active *active, int32_t body, const pel_state *state, const int32_t *places, int32_t count,
-                        pel_record *force)
+double pel_event_energy(pel_refined_model *active, int32_t body, const pel_state *state, const int32_t *places,
+                        int32_t count, pel_record *force)
 {
     double sum = 0;
     for (int32_t i = 0; i < count; i++)

@@ -2,11 +2,11 @@
 #ifndef PEL_MODEL_EVENT_ENERGY_H
 #define PEL_MODEL_EVENT_ENERGY_H
 
-#include "model/active.h"
+#include "model/refined_model.h"
 
 /* Energy of the springs at some places of a body, each once, and of their volumetric springs [J]. force (by place),
    when given, gets their forces added at these places. */
-double pel_event_energy(pel_active *active, int32_t body, const pel_state *state, const int32_t *places, int32_t count,
-                        pel_record *force);
+double pel_event_energy(pel_refined_model *active, int32_t body, const pel_state *state, const int32_t *places,
+                        int32_t count, pel_record *force);
 
 #endif

@@ -4,11 +4,11 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
-#include "model/detail.h"
-#include "model/order.h"
+#include "model/levels.h"
 #include "model/orient.h"
 #include "model/quantity.h"
 #include "model/shell.h"
+#include "model/vertex_order.h"
 #include "pellicle/measure.h"
 #include "pellicle/topology.h"
 
@@ -236,7 +236,7 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         model->mesh_vertex[i] = padding ? -1 : v;
         if (padding)
             continue;
-        body->slot_of_vertex[v] = i;
+        body->model_index[v] = i;
         double mass = def->mass;
         if (def->mass_kind == PEL_MASS_TOTAL)
             mass /= def->mesh->vertex_count;
@@ -248,7 +248,7 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         model->volumetric_damping[i] = (pel_real)(share * pel_quantity_at(&def->volumetric_damping, v));
     }
     for (int32_t p = 0; p < def->pinned_count; p++)
-        model->inverse_mass[body->slot_of_vertex[def->pinned[p]]] = 0;
+        model->inverse_mass[body->model_index[def->pinned[p]]] = 0;
 }
 
 /* slots of each slice = largest valence in it */
@@ -281,7 +281,7 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
         const pel_quantity *k = &def->spring_stiffness;
         double stiffness = 0.5 * (pel_quantity_at(k, a) + pel_quantity_at(k, b));
-        int32_t i = body->slot_of_vertex[a], j = body->slot_of_vertex[b];
+        int32_t i = body->model_index[a], j = body->model_index[b];
         add_spring(model, i, j, filled, stiffness);
         add_spring(model, j, i, filled, stiffness);
     }
@@ -294,7 +294,7 @@ static void fill_triangles(pel_model *model, int32_t body)
     model->triangle_begin[body + 1] = first + b->mesh->triangle_count;
     for (int32_t t = 0; t < b->mesh->triangle_count; t++)
         for (int i = 0; i < 3; i++)
-            model->triangles[first + t][i] = b->slot_of_vertex[b->mesh->triangles[t][i]];
+            model->triangles[first + t][i] = b->model_index[b->mesh->triangles[t][i]];
 }
 
 static void fill_fans(pel_model *model)
@@ -382,15 +382,15 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
         status = copy_curves(def, body, error);
     if (status != PEL_OK)
         return status;
-    body->slot_of_vertex = pel_allocate(vertex_count, sizeof *body->slot_of_vertex);
+    body->model_index = pel_allocate(vertex_count, sizeof *body->model_index);
     scratch->order = pel_allocate(vertex_count, sizeof *scratch->order);
     scratch->valence = pel_allocate(vertex_count, sizeof *scratch->valence);
     scratch->areas = pel_allocate(vertex_count, sizeof *scratch->areas);
-    if (body->slot_of_vertex == NULL || scratch->order == NULL || scratch->valence == NULL || scratch->areas == NULL)
+    if (body->model_index == NULL || scratch->order == NULL || scratch->valence == NULL || scratch->areas == NULL)
         return pel_fail_memory(error);
     status = lump_areas(def->mesh, scratch->areas, &body->rest_area, error);
     if (status == PEL_OK)
-        status = pel_order_vertices(scratch->topology, scratch->order, scratch->valence, error);
+        status = pel_vertex_order_vertices(scratch->topology, scratch->order, scratch->valence, error);
     for (size_t v = 0; status == PEL_OK && v < vertex_count; v++)
         if (scratch->valence[v] == 0) {
             pel_fail(error, PEL_BAD_MESH, "vertex belongs to no triangle");
@@ -413,7 +413,7 @@ static pel_status check_masses(const pel_model *model, int32_t body, pel_error *
 {
     const pel_body *b = &model->bodies[body];
     for (int32_t v = 0; v < b->mesh->vertex_count; v++) {
-        pel_real mass = model->mass[b->slot_of_vertex[v]];
+        pel_real mass = model->mass[b->model_index[v]];
         if (mass > 0 && isfinite(mass) && isfinite(1 / mass))
             continue;
         pel_fail(error, PEL_BAD_ARGUMENT, "mass of the vertex is %g in body '%s'", (double)mass, b->name);
@@ -500,6 +500,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
     } else {
         made->body_count = def->body_count;
         memcpy(made->gravity, def->gravity, sizeof made->gravity);
+        pel_fingerprint_add(&made->fingerprint, pel_model_members, def);
         status = build_bodies(made, def, builds, error);
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);
@@ -520,7 +521,7 @@ void pel_model_destroy(pel_model *model)
         return;
     for (int32_t b = 0; model->bodies != NULL && b < model->body_count; b++) {
         pel_mesh_destroy(model->bodies[b].mesh);
-        pel_free(model->bodies[b].slot_of_vertex);
+        pel_free(model->bodies[b].model_index);
         pel_body_detail_destroy(model->bodies[b].detail);
         pel_shell_destroy(model->bodies[b].shell);
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)
@@ -564,7 +565,7 @@ int32_t pel_model_pinned_count(const pel_model *model, int32_t body)
     const pel_body *own = &model->bodies[body];
     int32_t count = 0;
     for (int32_t v = 0; v < own->mesh->vertex_count; v++)
-        count += !(model->inverse_mass[own->slot_of_vertex[v]] > 0);
+        count += !(model->inverse_mass[own->model_index[v]] > 0);
     return count;
 }
 

@@ -9,6 +9,7 @@
 #define PEL_MODEL_MODEL_H
 
 #include "base/wide.h"
+#include "model/fingerprint.h"
 #include "pellicle/model.h"
 #include "subdivide/front.h"
 
@@ -31,8 +32,8 @@ typedef struct pel_nodal {
     double mass, damping, volumetric_stiffness, volumetric_damping;
 } pel_nodal;
 
-/* Levels of detail of a body (detail.h). */
-typedef struct pel_body_detail {
+/* Levels of detail of a body (levels.h). */
+typedef struct pel_body_levels {
     pel_refine_def def; /* its region is the copy below */
     int32_t *region;
     pel_lod_forest *forest;
@@ -42,7 +43,7 @@ typedef struct pel_body_detail {
     double *stiffnesses;  /* (base edges) as given */
     double *moduli;  /* (base edges) stiffness = sum of modulus x area / squared length over the triangles beside */
     uint8_t *pinned; /* (vertices of the finest level) 1 = never moves */
-} pel_body_detail;
+} pel_body_levels;
 
 typedef struct pel_shell pel_shell;
 
@@ -50,7 +51,7 @@ typedef struct pel_body {
     char name[PEL_NAME_SIZE];
     pel_mesh *mesh;
     int32_t slice_begin, slice_end; /* its slices; vertices are PEL_WIDTH times that */
-    int32_t *slot_of_vertex;        /* (mesh vertex_count) place of a mesh vertex in the model's order */
+    int32_t *model_index;           /* (mesh vertex_count) place of a mesh vertex in the model's order */
     bool has_volumetric;
     bool closed;
     int32_t turned_count; /* triangles of the mesh as given that were inside out */
@@ -62,15 +63,16 @@ typedef struct pel_body {
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     double plain_spring;   /* the same in slices that are plain */
     pel_curve curves[PEL_PARAMETER_COUNT];
-    pel_body_detail *detail; /* null = no refinement */
+    pel_body_levels *detail; /* null = no refinement */
     pel_shell *shell;        /* (shell.h) null = no membrane, bending, fibres or pressure */
-    const pel_front *front;  /* the surface, in an active model (active.h) of a body with detail; else null */
+    const pel_front *front;  /* the surface, in an active model (refined_model.h) of a body with detail; else null */
 } pel_body;
 
 struct pel_model {
     int32_t body_count;
     pel_body *bodies;
     double gravity[3];
+    pel_fingerprint fingerprint; /* of the def */
 
     int32_t vertex_count; /* padded, all bodies */
     int32_t slice_count;

@@ -212,7 +212,7 @@ static pel_status create_triangles(const pel_body_def *def, const pel_body *body
         const int32_t *v = mesh->triangles[t];
         double x[3][3];
         for (int i = 0; i < 3; i++) {
-            triangle->vertices[i] = body->slot_of_vertex[v[i]];
+            triangle->vertices[i] = body->model_index[v[i]];
             memcpy(x[i], mesh->positions[v[i]], sizeof x[i]);
         }
         if (!pel_rest_triangle_setup((const double(*)[3])x, &triangle->rest)) {
@@ -288,7 +288,7 @@ static bool setup_hinge(const pel_body *body, const pel_topology *topology, int3
                           pel_half_edge_origin(topology, pel_half_edge_previous(twin))};
     double x[4][3];
     for (int i = 0; i < 4; i++) {
-        hinge->vertices[i] = body->slot_of_vertex[v[i]];
+        hinge->vertices[i] = body->model_index[v[i]];
         memcpy(x[i], body->mesh->positions[v[i]], sizeof x[i]);
     }
     hinge->triangles[0] = h / 3;

@@ -163,7 +163,7 @@ static void load_rest(const pel_front *front, const int32_t *vertices, int count
         pel_vec3_copy(front->forest->rest_positions[vertices[k]], x[k]);
 }
 
-static void update_triangles(pel_shell_front *own, const pel_front *front, const int32_t *place_of_vertex)
+static void update_triangles(pel_shell_front *own, const pel_front *front, const int32_t *model_index)
 {
     pel_shell *shell = &own->shell;
     pel_front_surface(front, own->surface);
@@ -176,7 +176,7 @@ static void update_triangles(pel_shell_front *own, const pel_front *front, const
         pel_shell_triangle *triangle = &shell->triangles[t];
         *triangle = own->given->triangles[base];
         for (int k = 0; k < 3; k++)
-            triangle->vertices[k] = place_of_vertex[face->vertices[k]];
+            triangle->vertices[k] = model_index[face->vertices[k]];
         if (!own->is_base[t]) {
             double x[3][3];
             load_rest(front, face->vertices, 3, x);
@@ -308,9 +308,9 @@ static void update_hinges(pel_shell_front *own, const pel_front *front)
     }
 }
 
-void pel_shell_front_update(pel_shell_front *own, const pel_front *front, const int32_t *place_of_vertex)
+void pel_shell_front_update(pel_shell_front *own, const pel_front *front, const int32_t *model_index)
 {
-    update_triangles(own, front, place_of_vertex);
+    update_triangles(own, front, model_index);
     for (int32_t r = 0; r < own->shell.region_count; r++)
         update_region(own, front, r);
     update_hinges(own, front);

@@ -26,14 +26,14 @@ typedef struct pel_shell_front {
     int32_t first_place, place_count;
 } pel_shell_front;
 
-/* For body b of an active model, of which slot_of_vertex and front are known. place_limit: past the last place that it
+/* For body b of an active model, of which model_index and front are known. place_limit: past the last place that it
    can have. triangle_limit: of any surface. Errors: PEL_OUT_OF_MEMORY. */
 pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, int32_t shift, int32_t place_limit,
                                   int32_t triangle_limit, pel_shell_front **made, pel_error *error);
 void pel_shell_front_destroy(pel_shell_front *own);
 
 /* After the front of a body that refines has changed. */
-void pel_shell_front_update(pel_shell_front *own, const pel_front *front, const int32_t *place_of_vertex);
+void pel_shell_front_update(pel_shell_front *own, const pel_front *front, const int32_t *model_index);
 
 /* Volume that the present surface encloses at rest. */
 double pel_shell_front_rest_volume(const pel_shell_front *own, const pel_front *front);

@@ -5,7 +5,7 @@
 #include "math/vec3.h"
 #include "model/model.h"
 
-/* What the automatic weight of a body's bending knows (sim/weight.c). */
+/* What the automatic weight of a body's bending knows (sim/bending_weight.c). */
 typedef struct pel_bending_control {
     double weight;       /* k_B at present; of bodies with a given weight that one */
     double volume_ratio; /* one step ago */

@@ -23,7 +23,7 @@ typedef struct pel_run_surface {
     int64_t revision; /* of the bodies' surfaces, summed up */
 } pel_run_surface;
 
-/* Fields: those of run_fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies
+/* Fields: those of fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies
    that refine `level` (the finest of the triangles at the vertex) and the place of a vertex in the body's mesh: the
    `mesh_vertices` of a triangle, whose `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on
    failure. */

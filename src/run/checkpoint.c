@@ -6,7 +6,7 @@
 #include "io/file.h"
 #include "run/state.h"
 
-#include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 typedef struct checkpoint_header {
@@ -14,11 +14,12 @@ typedef struct checkpoint_header {
     char version[16]; /* of the program */
     uint64_t fingerprint;
     int64_t step;
-    uint64_t size; /* of the file, hash included */
+    uint64_t size;        /* of the file, hash included */
+    uint64_t snapshot_at; /* where the snapshot begins */
     pel_run_totals totals;
 } checkpoint_header;
 
-static const char magic[8] = "PELRUN3";
+static const char magic[8] = "PELRUN4";
 
 static size_t tool_bytes(const pel_run_state *run)
 {
@@ -39,6 +40,7 @@ static void fill_buffer(pel_run_state *run)
         .fingerprint = run->fingerprint,
         .step = pel_sim_step_count(run->sim),
         .size = run->checkpoint_size,
+        .snapshot_at = sizeof header + tool_bytes(run),
         .totals = run->totals,
     };
     memcpy(header.magic, magic, sizeof magic);
@@ -46,7 +48,7 @@ static void fill_buffer(pel_run_state *run)
     unsigned char *out = run->checkpoint;
     memcpy(out, &header, sizeof header);
     memcpy(out + sizeof header, run->tool_force, tool_bytes(run));
-    pel_sim_save(run->sim, out + sizeof header + tool_bytes(run));
+    pel_sim_save(run->sim, out + header.snapshot_at);
     uint64_t hash = pel_hash_bytes(PEL_HASH_START, out, run->checkpoint_size - sizeof hash);
     memcpy(out + run->checkpoint_size - sizeof hash, &hash, sizeof hash);
 }
@@ -92,23 +94,49 @@ static pel_status refuse(const char *path, const char *what, const char *remedy,
     return PEL_BAD_FORMAT;
 }
 
+static pel_status refuse_version(const char *path, pel_error *error)
+{
+    return refuse(path, "the checkpoint was written by another version of the program",
+                  "run from the beginning, or use that version", error);
+}
+
+/* says what is different in the scene: the parts of the simulation, which its snapshot names, or what stands around it
+ */
+static pel_status refuse_scene(const pel_run_state *run, const char *path, const char *bytes, size_t size, size_t at,
+                               pel_error *error)
+{
+    static const char parts[] = "the snapshot was made with other: ";
+    char what[sizeof error->what];
+    pel_error found = {0};
+    const char *differs = "output, duration, stop or names";
+    bool loads = pel_sim_load(run->sim, bytes + at, at < size ? size - at : 0, &found) == PEL_OK;
+    if (!loads && strncmp(found.what, parts, strlen(parts)) != 0)
+        return refuse(path, found.what, found.remedy, error);
+    if (!loads)
+        differs = found.what + strlen(parts);
+    snprintf(what, sizeof what, "the checkpoint belongs to another scene: it was made with other %.250s", differs);
+    return refuse(path, what, "resume with the same scene, overrides and mesh files, or run from the beginning", error);
+}
+
 /* everything but the snapshot, which checks itself */
 static pel_status check(const pel_run_state *run, const char *path, const char *bytes, size_t size,
                         checkpoint_header *header, pel_error *error)
 {
     uint64_t hash;
-    if (size < sizeof *header + sizeof hash || memcmp(bytes, magic, sizeof magic) != 0)
+    if (size < sizeof magic || memcmp(bytes, magic, sizeof magic - 2) != 0)
         return refuse(path, "this is no checkpoint of a run", "give the file `checkpoint` of a run's folder", error);
+    if (memcmp(bytes, magic, sizeof magic) != 0)
+        return refuse_version(path, error);
+    if (size < sizeof *header + sizeof hash)
+        return refuse(path, "the checkpoint is damaged", "use an older one, or run from the beginning", error);
     memcpy(header, bytes, sizeof *header);
     memcpy(&hash, bytes + size - sizeof hash, sizeof hash);
     if (header->size != size || hash != pel_hash_bytes(PEL_HASH_START, bytes, size - sizeof hash))
         return refuse(path, "the checkpoint is damaged", "use an older one, or run from the beginning", error);
     if (strncmp(header->version, PEL_VERSION, sizeof header->version) != 0)
-        return refuse(path, "the checkpoint was written by another version of the program",
-                      "run from the beginning, or use that version", error);
+        return refuse_version(path, error);
     if (header->fingerprint != run->fingerprint || size != run->checkpoint_size)
-        return refuse(path, "the checkpoint belongs to another scene",
-                      "resume with the same scene, overrides and mesh files, or run from the beginning", error);
+        return refuse_scene(run, path, bytes, size - sizeof hash, header->snapshot_at, error);
     return PEL_OK;
 }
 

@@ -1,10 +1,10 @@
 #include "scene/build.h"
 
 #include "results/fields.h"
-#include "scene/check.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
 #include "scene/table.h"
+#include "scene/validate.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 #include "pellicle/import.h"
 
 #include "base/memory.h"
-#include "io/builder.h"
 #include "io/file.h"
+#include "io/polygon_soup.h"
 #include "pellicle/mesh_io.h"
 
 #include <assimp/cimport.h>
@@ -21,7 +21,7 @@ typedef struct placed_node {
 typedef struct importer {
     const char *path;
     const struct aiScene *scene;
-    pel_builder builder;
+    pel_polygon_soup builder;
     placed_node *stack; /* nodes still to visit */
     size_t stack_count, stack_capacity;
     size_t mesh_count; /* meshes taken, those used several times counted each time */
@@ -75,7 +75,7 @@ static pel_status add_corner(importer *state, const placed_node *placed, const s
         if (!isfinite(position[i]))
             return fail_import(state, error, "a coordinate is not finite");
     }
-    return pel_builder_add_loose_corner(&state->builder, position, NULL) ? PEL_OK : pel_fail_memory(error);
+    return pel_polygon_soup_add_loose_corner(&state->builder, position, NULL) ? PEL_OK : pel_fail_memory(error);
 }
 
 static pel_status add_mesh(importer *state, const placed_node *placed, const struct aiMesh *mesh, pel_error *error)
@@ -90,7 +90,7 @@ static pel_status add_mesh(importer *state, const placed_node *placed, const str
             if (status != PEL_OK)
                 return status;
         }
-        if (!pel_builder_end_loose_polygon(&state->builder, face->mNumIndices))
+        if (!pel_polygon_soup_end_loose_polygon(&state->builder, face->mNumIndices))
             return pel_fail_memory(error);
     }
     return PEL_OK;
@@ -134,7 +134,7 @@ static pel_status visit_scene(importer *state, pel_error *error)
 
 static pel_status import_scene(importer *state, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
-    const pel_scan nowhere = {.name = state->path, .begin = "", .at = "", .end = ""};
+    const pel_text_cursor nowhere = {.name = state->path, .begin = "", .at = "", .end = ""};
     if (state->scene == NULL)
         return fail_import(state, error, aiGetErrorString());
     if (state->scene->mRootNode == NULL)
@@ -143,8 +143,8 @@ static pel_status import_scene(importer *state, const pel_log *log, pel_mesh **m
     if (status == PEL_OK && state->mesh_count > 1)
         pel_log_line(log, "%zu meshes of the scene joined", state->mesh_count);
     if (status == PEL_OK)
-        status = pel_builder_weld(&state->builder, log, error);
-    return status == PEL_OK ? pel_builder_finish(&state->builder, &nowhere, log, mesh, error) : status;
+        status = pel_polygon_soup_weld(&state->builder, log, error);
+    return status == PEL_OK ? pel_polygon_soup_finish(&state->builder, &nowhere, log, mesh, error) : status;
 }
 
 static bool is_foreign(const char *path)
@@ -162,10 +162,10 @@ pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh
     if (status != PEL_OK)
         return status;
     importer state = {.path = path, .scene = aiImportFile(path, 0)};
-    pel_builder_init(&state.builder, 0);
+    pel_polygon_soup_init(&state.builder, 0);
     status = import_scene(&state, log, mesh, error);
     pel_free(state.stack);
-    pel_builder_free(&state.builder);
+    pel_polygon_soup_free(&state.builder);
     aiReleaseImport(state.scene);
     return status;
 }

@@ -5,7 +5,7 @@
 #include "pellicle/import.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/shape.h"
-#include "scene/check.h"
+#include "scene/validate.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -1,7 +1,7 @@
 #include "scene/override.h"
 
-#include "scene/check.h"
 #include "scene/table.h"
+#include "scene/validate.h"
 #include "scene/yaml.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* The table as the reference page of scenes (Markdown) and as the list of parameter paths. */
 #include "results/fields.h"
-#include "scene/documents.h"
+#include "scene/schema_api.h"
 
 #include <string.h>
 

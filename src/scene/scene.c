@@ -4,11 +4,11 @@
 #include "base/memory.h"
 #include "io/file.h"
 #include "scene/build.h"
-#include "scene/check.h"
-#include "scene/imply.h"
+#include "scene/defaults.h"
 #include "scene/method.h"
 #include "scene/override.h"
 #include "scene/print.h"
+#include "scene/validate.h"
 #include "scene/yaml.h"
 
 #include <stdio.h>
@@ -74,7 +74,7 @@ static pel_scene_value *read_tree(pel_scene_reader *reader, const scene_source *
     for (int32_t i = 0; root->kind == PEL_SCENE_MAP && i < source->override_count; i++)
         if (pel_scene_override(reader, root, source->overrides[i]) != PEL_OK)
             return NULL;
-    if (pel_scene_imply(reader, root) != PEL_OK)
+    if (pel_scene_fill_defaults(reader, root) != PEL_OK)
         return NULL;
     return pel_scene_check(reader, root) == PEL_OK ? root : NULL;
 }

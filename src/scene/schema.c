@@ -1,6 +1,6 @@
 /* The table as JSON Schema (draft 7) for editors. Every map becomes one object per alternative, and per word of an
    alternative that brings keys of its own, so that an editor offers exactly the keys that go together. */
-#include "scene/documents.h"
+#include "scene/schema_api.h"
 
 #include "base/number.h"
 #include "scene/value.h"

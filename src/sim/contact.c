@@ -335,10 +335,10 @@ static void exchange_lists(pel_sim_contacts *contacts, int32_t count)
 /* what was found on its way into the list */
 typedef struct merger {
     pel_sim *sim;
-    const pel_impact *impacts; /* of conflicts among what was found; null = not looked for */
-    double tool_reach;         /* m, tools that are farther away at the start count only by their faces */
-    bool is_for_substeps;      /* found at the start of a step with substeps */
-    int32_t old, count;        /* contacts of the list that were taken over, contacts of the merged list */
+    const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
+    double tool_reach;            /* m, tools that are farther away at the start count only by their faces */
+    bool is_for_substeps;         /* found at the start of a step with substeps */
+    int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
 
 /* takes over what comes before a key, all when it is null; true when the next one has this key */
@@ -403,8 +403,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
 }
 
 /* puts what was found into the list */
-static pel_status merge(pel_sim *sim, const pel_collision_result *found, const pel_impact *impacts, double tool_reach,
-                        pel_error *error)
+static pel_status merge(pel_sim *sim, const pel_collision_result *found, const pel_timed_hit *impacts,
+                        double tool_reach, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     merger m = {.sim = sim, .impacts = impacts, .tool_reach = tool_reach};
@@ -723,9 +723,5 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
 
 void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics)
 {
-    *statistics = (pel_contact_statistics){0};
-    if (sim->contacts == NULL)
-        return;
-    *statistics = sim->contacts->statistics;
-    statistics->tangled = sim->contacts->tangles.count;
+    *statistics = sim->contacts != NULL ? sim->contacts->statistics : (pel_contact_statistics){0};
 }

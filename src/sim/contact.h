@@ -42,10 +42,10 @@ typedef struct pel_conflict {
 } pel_conflict;
 
 /* where a pair that was found is a conflict */
-typedef struct pel_impact {
+typedef struct pel_timed_hit {
     pel_ccd_hit hit; /* time of impact above 1 = it is none */
     bool is_solved;  /* by a cubic */
-} pel_impact;
+} pel_timed_hit;
 
 /* What moves together in the guard: a vertex or tool at first. Numbers of a zone stand at its root, but for those of a
    node. */
@@ -97,6 +97,7 @@ struct pel_sim_contacts {
 
     /* the surface */
     pel_collider *collider;
+    bool is_loaded; /* the collider's memory and revisions are of a snapshot, its surface is not yet */
     int32_t place_count, point_count, triangle_count;
     int32_t (*triangles)[3]; /* (triangle_count) those of tools first */
     int32_t triangle_limit;
@@ -107,7 +108,7 @@ struct pel_sim_contacts {
     pel_contact_tool *tools;                       /* (tool_count) */
     double (*start)[3], (*end)[3];                 /* (point_count) */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of tools) */
-    int64_t substep;                               /* number of the substep, of all steps */
+    uint32_t substep;                              /* number of the substep, of all steps */
     bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
                                                       every writer of these but pel_contact_points clears it */
     pel_collision_result on_way;                   /* the collider's */
@@ -126,7 +127,7 @@ struct pel_sim_contacts {
     /* the guard */
     pel_conflict *conflicts; /* of the last look */
     size_t conflict_count, conflict_capacity;
-    pel_impact *impacts; /* (collisions of the last look) */
+    pel_timed_hit *impacts; /* (collisions of the last look) */
     size_t impact_capacity;
     double (*solved)[3];                /* (place_count) end positions before anything was stepped back */
     pel_zone *zones;                    /* (place_count + tool_count) */

@@ -1,8 +1,8 @@
 /* Contact over an event of refinement: the surface changes without a step, and must not cut itself afterwards.
 
-   New vertices stand a little off the middle of their edge (transfer.c), and what is coarsened loses its bulges, so the
-   new surface is tested exactly. When it cuts itself, new vertices go to the middles, which leaves a refined surface
-   where it was; when that does not help, the event is taken back by a snapshot from before it. */
+   New vertices stand a little off the middle of their edge (refine_transfer.c), and what is coarsened loses its bulges,
+   so the new surface is tested exactly. When it cuts itself, new vertices go to the middles, which leaves a refined
+   surface where it was; when that does not help, the event is taken back by a snapshot from before it. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
@@ -33,13 +33,13 @@ static bool count_pairs(pel_sim *sim, int64_t *count)
 }
 
 /* the middle of the edge of a new vertex; velocities stay */
-static void move_to_middle(pel_sim *sim, const pel_active_body *own, int32_t v)
+static void move_to_middle(pel_sim *sim, const pel_refined_body *own, int32_t v)
 {
     const pel_lod_forest *forest = own->front->forest;
     const pel_topology *coarse = forest->levels[pel_lod_forest_vertex_level(forest, v) - 1];
-    int32_t h = coarse->half_edge_of_edge[v - coarse->vertex_count], place = own->place_of_vertex[v];
-    int32_t a = own->place_of_vertex[pel_half_edge_origin(coarse, h)];
-    int32_t b = own->place_of_vertex[pel_half_edge_target(coarse, h)];
+    int32_t h = coarse->half_edge_of_edge[v - coarse->vertex_count], place = own->model_index[v];
+    int32_t a = own->model_index[pel_half_edge_origin(coarse, h)];
+    int32_t b = own->model_index[pel_half_edge_target(coarse, h)];
     pel_state *state = sim->state;
     for (int k = 0; k < 3; k++) {
         pel_real middle = (pel_real)0.5 * (state->position[a][k] + state->position[b][k]);
@@ -50,7 +50,7 @@ static void move_to_middle(pel_sim *sim, const pel_active_body *own, int32_t v)
 
 bool pel_contacts_accept_event(pel_sim *sim, int32_t body)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     const pel_tangles *tangles = &sim->contacts->tangles;
     int64_t known = tangles->is_known ? tangles->count : 0, count;
     if (count_pairs(sim, &count) && count <= known)

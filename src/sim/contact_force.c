@@ -162,7 +162,7 @@ static void touch(pel_sim *sim, pel_tool *tool, const pel_contact *contact, doub
         double share = (double)(contact->weights[i] * contact->push * positions[v][3]) / free;
         if (share == 0)
             continue;
-        pel_touch *touch = pel_tool_touch(tool, v);
+        pel_contact_vertex *touch = pel_tool_touch(tool, v);
         for (int k = 0; k < 3; k++)
             touch->push[k] += share * (double)contact->normal[k];
     }
@@ -205,11 +205,11 @@ void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contac
 
 void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces)
 {
-    int32_t count = pel_row_count(sim, body);
+    int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++) {
         double force[3] = {0, 0, 0};
         if (sim->contact_forces.vertex != NULL)
-            pel_vertex_position(sim->contact_forces.vertex, pel_row_place(sim, body, r), force);
+            pel_vertex_position(sim->contact_forces.vertex, pel_output_model_index(sim, body, r), force);
         pel_vec3_copy(force, forces + 3 * (size_t)r);
     }
 }

@@ -62,9 +62,9 @@ static double longest_approach(const pel_sim_contacts *contacts, const pel_colli
 }
 
 /* impact of what the guard minds */
-static pel_impact find_impact(const pel_sim_contacts *contacts, const pel_collision *hit)
+static pel_timed_hit find_impact(const pel_sim_contacts *contacts, const pel_collision *hit)
 {
-    pel_impact impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
+    pel_timed_hit impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
     double distance = pel_contact_start_distance(contacts, hit), approach = longest_approach(contacts, hit);
     double separation = fmin(contacts->guarded, APPROACH * distance);
     /* twice, to be far from rounding */
@@ -125,7 +125,7 @@ pel_status pel_contact_find_conflicts(pel_sim *sim, const pel_collision_result *
     pel_status status = PEL_OK;
     for (int64_t i = 0; status == PEL_OK && i < found->collision_count; i++) {
         const pel_collision *hit = &found->collisions[i];
-        const pel_impact *impact = &contacts->impacts[i];
+        const pel_timed_hit *impact = &contacts->impacts[i];
         contacts->statistics.cubics += impact->is_solved;
         if (impact->hit.time_of_impact > 1 || (contacts->tangles.count > 0 && pel_tangles_have(contacts, hit)))
             continue;

@@ -240,7 +240,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     pel_contact_key *key = &contacts->keys[c];
     pel_contact *contact = &contacts->list.contacts[c];
     double x[4][3], weights[4], normal[3];
-    if (key->gap > FAR * contacts->largest && (contacts->substep + c) % FAR_INTERVAL != 0)
+    if (key->gap > FAR * contacts->largest && (contacts->substep + (uint32_t)c) % FAR_INTERVAL != 0)
         return;
     for (int i = 0; i < 4; i++)
         load_point(sim, key->points[i], x[i]);

@@ -123,7 +123,8 @@ static void set_triangles(pel_sim *sim)
     }
 }
 
-bool pel_contact_surface_is_present(const pel_sim *sim)
+/* what the collider knows is of the present surface */
+static bool is_of_present(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->contacts->revisions[b] != pel_sim_surface_revision(sim, b))
@@ -131,17 +132,25 @@ bool pel_contact_surface_is_present(const pel_sim *sim)
     return true;
 }
 
+bool pel_contact_surface_is_present(const pel_sim *sim)
+{
+    return !sim->contacts->is_loaded && is_of_present(sim);
+}
+
 pel_status pel_contact_surface_update(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     if (pel_contact_surface_is_present(sim))
         return PEL_OK;
+    bool recalls = contacts->is_loaded && is_of_present(sim);
     set_triangles(sim);
     contacts->way_is_searched = false;
-    pel_status status =
-        pel_collider_set_surface(contacts->collider, (const double(*)[3])contacts->start, contacts->point_count,
-                                 (const int32_t(*)[3])contacts->triangles, contacts->triangle_count, error);
-    if (status != PEL_OK)
+    pel_status status = (recalls ? pel_collider_recall : pel_collider_set_surface)(
+        contacts->collider, (const double(*)[3])contacts->start, contacts->point_count,
+        (const int32_t(*)[3])contacts->triangles, contacts->triangle_count, error);
+    if (status == PEL_OK)
+        contacts->is_loaded = false;
+    else if (!recalls)
         contacts->revisions[0] = -1;
     return status;
 }

@@ -91,6 +91,7 @@ pel_status pel_tangles_find(pel_sim *sim, pel_error *error)
         return status;
     }
     drop_strangers(sim, tangles);
+    sim->contacts->statistics.tangled = tangles->count;
     status = make_keys(sim->contacts, error);
     tangles->is_known = status == PEL_OK;
     return status;

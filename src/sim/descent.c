@@ -220,7 +220,7 @@ static double deepest_gap(const pel_sim *sim)
     const pel_sim_descent *descent = sim->descent;
     double deepest = 0;
     for (int32_t c = 0; c < descent->count; c++) {
-        pel_meeting meeting;
+        pel_gap_sample meeting;
         pel_descent_contact_meet(sim, &descent->constraints[c], sim->state->position_next, &meeting);
         deepest = fmax(deepest, -meeting.gap / descent->constraints[c].tolerance);
     }
@@ -450,6 +450,11 @@ void pel_sim_descent_destroy(pel_sim *sim)
     pel_free(descent);
 }
 
+static void accept(pel_sim *sim)
+{
+    sim->descent->accepted = sim->descent->result;
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
     (void)sim;
@@ -464,5 +469,6 @@ const pel_stepper pel_descent_kind = {
     .step = step,
     .read_tools = pel_descent_contacts_read,
     .mark_contacts = pel_descent_contacts_mark,
+    .accept = accept,
     .advise = advise,
 };

@@ -36,13 +36,14 @@ typedef struct pel_descent_contact {
 
 struct pel_sim_descent {
     pel_descent *minimiser;
-    pel_record *external; /* (vertex_count) forces that stay during a step */
-    double mean_edge;     /* m */
-    double stiff_force;   /* N, moves every vertex by an edge, by the bound of the stiffness */
-    double acted;         /* N, largest force that has acted since the start */
-    double stiffness;     /* 1/s2, bound of that of the bodies over mass */
-    double penalty;       /* stiffness of constraints over that bound */
-    pel_descent_result result;
+    pel_record *external;        /* (vertex_count) forces that stay during a step */
+    double mean_edge;            /* m */
+    double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
+    double acted;                /* N, largest force that has acted since the start */
+    double stiffness;            /* 1/s2, bound of that of the bodies over mass */
+    double penalty;              /* stiffness of constraints over that bound */
+    pel_descent_result result;   /* of the step at work */
+    pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 
     /* those of tools, then those of surfaces; the others are what was known when they were found anew */
     pel_descent_contact *constraints, *others;
@@ -61,10 +62,10 @@ typedef struct pel_descent_context {
 } pel_descent_context;
 
 /* where a constraint stands */
-typedef struct pel_meeting {
+typedef struct pel_gap_sample {
     double gap; /* m */
     double weights[4], normal[3];
-} pel_meeting;
+} pel_gap_sample;
 
 static inline bool pel_descent_sees_contacts(const pel_sim *sim)
 {
@@ -81,7 +82,7 @@ pel_status pel_descent_check_start(pel_sim *sim, pel_error *error);
 /* the weighted sum of its points: where it is, against a surface the way between both sides */
 void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_record *position, double point[3]);
 void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
-                              pel_meeting *meeting);
+                              pel_gap_sample *meeting);
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
 pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */

@@ -30,7 +30,7 @@ void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_
 
 /* the nearest point of a triangle to a round tool */
 static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
-                       pel_meeting *meeting)
+                       pel_gap_sample *meeting)
 {
     const pel_tool *tool = &sim->tools[constraint->tool];
     pel_solid large = pel_tool_press_solid(sim, tool, constraint->vertices[0]);
@@ -38,7 +38,7 @@ static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint
     large.radius += far;
     double depth = pel_tool_triangle_depth(sim, tool, &large, position, constraint->triangle, meeting->weights, normal);
     if (!(depth > 0)) {
-        *meeting = (pel_meeting){.gap = far};
+        *meeting = (pel_gap_sample){.gap = far};
         return;
     }
     meeting->gap = far - depth - constraint->offset;
@@ -47,7 +47,7 @@ static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint
 }
 
 void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
-                              pel_meeting *meeting)
+                              pel_gap_sample *meeting)
 {
     double point[3];
     if (constraint->triangle >= 0) {
@@ -96,7 +96,7 @@ static void push(const pel_descent_contact *constraint, const double weights[4],
 static double evaluate(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
                        pel_record *force)
 {
-    pel_meeting meeting;
+    pel_gap_sample meeting;
     double energy = 0, load[3], drag[3];
     pel_descent_contact_meet(sim, constraint, position, &meeting);
     double along = constraint->load - constraint->stiffness * meeting.gap;
@@ -146,7 +146,7 @@ pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *cons
 static double update(const pel_sim *sim, pel_descent_contact *constraint)
 {
     const pel_record *position = sim->state->position_next;
-    pel_meeting meeting;
+    pel_gap_sample meeting;
     double drag[3], change = 0;
     if (find_drag(sim, constraint, position, drag)) {
         limit_length(drag, constraint->friction * constraint->load);
@@ -174,7 +174,7 @@ double pel_descent_contacts_update(pel_sim *sim)
 /* the load that takes away most of what is left of the forces on its vertices */
 static void balance(const pel_sim *sim, pel_descent_contact *constraint, double reach, pel_record *force)
 {
-    pel_meeting meeting;
+    pel_gap_sample meeting;
     pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
     double square = 0, left[3] = {0, 0, 0}, change[3], drag[3];
     if (meeting.gap > reach)

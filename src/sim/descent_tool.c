@@ -68,7 +68,7 @@ static pel_status add_round(const tool_search *search, int32_t t, pel_error *err
 {
     pel_sim *sim = search->sim;
     pel_descent_contact constraint = at_triangle(search, t);
-    pel_meeting meeting;
+    pel_gap_sample meeting;
     constraint.triangle = t;
     constraint.offset = search->slack;
     pel_descent_contact_meet(sim, &constraint, sim->state->position_next, &meeting);
@@ -213,7 +213,7 @@ pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
 
 /* load and drag as forces of the step; both act at the same point but for what a round tool has slid in the last round
  */
-static void add_action(pel_sim *sim, const pel_descent_contact *constraint, const pel_meeting *meeting)
+static void add_action(pel_sim *sim, const pel_descent_contact *constraint, const pel_gap_sample *meeting)
 {
     pel_contact_action action = {.vertices = constraint->vertices, .tool = constraint->tool};
     memcpy(action.weights, meeting->weights, sizeof action.weights);
@@ -225,7 +225,7 @@ static void add_action(pel_sim *sim, const pel_descent_contact *constraint, cons
 static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
 {
     double point[3] = {0, 0, 0}, sum = 0, side = 0, load[3], x[3];
-    pel_meeting meeting;
+    pel_gap_sample meeting;
     pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
     add_action(sim, constraint, &meeting);
     if (constraint->tool < 0)
@@ -235,7 +235,7 @@ static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
         int32_t v = constraint->vertices[i];
         if (meeting.weights[i] == 0)
             continue;
-        pel_touch *touch = pel_tool_touch(tool, v);
+        pel_contact_vertex *touch = pel_tool_touch(tool, v);
         pel_vec3_along(touch->push, constraint->load * meeting.weights[i], meeting.normal, touch->push);
         pel_vertex_position(sim->state->position_next, v, x);
         pel_vec3_along(point, fabs(meeting.weights[i]), x, point);

@@ -55,48 +55,50 @@ static size_t place_count(const pel_sim *sim, int32_t body)
     return (size_t)(sim->active->bodies[body].fine_limit - sim->model->bodies[body].slice_begin * PEL_WIDTH);
 }
 
-static void remove_entry(pel_load *load, int32_t first, int32_t place)
+/* the weight of a place, 0 = none; true when it is another one than before */
+static bool set_weight(pel_load *load, int32_t at, double weight)
 {
-    int32_t at = load->entry_of_place[place - first] - 1, last = load->vertex_count - 1;
-    if (at < 0)
-        return;
-    load->vertices[at] = load->vertices[last];
-    load->weights[at] = load->weights[last];
-    load->entry_of_place[load->vertices[at] - first] = at + 1;
-    load->entry_of_place[place - first] = 0;
-    load->vertex_count--;
+    bool differs = load->weight_of_place[at] != weight;
+    load->weight_of_place[at] = weight;
+    return differs;
 }
 
-static void set_entry(const pel_sim *sim, pel_load *load, int32_t v)
+static bool set_vertex(const pel_sim *sim, pel_load *load, int32_t v)
 {
-    const pel_active *active = sim->active;
+    const pel_refined_model *active = sim->active;
     int32_t first = sim->model->bodies[load->body].slice_begin * PEL_WIDTH;
-    int32_t place = active->bodies[load->body].place_of_vertex[v];
+    int32_t place = active->bodies[load->body].model_index[v];
     double weight = active->is_base[place] ? load->base_weights[v] : load->densities[v] * active->areas[place];
-    if (weight == 0) {
-        remove_entry(load, first, place);
-        return;
-    }
-    int32_t *entry = &load->entry_of_place[place - first];
-    if (*entry == 0) {
-        load->vertices[load->vertex_count++] = place;
-        *entry = load->vertex_count;
-    }
-    load->weights[*entry - 1] = weight;
+    return set_weight(load, place - first, weight);
+}
+
+/* by rising places: sums over the list do not depend on how the surface came about */
+static void list_places(const pel_sim *sim, pel_load *load)
+{
+    int32_t first = sim->model->bodies[load->body].slice_begin * PEL_WIDTH;
+    load->vertex_count = 0;
+    for (size_t i = 0; i < place_count(sim, load->body); i++)
+        if (load->weight_of_place[i] != 0) {
+            load->vertices[load->vertex_count] = first + (int32_t)i;
+            load->weights[load->vertex_count++] = load->weight_of_place[i];
+        }
 }
 
 void pel_loads_update(pel_sim *sim, int32_t body)
 {
-    const pel_active *active = sim->active;
+    const pel_refined_model *active = sim->active;
     int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
     for (int32_t l = 0; l < sim->load_count; l++) {
         pel_load *load = &sim->loads[l];
+        bool differs = false;
         if (load->body != body || load->densities == NULL)
             continue;
         for (int32_t i = 0; i < active->released_count; i++)
-            remove_entry(load, first, active->released[i]);
+            differs |= set_weight(load, active->released[i] - first, 0);
         for (int32_t d = 0; d < active->dirty_count; d++)
-            set_entry(sim, load, active->dirty[d]);
+            differs |= set_vertex(sim, load, active->dirty[d]);
+        if (differs)
+            list_places(sim, load);
     }
 }
 
@@ -107,29 +109,29 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body)
         pel_load *load = &sim->loads[l];
         if (load->body != body || load->densities == NULL)
             continue;
-        load->vertex_count = 0;
-        memset(load->entry_of_place, 0, place_count(sim, body) * sizeof *load->entry_of_place);
+        memset(load->weight_of_place, 0, place_count(sim, body) * sizeof *load->weight_of_place);
         for (int32_t i = 0; i < front->vertex_count; i++)
-            set_entry(sim, load, front->vertices[i]);
+            set_vertex(sim, load, front->vertices[i]);
+        list_places(sim, load);
     }
 }
 
 static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *def, double share, pel_error *error)
 {
-    const pel_body_detail *detail = sim->model->bodies[def->body].detail;
+    const pel_body_levels *detail = sim->model->bodies[def->body].detail;
     int32_t mesh_count = sim->model->bodies[def->body].mesh->vertex_count;
     int32_t count = def->vertices != NULL ? def->vertex_count : mesh_count;
     load->base_weights = pel_allocate((size_t)mesh_count, sizeof *load->base_weights);
     load->densities =
         pel_allocate((size_t)detail->forest->levels[detail->forest->depth]->vertex_count, sizeof *load->densities);
-    load->entry_of_place = pel_allocate(place_count(sim, def->body), sizeof *load->entry_of_place);
-    if (load->base_weights == NULL || load->densities == NULL || load->entry_of_place == NULL)
+    load->weight_of_place = pel_allocate(place_count(sim, def->body), sizeof *load->weight_of_place);
+    if (load->base_weights == NULL || load->densities == NULL || load->weight_of_place == NULL)
         return pel_fail_memory(error);
     for (int32_t i = 0; i < count; i++)
         load->base_weights[def->vertices != NULL ? def->vertices[i] : i] +=
             share * (def->weights != NULL ? def->weights[i] : 1);
     memcpy(load->densities, load->base_weights, (size_t)mesh_count * sizeof *load->densities);
-    pel_detail_spread(detail, 1, load->densities);
+    pel_levels_spread(detail, 1, load->densities);
     pel_loads_rebuild(sim, def->body);
     return PEL_OK;
 }
@@ -142,6 +144,9 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     pel_load *load = &sim->loads[index];
     const pel_body *body = &sim->model->bodies[def->body];
     int32_t count = def->vertices != NULL ? def->vertex_count : body->mesh->vertex_count;
+    if (def->weights != NULL)
+        pel_fingerprint_add_bytes(&sim->fingerprint, PEL_PART_LOADS, def->weights,
+                                  (size_t)count * sizeof *def->weights);
     snprintf(load->name, sizeof load->name, "%s", def->name != NULL ? def->name : "");
     memcpy(load->force, def->force, sizeof load->force);
     load->body = def->body;
@@ -162,7 +167,7 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
         return spread_load(sim, load, def, share, error);
     load->vertex_count = count;
     for (int32_t i = 0; i < count; i++) {
-        load->vertices[i] = body->slot_of_vertex[def->vertices != NULL ? def->vertices[i] : i];
+        load->vertices[i] = body->model_index[def->vertices != NULL ? def->vertices[i] : i];
         load->weights[i] = share * (def->weights != NULL ? def->weights[i] : 1);
     }
     return PEL_OK;
@@ -188,7 +193,7 @@ void pel_loads_destroy(pel_sim *sim)
         pel_free(sim->loads[i].keys);
         pel_free(sim->loads[i].base_weights);
         pel_free(sim->loads[i].densities);
-        pel_free(sim->loads[i].entry_of_place);
+        pel_free(sim->loads[i].weight_of_place);
     }
     pel_free(sim->loads);
 }

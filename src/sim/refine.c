@@ -1,4 +1,5 @@
-/* Where a body refines: what the criteria (criterion.c) find becomes requests, requests become marks of the front.
+/* Where a body refines: what the criteria (refine_criterion.c) find becomes requests, requests become marks of the
+   front.
 
    A vertex above a threshold becomes hot and asks for the rings around it, on every level finer than its own; a hot
    vertex of the finest level asks for the two triangles between which it lies. One that stays below all lower
@@ -33,30 +34,30 @@ static pel_status create_body(const pel_sim *sim, int32_t body, pel_error *error
     if (front == NULL)
         return PEL_OK;
     pel_refine_body *refine = &sim->refine[body];
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     const pel_topology *finest = front->forest->levels[front->forest->depth];
     size_t fine = (size_t)finest->vertex_count, coarse = (size_t)front->forest->levels[0]->vertex_count;
-    int32_t **lists[] = {&refine->visited, &refine->queue,     &refine->candidates,   &refine->leaving,
-                         &refine->hot,     &refine->hot_place, &refine->row_vertices, &refine->row_of_vertex};
+    int32_t **lists[] = {&refine->visited, &refine->queue,     &refine->candidates,      &refine->leaving,
+                         &refine->hot,     &refine->hot_place, &refine->output_vertices, &refine->output_vertex};
     bool room = true;
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
         room &= (*lists[i] = pel_allocate(fine, sizeof **lists[i])) != NULL;
     refine->mark_counts = pel_allocate((size_t)front->red_limit, sizeof *refine->mark_counts);
-    refine->heat = pel_allocate(fine, sizeof *refine->heat);
+    refine->requests = pel_allocate(fine, sizeof *refine->requests);
     refine->warm_step = pel_allocate(fine, sizeof *refine->warm_step);
     refine->strengths = pel_allocate(fine, sizeof *refine->strengths);
     refine->asked_level = pel_allocate(coarse, sizeof *refine->asked_level);
     refine->surface = pel_allocate((size_t)finest->triangle_count, sizeof *refine->surface);
-    refine->row_revision = -1;
+    refine->output_revision = -1;
     if (sim->model->bodies[body].detail->def.curvature_above > 0) {
         refine->curvature_count = own->fine_limit - sim->model->bodies[body].slice_begin * PEL_WIDTH;
         refine->rest_curvatures = pel_allocate((size_t)refine->curvature_count, sizeof *refine->rest_curvatures);
         room &= refine->rest_curvatures != NULL;
     }
-    if (!room || refine->mark_counts == NULL || refine->heat == NULL || refine->warm_step == NULL ||
+    if (!room || refine->mark_counts == NULL || refine->requests == NULL || refine->warm_step == NULL ||
         refine->strengths == NULL || refine->asked_level == NULL || refine->surface == NULL)
         return pel_fail_memory(error);
-    pel_criterion_forget(sim, body);
+    pel_refine_criterion_forget(sim, body);
     return PEL_OK;
 }
 
@@ -77,10 +78,10 @@ void pel_refine_destroy(pel_sim *sim)
 {
     for (int32_t b = 0; sim->refine != NULL && b < sim->model->body_count; b++) {
         pel_refine_body *refine = &sim->refine[b];
-        void *arrays[] = {refine->mark_counts,  refine->heat,          refine->warm_step, refine->strengths,
-                          refine->asked_level,  refine->visited,       refine->queue,     refine->candidates,
-                          refine->leaving,      refine->hot,           refine->hot_place, refine->rest_curvatures,
-                          refine->row_vertices, refine->row_of_vertex, refine->surface};
+        void *arrays[] = {refine->mark_counts,     refine->requests,      refine->warm_step, refine->strengths,
+                          refine->asked_level,     refine->visited,       refine->queue,     refine->candidates,
+                          refine->leaving,         refine->hot,           refine->hot_place, refine->rest_curvatures,
+                          refine->output_vertices, refine->output_vertex, refine->surface};
         for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
             pel_free(arrays[i]);
     }
@@ -150,18 +151,18 @@ static void ask_for_hot(pel_refine_body *refine, pel_front *front, int32_t v, in
 
 static void commit(pel_sim *sim, int32_t body)
 {
-    pel_active *active = sim->active;
-    pel_active_body *own = &active->bodies[body];
+    pel_refined_model *active = sim->active;
+    pel_refined_body *own = &active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     sim->force_is_present = false;
     double shells_before = pel_refine_energy_before(sim, body);
-    pel_active_commit(active, body, sim->state);
+    pel_refined_commit(active, body, sim->state);
     if (own->front->change_count == 0)
         return;
     refine->revision++;
     int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
     for (int32_t d = 0; refine->rest_curvatures != NULL && d < active->dirty_count; d++)
-        refine->rest_curvatures[own->place_of_vertex[active->dirty[d]] - first] = (double)NAN;
+        refine->rest_curvatures[own->model_index[active->dirty[d]] - first] = (double)NAN;
     pel_loads_update(sim, body);
     pel_tools_update(sim, body);
     pel_tool_search_update(sim->tool_search, body);
@@ -171,7 +172,7 @@ static void commit(pel_sim *sim, int32_t body)
 
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     if (own->front == NULL)
         return;
     int32_t finest = own->front->forest->levels[own->front->forest->depth]->triangle_count;
@@ -189,7 +190,7 @@ static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 {
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, true);
-    refine->heat[v] = PEL_HOT;
+    refine->requests[v] = PEL_REQUEST_MADE;
     refine->warm_step[v] = sim->state->step;
     refine->hot_place[v] = refine->hot_count;
     refine->hot[refine->hot_count++] = v;
@@ -199,7 +200,7 @@ static void cool_down(pel_sim *sim, int32_t body, int32_t v)
 {
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, false);
-    refine->heat[v] = PEL_COLD;
+    refine->requests[v] = PEL_REQUEST_NONE;
     int32_t last = refine->hot[--refine->hot_count];
     refine->hot[refine->hot_place[v]] = last;
     refine->hot_place[last] = refine->hot_place[v];
@@ -214,19 +215,19 @@ static bool has_cooled(const pel_sim *sim, int32_t body, int32_t v)
 static void look_at(pel_sim *sim, int32_t body, int32_t v, const pel_verdict *verdict)
 {
     pel_refine_body *refine = &sim->refine[body];
-    uint8_t *heat = &refine->heat[v];
+    uint8_t *requests = &refine->requests[v];
     refine->strengths[v] = verdict->strength;
-    if (*heat == PEL_COLD && verdict->strength > 1) {
-        *heat = PEL_WAITING;
+    if (*requests == PEL_REQUEST_NONE && verdict->strength > 1) {
+        *requests = PEL_REQUEST_WAITING;
         refine->candidates[refine->candidate_count++] = v;
         return;
     }
-    if (*heat != PEL_HOT && *heat != PEL_LEAVING)
+    if (*requests != PEL_REQUEST_MADE && *requests != PEL_REQUEST_ENDING)
         return;
     if (verdict->warm) {
         refine->warm_step[v] = sim->state->step;
-    } else if (*heat == PEL_HOT && has_cooled(sim, body, v)) {
-        *heat = PEL_LEAVING;
+    } else if (*requests == PEL_REQUEST_MADE && has_cooled(sim, body, v)) {
+        *requests = PEL_REQUEST_ENDING;
         refine->leaving[refine->leaving_count++] = v;
     }
 }
@@ -249,7 +250,7 @@ static int32_t take_candidate(pel_refine_body *refine, bool strongest)
     /* waiting ones stand first, those found in this round behind them */
     list[at] = list[--refine->waiting_count];
     list[refine->waiting_count] = list[--refine->candidate_count];
-    refine->heat[v] = PEL_COLD;
+    refine->requests[v] = PEL_REQUEST_NONE;
     return v;
 }
 
@@ -259,7 +260,7 @@ static int32_t weakest_hot(const pel_refine_body *refine, double below)
     int32_t weakest = -1;
     for (int32_t i = 0; i < refine->hot_count; i++) {
         int32_t v = refine->hot[i];
-        if (refine->heat[v] == PEL_HOT && refine->strengths[v] < below &&
+        if (refine->requests[v] == PEL_REQUEST_MADE && refine->strengths[v] < below &&
             (weakest < 0 || is_stronger(refine, weakest, v)))
             weakest = v;
     }
@@ -293,7 +294,7 @@ static bool displace(pel_sim *sim, int32_t body, double below, int most, displac
    four, as closing the front costs more than finding the weakest */
 static bool heat_within_budget(pel_sim *sim, int32_t body, int32_t v)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     displacement gone = {.count = 0};
     heat_up(sim, body, v);
@@ -324,7 +325,7 @@ static void put_off(pel_sim *sim, int32_t body)
     pel_refine_body *refine = &sim->refine[body];
     while (refine->leaving_count > 0) {
         int32_t v = refine->leaving[--refine->leaving_count];
-        refine->heat[v] = PEL_HOT;
+        refine->requests[v] = PEL_REQUEST_MADE;
         refine->warm_step[v] = sim->state->step;
     }
     while (refine->waiting_count > 0)
@@ -334,7 +335,7 @@ static void put_off(pel_sim *sim, int32_t body)
 /* one event's portion of what the last rounds found */
 static void do_portion(pel_sim *sim, int32_t body)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     if (refine->leaving_count + refine->waiting_count == 0)
         return;
@@ -347,7 +348,7 @@ static void do_portion(pel_sim *sim, int32_t body)
         if (has_cooled(sim, body, v))
             cool_down(sim, body, v);
         else
-            refine->heat[v] = PEL_HOT;
+            refine->requests[v] = PEL_REQUEST_MADE;
     }
     if (limited)
         pel_front_close(own->front);
@@ -370,13 +371,13 @@ static void step_body(pel_sim *sim, int32_t body)
 {
     const pel_body *b = &sim->model->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
-    if (b->detail == NULL || !pel_criterion_is_used(&b->detail->def))
+    if (b->detail == NULL || !pel_refine_criterion_is_used(&b->detail->def))
         return;
     /* every interval-th slice: what lies near a tool stands together */
     for (int32_t slice = b->slice_begin + refine->part; slice < b->slice_end; slice += b->detail->def.interval) {
         pel_verdict verdicts[PEL_WIDTH];
         pel_body_force numbers = pel_slice_force_of(sim->model, sim->state, slice);
-        pel_criterion_slice(sim, body, slice, &numbers, verdicts);
+        pel_refine_criterion_slice(sim, body, slice, &numbers, verdicts);
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
             if (sim->model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)
                 look_at(sim, body, sim->model->mesh_vertex[slice * PEL_WIDTH + lane], &verdicts[lane]);
@@ -420,7 +421,7 @@ static void ask_for_region(pel_sim *sim, int32_t body)
 
 static pel_status start_region(pel_sim *sim, int32_t body, pel_error *error)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     ask_for_region(sim, body);
     int32_t count = pel_front_close(own->front);
     if (count > own->triangle_limit) {
@@ -438,7 +439,7 @@ pel_status pel_refine_start(pel_sim *sim, pel_error *error)
 {
     pel_status status = PEL_OK;
     for (int32_t b = 0; status == PEL_OK && b < sim->model->body_count; b++) {
-        const pel_body_detail *detail = sim->model->bodies[b].detail;
+        const pel_body_levels *detail = sim->model->bodies[b].detail;
         if (detail != NULL && detail->def.everywhere)
             pel_refine_everywhere(sim, b, true);
         else if (detail != NULL && detail->def.region_count > 0)
@@ -464,7 +465,7 @@ pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t le
     if (vertex < 0 || vertex >= b->mesh->vertex_count || level < 0 || level > b->detail->def.levels)
         return pel_fail(error, PEL_BAD_ARGUMENT, "vertex %d or level %d does not exist in body '%s'", (int)vertex,
                         (int)level, b->name);
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     if (sim->contacts != NULL)
         pel_contacts_before_event(sim);
     int32_t before = sim->refine[body].asked_level[vertex];

@@ -42,8 +42,8 @@ static int32_t place_count(const keeper *k, bool moving)
 
 static int32_t place_at(const keeper *k, int32_t i, bool moving)
 {
-    const pel_active_body *own = &k->sim->active->bodies[k->body];
-    return own->place_of_vertex[moving && k->only_new ? own->front->added_vertices[i] : k->sim->active->dirty[i]];
+    const pel_refined_body *own = &k->sim->active->bodies[k->body];
+    return own->model_index[moving && k->only_new ? own->front->added_vertices[i] : k->sim->active->dirty[i]];
 }
 
 static bool moves(const keeper *k, int32_t place)

@@ -29,17 +29,17 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
 {
     pel_status status = check_body(sim, body, error);
     if (status == PEL_OK)
-        status = check_values(positions, pel_row_count(sim, body), "position", error);
+        status = check_values(positions, pel_output_count(sim, body), "position", error);
     if (status != PEL_OK)
         return status;
     double energy_before = pel_ledger_energy(sim);
     sim->force_is_present = false;
     sim->state->older_is_known = false;
     sim->substeps.now.is_stale = true;
-    int32_t count = pel_row_count(sim, body);
+    int32_t count = pel_output_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
-            int32_t i = pel_row_place(sim, body, v);
+            int32_t i = pel_output_model_index(sim, body, v);
             sim->state->position[i][c] = (pel_real)positions[3 * (size_t)v + (size_t)c];
             /* a displaced body starts at rest */
             sim->state->position_before[i][c] = sim->state->position[i][c];
@@ -55,16 +55,16 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
 {
     pel_status status = check_body(sim, body, error);
     if (status == PEL_OK)
-        status = check_values(velocities, pel_row_count(sim, body), "velocity", error);
+        status = check_values(velocities, pel_output_count(sim, body), "velocity", error);
     if (status != PEL_OK)
         return status;
     pel_state *state = sim->state;
     double energy_before = pel_ledger_energy(sim);
     sim->force_is_present = false;
-    int32_t count = pel_row_count(sim, body);
+    int32_t count = pel_output_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
-            int32_t i = pel_row_place(sim, body, v);
+            int32_t i = pel_output_model_index(sim, body, v);
             double value = sim->model->inverse_mass[i] > 0 ? velocities[3 * (size_t)v + (size_t)c] : 0;
             if (state->velocity != NULL)
                 state->velocity[i][c] = (pel_real)value;

@@ -113,20 +113,20 @@ bool pel_sim_has_shells(const pel_sim *sim)
 void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre)
 {
     pel_shell_forces_follow(sim->shells, sim->state->position);
-    pel_shell_vertex_energies(sim->shells, body, pel_row_count(sim, body), pel_row_numbers(sim, body),
+    pel_shell_vertex_energies(sim->shells, body, pel_output_count(sim, body), pel_output_numbers(sim, body),
                               sim->state->position, pel_sim_time(sim), membrane, bending, fibre);
 }
 
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
 {
-    int32_t count = pel_row_count(sim, body);
+    int32_t count = pel_output_count(sim, body);
     sim->force_is_present = false;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_shell_forces_add(sim->shells, sim->state->position, pel_sim_time(sim), PEL_SHELL_PRESSURE, sim->pool,
                          sim->force);
     for (int32_t r = 0; r < count; r++)
         for (int c = 0; c < 3; c++)
-            forces[3 * (size_t)r + (size_t)c] = (double)sim->force[pel_row_place(sim, body, r)][c];
+            forces[3 * (size_t)r + (size_t)c] = (double)sim->force[pel_output_model_index(sim, body, r)][c];
 }
 
 void pel_shells_follow(pel_sim *sim, int32_t body)

@@ -123,7 +123,7 @@ static void accept_part(pel_sim *sim, double next)
     sim->state->step += is_last;
     pel_tools_end_step(sim, next);
     if (is_last)
-        pel_weights_follow(sim);
+        pel_bending_weights_follow(sim);
     if (sim->stepper->accept != NULL)
         sim->stepper->accept(sim);
     pel_restitution_apply(sim);

@@ -6,8 +6,8 @@
 #include "force/body_force.h"
 #include "force/shell_force.h"
 #include "geom/solid.h"
-#include "model/active.h"
 #include "model/boundary.h"
+#include "model/refined_model.h"
 #include "pellicle/sim.h"
 #include "sim/ledger.h"
 #include "sim/stepper.h"
@@ -24,10 +24,10 @@ typedef struct pel_load {
     int32_t *vertices; /* (vertex_count) in model order */
     double *weights;   /* (vertex_count) */
     int32_t vertex_count;
-    /* on a body that refines: a load goes with area, like mass (detail.h) */
+    /* on a body that refines: a load goes with area, like mass (levels.h) */
     double *base_weights;    /* (mesh vertices) */
     double *densities;       /* (vertices of the finest level) */
-    int32_t *entry_of_place; /* (places of the body) its number in the list above plus 1, 0 = none */
+    double *weight_of_place; /* (places of the body) 0 = none */
     double from, until;
     pel_key *keys;
     int32_t key_count;
@@ -44,19 +44,19 @@ typedef struct pel_pose {
 typedef enum pel_grasp_phase { PEL_GRASP_WAITING, PEL_GRASP_HOLDING, PEL_GRASP_DONE } pel_grasp_phase;
 
 /* What one tool did to one vertex during a step. */
-typedef struct pel_touch {
+typedef struct pel_contact_vertex {
     int32_t vertex;
     double push[3]; /* sum of the displacements, for the direction of the contact */
-} pel_touch;
+} pel_contact_vertex;
 
 /* Where a triangle touched a tool: the point of the triangle, and the half space of the tool's frame,
    normal . x >= offset, in which it has to stay during the next step. */
-typedef struct pel_plane {
+typedef struct pel_contact_plane {
     double weights[3];
     double normal[3];
     double offset;
     int64_t triangle;
-} pel_plane;
+} pel_contact_plane;
 
 /* planes a tool remembers at most; they matter where it touches few, large triangles */
 enum { PEL_PLANE_LIMIT = 1024 };
@@ -106,25 +106,25 @@ typedef struct pel_tool {
     int32_t contact_count;
 
     /* contacts of this step and of the one before, up to PEL_PLANE_LIMIT each */
-    pel_plane *planes, *planes_before;
+    pel_contact_plane *planes, *planes_before;
     int32_t plane_count, plane_before_count;
-    pel_touch *touches; /* (touch_count) of this step */
+    pel_contact_vertex *touches; /* (touch_count) of this step */
     int32_t touch_count;
     int32_t *touch_of_vertex; /* (vertex_count) its touch plus 1, 0 = none */
 } pel_tool;
 
 /* what the criteria think of a vertex */
-typedef enum pel_heat {
-    PEL_COLD,
-    PEL_HOT,     /* it asks for what is around it */
-    PEL_LEAVING, /* still asks, and stands in the list of those that stop */
-    PEL_WAITING  /* stands in the list of candidates */
-} pel_heat;
+typedef enum pel_request {
+    PEL_REQUEST_NONE,
+    PEL_REQUEST_MADE,   /* it asks for what is around it */
+    PEL_REQUEST_ENDING, /* still asks, and stands in the list of those that stop */
+    PEL_REQUEST_WAITING /* stands in the list of candidates */
+} pel_request;
 
 /* What refinement knows of one body (refine.c). Lists are of vertices, numbered as in the forest. */
 typedef struct pel_refine_body {
     int32_t *mark_counts; /* (nodes that can be red) how many vertices ask for it */
-    uint8_t *heat;        /* (vertices of the finest level) pel_heat */
+    uint8_t *requests;    /* (vertices of the finest level) pel_request */
     int64_t *warm_step;   /* (same) last step in which a hot vertex was above its lower threshold */
     double *strengths;    /* (same) largest measure over threshold, when it was last looked at */
     uint8_t *asked_level; /* (mesh vertices) by pel_sim_refine */
@@ -140,10 +140,10 @@ typedef struct pel_refine_body {
     double *rest_curvatures; /* (curvature_count) by place, of the present surface at rest, NAN = not known */
     int32_t curvature_count; /* places of the body, 0 = not used */
     /* rows of the getters, made when asked for after an event */
-    int32_t *row_vertices; /* (vertices of the finest level) */
-    int32_t *row_of_vertex;
+    int32_t *output_vertices; /* (vertices of the finest level) */
+    int32_t *output_vertex;
     pel_front_triangle *surface; /* (triangles of the finest level) */
-    int64_t row_revision;
+    int64_t output_revision;
 } pel_refine_body;
 
 typedef struct pel_sim_contacts pel_sim_contacts;
@@ -224,8 +224,8 @@ typedef struct pel_contact_forces {
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
     const pel_model *given;
-    pel_active *active;      /* null = no body refines */
-    pel_refine_body *refine; /* (body_count) null as well */
+    pel_refined_model *active; /* null = no body refines */
+    pel_refine_body *refine;   /* (body_count) null as well */
     pel_state *state;
     pel_solver_def solver;
     const pel_stepper *stepper; /* of its method */
@@ -241,7 +241,7 @@ struct pel_sim {
     double relax_shell_rate;
     pel_sim_substeps substeps;     /* of xpbd */
     pel_shell_energy shell_energy; /* of the present state, when force_is_present */
-    uint64_t fingerprint;          /* of model and solver, in snapshots */
+    pel_fingerprint fingerprint;   /* of the model and the def, in snapshots */
     pel_load *loads;
     int32_t load_count;
     pel_tool *tools;
@@ -409,7 +409,7 @@ void pel_supports_destroy(pel_sim *sim);
 /* Projected methods: reads the forces on pinned vertices after a step, before it is accepted. */
 void pel_supports_read(pel_sim *sim);
 
-/* ---- access.c ---- */
+/* ---- observe.c ---- */
 /* Forces of bodies and loads at the present state, into sim->force. */
 void pel_sim_compute_forces(pel_sim *sim);
 /* Fills the energies of the present state; other members stay as they are. */
@@ -427,11 +427,11 @@ pel_status pel_sim_relax_create(pel_sim *sim, pel_error *error);
 /* New positions of fine vertices, after those of all others. False when a vertex leaves the bound. */
 bool pel_sim_relax(pel_sim *sim);
 
-/* ---- weight.c ---- */
+/* ---- bending_weight.c ---- */
 /* the weights at the start */
-void pel_weights_start(pel_sim *sim);
+void pel_bending_weights_start(pel_sim *sim);
 /* Brings the automatic ones after the volumes of a step that was accepted. */
-void pel_weights_follow(pel_sim *sim);
+void pel_bending_weights_follow(pel_sim *sim);
 
 /* ---- shells.c ---- */
 /* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
@@ -445,8 +445,8 @@ void pel_shells_follow(pel_sim *sim, int32_t body);
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
 /* ---- snapshot.c ---- */
-/* of model, solver, tools and loads: tells whether a snapshot belongs to this sim */
-uint64_t pel_sim_fingerprint(const pel_sim *sim);
+/* Makes the checksum of a snapshot that of its bytes, for tests of damage. */
+void pel_snapshot_seal(void *bytes, size_t size);
 
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);
@@ -458,29 +458,29 @@ void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
 /* Refines what has to be from the start. PEL_BAD_ARGUMENT when a budget is too small for it. */
 pel_status pel_refine_start(pel_sim *sim, pel_error *error);
 
-/* ---- criterion.c ---- */
+/* ---- refine_criterion.c ---- */
 typedef struct pel_verdict {
     double strength; /* largest measure over threshold; above 1 the vertex is to refine what is around it */
     bool warm;       /* a measure is above its lower threshold */
 } pel_verdict;
 
 /* the criteria at the vertices of a slice of a body, whose def uses any of them */
-void pel_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
-                         pel_verdict verdicts[PEL_WIDTH]);
+void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
+                                pel_verdict verdicts[PEL_WIDTH]);
 /* after a snapshot was loaded: what is not in it */
-void pel_criterion_forget(const pel_sim *sim, int32_t body);
-static inline bool pel_criterion_is_used(const pel_refine_def *def)
+void pel_refine_criterion_forget(const pel_sim *sim, int32_t body);
+static inline bool pel_refine_criterion_is_used(const pel_refine_def *def)
 {
     return !def->everywhere && (def->above > 0 || def->curvature_above > 0 || def->near_tools > 0);
 }
 
-/* ---- rows.c ---- */
+/* ---- surface_view.c ---- */
 /* The rows of a body's arrays: vertex i of the mesh is row i, finer ones follow in the order of the forest. */
-int32_t pel_row_of_vertex(const pel_sim *sim, int32_t body, int32_t v);
-int32_t pel_row_count(const pel_sim *sim, int32_t body);
-int32_t pel_row_place(const pel_sim *sim, int32_t body, int32_t row);
+int32_t pel_output_vertex(const pel_sim *sim, int32_t body, int32_t v);
+int32_t pel_output_count(const pel_sim *sim, int32_t body);
+int32_t pel_output_model_index(const pel_sim *sim, int32_t body, int32_t row);
 /* row of each vertex of the forest that is active; null = rows are the vertices of the mesh */
-const int32_t *pel_row_numbers(const pel_sim *sim, int32_t body);
+const int32_t *pel_output_numbers(const pel_sim *sim, int32_t body);
 /* the triangles of the surface in an order that depends on the surface alone, for sums; null = those of the mesh in
    their order */
 const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);

@@ -95,11 +95,12 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
 static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->model = sim->given = def->model;
+    sim->fingerprint = def->model->fingerprint;
     sim->solver = def->solver;
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_substeps_configure(sim, def);
     if (pel_model_refines(def->model)) {
-        pel_status refines = pel_active_create(def->model, &sim->active, error);
+        pel_status refines = pel_refined_create(def->model, &sim->active, error);
         if (refines != PEL_OK)
             return refines;
         sim->model = &sim->active->model;
@@ -121,7 +122,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_shells_create(sim, error);
     if (status == PEL_OK)
-        pel_weights_start(sim);
+        pel_bending_weights_start(sim);
     if (status == PEL_OK)
         status = sim->stepper->create(sim, error);
     if (status == PEL_OK && sim->active != NULL)
@@ -151,7 +152,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_parts_create(sim, error);
     if (status == PEL_OK)
-        sim->fingerprint = pel_sim_fingerprint(sim);
+        pel_fingerprint_add(&sim->fingerprint, pel_sim_members, def);
     return status;
 }
 
@@ -191,7 +192,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_projector_destroy(sim->projector);
     pel_substeps_destroy(sim);
     pel_shells_destroy(sim);
-    pel_active_destroy(sim->active);
+    pel_refined_destroy(sim->active);
     pel_state_destroy(sim->state);
     pel_free(sim->force);
     pel_free(sim->chunk_longest);

@@ -1,20 +1,24 @@
-/* Snapshots: a header, the state's arrays, then each tool's place, held vertices and last reading. The size is fixed
-   for one sim, so that it can be written without allocation. */
+/* Snapshots: a header with the fingerprint of the model and sim that it was made with and a checksum, then all that the
+   steps to come depend on. The size is fixed for one sim, so that it can be written without allocation. */
 #include "base/hash.h"
 #include "base/status.h"
 #include "model/shell.h"
 #include "sim/contact.h"
 #include "sim/descent.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 5 };
+enum { SNAPSHOT_VERSION = 7 };
 
 typedef struct header {
     char magic[8];
     uint32_t version, real_size;
-    uint64_t fingerprint; /* of model and solver */
+    uint64_t size; /* bytes of the whole */
+    pel_fingerprint fingerprint;
     int64_t step;
+    uint64_t checksum; /* of the whole, with 0 in its place */
 } header;
 
 static uint64_t hash_double(uint64_t hash, double value)
@@ -26,9 +30,9 @@ static uint64_t hash_double(uint64_t hash, double value)
 
 static uint64_t hash_records(uint64_t hash, const pel_sim *sim, int32_t body, const pel_record *records)
 {
-    int32_t count = pel_row_count(sim, body);
+    int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++) {
-        int32_t place = pel_row_place(sim, body, r);
+        int32_t place = pel_output_model_index(sim, body, r);
         for (int c = 0; c < 3; c++)
             hash = hash_double(hash, (double)records[place][c]);
     }
@@ -44,79 +48,6 @@ uint64_t pel_sim_hash(const pel_sim *sim)
         hash = hash_records(hash, sim, b, state->velocity != NULL ? state->velocity : state->position_before);
     }
     return hash;
-}
-
-static uint64_t hash_shell(uint64_t hash, const pel_shell *shell)
-{
-    const pel_membrane_material *material = &shell->material;
-    const pel_pressure_def *pressure = &shell->pressure;
-    const double numbers[] = {shell->has_membrane,       (double)material->kind, material->young,
-                              material->poisson,         material->thickness,    material->mooney_ratio,
-                              material->extension_limit, material->stiffening,   (double)shell->bending,
-                              shell->bending_weight,     (double)pressure->kind, (double)pressure->form,
-                              pressure->value,           pressure->gamma,        pressure->outside.value,
-                              pressure->target.value,    pressure->bulk,         (double)shell->hinge_count,
-                              shell->strain_limit};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        hash = hash_double(hash, numbers[i]);
-    for (int32_t h = 0; h < shell->hinge_count; h++)
-        hash = hash_double(hash_double(hash, shell->hinges[h].stiffness), shell->hinges[h].rest_angle);
-    for (int32_t r = 0; r < shell->region_count; r++) {
-        const pel_shell_region *region = &shell->regions[r];
-        hash = pel_hash_word(hash, (uint64_t)region->def.mode * 64 + (uint64_t)region->def.kind);
-        hash = hash_double(hash_double(hash, region->def.stiffness), region->def.strength);
-        hash = pel_hash_word(hash, (uint64_t)region->fibre_count);
-    }
-    return hash;
-}
-
-uint64_t pel_sim_fingerprint(const pel_sim *sim)
-{
-    const pel_model *model = sim->given;
-    uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)model->vertex_count);
-    hash = pel_hash_bytes(hash, model->mesh_vertex, (size_t)model->vertex_count * sizeof *model->mesh_vertex);
-    hash = pel_hash_bytes(hash, model->rest, (size_t)model->vertex_count * sizeof *model->rest);
-    hash = pel_hash_bytes(hash, model->triangles, (size_t)model->triangle_count * sizeof *model->triangles);
-    hash = hash_double(hash_double(hash, sim->step.dt), sim->step.alpha);
-    hash = pel_hash_word(hash, (uint64_t)sim->solver.method * 4 + (uint64_t)sim->solver.keep_velocity * 2 +
-                                   (uint64_t)sim->solver.symplectic);
-    if (pel_sim_is_projected(sim)) {
-        hash = pel_hash_word(hash, (uint64_t)sim->solver.iterations * 2 + (sim->solver.second_order == PEL_YES));
-        hash = hash_double(pel_hash_word(hash, (uint64_t)sim->solver.substeps), sim->solver.drag);
-        hash = pel_hash_word(hash, (uint64_t)sim->solver.max_substeps * 2 + (uint64_t)sim->substeps.is_automatic);
-    }
-    for (int32_t b = 0; b < model->body_count; b++) {
-        const pel_body_detail *detail = model->bodies[b].detail;
-        if (model->bodies[b].shell != NULL)
-            hash = hash_shell(hash, model->bodies[b].shell);
-        if (detail == NULL)
-            continue;
-        const pel_refine_def *def = &detail->def;
-        const double measures[] = {def->above, def->below, def->curvature_above, def->curvature_below, def->near_tools};
-        for (size_t i = 0; i < sizeof measures / sizeof *measures; i++)
-            hash = hash_double(hash, measures[i]);
-        const int32_t numbers[] = {def->levels,        def->rings,        def->dwell,
-                                   def->interval,      def->budget,       (int32_t)def->springs,
-                                   def->region_levels, def->region_count, def->everywhere};
-        hash = pel_hash_bytes(hash, numbers, sizeof numbers);
-        hash = pel_hash_bytes(hash, def->region, (size_t)def->region_count * sizeof *def->region);
-    }
-    if (sim->contacts != NULL) {
-        const pel_contact_def *def = &sim->contacts->def;
-        hash = hash_double(hash, sim->contacts->thickness);
-        for (int32_t i = 0; i < sim->model->body_count + sim->tool_count; i++)
-            hash = hash_double(hash_double(hash, sim->contacts->friction_of_group[i]),
-                               sim->contacts->thickness_of_group[i]);
-        for (int32_t i = 0; i < sim->model->body_count; i++)
-            hash = hash_double(hash, model->bodies[i].restitution);
-        for (int32_t i = 0; i < sim->tool_count; i++)
-            hash = hash_double(hash, sim->tools[i].restitution);
-        hash = hash_double(hash, def->restitution);
-        hash = pel_hash_word(hash, (uint64_t)def->method * 8 + (uint64_t)def->response * 4 + (uint64_t)def->self * 2 +
-                                       (uint64_t)def->between);
-        hash = pel_hash_word(hash, (uint64_t)def->sweeps << 32 | (uint64_t)(uint32_t)sim->contacts->limit);
-    }
-    return pel_hash_word(pel_hash_word(hash, (uint64_t)sim->tool_count), (uint64_t)sim->load_count);
 }
 
 /* copies bytes in one direction or the other, or only counts them */
@@ -159,13 +90,13 @@ static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
 /* the criterion's memory, and which vertex has which place; the front follows from the marks */
 static void transfer_refinement(cursor *at, const pel_sim *sim, int32_t body)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     const pel_front *front = own->front;
     size_t fine = (size_t)front->forest->levels[front->forest->depth]->vertex_count;
     size_t coarse = (size_t)front->forest->levels[0]->vertex_count;
     transfer(at, refine->mark_counts, (size_t)front->red_limit * sizeof *refine->mark_counts);
-    transfer(at, refine->heat, fine * sizeof *refine->heat);
+    transfer(at, refine->requests, fine * sizeof *refine->requests);
     transfer(at, refine->warm_step, fine * sizeof *refine->warm_step);
     transfer(at, refine->strengths, fine * sizeof *refine->strengths);
     transfer(at, refine->asked_level, coarse * sizeof *refine->asked_level);
@@ -252,7 +183,7 @@ static bool restore_parts(pel_sim *sim)
 /* the front, places and loads of what transfer_refinement read */
 static bool restore_refinement(pel_sim *sim, int32_t body)
 {
-    pel_active_body *own = &sim->active->bodies[body];
+    pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     if (!is_whole(sim, body))
         return false;
@@ -260,16 +191,28 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
         pel_front_mark(own->front, node, refine->mark_counts[node] > 0);
     if (pel_front_close(own->front) > own->triangle_limit)
         return false;
-    pel_active_commit(sim->active, body, sim->state);
-    refine->row_revision = -1;
-    if (!pel_active_set_places(sim->active, body, refine->queue))
+    pel_refined_commit(sim->active, body, sim->state);
+    refine->output_revision = -1;
+    if (!pel_refined_set_places(sim->active, body, refine->queue))
         return false;
-    pel_active_rebuild(sim->active, body, sim->state);
+    pel_refined_rebuild(sim->active, body, sim->state);
     pel_loads_rebuild(sim, body);
     pel_tool_search_rebuild(sim->tool_search, body);
     pel_shells_follow(sim, body);
-    pel_criterion_forget(sim, body);
+    pel_refine_criterion_forget(sim, body);
     return true;
+}
+
+/* the statistics go on where the collider goes on */
+static void transfer_contacts(cursor *at, pel_sim_contacts *contacts, int32_t body_count)
+{
+    pel_memory_part parts[PEL_COLLIDER_PARTS];
+    pel_collider_memory(contacts->collider, parts);
+    transfer(at, &contacts->statistics, sizeof contacts->statistics);
+    transfer(at, &contacts->substep, sizeof contacts->substep);
+    transfer(at, contacts->revisions, (size_t)body_count * sizeof *contacts->revisions);
+    for (int i = 0; i < PEL_COLLIDER_PARTS; i++)
+        transfer(at, parts[i].data, parts[i].size);
 }
 
 static void transfer_sim(cursor *at, const pel_sim *sim)
@@ -309,9 +252,11 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     if (sim->held != NULL)
         transfer(at, sim->held, count * sizeof *sim->held);
     if (sim->contacts != NULL)
-        transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
-    if (sim->descent != NULL)
+        transfer_contacts(at, sim->contacts, sim->model->body_count);
+    if (sim->descent != NULL) {
         transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
+        transfer(at, &sim->descent->accepted, sizeof sim->descent->accepted);
+    }
     /* the cursor writes to the sim only while it loads */
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
     transfer(at, &ledger->sums, sizeof ledger->sums);
@@ -334,12 +279,28 @@ size_t pel_sim_save_size(const pel_sim *sim)
     return place.at;
 }
 
+static uint64_t checksum_of(const void *bytes, size_t size)
+{
+    header head;
+    memcpy(&head, bytes, sizeof head);
+    head.checksum = 0;
+    uint64_t hash = pel_hash_block(PEL_HASH_START, &head, sizeof head);
+    return pel_hash_block(hash, (const unsigned char *)bytes + sizeof head, size - sizeof head);
+}
+
+void pel_snapshot_seal(void *bytes, size_t size)
+{
+    uint64_t checksum = checksum_of(bytes, size);
+    memcpy((unsigned char *)bytes + offsetof(header, checksum), &checksum, sizeof checksum);
+}
+
 void pel_sim_save(const pel_sim *sim, void *bytes)
 {
     header head = {
         .magic = "PELSNAP",
         .version = SNAPSHOT_VERSION,
         .real_size = sizeof(pel_real),
+        .size = pel_sim_save_size(sim),
         .fingerprint = sim->fingerprint,
         .step = sim->state->step,
     };
@@ -347,36 +308,65 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
     cursor place = {.bytes = bytes, .at = sizeof head};
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
+    pel_snapshot_seal(bytes, place.at);
 }
 
-static pel_status refuse(pel_error *error, const char *what, const char *remedy)
+static const char damage_remedy[] = "load another one before the next step";
+
+static pel_status refuse(pel_error *error, const char *remedy, const char *format, ...) PEL_PRINTF(3, 4);
+
+static pel_status refuse(pel_error *error, const char *remedy, const char *format, ...)
 {
+    char what[sizeof error->what];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
     pel_fail(error, PEL_BAD_FORMAT, "%s", what);
     pel_fail_remedy(error, "%s", remedy);
     return PEL_BAD_FORMAT;
 }
 
-static pel_status check_header(const pel_sim *sim, const header *head, size_t size, pel_error *error)
+static pel_status check_snapshot(const pel_sim *sim, const void *bytes, size_t size, header *head, pel_error *error)
 {
-    if (memcmp(head->magic, "PELSNAP", sizeof head->magic) != 0)
-        return refuse(error, "not a snapshot", "give what pel_sim_save has filled");
-    if (head->version != SNAPSHOT_VERSION || head->real_size != sizeof(pel_real))
-        return refuse(error, "snapshot of another version or precision of the program",
-                      "load it with the program that saved it");
-    if (head->fingerprint != sim->fingerprint || size != pel_sim_save_size(sim))
-        return refuse(error, "snapshot of another model, solver or set of tools",
-                      "load it into a sim that was made from the same defs");
+    char parts[sizeof error->what];
+    if (size < sizeof head->magic || memcmp(bytes, "PELSNAP", sizeof head->magic) != 0)
+        return refuse(error, "give what pel_sim_save has filled", "not a snapshot");
+    memset(head, 0, sizeof *head);
+    memcpy(head, bytes, size < sizeof *head ? size : sizeof *head);
+    if (head->version != SNAPSHOT_VERSION)
+        return refuse(error, "load it with the version of the program that saved it",
+                      "the snapshot has version %u of the format, not %d", head->version, (int)SNAPSHOT_VERSION);
+    if (size < sizeof *head || size < head->size)
+        return refuse(error, "give all pel_sim_save_size bytes of it", "the snapshot is cut short");
+    if (head->real_size != sizeof(pel_real))
+        return refuse(error, "load it with a program of that precision", "the snapshot is of %s precision",
+                      head->real_size == sizeof(float) ? "single" : "double");
+    if (head->size != size || head->checksum != checksum_of(bytes, size))
+        return refuse(error, "use another one", "the snapshot is damaged");
+    pel_fingerprint_compare(&head->fingerprint, &sim->fingerprint, parts, sizeof parts);
+    if (parts[0] != '\0')
+        return refuse(error, "load it into a sim that was made from the same defs",
+                      "the snapshot was made with other: %s", parts);
+    if (size != pel_sim_save_size(sim))
+        return refuse(error, "use another one", "the snapshot is damaged");
     return PEL_OK;
+}
+
+/* places that are not in use are the same in all arrays that change places from step to step (clear_place) */
+static void rest_unused_places(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    size_t size = (size_t)sim->model->vertex_count * sizeof *state->position;
+    memcpy(state->position_next, state->position, size);
+    if (state->velocity != NULL)
+        memcpy(state->velocity_next, state->velocity, size);
 }
 
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
 {
-    static const char damage_remedy[] = "load another one before the next step";
     header head;
-    if (size < sizeof head)
-        return refuse(error, "snapshot is cut short", "give all pel_sim_save_size bytes of it");
-    memcpy(&head, bytes, sizeof head);
-    pel_status status = check_header(sim, &head, size, error);
+    pel_status status = check_snapshot(sim, bytes, size, &head, error);
     if (status != PEL_OK)
         return status;
     /* the bytes are only read: the cursor copies out of them */
@@ -385,19 +375,22 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
-            return refuse(error, "snapshot is damaged: its surface does not fit its places", damage_remedy);
+            return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->state->step = head.step;
-    if (sim->contacts != NULL)
+    rest_unused_places(sim);
+    if (sim->contacts != NULL) {
         sim->contacts->tangles.is_known = false;
+        sim->contacts->is_loaded = true;
+    }
     /* first, so that readings of tools are whole whatever else is damaged */
     bool has_tools = restore_tools(sim);
     pel_ledger_follow(sim);
     if (!has_tools)
-        return refuse(error, "snapshot is damaged: a tool holds or touches what is not there", damage_remedy);
+        return refuse(error, damage_remedy, "the snapshot is damaged: a tool holds or touches what is not there");
     if (!restore_parts(sim))
-        return refuse(error, "snapshot is damaged: its parts of a step are out of range", damage_remedy);
+        return refuse(error, damage_remedy, "the snapshot is damaged: its parts of a step are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
-        return refuse(error, "snapshot is damaged: its number of substeps is out of range", damage_remedy);
+        return refuse(error, damage_remedy, "the snapshot is damaged: its number of substeps is out of range");
     return PEL_OK;
 }

@@ -170,7 +170,7 @@ static double finest_factor(const pel_model *model)
 {
     int32_t levels = 0;
     for (int32_t b = 0; b < model->body_count; b++) {
-        const pel_body_detail *detail = model->bodies[b].detail;
+        const pel_body_levels *detail = model->bodies[b].detail;
         if (detail != NULL && detail->def.everywhere && detail->def.levels > levels)
             levels = detail->def.levels;
     }

@@ -83,10 +83,10 @@ static inline double pel_tool_mobility(const pel_sim *sim, int32_t v)
 }
 
 /* the touch of a vertex in this step, new if need be */
-static inline pel_touch *pel_tool_touch(pel_tool *tool, int32_t v)
+static inline pel_contact_vertex *pel_tool_touch(pel_tool *tool, int32_t v)
 {
     if (tool->touch_of_vertex[v] == 0) {
-        tool->touches[tool->touch_count] = (pel_touch){.vertex = v};
+        tool->touches[tool->touch_count] = (pel_contact_vertex){.vertex = v};
         tool->touch_of_vertex[v] = ++tool->touch_count;
     }
     return &tool->touches[tool->touch_of_vertex[v] - 1];
@@ -150,7 +150,7 @@ pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t bod
 /* the same where a solid starts inside a body */
 pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *error);
 
-/* ---- press.c ---- */
+/* ---- tool_press.c ---- */
 /* Depth of one triangle in the tool, with the deepest point and the way out in the tool's frame (see pel_solid_depth).
  */
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,

@@ -60,7 +60,7 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
         int32_t v = def->vertices[i];
         if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
             return refuse(error, tool, "support names a vertex that does not exist", "give vertices of the mesh");
-        if (!(sim->model->inverse_mass[sim->model->bodies[def->body].slot_of_vertex[v]] > 0))
+        if (!(sim->model->inverse_mass[sim->model->bodies[def->body].model_index[v]] > 0))
             return refuse(error, tool, "support holds a vertex that is pinned", "pin it or let the support hold it");
     }
     return PEL_OK;
@@ -123,7 +123,7 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
     if (tool->support == NULL)
         return pel_fail_memory(error);
     for (int32_t i = 0; i < def->vertex_count; i++)
-        tool->support[i] = body->slot_of_vertex[def->vertices[i]];
+        tool->support[i] = body->model_index[def->vertices[i]];
     tool->support_count = def->vertex_count;
     if (sim->given->bodies[def->body].detail != NULL) {
         const pel_lod_forest *forest = sim->given->bodies[def->body].detail->forest;
@@ -132,7 +132,7 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
             return pel_fail_memory(error);
         for (int32_t i = 0; i < def->vertex_count; i++)
             tool->support_marks[def->vertices[i]] = 1;
-        pel_detail_spread_marks(forest, tool->support_marks);
+        pel_levels_spread_marks(forest, tool->support_marks);
     }
     tool->grasp = true;
     tool->grasp_from = 0;

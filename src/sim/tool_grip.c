@@ -55,7 +55,7 @@ static void hold_support(pel_sim *sim, pel_tool *tool)
         pel_tool_hold_at_rest(sim, tool, tool->support[i]);
     if (tool->support_marks == NULL)
         return;
-    const pel_active_body *own = &sim->active->bodies[tool->body];
+    const pel_refined_body *own = &sim->active->bodies[tool->body];
     for (int32_t v = own->fine_begin; v < own->fine_end; v++)
         if (sim->model->mesh_vertex[v] >= 0 && tool->support_marks[sim->model->mesh_vertex[v]])
             pel_tool_hold_at_rest(sim, tool, v);

@@ -43,7 +43,7 @@ static void hold_against(const pel_sim *sim, const pel_tool *tool, int32_t v, co
 static void read_forces(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->touch_count; i++) {
-        const pel_touch *touch = &tool->touches[i];
+        const pel_contact_vertex *touch = &tool->touches[i];
         double force[3], x[3];
         /* of the rest the minimisation knows the loads, but of meshes that only a correction after it keeps out */
         if (sim->descent != NULL && !sim->held[touch->vertex] && (tool->mesh == NULL || pel_descent_sees_contacts(sim)))

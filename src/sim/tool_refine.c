@@ -2,7 +2,7 @@
 #include "sim/tool.h"
 
 /* a plane stays with its triangle where that is still as it was; where it was refined, with the child at the point */
-static bool follow_plane(const pel_sim *sim, int32_t body, pel_plane *plane)
+static bool follow_plane(const pel_sim *sim, int32_t body, pel_contact_plane *plane)
 {
     const pel_front *front = sim->model->bodies[body].front;
     int32_t begin = sim->model->triangle_begin[body], number = (int32_t)plane->triangle - begin, node = number / 2;
@@ -35,7 +35,7 @@ static void follow_planes(const pel_sim *sim, int32_t body, pel_tool *tool)
 {
     int32_t kept = 0, begin = sim->model->triangle_begin[body], end = sim->model->triangle_begin[body + 1];
     for (int32_t p = 0; p < tool->plane_count; p++) {
-        pel_plane plane = tool->planes[p];
+        pel_contact_plane plane = tool->planes[p];
         bool own = plane.triangle >= begin && plane.triangle < end;
         if (!own || follow_plane(sim, body, &plane))
             tool->planes[kept++] = plane;
@@ -45,7 +45,7 @@ static void follow_planes(const pel_sim *sim, int32_t body, pel_tool *tool)
 
 static void release_places(pel_sim *sim, pel_tool *tool)
 {
-    const pel_active *active = sim->active;
+    const pel_refined_model *active = sim->active;
     for (int32_t r = 0; r < active->released_count; r++) {
         if (!sim->held[active->released[r]])
             continue;
@@ -60,11 +60,11 @@ static void release_places(pel_sim *sim, pel_tool *tool)
 /* new vertices between those of a support belong to it */
 static void extend_support(pel_sim *sim, int32_t body, pel_tool *tool)
 {
-    const pel_active_body *own = &sim->active->bodies[body];
+    const pel_refined_body *own = &sim->active->bodies[body];
     for (int32_t i = 0; i < own->front->added_count; i++) {
         int32_t v = own->front->added_vertices[i];
         if (tool->support_marks[v])
-            pel_tool_hold_at_rest(sim, tool, own->place_of_vertex[v]);
+            pel_tool_hold_at_rest(sim, tool, own->model_index[v]);
     }
 }
 

@@ -29,7 +29,7 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     pel_vec3_copy(tool->force, tool->force_before);
     pel_vec3_copy(tool->torque, tool->torque_before);
     forget_touches(tool);
-    pel_plane *oldest = tool->planes_before;
+    pel_contact_plane *oldest = tool->planes_before;
     tool->planes_before = tool->planes;
     tool->plane_before_count = tool->plane_count;
     tool->planes = oldest;
@@ -81,7 +81,7 @@ void pel_tools_return(pel_sim *sim)
         tool->blocked = tool->blocked_before;
         pel_vec3_copy(tool->force_before, tool->force);
         pel_vec3_copy(tool->torque_before, tool->torque);
-        pel_plane *newest = tool->planes;
+        pel_contact_plane *newest = tool->planes;
         tool->planes = tool->planes_before;
         tool->plane_count = tool->plane_before_count;
         tool->planes_before = newest;

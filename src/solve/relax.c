@@ -11,7 +11,7 @@
 
 /* ---- lists ---- */
 
-pel_status pel_relax_create(const pel_active *active, pel_relax **relax, pel_error *error)
+pel_status pel_relax_create(const pel_refined_model *active, pel_relax **relax, pel_error *error)
 {
     const pel_model *model = &active->model;
     size_t vertices = (size_t)model->vertex_count, slices = (size_t)model->slice_count;
@@ -51,7 +51,7 @@ void pel_relax_destroy(pel_relax *relax)
 
 static void list_slices(pel_relax *relax)
 {
-    const pel_active *active = relax->active;
+    const pel_refined_model *active = relax->active;
     const pel_model *model = &active->model;
     int32_t count = 0;
     relax->rate = 0;
@@ -70,7 +70,7 @@ static void list_slices(pel_relax *relax)
 
 static void list_border(pel_relax *relax)
 {
-    const pel_active *active = relax->active;
+    const pel_refined_model *active = relax->active;
     const pel_model *model = &active->model;
     relax->border_count = 0;
     for (int32_t i = 0; i < relax->slice_begin[model->body_count]; i++) {
@@ -117,7 +117,7 @@ pel_record *pel_relax_positions(const pel_relax *relax, const pel_state *state, 
 
 void pel_relax_begin(pel_relax *relax, pel_state *state, bool whole)
 {
-    const pel_active *active = relax->active;
+    const pel_refined_model *active = relax->active;
     if (whole)
         memcpy(relax->stage, state->position_next, (size_t)active->model.vertex_count * sizeof *relax->stage);
     for (int32_t i = 0; i < relax->slice_begin[active->model.body_count]; i++)
@@ -159,7 +159,7 @@ static pel_wide mobility(const stage *run, int32_t slice, pel_wide state_inverse
 /* divides a displacement by 1 + b, and by 1 + b + b' along the volumetric spring */
 static void drag(const stage *run, int32_t slice, pel_wide factor, pel_wide3 *way)
 {
-    const pel_active *active = run->relax->active;
+    const pel_refined_model *active = run->relax->active;
     const pel_model *model = &active->model;
     const pel_wide *damping = (const pel_wide *)model->damping, *radial = (const pel_wide *)model->volumetric_damping;
     pel_slice start = pel_slice_load(run->state->position, slice), rest = pel_slice_load(model->rest, slice);

@@ -1,4 +1,4 @@
-/* The quasi-static step of fine vertices (model/active.h).
+/* The quasi-static step of fine vertices (model/refined_model.h).
 
    The method x += alpha dt^2 M^-1 F (eq. A-5) is gradient flow in a pseudo time that does not depend on the mesh:
    smooth modes have the same K / M on all levels. One step of it is stable below z = alpha dt^2 (K / M) = 2, and z
@@ -21,10 +21,10 @@
 #define PEL_SOLVE_RELAX_H
 
 #include "base/pool.h"
-#include "model/active.h"
+#include "model/refined_model.h"
 
 typedef struct pel_relax {
-    const pel_active *active;
+    const pel_refined_model *active;
     int64_t revision;     /* of the active model for which the lists stand */
     int32_t *slices;      /* (slice_count) those with fine vertices, body after body */
     int32_t *slice_begin; /* (body_count + 1) */
@@ -37,7 +37,7 @@ typedef struct pel_relax {
 } pel_relax;
 
 /* For an active model whose relaxation is set. Errors: PEL_OUT_OF_MEMORY. */
-pel_status pel_relax_create(const pel_active *active, pel_relax **relax, pel_error *error);
+pel_status pel_relax_create(const pel_refined_model *active, pel_relax **relax, pel_error *error);
 void pel_relax_destroy(pel_relax *relax);
 
 /* Brings the lists after the active model. False when no vertex is fine. */

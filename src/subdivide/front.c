@@ -58,7 +58,7 @@ static void list_arrays(pel_front *front, const front_size *size, array_entry en
         {(void **)&front->triangles, size->fine_triangle_count, sizeof *front->triangles},
         {(void **)&front->place_of_node, size->node_count, sizeof *front->place_of_node},
         {(void **)&front->vertices, size->fine_vertex_count, sizeof *front->vertices},
-        {(void **)&front->place_of_vertex, size->fine_vertex_count, sizeof *front->place_of_vertex},
+        {(void **)&front->index_in_front, size->fine_vertex_count, sizeof *front->index_in_front},
         {(void **)&front->edges, size->fine_edge_count, sizeof *front->edges},
         {(void **)&front->place_of_edge, size->edge_count + size->node_count, sizeof *front->place_of_edge},
         {(void **)&front->changes, size->node_count, sizeof *front->changes},
@@ -95,7 +95,7 @@ static void start_base(pel_front *front, const front_size *size)
 {
     const pel_topology *base = front->forest->levels[0];
     memset(front->place_of_node, -1, (size_t)size->node_count * sizeof *front->place_of_node);
-    memset(front->place_of_vertex, -1, (size_t)size->fine_vertex_count * sizeof *front->place_of_vertex);
+    memset(front->index_in_front, -1, (size_t)size->fine_vertex_count * sizeof *front->index_in_front);
     memset(front->place_of_edge, -1, (size_t)(size->edge_count + size->node_count) * sizeof *front->place_of_edge);
     for (int32_t v = 0; v < base->vertex_count; v++)
         update_vertex(front, v, true);
@@ -453,13 +453,13 @@ static void update_edge(pel_front *front, int32_t edge, bool active)
 
 static void update_vertex(pel_front *front, int32_t v, bool active)
 {
-    if ((front->place_of_vertex[v] >= 0) == active)
+    if ((front->index_in_front[v] >= 0) == active)
         return;
     if (active)
         front->added_vertices[front->added_count++] = v;
     else
         front->removed_vertices[front->removed_count++] = v;
-    update_place(front->vertices, &front->vertex_count, front->place_of_vertex, v, active);
+    update_place(front->vertices, &front->vertex_count, front->index_in_front, v, active);
 }
 
 /* ---- committing ---- */

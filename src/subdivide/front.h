@@ -76,7 +76,7 @@ typedef struct pel_front {
     int32_t (*place_of_node)[2]; /* (node_count x 2) by half */
     int32_t triangle_count;
     int32_t *vertices;
-    int32_t *place_of_vertex; /* (vertices of the finest level) */
+    int32_t *index_in_front; /* (vertices of the finest level) */
     int32_t vertex_count;
     int32_t *edges;
     int32_t *place_of_edge; /* (bisector_begin + node_count) */
@@ -125,7 +125,7 @@ static inline bool pel_front_is_green(uint8_t shape)
 bool pel_front_is_marked(const pel_front *front, int32_t node);
 static inline bool pel_front_has_vertex(const pel_front *front, int32_t v)
 {
-    return front->place_of_vertex[v] >= 0;
+    return front->index_in_front[v] >= 0;
 }
 static inline int32_t pel_front_parent(const pel_front *front, int32_t level, int32_t node)
 {

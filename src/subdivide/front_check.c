@@ -185,7 +185,7 @@ static bool check_vertices(check *c)
     for (int32_t v = 0; good && v < fine_count; v++) {
         bool active = pel_front_has_vertex(front, v);
         bool used = c->vertex_used[v] != 0 || (v < base->vertex_count && base->corner_of_vertex[v] < 0);
-        good = active == used && (!active || front->vertices[front->place_of_vertex[v]] == v) &&
+        good = active == used && (!active || front->vertices[front->index_in_front[v]] == v) &&
                (!active || check_fan(c, v, fan));
         count += active;
         corner_count += active ? pel_front_fan(front, v, fan) : 0;

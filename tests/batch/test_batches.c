@@ -4,7 +4,7 @@
 #include "shell_fixture.h"
 
 #include "batch/batches.h"
-#include "model/active.h"
+#include "model/refined_model.h"
 
 #include <stdlib.h>
 
@@ -304,9 +304,9 @@ static void test_rebuild(void **unused)
     def.refine.levels = 2;
     pel_model *model = make_model(&def);
     for (int m = 0; m < 4; m++) {
-        pel_active *active;
+        pel_refined_model *active;
         pel_state *state;
-        assert_int_equal(pel_active_create(model, &active, NULL), PEL_OK);
+        assert_int_equal(pel_refined_create(model, &active, NULL), PEL_OK);
         assert_int_equal(pel_state_create(&active->model, false, &state, NULL), PEL_OK);
         pel_batches *kept = make_batches(&active->model, methods[m]);
         pel_front *front = active->bodies[0].front;
@@ -314,7 +314,7 @@ static void test_rebuild(void **unused)
             for (int n = 0; n < 20; n++)
                 pel_front_mark(front, (int32_t)random_integer(&random, 0, front->node_begin[2] - 1), round < 3);
             pel_front_close(front);
-            pel_active_commit(active, 0, state);
+            pel_refined_commit(active, 0, state);
             failing_malloc_begin(0);
             pel_batches_rebuild(kept, 0);
             assert_int_equal(failing_malloc_end().calls, 0);
@@ -328,7 +328,7 @@ static void test_rebuild(void **unused)
         assert_true(front->triangle_count > mesh->triangle_count);
         pel_batches_destroy(kept);
         pel_state_destroy(state);
-        pel_active_destroy(active);
+        pel_refined_destroy(active);
     }
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);

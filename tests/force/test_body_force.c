@@ -47,7 +47,7 @@ static void expected_force(const body *made, int32_t v, bool uniform, bool dampe
 {
     const pel_model *model = made->model;
     const pel_mesh *mesh = made->mesh;
-    int32_t i = model->bodies[0].slot_of_vertex[v];
+    int32_t i = model->bodies[0].model_index[v];
     double x[3], e[3], velocity[3], along = 0;
     pel_vertex_position(made->state->position, i, x);
     pel_vertex_position(made->state->velocity, i, velocity);
@@ -59,7 +59,7 @@ static void expected_force(const body *made, int32_t v, bool uniform, bool dampe
             double y[3], d[3];
             if (mesh->triangles[t][k] != v)
                 continue;
-            pel_vertex_position(made->state->position, model->bodies[0].slot_of_vertex[w], y);
+            pel_vertex_position(made->state->position, model->bodies[0].model_index[w], y);
             pel_vec3_subtract(y, x, d);
             double rest = pel_vec3_distance(mesh->positions[v], mesh->positions[w]), length = pel_vec3_length(d);
             double stiffness = uniform ? 3 : 0.5 * (made->stiffness[v] + made->stiffness[w]);
@@ -86,7 +86,7 @@ static void test_forces(void **unused)
         pel_record *force = pel_allocate_aligned((size_t)made.model->vertex_count, sizeof *force);
         pel_body_forces(made.model, made.state, damped ? made.state->velocity : NULL, NULL, force);
         for (int32_t v = 0; v < made.mesh->vertex_count; v++) {
-            int32_t i = made.model->bodies[0].slot_of_vertex[v];
+            int32_t i = made.model->bodies[0].model_index[v];
             double expected[3];
             expected_force(&made, v, uniform, damped, expected);
             for (int c = 0; c < 3; c++)

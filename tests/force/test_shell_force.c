@@ -236,7 +236,7 @@ static void check_patch(const pel_mesh *mesh, pel_membrane_kind kind, double l, 
     double tension[2] = {law_tension(&material, l, m), law_tension(&material, m, l)};
     double scale = fmax(fabs(tension[0]), fabs(tension[1]));
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
-        const pel_record *force = &on.force[on.model->bodies[0].slot_of_vertex[v]];
+        const pel_record *force = &on.force[on.model->bodies[0].model_index[v]];
         bool low[2] = {mesh->positions[v][0] < -0.499, mesh->positions[v][1] < -0.499};
         for (int c = 0; c < 2 && !low[0] && !low[1]; c++)
             assert_near((double)(*force)[c] / scale, -tension[c] * side_length(mesh, v, c) / scale, PATCH_TOLERANCE);
@@ -320,7 +320,7 @@ static void test_pressure_forms(void **unused)
         pel_surface_pressure(topology, mesh->positions[0], 3, (pel_pressure_form)form, expected, NULL, NULL);
         for (int32_t v = 0; v < mesh->vertex_count; v++)
             for (int c = 0; c < 3; c++)
-                assert_near((double)on.force[on.model->bodies[0].slot_of_vertex[v]][c], expected[3 * v + c],
+                assert_near((double)on.force[on.model->bodies[0].model_index[v]][c], expected[3 * v + c],
                             BALANCE_TOLERANCE);
         free_forces(&on);
     }

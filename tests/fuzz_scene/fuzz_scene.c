@@ -1,9 +1,9 @@
 /* Fuzzes the scene reader. Input: the scene's text, then overrides, separated by zero bytes. Scenes that name files or
    have large numbers are checked but not built, so that no input asks for a huge mesh. */
 #include "pellicle/scene.h"
-#include "scene/check.h"
 #include "scene/override.h"
 #include "scene/print.h"
+#include "scene/validate.h"
 #include "scene/yaml.h"
 
 #include <math.h>

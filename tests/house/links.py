@@ -16,21 +16,22 @@ LIMIT = 4
 
 def read_symbols(source, build, nm):
     """file in src/ -> (symbols that it defines, symbols that it needs)"""
-    files = {}
+    paths = {}
     for path in sorted(build.glob("CMakeFiles/*.dir/src/*/*.c.o")):
         name = re.search(r"\.dir/src/(.*)\.c\.o", path.as_posix()).group(1)
         # objects of sources that are no more stay in the build folder
-        if not (source / "src" / f"{name}.c").is_file():
-            continue
-        listed = subprocess.run([nm, path], capture_output=True, text=True, check=True).stdout
-        defined, needed = set(), set()
-        for line in listed.splitlines():
-            kind, symbol = line.split()[-2:]
-            if kind == "U":
-                needed.add(symbol)
-            elif kind in "TDRBCVW":
-                defined.add(symbol)
-        files[name] = (defined, needed)
+        if (source / "src" / f"{name}.c").is_file():
+            paths[path.as_posix()] = name
+    files = {name: (set(), set()) for name in paths.values()}
+    listed = subprocess.run([nm, "-A", *paths], capture_output=True, text=True, check=True).stdout if paths else ""
+    for line in listed.splitlines():
+        path, rest = line.rsplit(":", 1)
+        kind, symbol = rest.split()[-2:]
+        defined, needed = files[paths[path]]
+        if kind == "U":
+            needed.add(symbol)
+        elif kind in "TDRBCVW":
+            defined.add(symbol)
     return files
 
 

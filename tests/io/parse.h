@@ -44,6 +44,18 @@ static inline pel_mesh *parse_text(const char *name, const char *text, notes *to
     return parse_bytes(name, text, strlen(text), to);
 }
 
+/* an allocation_case (failing_malloc.h): the name of a file and its text */
+static inline pel_status parse_case(const void *name_and_text, pel_error *error)
+{
+    const char *const *file = name_and_text;
+    pel_mesh *mesh;
+    pel_status status = pel_mesh_parse(file[0], file[1], strlen(file[1]), PEL_FORMAT_AUTO, NULL, &mesh, error);
+    if (status != PEL_OK)
+        assert_null(mesh);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
 /* parsing must fail with a bad format, a remedy and the words; returns the error for checks of its place */
 static inline pel_error refuse_bytes(const char *name, const void *bytes, size_t size, const char *words)
 {

@@ -179,20 +179,11 @@ static void test_truncated(void **unused)
     }
 }
 
-static pel_status parse_case(const void *text, pel_error *error)
-{
-    pel_mesh *mesh;
-    pel_status status = pel_mesh_parse("a.stl", text, strlen(text), PEL_FORMAT_AUTO, NULL, &mesh, error);
-    if (status != PEL_OK)
-        assert_null(mesh);
-    pel_mesh_destroy(mesh);
-    return status;
-}
-
 static void test_allocation_failures(void **unused)
 {
     (void)unused;
-    assert_true(for_every_allocation_failure(parse_case, "solid\n" TWO_FACETS "endsolid\n") >= 6);
+    assert_true(for_every_allocation_failure(parse_case,
+                                             (const char *const[]){"a.stl", "solid\n" TWO_FACETS "endsolid\n"}) >= 6);
 }
 
 int main(void)

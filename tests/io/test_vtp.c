@@ -3,8 +3,8 @@
 #include "../fuzz/fuzz_vtp.h"
 #include "base/memory.h"
 #include "failing_malloc.h"
-#include "io/blocks.h"
 #include "io/file.h"
+#include "io/vtk_blocks.h"
 #include "pellicle/results.h"
 #include "pellicle/shape.h"
 #include "random.h"
@@ -452,16 +452,16 @@ static void test_blocks(void **unused)
     const size_t sizes[] = {0, 1, 65535, 65536, 65537, 200000};
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++) {
         unsigned char *bytes = pel_allocate(sizes[s], 1), *back = pel_allocate(sizes[s], 1);
-        unsigned char *packed = pel_allocate(pel_blocks_bound(sizes[s]), 1);
+        unsigned char *packed = pel_allocate(pel_vtk_blocks_bound(sizes[s]), 1);
         size_t packed_size;
         for (size_t i = 0; i < sizes[s]; i++)
             bytes[i] = (unsigned char)random_bits(&random);
-        assert_int_equal(pel_blocks_pack(bytes, sizes[s], packed, &packed_size, NULL), PEL_OK);
-        assert_true(packed_size <= pel_blocks_bound(sizes[s]));
-        assert_int_equal(pel_blocks_check(packed, packed_size, 8, sizes[s]), packed_size);
-        assert_int_equal(pel_blocks_check(packed, packed_size, 8, sizes[s] + 1), 0);
-        assert_int_equal(pel_blocks_check(packed, packed_size - 1, 8, sizes[s]), 0);
-        assert_int_equal(pel_blocks_unpack(packed, 8, back, sizes[s], NULL), PEL_OK);
+        assert_int_equal(pel_vtk_blocks_pack(bytes, sizes[s], packed, &packed_size, NULL), PEL_OK);
+        assert_true(packed_size <= pel_vtk_blocks_bound(sizes[s]));
+        assert_int_equal(pel_vtk_blocks_check(packed, packed_size, 8, sizes[s]), packed_size);
+        assert_int_equal(pel_vtk_blocks_check(packed, packed_size, 8, sizes[s] + 1), 0);
+        assert_int_equal(pel_vtk_blocks_check(packed, packed_size - 1, 8, sizes[s]), 0);
+        assert_int_equal(pel_vtk_blocks_unpack(packed, 8, back, sizes[s], NULL), PEL_OK);
         assert_memory_equal(bytes, back, sizes[s] > 0 ? sizes[s] : 1);
         pel_free(packed);
         pel_free(back);

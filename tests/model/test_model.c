@@ -2,7 +2,7 @@
 #include "sim/fixture.h"
 
 #include "model/model.h"
-#include "model/order.h"
+#include "model/vertex_order.h"
 #include "pellicle/topology.h"
 
 static void test_order_is_a_permutation(void **unused)
@@ -13,7 +13,7 @@ static void test_order_is_a_permutation(void **unused)
     assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
     int32_t count = mesh->vertex_count, *order = calloc((size_t)count, 4), *valence = calloc((size_t)count, 4);
     char *seen = calloc((size_t)count, 1);
-    assert_int_equal(pel_order_vertices(topology, order, valence, NULL), PEL_OK);
+    assert_int_equal(pel_vertex_order_vertices(topology, order, valence, NULL), PEL_OK);
     int64_t sum = 0;
     for (int32_t i = 0; i < count; i++) {
         assert_true(order[i] >= 0 && order[i] < count && !seen[order[i]]);
@@ -36,9 +36,7 @@ static void test_springs_are_the_edges(void **unused)
     double *stiffness = calloc((size_t)mesh->vertex_count, sizeof *stiffness);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         stiffness[v] = 1 + v;
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.spring_stiffness.field = stiffness;
     pel_model *model = make_model(&body);
     int32_t springs = 0;
@@ -77,9 +75,7 @@ static void test_masses(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(10);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.mass = 2;
     assert_near(total_mass(&body), 2 * 1002, 1e-3);
     body.mass_kind = PEL_MASS_TOTAL;

@@ -13,9 +13,7 @@ static void test_nothing_is_no_shell(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(3);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     pel_model *model = make_model(&body);
     assert_null(shell_of(model));
     pel_model_destroy(model);

@@ -2,7 +2,7 @@
 #include "failing_malloc.h"
 #include "shell_fixture.h"
 
-#include "model/active.h"
+#include "model/refined_model.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +16,7 @@ typedef struct fixture {
     double *young, *thickness, *weights;
     pel_anisotropy_def regions[REGIONS];
     pel_model *model;
-    pel_active *active;
+    pel_refined_model *active;
     pel_state *state;
 } fixture;
 
@@ -59,14 +59,14 @@ static void begin(fixture *made)
     def.bodies = bodies;
     def.body_count = 2;
     assert_int_equal(pel_model_create(&def, &made->model, NULL), PEL_OK);
-    assert_int_equal(pel_active_create(made->model, &made->active, NULL), PEL_OK);
+    assert_int_equal(pel_refined_create(made->model, &made->active, NULL), PEL_OK);
     assert_int_equal(pel_state_create(&made->active->model, false, &made->state, NULL), PEL_OK);
 }
 
 static void end(fixture *made)
 {
     pel_state_destroy(made->state);
-    pel_active_destroy(made->active);
+    pel_refined_destroy(made->active);
     pel_model_destroy(made->model);
     pel_mesh_destroy(made->mesh);
     free(made->young);
@@ -153,7 +153,7 @@ static int corner_with(const pel_shell_triangle *triangle, int32_t place)
 
 static void check_hinge(const fixture *made, const pel_shell *shell, const pel_shell_hinge *hinge)
 {
-    const pel_active_body *own = &made->active->bodies[BODY];
+    const pel_refined_body *own = &made->active->bodies[BODY];
     const pel_shell_triangle *sides[2];
     const pel_shell_part_bending *parts[2];
     for (int s = 0; s < 2; s++) {
@@ -190,7 +190,7 @@ static void check_hinges(const fixture *made, const pel_shell *shell)
 
 static void check_shell(const fixture *made)
 {
-    const pel_active_body *own = &made->active->bodies[BODY];
+    const pel_refined_body *own = &made->active->bodies[BODY];
     const pel_shell *shell = &own->shell->shell;
     double volume = 0, x[3][3];
     assert_int_equal(shell->triangle_count, own->front->triangle_count);
@@ -237,7 +237,7 @@ static void mark_some(fixture *made, random_state *random, bool marked[])
         }
     }
     pel_front_close(front);
-    pel_active_commit(made->active, BODY, made->state);
+    pel_refined_commit(made->active, BODY, made->state);
 }
 
 static void test_random_fronts(void **unused)
@@ -259,7 +259,7 @@ static void test_random_fronts(void **unused)
         if (marked[node])
             pel_front_mark(front, node, false);
     pel_front_close(front);
-    pel_active_commit(made.active, BODY, made.state);
+    pel_refined_commit(made.active, BODY, made.state);
     check_shell(&made);
     check_base(&made);
     free(marked);
@@ -268,10 +268,10 @@ static void test_random_fronts(void **unused)
 
 static pel_status create_active(const void *model, pel_error *error)
 {
-    pel_active *active;
-    pel_status status = pel_active_create(model, &active, error);
+    pel_refined_model *active;
+    pel_status status = pel_refined_create(model, &active, error);
     assert_true((active == NULL) == (status != PEL_OK));
-    pel_active_destroy(active);
+    pel_refined_destroy(active);
     return status;
 }
 

@@ -203,7 +203,9 @@ static void test_refuses_checkpoints(void **unused)
 {
     (void)unused;
     const char *const override = "bodies.ball.springs.stiffness=4";
+    const char *const duration = "duration=0.7", *const press = "tools.probe.press=false";
     pel_scene *scene = load_scene(busy, NULL, 0), *other = load_scene(busy, &override, 1);
+    pel_scene *later = load_scene(busy, &duration, 1), *bare = load_scene(busy, &press, 1);
     run_case test = {.run = "refuse", .stop_at = 25};
     char path[256];
     size_t size;
@@ -213,7 +215,11 @@ static void test_refuses_checkpoints(void **unused)
     read_text("refuse", "checkpoint", &bytes, &size);
     test.resume = "checkpoint";
     check_run(other, &test, PEL_BAD_FORMAT);
-    assert_non_null(strstr(test.error.what, "another scene"));
+    assert_string_equal(test.error.what, "the checkpoint belongs to another scene: it was made with other springs");
+    check_run(later, &test, PEL_BAD_FORMAT);
+    assert_non_null(strstr(test.error.what, "made with other output, duration, stop or names"));
+    check_run(bare, &test, PEL_BAD_FORMAT);
+    assert_non_null(strstr(test.error.what, "made with other tools"));
     assert_string_equal(test.error.file, in_folder(path, "refuse", "checkpoint"));
     test.resume = "no-such-checkpoint";
     check_run(scene, &test, PEL_BAD_FILE);
@@ -228,6 +234,12 @@ static void test_refuses_checkpoints(void **unused)
         fclose(stream);
         check_run(scene, &test, PEL_BAD_FORMAT);
     }
+    FILE *old = fopen(in_folder(path, "refuse", "damaged"), "wb");
+    bytes[6]--;
+    fwrite(bytes, 1, size, old);
+    fclose(old);
+    check_run(scene, &test, PEL_BAD_FORMAT);
+    assert_non_null(strstr(test.error.what, "written by another version"));
     /* in another folder there is no series to go on with */
     run_case elsewhere = {.run = "refuse-elsewhere", .resume = "../refuse/checkpoint"};
     mkdir(in_folder(path, "refuse-elsewhere", ""), 0777);
@@ -241,6 +253,8 @@ static void test_refuses_checkpoints(void **unused)
     pel_free(now);
     pel_free(series);
     pel_free(bytes);
+    pel_scene_destroy(bare);
+    pel_scene_destroy(later);
     pel_scene_destroy(other);
     pel_scene_destroy(scene);
 }

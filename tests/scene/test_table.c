@@ -4,9 +4,9 @@
 #include "failing_malloc.h"
 
 #include "pellicle/scene.h"
-#include "scene/check.h"
 #include "scene/override.h"
 #include "scene/table.h"
+#include "scene/validate.h"
 #include "scene/yaml.h"
 
 #include <stdlib.h>

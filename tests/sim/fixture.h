@@ -18,6 +18,15 @@ static inline pel_mesh *make_sphere(int32_t frequency)
     return mesh;
 }
 
+/* paper A's springs on a mesh */
+static inline pel_body_def ball_body(const pel_mesh *mesh)
+{
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    return body;
+}
+
 static inline pel_model *make_model(const pel_body_def *body)
 {
     pel_model_def def = pel_model_def_default();
@@ -31,6 +40,31 @@ static inline pel_model *make_model(const pel_body_def *body)
         print_error("%s\n", pel_error_text(&error, text, sizeof text));
     assert_int_equal(status, PEL_OK);
     return model;
+}
+
+/* a model alone, in one thread */
+static inline pel_sim_def lone_sim(const pel_model *model, pel_method method, double dt)
+{
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    def.solver.method = method;
+    def.solver.dt = dt;
+    def.thread_count = 1;
+    return def;
+}
+
+/* a body with all that is made of it */
+typedef struct stage {
+    pel_mesh *mesh;
+    pel_model *model;
+    pel_sim *sim;
+} stage;
+
+static inline void end_stage(stage *s)
+{
+    pel_sim_destroy(s->sim);
+    pel_model_destroy(s->model);
+    pel_mesh_destroy(s->mesh);
 }
 
 static inline pel_sim *make_sim(const pel_sim_def *def)

@@ -20,9 +20,7 @@ typedef struct bench {
 
 static inline pel_body_def ball(const pel_mesh *mesh, int32_t levels)
 {
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.volumetric_by_area = true;
     body.refine.levels = levels;
     return body;

@@ -9,9 +9,7 @@ static pel_body_def keyed_body(const pel_mesh *mesh)
     static double stiffness[92];
     for (int v = 0; v < 92; v++)
         stiffness[v] = 1 + v;
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.spring_stiffness.field = stiffness;
     body.volumetric_stiffness = (pel_quantity){.keys = keys, .key_count = 2};
     body.pinned = pinned;

@@ -14,9 +14,7 @@ static uint64_t run_case(const golden_case *given, int thread_count)
     const pel_solver_def *solver = &given->solver;
     bool is_small = solver->method == PEL_METHOD_DESCENT || given->refines;
     pel_mesh *mesh = make_sphere(is_small ? 8 : 18);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.volumetric_by_area = true;
     if (given->shell) {
         body.shell.membrane.on = true;

@@ -149,7 +149,7 @@ static void test_momentum(void **unused)
     for (int32_t v = 0; v < model->vertex_count; v++)
         for (int c = 0; c < 3 && model->inverse_mass[v] > 0; c++)
             state->velocity[v][c] = (pel_real)random_between(&random, -1, 1);
-    pel_record held = state->position[model->bodies[0].slot_of_vertex[1]];
+    pel_record held = state->position[model->bodies[0].model_index[1]];
     for (int event = 0; event < 20; event++) {
         double momentum[2][3] = {{0}};
         for (int after = 0; after < 2; after++) {
@@ -163,7 +163,7 @@ static void test_momentum(void **unused)
             assert_near(momentum[1][c], momentum[0][c], rounding(1e-12, 1e-3));
     }
     for (int c = 0; c < 3; c++)
-        assert_true(state->position[model->bodies[0].slot_of_vertex[1]][c] == held[c]);
+        assert_true(state->position[model->bodies[0].model_index[1]][c] == held[c]);
     end(&made);
 }
 

@@ -13,23 +13,13 @@
 #define ENERGY_TOLERANCE 1e-5
 #endif
 
-static pel_sim_def sim_of(const pel_model *model, pel_method method, double dt)
-{
-    pel_sim_def def = pel_sim_def_default();
-    def.model = model;
-    def.solver.method = method;
-    def.solver.dt = dt;
-    def.thread_count = 1;
-    return def;
-}
-
 /* a ball that is squeezed at the start and let go; positions after a time, in steps of dt */
 static void swing(const pel_mesh *mesh, double dt, int steps, double *positions)
 {
     pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
     body.shell.bending.model = PEL_BENDING_HINGE;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, dt);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_EXPLICIT, dt);
     pel_sim *sim = make_sim(&def);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         for (int c = 0; c < 3; c++)
@@ -87,7 +77,7 @@ static void test_energy_stays(void **unused)
     pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
     body.shell.bending.model = PEL_BENDING_HINGE;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, 1e-3);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_EXPLICIT, 1e-3);
     pel_sim *sim = make_sim(&def);
     double *velocities = calloc(3 * (size_t)mesh->vertex_count, sizeof *velocities);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
@@ -118,7 +108,7 @@ static void test_stability_limit(void **unused)
         body.shell.pressure.value = body.shell.pressure.bulk = 1e6;
         body.shell.pressure.target.value = 1;
         pel_model *model = make_model(&body);
-        pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, 1);
+        pel_sim_def def = lone_sim(model, PEL_METHOD_EXPLICIT, 1);
         pel_sim *sim;
         pel_error error;
         assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_UNSTABLE);
@@ -154,7 +144,7 @@ static void test_quasi_static(void **unused)
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
     body.shell.pressure.outside.value = -2;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_QUASI_STATIC, 0.01);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_QUASI_STATIC, 0.01);
     pel_sim *sim = make_sim(&def);
     run_steps(sim, 4000);
     pel_sim_measures measures;
@@ -173,7 +163,7 @@ static void test_drag(void **unused)
     pel_mesh *mesh = make_sphere(2);
     pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, 2e-3);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_EXPLICIT, 2e-3);
     def.solver.drag = 3;
     pel_sim *sim = make_sim(&def);
     double velocities[3 * 42];
@@ -204,7 +194,7 @@ static void test_pressurised_sphere(void **unused)
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
     body.shell.pressure.outside.value = 1e-6;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_DESCENT, 1);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_DESCENT, 1);
     pel_sim *sim = make_sim(&def);
     pel_solver_reading reading = {0};
     for (int i = 0; i < 40 && !reading.converged; i++) {
@@ -236,7 +226,7 @@ static double balanced_volume(const pel_mesh *mesh, const pel_pressure_def *pres
     body.shell.membrane.young.value = 1e4;
     body.shell.pressure = *pressure;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_DESCENT, 1);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_DESCENT, 1);
     def.solver.gradient_only = gradient_only;
     pel_sim *sim = make_sim(&def);
     pel_solver_reading reading;
@@ -306,7 +296,7 @@ static double cantilever(pel_grid_diagonals diagonals, double gamma)
     model_def.gravity[2] = -gamma * pow(thickness, 3) / 12;
     pel_model *model;
     assert_int_equal(pel_model_create(&model_def, &model, NULL), PEL_OK);
-    pel_sim_def def = sim_of(model, PEL_METHOD_DESCENT, 1);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_DESCENT, 1);
     def.solver.iterations = 20000;
     pel_sim *sim = make_sim(&def);
     pel_solver_reading reading = {0};
@@ -350,7 +340,7 @@ static double press_between_plates(double gap, double forces[2])
     pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
     body.shell.bending.model = PEL_BENDING_HINGE;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_QUASI_STATIC, 1e-3);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_QUASI_STATIC, 1e-3);
     pel_tool_def tools[2];
     pel_pose_key keys[2][2];
     for (int i = 0; i < 2; i++) {
@@ -409,7 +399,7 @@ static void press_ball(const pel_mesh *mesh, pel_method method, int32_t substeps
     body.shell.pressure.outside = (pel_quantity){.keys = keys, .key_count = 2};
     pel_model *model = make_model(&body);
     bool projects = method == PEL_METHOD_XPBD;
-    pel_sim_def def = sim_of(model, method, projects ? frame : frame / substeps);
+    pel_sim_def def = lone_sim(model, method, projects ? frame : frame / substeps);
     def.solver.substeps = projects ? substeps : 0;
     def.solver.second_order = second_order;
     pel_sim *sim = make_sim(&def);
@@ -460,7 +450,7 @@ static void draw_out(const pel_mesh *mesh, pel_method method, pel_fibre_directio
     body.shell.anisotropies = &fibres;
     body.shell.anisotropy_count = 1;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, method, 1e-3);
+    pel_sim_def def = lone_sim(model, method, 1e-3);
     pel_sim *sim = make_sim(&def);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         for (int c = 0; c < 3; c++)
@@ -502,7 +492,7 @@ static void test_inside_out(void **unused)
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
     body.shell.pressure.outside.value = 100;
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, 0.01);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_EXPLICIT, 0.01);
     pel_sim *sim = make_sim(&def);
     pel_error error;
     pel_status status = PEL_OK;
@@ -546,13 +536,13 @@ static void test_refusals(void **unused)
     pel_model *model = make_model(&body);
     static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC, PEL_METHOD_DESCENT};
     for (int i = 0; i < 3; i++) {
-        pel_sim_def def = sim_of(model, methods[i], 1e-3);
+        pel_sim_def def = lone_sim(model, methods[i], 1e-3);
         assert_sim_refused(&def, "caves in");
     }
     pel_model_destroy(model);
     body.shell.anisotropy_count = 0;
     model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_DESCENT, 1e-3);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_DESCENT, 1e-3);
     def.solver.iterations = -1;
     assert_sim_refused(&def, "iterations");
     def.solver.iterations = 0;
@@ -586,7 +576,7 @@ static void check_bits(pel_method method)
     pel_mesh *mesh = make_sphere(16);
     pel_body_def body = everything(mesh);
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, method, 5e-4);
+    pel_sim_def def = lone_sim(model, method, 5e-4);
     def.solver.drag = 0.5;
     pel_sim *alone = make_sim(&def);
     def.thread_count = 4;
@@ -628,7 +618,7 @@ static void test_allocation(void **unused)
     static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC, PEL_METHOD_DESCENT};
     for (int i = 0; i < 3; i++) {
         /* beyond the quick bound of dt, so that the power iteration is done too */
-        pel_sim_def def = sim_of(model, methods[i], 8e-3);
+        pel_sim_def def = lone_sim(model, methods[i], 8e-3);
         assert_true(for_every_allocation_failure(create_sim, &def) >= 20);
         pel_sim *sim = make_sim(&def);
         failing_malloc_begin(0);
@@ -649,7 +639,7 @@ static void test_getters(void **unused)
     pel_mesh *mesh = make_sphere(3);
     pel_body_def body = everything(mesh);
     pel_model *model = make_model(&body);
-    pel_sim_def def = sim_of(model, PEL_METHOD_EXPLICIT, 1e-3);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_EXPLICIT, 1e-3);
     pel_sim *sim = make_sim(&def);
     run_steps(sim, 10);
     double membrane[92], bending[92], fibre[92], forces[3 * 92], positions[3 * 92], sum[3] = {0}, net[3] = {0},

@@ -15,9 +15,7 @@ typedef struct press_case {
 /* unit force on the pole for 5 s, then 5 s free */
 static pel_sim *press_sphere(pel_mesh *mesh, pel_model **model, const press_case *press, int thread_count)
 {
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.volumetric_stiffness.value *= press->volumetric;
     body.volumetric_damping.value *= press->volumetric;
     *model = make_model(&body);
@@ -139,9 +137,7 @@ static void test_recovery_factor(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(3);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     pel_model *model = make_model(&body);
     pel_sim_def def = pel_sim_def_default();
     def.model = model;
@@ -167,9 +163,7 @@ static void test_rest_is_exact(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(7);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     pel_model *model = make_model(&body);
     pel_sim_def def = pel_sim_def_default();
     def.model = model;
@@ -196,9 +190,7 @@ static void test_force_is_energy_gradient(void **unused)
     double stiffness[42], positions[3 * 42], forces[3 * 42];
     for (int v = 0; v < 42; v++)
         stiffness[v] = 1 + 0.1 * v;
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.spring_stiffness.field = stiffness;
     pel_model *model = make_model(&body);
     pel_sim_def def = pel_sim_def_default();
@@ -233,9 +225,7 @@ static void test_zero_lengths(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(1);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     pel_model *model = make_model(&body);
     pel_sim_def def = pel_sim_def_default();
     def.model = model;
@@ -264,9 +254,7 @@ static void test_pins_gravity_and_keys(void **unused)
     pel_mesh *mesh = make_sphere(2);
     const int32_t pinned[2] = {0, 5};
     const pel_key keys[2] = {{0, 1.5}, {1, 3}};
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.pinned = pinned;
     body.pinned_count = 2;
     body.volumetric_stiffness = (pel_quantity){.keys = keys, .key_count = 2};

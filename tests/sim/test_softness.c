@@ -12,12 +12,8 @@ enum { IS_DOUBLE = 1 };
 
 static pel_sim_def sim_of(const pel_model *model, pel_method method, double dt)
 {
-    pel_sim_def def = pel_sim_def_default();
-    def.model = model;
-    def.solver.method = method;
-    def.solver.dt = dt;
+    pel_sim_def def = lone_sim(model, method, dt);
     def.solver.drag = 10;
-    def.thread_count = 1;
     return def;
 }
 

@@ -1,7 +1,5 @@
 /* Strain limit of cloth: principal stretches of triangles stay within it. */
-#include "sim/fixture.h"
-
-#include "math/vec3.h"
+#include "shell_fixture.h"
 
 typedef struct cloth {
     pel_mesh *mesh;
@@ -17,37 +15,20 @@ static const double young = 1e5, thickness = 1e-3;
 static void begin(cloth *c, pel_method method, double limit)
 {
     memset(c, 0, sizeof *c);
-    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
-    shape.nx = 16;
-    shape.ny = 4;
-    shape.size_x = 0.4;
-    shape.size_y = 0.1;
-    shape.diagonals = PEL_GRID_UNION_JACK;
-    assert_int_equal(pel_shape_create(&shape, &c->mesh, NULL), PEL_OK);
+    c->mesh = make_grid(16, 4, 0.4, 0.1, PEL_GRID_UNION_JACK);
     pel_body_def *body = &c->body;
-    *body = pel_body_def_default();
+    *body = shell_body(c->mesh, PEL_MEMBRANE_STVK);
     body->name = "cloth";
-    body->mesh = c->mesh;
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 1000;
-    body->thickness.value = thickness;
-    body->spring_stiffness.value = body->spring_damping.value = 0;
-    body->volumetric_stiffness.value = body->volumetric_damping.value = 0;
-    body->shell.membrane.on = true;
-    body->shell.membrane.kind = PEL_MEMBRANE_STVK;
+    body->thickness.value = body->shell.membrane.thickness.value = thickness;
     body->shell.membrane.young.value = young;
     body->shell.membrane.poisson = 0.3;
-    body->shell.membrane.thickness.value = thickness;
     body->shell.membrane.strain_limit = limit;
     for (int32_t v = 0; v < c->mesh->vertex_count; v++)
         if (c->mesh->positions[v][0] < -0.199)
             c->pinned[body->pinned_count++] = v;
     body->pinned = c->pinned;
-    c->def = pel_sim_def_default();
-    c->def.solver.method = method;
-    c->def.solver.dt = 0.01;
+    c->def = lone_sim(NULL, method, 0.01);
     c->def.solver.drag = 5;
-    c->def.thread_count = 1;
 }
 
 static pel_status create(cloth *c, double gravity, pel_sim **sim, pel_error *error)

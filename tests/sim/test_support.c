@@ -1,7 +1,6 @@
 /* Supports: forces on pinned vertices, and supports that move on keys. */
-#include "sim/fixture.h"
+#include "shell_fixture.h"
 
-#include "math/vec3.h"
 #include "sim/sim.h"
 
 static const double young = 1e5, thickness = 1e-3, width = 0.1, length = 0.4;
@@ -20,13 +19,7 @@ typedef struct strip {
 static void begin(strip *s, pel_method method, double dt)
 {
     memset(s, 0, sizeof *s);
-    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
-    shape.nx = 8;
-    shape.ny = 2;
-    shape.size_x = length;
-    shape.size_y = width;
-    shape.diagonals = PEL_GRID_UNION_JACK;
-    assert_int_equal(pel_shape_create(&shape, &s->mesh, NULL), PEL_OK);
+    s->mesh = make_grid(8, 2, length, width, PEL_GRID_UNION_JACK);
     for (int32_t v = 0; v < s->mesh->vertex_count; v++) {
         double x = s->mesh->positions[v][0];
         if (x < -0.499 * length)
@@ -35,25 +28,14 @@ static void begin(strip *s, pel_method method, double dt)
             s->right[s->right_count++] = v;
     }
     pel_body_def *body = &s->body;
-    *body = pel_body_def_default();
+    *body = shell_body(s->mesh, PEL_MEMBRANE_STVK);
     body->name = "strip";
-    body->mesh = s->mesh;
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 1000;
-    body->thickness.value = thickness;
-    body->spring_stiffness.value = body->spring_damping.value = 0;
-    body->volumetric_stiffness.value = body->volumetric_damping.value = 0;
-    body->shell.membrane.on = true;
-    body->shell.membrane.kind = PEL_MEMBRANE_STVK;
+    body->thickness.value = body->shell.membrane.thickness.value = thickness;
     body->shell.membrane.young.value = young;
     body->shell.membrane.poisson = 0;
-    body->shell.membrane.thickness.value = thickness;
     body->pinned = s->left;
     body->pinned_count = s->left_count;
-    s->def = pel_sim_def_default();
-    s->def.solver.method = method;
-    s->def.solver.dt = dt;
-    s->def.thread_count = 1;
+    s->def = lone_sim(NULL, method, dt);
     s->tool = pel_tool_def_default();
     s->tool.name = "strip_support";
     s->tool.body = 0;

@@ -21,9 +21,7 @@ static pel_sim *create(pull_scene *scene, pel_method method, double max_force)
 {
     memset(scene, 0, sizeof *scene);
     scene->mesh = make_sphere(6);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = scene->mesh;
+    pel_body_def body = ball_body(scene->mesh);
     body.pinned = scene->pinned;
     for (int32_t v = 0; v < scene->mesh->vertex_count; v++)
         if (scene->mesh->positions[v][2] < -0.7)

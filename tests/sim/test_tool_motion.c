@@ -87,18 +87,10 @@ static void test_different_axes(void **unused)
     expect_turn(point, (double[3]){1, 0, 0}, 90);
 }
 
-typedef struct stage {
-    pel_mesh *mesh;
-    pel_model *model;
-    pel_sim *sim;
-} stage;
-
 static stage make_stage(const pel_tool_def *tool, double dt)
 {
     stage s = {.mesh = make_sphere(2)};
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = s.mesh;
+    pel_body_def body = ball_body(s.mesh);
     s.model = make_model(&body);
     pel_sim_def def = pel_sim_def_default();
     def.model = s.model;
@@ -112,13 +104,6 @@ static stage make_stage(const pel_tool_def *tool, double dt)
         print_error("%s\n", error.what);
     assert_non_null(s.sim);
     return s;
-}
-
-static void end_stage(stage *s)
-{
-    pel_sim_destroy(s->sim);
-    pel_model_destroy(s->model);
-    pel_mesh_destroy(s->mesh);
 }
 
 /* a tool that holds the ball: velocities of what it holds are w x r, at half a turn a step as well */

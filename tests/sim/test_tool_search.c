@@ -110,7 +110,7 @@ static void test_events(void **unused)
             pel_front_mark_vertex(front, (int32_t)random_integer(&s.random, 0, vertex_count - 1),
                                   (int32_t)random_integer(&s.random, 1, 3), random_integer(&s.random, 0, 2) > 0);
         pel_front_close(front);
-        pel_active_commit(s.made.sim->active, 0, s.made.sim->state);
+        pel_refined_commit(s.made.sim->active, 0, s.made.sim->state);
         pel_tool_search_update(s.search, 0);
         if (round % 10 == 0)
             move(&s);

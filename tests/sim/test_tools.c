@@ -5,20 +5,12 @@
 #include "math/pose.h"
 #include "sim/sim.h"
 
-typedef struct stage {
-    pel_mesh *mesh;
-    pel_model *model;
-    pel_sim *sim;
-} stage;
-
 static stage make_stage_with(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method,
                              const pel_load_def *load)
 {
     stage s;
     s.mesh = make_sphere(frequency);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = s.mesh;
+    pel_body_def body = ball_body(s.mesh);
     body.volumetric_by_area = true;
     s.model = make_model(&body);
     pel_sim_def def = pel_sim_def_default();
@@ -35,13 +27,6 @@ static stage make_stage_with(int32_t frequency, const pel_tool_def *tools, int32
 static stage make_stage(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method)
 {
     return make_stage_with(frequency, tools, count, method, NULL);
-}
-
-static void end_stage(stage *s)
-{
-    pel_sim_destroy(s->sim);
-    pel_model_destroy(s->model);
-    pel_mesh_destroy(s->mesh);
 }
 
 /* deepest point of any triangle in the tool, from the public positions */
@@ -140,7 +125,7 @@ static void check_balance(const pel_load_def *load)
     pel_sim_get_positions(s.sim, 0, x);
     for (int32_t v = 0; v < s.mesh->vertex_count; v++)
         for (int c = 0; c < 3; c++)
-            sum[c] += (double)s.model->rest[body->slot_of_vertex[v]][3] * (s.mesh->positions[v][c] - x[3 * v + c]);
+            sum[c] += (double)s.model->rest[body->model_index[v]][3] * (s.mesh->positions[v][c] - x[3 * v + c]);
     free(x);
     assert_true(reading.force[2] > 0.01);
     for (int c = 0; c < 3; c++)
@@ -303,9 +288,7 @@ static void check_refused(const pel_tool_def *tool, const char *word)
 {
     stage s;
     s.mesh = make_sphere(3);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = s.mesh;
+    pel_body_def body = ball_body(s.mesh);
     s.model = make_model(&body);
     pel_sim_def def = pel_sim_def_default();
     def.model = s.model;
@@ -453,11 +436,12 @@ static void test_damaged_snapshot(void **unused)
     uint64_t hash = pel_sim_hash(s.sim);
     int refused = 0;
     const uint32_t words[4] = {UINT32_MAX, INT32_MAX, 0x01010101, 100000};
-    for (size_t at = 0; at + 4 <= size; at += 4)
+    for (size_t at = 0; at + 4 <= size; at += 12)
         for (int w = 0; w < 4; w++) {
             pel_error error;
             memcpy(bad, good, size);
             memcpy(bad + at, &words[w], 4);
+            pel_snapshot_seal(bad, size);
             pel_status status = pel_sim_load(s.sim, bad, size, &error);
             if (status == PEL_OK)
                 continue;

@@ -370,9 +370,7 @@ static void test_springs_come_to_the_same_rest(void **unused)
 {
     (void)unused;
     pel_mesh *mesh = make_sphere(5);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     pel_model *model = make_model(&body);
     const int32_t pole[1] = {nearest_vertex(mesh, 0, 0, 1)};
     pel_load_def load = pel_load_def_default();

@@ -57,7 +57,7 @@ static void test_polynomial(void **unused)
 static void test_stage_count(void **unused)
 {
     (void)unused;
-    pel_active active = {.relaxation = {.factor = 1}};
+    pel_refined_model active = {.relaxation = {.factor = 1}};
     for (int32_t s = 1; s < 40; s++) {
         pel_relax relax = {.active = &active, .rate = 0.8999 * s * (s + 1)};
         assert_int_equal(pel_relax_stage_count(&relax, 0), s);
@@ -111,7 +111,7 @@ static void step_slowly(const bench *made, pel_record *next)
 {
     const pel_sim *sim = made->sim;
     const pel_model *model = sim->model;
-    const pel_active *active = sim->active;
+    const pel_refined_model *active = sim->active;
     size_t size = (size_t)model->vertex_count * sizeof(pel_record);
     pel_state state = *sim->state;
     pel_record *force = aligned_alloc(64, size), *before = aligned_alloc(64, size), *velocity = aligned_alloc(64, size);

@@ -8,9 +8,7 @@
 static pel_model *paper_sphere(double k, double d, double volumetric, double volumetric_damping)
 {
     pel_mesh *mesh = make_sphere(5);
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
+    pel_body_def body = ball_body(mesh);
     body.spring_stiffness.value = k;
     body.spring_damping.value = d;
     body.volumetric_stiffness.value = volumetric;

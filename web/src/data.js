@@ -1,4 +1,4 @@
-// The runs that the program put into the page (src/io/report_encode.c and report_describe.c write them).
+// The runs that the program put into the page (src/results/report_encode.c and report_describe.c write them).
 
 // bytes of a frame in the stream
 function frameSize(run, frame, known) {

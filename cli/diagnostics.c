@@ -1,0 +1,142 @@
+#include "diagnostics.h"
+#include "commands.h"
+
+#include <pellicle/import.h>
+
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+int cli_report(const pel_error *error)
+{
+    char text[1200];
+    fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
+    return error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED ? CLI_FAILED : CLI_BAD_INPUT;
+}
+
+void cli_write_error(cli_json *json, const pel_error *error)
+{
+    cli_json_open(json, "error", '{');
+    cli_json_text(json, "status", pel_status_text(error->status));
+    cli_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
+    if (error->line > 0)
+        cli_json_integer(json, "line", error->line);
+    if (error->column > 0)
+        cli_json_integer(json, "column", error->column);
+    if (error->byte_offset >= 0)
+        cli_json_integer(json, "byte_offset", error->byte_offset);
+    if (error->element >= 0) {
+        cli_json_text(json, "element_kind", error->element_kind);
+        cli_json_integer(json, "element", error->element);
+    }
+    if (error->element_name[0] != '\0')
+        cli_json_text(json, "element_name", error->element_name);
+    cli_json_text(json, "what", error->what);
+    cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
+    cli_json_close(json, '}');
+}
+
+int cli_report_to(const pel_error *error, cli_json *json)
+{
+    if (json != NULL) {
+        cli_json_bool(json, "ok", false);
+        cli_write_error(json, error);
+    }
+    return cli_report(error);
+}
+
+void cli_name_file(pel_error *error, const char *path)
+{
+    if (error->file[0] == '\0')
+        pel_fail_place(error, path, 0, 0);
+}
+
+double cli_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double cli_processor_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+bool cli_is_scene(const char *path)
+{
+    static const char *const endings[] = {".yaml", ".yml", ".json"};
+    size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i) {
+        size_t size = strlen(endings[i]);
+        if (length > size && strcmp(path + length - size, endings[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+bool cli_is_folder(const char *path)
+{
+    struct stat information;
+    return stat(path, &information) == 0 && S_ISDIR(information.st_mode);
+}
+
+static void write_note(void *user, const char *text)
+{
+    (void)user;
+    fprintf(stderr, "note: %s\n", text);
+}
+
+const pel_log cli_notes = {.write = write_note};
+
+pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, int *status)
+{
+    pel_mesh *mesh = NULL;
+    pel_error error;
+    *status = CLI_DONE;
+    if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK)
+        *status = cli_report_to(&error, json);
+    return mesh;
+}
+
+static const struct {
+    const char *name;
+    pel_mesh_format format;
+} formats[] = {
+    {"obj", PEL_FORMAT_OBJ},         {"ply", PEL_FORMAT_PLY}, {"ply-ascii", PEL_FORMAT_PLY_ASCII},
+    {"ply-big", PEL_FORMAT_PLY_BIG}, {"stl", PEL_FORMAT_STL}, {"stl-ascii", PEL_FORMAT_STL_ASCII},
+    {"off", PEL_FORMAT_OFF},
+};
+
+enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
+
+const char *cli_format_names(int index)
+{
+    return index < FORMAT_COUNT ? formats[index].name : NULL;
+}
+
+bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *format)
+{
+    const char *name = cli_value(call, "format");
+    *format = pel_mesh_format_of_path(path);
+    for (int i = 0; name != NULL && i < FORMAT_COUNT; ++i) {
+        if (strcmp(formats[i].name, name) == 0)
+            *format = formats[i].format;
+    }
+    if (*format != PEL_FORMAT_AUTO)
+        return true;
+    cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl or .off", path);
+    return false;
+}
+
+int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log, bool quiet)
+{
+    pel_error error;
+    if (pel_mesh_write(path, format, mesh, log, &error) != PEL_OK)
+        return cli_report(&error);
+    if (!quiet)
+        printf("%s: %d vertices, %d triangles\n", path, (int)mesh->vertex_count, (int)mesh->triangle_count);
+    return CLI_DONE;
+}

@@ -1,0 +1,45 @@
+/* What several commands share: errors and notes on standard error, meshes in and out. */
+#ifndef PELLICLE_CLI_DIAGNOSTICS_H
+#define PELLICLE_CLI_DIAGNOSTICS_H
+
+#include "json.h"
+#include "options.h"
+
+#include <pellicle/error.h>
+#include <pellicle/mesh_io.h>
+
+/* Prints the error as "file:line:column: error: what. remedy" on stderr. Returns the exit status that belongs to it. */
+int cli_report(const pel_error *error);
+/* writes the error as the member "error" of the open JSON object */
+void cli_write_error(cli_json *json, const pel_error *error);
+/* cli_report, and as members "ok": false and "error" of the open JSON object; json is nullable */
+int cli_report_to(const pel_error *error, cli_json *json);
+/* names the file of an error that names none */
+void cli_name_file(pel_error *error, const char *path);
+
+/* Finds a file that is installed in share/pellicle, beside the program or, before it is installed, in the build folder.
+   Returns path (size bytes), or null when it is in neither place. */
+const char *cli_share_path(char *path, size_t size, const char *name);
+
+/* seconds of a steady clock */
+double cli_clock(void);
+/* seconds that this thread has used */
+double cli_processor_clock(void);
+
+/* whether the path ends like a scene file (.yaml, .yml, .json) */
+bool cli_is_scene(const char *path);
+bool cli_is_folder(const char *path);
+
+/* a log that prints "note: ..." on stderr */
+extern const pel_log cli_notes;
+
+/* any mesh file; reports the error (json is nullable) and returns null on failure */
+pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, int *status);
+
+/* The format that --format names, else the one of the path's ending; complains and returns false when there is none. */
+bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *format);
+
+/* Writes the mesh; prints what was written on stdout unless quiet, or the error. Returns the exit status. */
+int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log, bool quiet);
+
+#endif

@@ -1,0 +1,115 @@
+#include "base/memory.h"
+#include "base/status.h"
+#include "linear/factor_kinds.h"
+
+#include <math.h>
+
+void pel_factor_destroy(pel_factor *factor)
+{
+    if (factor == NULL)
+        return;
+    void *arrays[] = {factor->entries, factor->work,  factor->border, factor->solution,
+                      factor->scratch, factor->scale, factor->pivots};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(factor);
+}
+
+pel_status pel_factor_create(const pel_factor_plan *plan, pel_factor_precision precision, pel_factor **factor,
+                             pel_error *error)
+{
+    *factor = NULL;
+    size_t number = precision == PEL_FACTOR_FLOAT ? sizeof(float) : sizeof(double);
+    pel_factor *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->plan = plan;
+    made->precision = precision;
+    made->entries = pel_allocate_aligned((size_t)plan->entry_count, number);
+    made->work = pel_allocate_aligned((size_t)plan->work_count, number);
+    made->border = pel_allocate_aligned((size_t)plan->border_count, number);
+    made->solution = pel_allocate_aligned((size_t)plan->unknown_count, number);
+    made->scratch = pel_allocate_aligned((size_t)plan->scratch_count, number);
+    made->scale = pel_allocate_aligned((size_t)plan->unknown_count, sizeof *made->scale);
+    made->pivots = pel_allocate((size_t)plan->task_count + 1, sizeof *made->pivots);
+    if (made->entries == NULL || made->work == NULL || made->border == NULL || made->solution == NULL ||
+        made->scratch == NULL || made->scale == NULL || made->pivots == NULL) {
+        pel_factor_destroy(made);
+        pel_fail_memory(error);
+        pel_fail_remedy(error, "the factor of %d unknowns needs %.0f MB: take a coarser mesh or an iterative solver",
+                        (int)plan->unknown_count, 1e-6 * (double)plan->cost.bytes[precision]);
+        return PEL_OUT_OF_MEMORY;
+    }
+    *factor = made;
+    return PEL_OK;
+}
+
+static pel_factor_result fail_at(const pel_matrix *matrix, int32_t unknown, double pivot)
+{
+    int32_t low = 0, high = matrix->node_count - 1;
+    while (low < high) {
+        int32_t middle = low + (high - low + 1) / 2;
+        if (matrix->first_unknown[middle] <= unknown)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return (pel_factor_result){false, low, unknown - matrix->first_unknown[low], pivot};
+}
+
+/* scales from the diagonal; the first unknown whose entry is not positive, or -1 */
+static int32_t find_scales(pel_factor *factor, const pel_matrix *matrix, double *entry)
+{
+    int32_t u = 0;
+    for (int32_t i = 0; i < matrix->node_count; i++) {
+        int32_t size = matrix->first_unknown[i + 1] - matrix->first_unknown[i];
+        const double *block = &matrix->values[matrix->block_start[pel_matrix_block(matrix, i, i)]];
+        for (int32_t a = 0; a < size; a++, u++) {
+            *entry = block[a * (size + 1)];
+            if (!(*entry > 0 && *entry < (double)INFINITY))
+                return u;
+            factor->scale[u] = 1 / sqrt(*entry);
+        }
+    }
+    return -1;
+}
+
+pel_factor_result pel_factor_compute(pel_factor *factor, const pel_matrix *matrix, double shift, pel_pool *pool)
+{
+    double entry = 0;
+    int32_t unknown = find_scales(factor, matrix, &entry);
+    if (unknown >= 0)
+        return fail_at(matrix, unknown, entry);
+    if (factor->precision == PEL_FACTOR_FLOAT)
+        pel_factor_compute_float(factor, matrix, shift, pool);
+    else
+        pel_factor_compute_double(factor, matrix, shift, pool);
+    const pel_factor_pivot *pivots = factor->pivots;
+    pel_factor_pivot all = {-1, (double)INFINITY};
+    for (int32_t t = 0; t <= factor->plan->task_count; t++) {
+        bool is_first = pivots[t].failed >= 0 && (all.failed < 0 || pivots[t].failed < all.failed);
+        if (is_first || (all.failed < 0 && pivots[t].value < all.value))
+            all = pivots[t];
+    }
+    if (all.failed >= 0)
+        return fail_at(matrix, factor->plan->front_unknown[all.failed], all.value);
+    return (pel_factor_result){true, -1, -1, all.value};
+}
+
+void pel_factor_solve(void *context, pel_pool *pool, const double *right, double *solution)
+{
+    pel_factor *factor = context;
+    double largest = 0;
+    for (int32_t u = 0; u < factor->plan->unknown_count; u++) {
+        double size = fabs(right[u] * factor->scale[u]);
+        largest = size > largest ? size : largest;
+    }
+    /* a power of two: float holds forces of any unit, and nothing is rounded */
+    int exponent;
+    frexp(largest, &exponent);
+    double unit = ldexp(1, exponent);
+    if (factor->precision == PEL_FACTOR_FLOAT)
+        pel_factor_solve_float(factor, unit, pool, right, solution);
+    else
+        pel_factor_solve_double(factor, unit, pool, right, solution);
+}

@@ -1,0 +1,69 @@
+/* Fingerprint of what decides the result of a simulation: hashes of all members of the defs that a model and a sim are
+   made from, part by part, so that a snapshot made with others is refused with the name of what differs. Names, numbers
+   of threads and limits of memory that only refuse are left out. */
+#ifndef PEL_MODEL_FINGERPRINT_H
+#define PEL_MODEL_FINGERPRINT_H
+
+#include "pellicle/sim.h"
+
+/* what users call the parts */
+#define PEL_PARTS(ROW)                                                                                                 \
+    ROW(MESH, "mesh")                                                                                                  \
+    ROW(MASS, "mass")                                                                                                  \
+    ROW(PINS, "pinned vertices")                                                                                       \
+    ROW(GRAVITY, "gravity")                                                                                            \
+    ROW(SPRINGS, "springs")                                                                                            \
+    ROW(VOLUMETRIC, "volumetric springs")                                                                              \
+    ROW(FRICTION, "friction of a body")                                                                                \
+    ROW(REFINEMENT, "refinement")                                                                                      \
+    ROW(MEMBRANE, "membrane")                                                                                          \
+    ROW(BENDING, "bending")                                                                                            \
+    ROW(ANISOTROPY, "anisotropy")                                                                                      \
+    ROW(PRESSURE, "pressure")                                                                                          \
+    ROW(LOADS, "loads")                                                                                                \
+    ROW(TOOLS, "tools")                                                                                                \
+    ROW(CONTACT, "contact")                                                                                            \
+    ROW(SOLVER, "solver")
+
+typedef enum pel_part {
+#define PEL_PART_ENUMERATOR(PART, name) PEL_PART_##PART,
+    PEL_PARTS(PEL_PART_ENUMERATOR)
+#undef PEL_PART_ENUMERATOR
+        PEL_PART_COUNT,
+    PEL_PART_SAME /* of a member: that of the def which it is in */
+} pel_part;
+
+typedef struct pel_fingerprint {
+    uint64_t parts[PEL_PART_COUNT];
+} pel_fingerprint;
+
+typedef enum pel_member_form {
+    PEL_MEMBER_END,   /* of a table */
+    PEL_MEMBER_PLAIN, /* `size` bytes without padding */
+    PEL_MEMBER_DEF,   /* a def within, with a table of its own */
+    PEL_MEMBER_LIST,  /* nullable pointer to as many elements of `size` bytes as the count says, plain or defs */
+    PEL_MEMBER_FIELD, /* nullable pointer to a double for each vertex of the body's mesh */
+    PEL_MEMBER_MESH,  /* nullable pointer to a mesh: positions and triangles */
+    PEL_MEMBER_OTHER  /* decides nothing, or is the count of a list */
+} pel_member_form;
+
+/* A member of a def. */
+typedef struct pel_member {
+    pel_part part;
+    pel_member_form form;
+    size_t offset, size;
+    const struct pel_member *members; /* of defs, up to PEL_MEMBER_END */
+    size_t count_offset;              /* of lists: int32_t */
+} pel_member;
+
+/* of a pel_model_def and a pel_sim_def */
+extern const pel_member pel_model_members[], pel_sim_members[];
+
+/* Adds the members of a valid def of such a table. */
+void pel_fingerprint_add(pel_fingerprint *fingerprint, const pel_member *members, const void *def);
+void pel_fingerprint_add_bytes(pel_fingerprint *fingerprint, pel_part part, const void *bytes, size_t size);
+
+/* The names of the parts that differ, "gravity, tools"; empty when none does. Returns text. */
+const char *pel_fingerprint_compare(const pel_fingerprint *a, const pel_fingerprint *b, char *text, size_t size);
+
+#endif

@@ -1,0 +1,212 @@
+#include "scene/defaults.h"
+
+#include "base/number.h"
+#include "pellicle/preset.h"
+#include "scene/validate.h"
+
+#include <string.h>
+
+/* what a preset says when it gives no density, and a membrane that has none at all [kg/m3] */
+#define TISSUE_DENSITY "1000"
+/* dt of the table */
+#define DEFAULT_DT 0.01
+
+enum { MOST_PRESETS = 64 };
+
+/* the entry of a map; one without value counts as left out */
+static pel_scene_value *find(pel_scene_value *map, const char *key)
+{
+    pel_scene_value *entry = map != NULL && map->kind == PEL_SCENE_MAP ? pel_scene_value_entry(map, key) : NULL;
+    if (entry == NULL || !pel_scene_value_is_null(entry))
+        return entry;
+    pel_scene_value_remove(entry);
+    return NULL;
+}
+
+static pel_scene_value *find_map(pel_scene_value *map, const char *key)
+{
+    pel_scene_value *entry = find(map, key);
+    return entry != NULL && entry->kind == PEL_SCENE_MAP ? entry : NULL;
+}
+
+/* a new entry; null when out of memory */
+static pel_scene_value *add(pel_scene_reader *reader, pel_scene_value *map, const char *key, pel_scene_value_kind kind)
+{
+    pel_scene_value *value = pel_scene_value_create(reader, kind, map->place);
+    if (value != NULL)
+        pel_scene_value_append(map, key, value);
+    return value;
+}
+
+static pel_status set_text(pel_scene_reader *reader, pel_scene_value *map, const char *key, const char *text)
+{
+    if (find(map, key) != NULL)
+        return PEL_OK;
+    pel_scene_value *value = add(reader, map, key, PEL_SCENE_SCALAR);
+    if (value == NULL)
+        return PEL_OUT_OF_MEMORY;
+    value->is_implied = true;
+    value->text = pel_arena_text(reader->arena, text, strlen(text));
+    return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
+}
+
+static pel_status set_number(pel_scene_reader *reader, pel_scene_value *map, const char *key, double number)
+{
+    char text[PEL_NUMBER_SIZE];
+    pel_number_print(text, number);
+    return set_text(reader, map, key, text);
+}
+
+/* a copy of a value with all that is below it as an entry of a map */
+static pel_status set_copy(pel_scene_reader *reader, pel_scene_value *map, const char *key,
+                           const pel_scene_value *source)
+{
+    pel_scene_value *copy = add(reader, map, key, source->kind);
+    if (copy == NULL)
+        return PEL_OUT_OF_MEMORY;
+    copy->quoted = source->quoted;
+    copy->text = source->text;
+    copy->place = source->place;
+    pel_status status = PEL_OK;
+    for (const pel_scene_value *child = source->first; status == PEL_OK && child != NULL; child = child->next)
+        status = set_copy(reader, copy, child->key, child);
+    return status;
+}
+
+/* the number of an entry, 0 when it is none above 0 */
+static double positive(pel_scene_value *map, const char *key)
+{
+    const pel_scene_value *value = find(map, key);
+    double number = 0;
+    bool is_number = value != NULL && value->kind == PEL_SCENE_SCALAR && pel_scene_parse_number(value->text, &number);
+    return is_number && number > 0 ? number : 0;
+}
+
+/* the preset that a membrane names, null for none; a wrong name comes before what is missing without it */
+static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset **preset)
+{
+    const char *names[MOST_PRESETS];
+    int32_t count;
+    const pel_material_preset *presets = pel_material_presets(&count);
+    const pel_scene_value *name = find(membrane, "preset");
+    *preset = NULL;
+    if (name == NULL || name->kind != PEL_SCENE_SCALAR)
+        return PEL_OK;
+    *preset = pel_material_preset_find(name->text);
+    if (*preset != NULL)
+        return PEL_OK;
+    size_t known = 0;
+    for (int32_t i = 0; i < count && known < MOST_PRESETS; i++)
+        names[known++] = presets[i].name;
+    return pel_scene_fail_name(reader, &name->place, "preset", name->text, names, known);
+}
+
+static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
+{
+    const struct {
+        const char *key;
+        double number;
+    } numbers[] = {{"young", preset->material.young},
+                   {"poisson", preset->material.poisson},
+                   {"thickness", preset->material.thickness}};
+    pel_status status = PEL_OK;
+    if (find(membrane, "material") == NULL && preset->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN)
+        status = set_number(reader, membrane, "mooney_ratio", preset->material.mooney_ratio);
+    if (status == PEL_OK)
+        status = set_text(reader, membrane, "material", pel_membrane_kind_name(preset->material.kind));
+    for (int i = 0; status == PEL_OK && i < 3; i++)
+        status = set_number(reader, membrane, numbers[i].key, numbers[i].number);
+    return status;
+}
+
+/* the mass of a sheet: density and thickness */
+static pel_status imply_mass(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane,
+                             const pel_material_preset *preset)
+{
+    pel_scene_value *thickness = find(membrane, "thickness"), *mass = find(body, "mass");
+    if (thickness == NULL || (mass != NULL && mass->kind != PEL_SCENE_MAP))
+        return PEL_OK;
+    /* a wrong thickness is to be told where it stands */
+    if (thickness->kind == PEL_SCENE_SCALAR && !(positive(membrane, "thickness") > 0))
+        return PEL_OK;
+    if (mass == NULL && (mass = add(reader, body, "mass", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    if (find(mass, "per_vertex") != NULL || find(mass, "total") != NULL)
+        return PEL_OK;
+    pel_status status = preset != NULL ? set_number(reader, mass, "density", preset->density)
+                                       : set_text(reader, mass, "density", TISSUE_DENSITY);
+    if (status == PEL_OK && find(mass, "thickness") == NULL)
+        status = set_copy(reader, mass, "thickness", thickness);
+    return status;
+}
+
+static pel_status imply_membrane(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane)
+{
+    const pel_material_preset *preset;
+    pel_scene_value *mass = find_map(body, "mass"), *thickness = find(mass, "thickness");
+    pel_status status = find_preset(reader, membrane, &preset);
+    if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL)
+        status = set_copy(reader, membrane, "thickness", thickness);
+    if (status == PEL_OK && preset != NULL)
+        status = imply_material(reader, membrane, preset);
+    return status == PEL_OK ? imply_mass(reader, body, membrane, preset) : status;
+}
+
+/* springs of no stiffness */
+static pel_status imply_no_springs(pel_scene_reader *reader, pel_scene_value *body)
+{
+    if (find(body, "springs") != NULL)
+        return PEL_OK;
+    pel_scene_value *springs = add(reader, body, "springs", PEL_SCENE_MAP);
+    if (springs == NULL)
+        return PEL_OUT_OF_MEMORY;
+    pel_status status = set_text(reader, springs, "stiffness", "0");
+    return status == PEL_OK ? set_text(reader, springs, "damping", "0") : status;
+}
+
+static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_membrane)
+{
+    pel_scene_value *membrane = find_map(body, "membrane");
+    *has_membrane |= membrane != NULL;
+    pel_status status = PEL_OK;
+    if (membrane != NULL)
+        status = imply_membrane(reader, body, membrane);
+    if (status == PEL_OK && (membrane != NULL || find(body, "bending") != NULL))
+        status = imply_no_springs(reader, body);
+    return status;
+}
+
+static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *solver = find(root, "solver");
+    if (solver == NULL && (solver = add(reader, root, "solver", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    /* method.c may choose another one once the meshes are known */
+    return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
+}
+
+static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *stop = find_map(root, "stop");
+    if (find(root, "duration") != NULL)
+        return PEL_OK;
+    double dt = positive(find_map(root, "solver"), "dt");
+    double time = positive(stop, "time"), frames = positive(stop, "frames") * (dt > 0 ? dt : DEFAULT_DT);
+    if (time > 0 || frames > 0)
+        return set_number(reader, root, "duration", time > 0 && (!(frames > 0) || time < frames) ? time : frames);
+    return PEL_OK;
+}
+
+pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *bodies = root->kind == PEL_SCENE_MAP ? pel_scene_value_entry(root, "bodies") : NULL;
+    bool has_membrane = false;
+    pel_status status = PEL_OK;
+    if (bodies == NULL || bodies->kind != PEL_SCENE_LIST)
+        return PEL_OK;
+    for (pel_scene_value *body = bodies->first; status == PEL_OK && body != NULL; body = body->next)
+        status = imply_body(reader, body, &has_membrane);
+    if (status == PEL_OK && has_membrane)
+        status = imply_method(reader, root);
+    return status == PEL_OK ? imply_duration(reader, root) : status;
+}

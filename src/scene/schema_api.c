@@ -1,0 +1,36 @@
+#include "scene/schema_api.h"
+
+#include "pellicle/scene.h"
+
+typedef void put_document(FILE *file, const pel_scene_table *table);
+
+static pel_status write_document(FILE *file, put_document *put, pel_error *error)
+{
+    pel_arena arena = {0};
+    const pel_scene_table *table = pel_scene_table_create(&arena);
+    pel_status status = table != NULL ? PEL_OK : pel_fail_memory(error);
+    if (table != NULL) {
+        put(file, table);
+        if (fflush(file) != 0 || ferror(file)) {
+            status = pel_fail(error, PEL_BAD_FILE, "cannot write the text");
+            pel_fail_remedy(error, "look for a full disk or a closed pipe");
+        }
+    }
+    pel_arena_free(&arena);
+    return status;
+}
+
+pel_status pel_scene_write_schema(FILE *file, pel_error *error)
+{
+    return write_document(file, pel_scene_put_schema, error);
+}
+
+pel_status pel_scene_write_reference(FILE *file, pel_error *error)
+{
+    return write_document(file, pel_scene_put_reference, error);
+}
+
+pel_status pel_scene_write_parameters(FILE *file, pel_error *error)
+{
+    return write_document(file, pel_scene_put_parameters, error);
+}

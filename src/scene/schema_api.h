@@ -1,0 +1,16 @@
+/* Texts that the table yields. */
+#ifndef PEL_SCENE_SCHEMA_API_H
+#define PEL_SCENE_SCHEMA_API_H
+
+#include "scene/table.h"
+
+#include <stdio.h>
+
+/* JSON Schema, draft 7 */
+void pel_scene_put_schema(FILE *file, const pel_scene_table *table);
+/* reference page in Markdown */
+void pel_scene_put_reference(FILE *file, const pel_scene_table *table);
+/* one path a line */
+void pel_scene_put_parameters(FILE *file, const pel_scene_table *table);
+
+#endif

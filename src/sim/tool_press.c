@@ -1,0 +1,369 @@
+/* Pressing keeps whole triangles out of a tool, not only vertices: each triangle near the tool is pushed out at its
+   deepest point p = sum b_i x_i by x_i += w_i b_i / (sum w b^2) depth n, triangle after triangle until none is deeper
+   than the tolerance. Vertices come first, which settles most of it.
+
+   A quasi-static step may spring back farther than a small tool is thick, and the triangle would come out on the other
+   side. So the half space of each contact is kept for one step: what has gone deep behind it is brought back.
+
+   Friction, with contact: each push by a distance d takes back up to friction times d of the way that the point has
+   gone across the normal since the start of the step, against the tool's own motion; velocities likewise, by the
+   impulse. The sums obey Coulomb's law as each of them does. */
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+#include <string.h>
+
+/* sweeps over the near triangles at most */
+enum { SWEEP_LIMIT = 100 };
+/* depth that counts as touching, relative to the tool's size */
+#define DEPTH_TOLERANCE 1e-5
+/* triangles this near to the tool's box may come into it by the pushes of a step, relative to the longest edge */
+#define NEAR_MARGIN 0.25
+
+pel_search_box pel_tool_box(const pel_tool *tool, double margin)
+{
+    double local[3], axis[3], half[3] = {0, 0, 0};
+    pel_solid_half_box(&tool->solid, local);
+    for (int i = 0; i < 3; i++) {
+        double extent = local[i] + tool->press_margin;
+        pel_vec3_set(axis, i == 0 ? extent : 0, i == 1 ? extent : 0, i == 2 ? extent : 0);
+        pel_rotate(tool->pose.rotation, axis, axis);
+        for (int j = 0; j < 3; j++)
+            half[j] += fabs(axis[j]);
+    }
+    pel_search_box box = {{0}, {0}};
+    for (int i = 0; i < 3; i++) {
+        box.low[i] = (pel_real)(tool->pose.position[i] - half[i] - margin);
+        box.high[i] = (pel_real)(tool->pose.position[i] + half[i] + margin);
+    }
+    return box;
+}
+
+/* whether all corners of a triangle lie beyond one side of the box */
+static bool is_beside(const pel_search_box *box, const pel_record *positions, const int32_t corners[3])
+{
+    const pel_record *a = &positions[corners[0]], *b = &positions[corners[1]], *c = &positions[corners[2]];
+    for (int i = 0; i < 3; i++)
+        if (((*a)[i] < box->low[i] && (*b)[i] < box->low[i] && (*c)[i] < box->low[i]) ||
+            ((*a)[i] > box->high[i] && (*b)[i] > box->high[i] && (*c)[i] > box->high[i]))
+            return true;
+    return false;
+}
+
+/* in rising order: the sweeps depend on the order, which must not change when a triangle that does not touch comes near
+   or goes */
+int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin)
+{
+    pel_search_box box = pel_tool_box(tool, margin);
+    bool at_start = positions == sim->state->position;
+    int32_t count = 0;
+    if (!at_start || !sim->tool_search->is_fitted)
+        pel_tool_search_fit(sim->tool_search, positions);
+    sim->tool_search->is_fitted = at_start;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (pel_tool_acts_on(tool, b))
+            count = pel_tool_search_find(sim->tool_search, positions, b, &box, sim->near_triangles, count);
+    pel_tool_search_sort(sim->tool_search, sim->near_triangles, count);
+    return count;
+}
+
+static void record_add(pel_record *record, double scale, const double a[3])
+{
+    for (int i = 0; i < 3; i++)
+        (*record)[i] += (pel_real)(scale * a[i]);
+}
+
+/* a point of the surface: up to three vertices with weights */
+typedef struct surface_point {
+    const int32_t *vertices;
+    const double *weights;
+    int count;
+} surface_point;
+
+pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t v)
+{
+    if (sim->contacts == NULL)
+        return tool->solid;
+    int32_t group = sim->model->body_count + (int32_t)(tool - sim->tools);
+    return pel_solid_grown(&tool->solid,
+                           pel_contact_thickness(sim->contacts, sim->model->body_of_slice[v / PEL_WIDTH], group));
+}
+
+double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v)
+{
+    if (sim->contacts == NULL)
+        return 0;
+    return pel_contact_friction(sim->contacts, sim->model->body_of_slice[v / PEL_WIDTH],
+                                sim->model->body_count + (int32_t)(tool - sim->tools));
+}
+
+/* the part of a vector across the unit normal, turned round and at most `limit` long; false when it is nothing */
+static bool oppose_across(const double vector[3], const double normal[3], double limit, double back[3])
+{
+    pel_vec3_along(vector, -pel_vec3_dot(vector, normal), normal, back);
+    double length = pel_vec3_length(back);
+    if (!(length > 0) || !(limit > 0))
+        return false;
+    pel_vec3_scale(back, -fmin(1, limit / length), back);
+    return true;
+}
+
+static void change_velocity(pel_sim *sim, const surface_point *at, double impulse, const double direction[3])
+{
+    for (int c = 0; c < at->count; c++) {
+        int32_t v = at->vertices[c];
+        record_add(&sim->state->velocity_next[v], impulse * at->weights[c] * pel_tool_mobility(sim, v), direction);
+    }
+}
+
+/* explicit method: takes away the velocity with which the point runs into the tool, and counts the impulse */
+static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
+{
+    double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
+    for (int c = 0; c < at->count; c++) {
+        pel_vertex_position(sim->state->position_next, at->vertices[c], x);
+        pel_vec3_along(point, at->weights[c], x, point);
+        pel_vertex_position(sim->state->velocity_next, at->vertices[c], x);
+        pel_vec3_along(relative, at->weights[c], x, relative);
+    }
+    pel_tool_velocity(tool, point, sim->step.dt, moving);
+    pel_vec3_subtract(relative, moving, relative);
+    double approach = -pel_vec3_dot(relative, normal);
+    if (approach <= 0)
+        return;
+    double impulse = approach / inertia, back[3], force[3];
+    const int32_t vertices[4] = {at->vertices[0], at->vertices[1], at->vertices[2], at->vertices[0]};
+    pel_contact_action action = {.vertices = vertices, .tool = (int32_t)(tool - sim->tools)};
+    memcpy(action.weights, at->weights, 3 * sizeof *action.weights);
+    change_velocity(sim, at, impulse, normal);
+    pel_vec3_scale(normal, impulse / sim->step.dt, action.load);
+    pel_vec3_copy(action.load, action.force);
+    if (oppose_across(relative, normal, pel_sim_friction(sim, tool, at->vertices[0]) * approach, back)) {
+        change_velocity(sim, at, 1 / inertia, back);
+        pel_vec3_along(action.force, 1 / (inertia * sim->step.dt), back, action.force);
+    }
+    pel_contact_forces_add(sim, &action);
+    pel_vec3_scale(action.force, -1, force);
+    pel_tool_add_reaction(tool, point, force);
+}
+
+/* takes back what a push by `depth` can hold of the way of the point across the tool in this step */
+static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *at, double depth, const double normal[3],
+                      double inertia)
+{
+    double now[3] = {0, 0, 0}, start[3] = {0, 0, 0}, local[3], slip[3], back[3], x[3];
+    for (int c = 0; c < at->count; c++) {
+        pel_vertex_position(sim->state->position_next, at->vertices[c], x);
+        pel_vec3_along(now, at->weights[c], x, now);
+        pel_vertex_position(sim->state->position, at->vertices[c], x);
+        pel_vec3_along(start, at->weights[c], x, start);
+    }
+    /* where the tool's point that is now there was when the step began */
+    pel_pose_to_local(&tool->pose, now, local);
+    pel_pose_to_world(&tool->pose_before, local, slip);
+    pel_vec3_subtract(slip, start, slip);
+    if (!oppose_across(slip, normal, pel_sim_friction(sim, tool, at->vertices[0]) * depth, back))
+        return;
+    for (int c = 0; c < at->count; c++) {
+        int32_t v = at->vertices[c];
+        record_add(&sim->state->position_next[v], pel_tool_mobility(sim, v) * at->weights[c] / inertia, back);
+    }
+}
+
+/* moves the vertices so that the point goes `depth` along the normal; false when none of them can move */
+static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
+{
+    double inertia = 0;
+    for (int c = 0; c < at->count; c++)
+        inertia += pel_tool_mobility(sim, at->vertices[c]) * at->weights[c] * at->weights[c];
+    if (inertia <= 0)
+        return false;
+    for (int c = 0; c < at->count; c++) {
+        int32_t v = at->vertices[c];
+        double share = pel_tool_mobility(sim, v) * at->weights[c] / inertia * depth;
+        if (share <= 0)
+            continue;
+        record_add(&sim->state->position_next[v], share, normal);
+        sim->moved_at[v] = ++sim->push_count;
+        pel_contact_vertex *touch = pel_tool_touch(tool, v);
+        pel_vec3_along(touch->push, share, normal, touch->push);
+    }
+    if (pel_sim_friction(sim, tool, at->vertices[0]) > 0)
+        rub_point(sim, tool, at, depth, normal, inertia);
+    if (sim->state->velocity_next != NULL)
+        stop_point(sim, tool, at, normal, inertia);
+    return true;
+}
+
+/* point of a triangle in the tool's frame */
+static void local_point(const pel_sim *sim, const pel_tool *tool, int32_t t, const double weights[3], double point[3])
+{
+    double x[3];
+    pel_vec3_set(point, 0, 0, 0);
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], x);
+        pel_vec3_along(point, weights[c], x, point);
+    }
+    pel_pose_to_local(&tool->pose, point, point);
+}
+
+double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
+                               const pel_record *positions, int32_t t, double weights[3], double normal[3])
+{
+    double world[3], corner[3][3];
+    for (int c = 0; c < 3; c++) {
+        pel_vertex_position(positions, sim->model->triangles[t][c], world);
+        pel_pose_to_local(&tool->pose, world, corner[c]);
+    }
+    return pel_solid_depth(solid, corner[0], corner[1], corner[2], weights, normal);
+}
+
+/* keeps the half space in which a triangle has to stay; the latest one of a triangle counts */
+static void remember_plane(const pel_sim *sim, pel_tool *tool, const pel_contact_plane *plane)
+{
+    int32_t place = sim->plane_of_triangle[plane->triangle] - 1;
+    if (place < 0) {
+        if (tool->plane_count == PEL_PLANE_LIMIT)
+            return;
+        place = tool->plane_count++;
+        sim->plane_of_triangle[plane->triangle] = place + 1;
+    }
+    tool->planes[place] = *plane;
+}
+
+/* pushes a point of a triangle that is `depth` in the tool out along the normal, given in the tool's frame */
+static bool push_triangle(pel_sim *sim, pel_tool *tool, int32_t t, const double weights[3], double depth,
+                          const double normal[3])
+{
+    double point[3], way[3];
+    local_point(sim, tool, t, weights, point);
+    pel_contact_plane plane = {.triangle = t, .offset = pel_vec3_dot(normal, point) + depth};
+    pel_vec3_copy(weights, plane.weights);
+    pel_vec3_copy(normal, plane.normal);
+    remember_plane(sim, tool, &plane);
+    pel_rotate(tool->pose.rotation, normal, way);
+    return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights, 3}, depth, way);
+}
+
+static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, double tolerance)
+{
+    double x[3], local[3], normal[3];
+    pel_vertex_position(sim->state->position_next, sim->model->triangles[t][corner], x);
+    pel_pose_to_local(&tool->pose, x, local);
+    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][corner]);
+    double depth = -pel_solid_distance(&solid, local, normal);
+    if (depth <= tolerance)
+        return false;
+    const double weights[3] = {corner == 0, corner == 1, corner == 2};
+    return push_triangle(sim, tool, t, weights, depth, normal);
+}
+
+/* Without friction a corner that was looked at is out, and stays there while corners are pushed: once is enough. */
+static bool is_done(pel_sim *sim, const pel_tool *tool, int32_t v)
+{
+    bool done = sim->cornered_at[v] == sim->press_count && !(pel_sim_friction(sim, tool, v) > 0);
+    sim->cornered_at[v] = sim->press_count;
+    return done;
+}
+
+static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t t, double tolerance,
+                          bool *moved)
+{
+    const int32_t *corners = sim->model->triangles[t];
+    for (int c = 0; c < 3; c++) {
+        const int32_t corner[3] = {corners[c], corners[c], corners[c]};
+        if (!is_done(sim, tool, corners[c]) && !is_beside(box, sim->state->position_next, corner))
+            *moved |= press_corner(sim, tool, t, c, tolerance);
+    }
+}
+
+static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
+{
+    double weights[3], normal[3];
+    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    double depth = pel_tool_triangle_depth(sim, tool, &solid, sim->state->position_next, t, weights, normal);
+    return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
+}
+
+/* with contact the solid is grown by the thickness, most of which is to be kept */
+double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
+{
+    double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
+    return sim->contacts != NULL ? fmin(tolerance, 0.1 * sim->contacts->least) : tolerance;
+}
+
+/* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at
+   (by vertex) and looked_at (by place in the list) count the pushes of this step. */
+static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t near_count, double tolerance)
+{
+    bool moved = false;
+    for (int32_t i = 0; i < near_count; i++) {
+        int32_t t = sim->near_triangles[i];
+        const int32_t *v = sim->model->triangles[t];
+        int64_t last = sim->looked_at[i];
+        if ((sim->moved_at[v[0]] <= last && sim->moved_at[v[1]] <= last && sim->moved_at[v[2]] <= last))
+            continue;
+        sim->looked_at[i] = sim->push_count;
+        if (is_beside(box, sim->state->position_next, v))
+            continue;
+        moved |= press_triangle(sim, tool, t, tolerance);
+    }
+    return moved;
+}
+
+/* corners first, then whole triangles until none is deep */
+static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
+{
+    double tolerance = pel_tool_press_tolerance(sim, tool);
+    pel_search_box box = pel_tool_box(tool, 0);
+    bool moved = false, again = true;
+    sim->press_count++;
+    for (int32_t i = 0; i < near_count; i++) {
+        /* what rests has to be pushed in every step, or it would creep where friction holds it */
+        int32_t v = sim->model->triangles[sim->near_triangles[i]][0];
+        double corner_tolerance = pel_sim_friction(sim, tool, v) > 0 ? 0 : tolerance;
+        press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
+        sim->looked_at[i] = -1;
+    }
+    for (int round = 0; again && round < SWEEP_LIMIT; round++) {
+        again = sweep(sim, tool, &box, near_count, tolerance);
+        moved |= again;
+    }
+    return moved;
+}
+
+/* brings back what has gone through the tool since the last step: a point that lies behind its plane by more than half
+   the thickness of the tool was pushed out on the wrong side */
+static bool bring_back(pel_sim *sim, pel_tool *tool)
+{
+    double half[3];
+    pel_solid_half_box(&tool->solid, half);
+    double limit = 0.5 * fmin(half[0], fmin(half[1], half[2]));
+    bool moved = false;
+    for (int32_t p = 0; p < tool->plane_before_count; p++) {
+        const pel_contact_plane *plane = &tool->planes_before[p];
+        double point[3], way[3];
+        local_point(sim, tool, (int32_t)plane->triangle, plane->weights, point);
+        double depth = plane->offset - pel_vec3_dot(plane->normal, point);
+        if (depth <= limit)
+            continue;
+        pel_rotate(tool->pose.rotation, plane->normal, way);
+        remember_plane(sim, tool, plane);
+        moved |= push_point(sim, tool, &(surface_point){sim->model->triangles[plane->triangle], plane->weights, 3},
+                            depth, way);
+    }
+    return moved;
+}
+
+bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
+{
+    int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, NEAR_MARGIN * longest);
+    for (int32_t p = 0; p < tool->plane_count; p++)
+        sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
+    bool moved = press_out(sim, tool, near_count);
+    if (bring_back(sim, tool))
+        moved |= press_out(sim, tool, near_count);
+    for (int32_t p = 0; p < tool->plane_count; p++)
+        sim->plane_of_triangle[tool->planes[p].triangle] = 0;
+    return moved;
+}

@@ -1,0 +1,176 @@
+/* Runs of all shipped scenes and all methods that are stopped in the middle and continued: every column of the series,
+   the summary with its warnings, all frames and the state hash are those of a run that was not stopped. With
+   PELLICLE_LONG in the environment (make nightly) the scenes run to their ends, with more stops. */
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "run/run_fixture.h"
+
+enum { LONG_STOPS = 4 };
+
+static bool is_long(void)
+{
+    return getenv("PELLICLE_LONG") != NULL;
+}
+
+/* steps at which a run of so many is stopped, one or LONG_STOPS */
+static int64_t stop_of(int64_t step_count, int number)
+{
+    return 1 + step_count * (number + 1) / ((is_long() ? LONG_STOPS : 1) + 1);
+}
+
+static void check_stops(const pel_scene *scene, const char *name, int64_t max_frames)
+{
+    char whole_folder[64], part_folder[64];
+    snprintf(whole_folder, sizeof whole_folder, "%s", name);
+    snprintf(part_folder, sizeof part_folder, "%s-part", name);
+    run_case whole = {.run = whole_folder, .max_frames = max_frames, .threads = 1};
+    check_run(scene, &whole, PEL_OK);
+    for (int i = 0; i < (is_long() ? LONG_STOPS : 1); i++) {
+        int64_t stop = stop_of(whole.summary.steps, i);
+        if (stop >= whole.summary.steps)
+            continue;
+        run_case part = {.run = part_folder, .max_frames = max_frames, .threads = 2, .stop_at = stop};
+        check_run(scene, &part, PEL_STOPPED);
+        part.stop_at = 0;
+        part.resume = "checkpoint";
+        check_run(scene, &part, PEL_OK);
+        if (part.summary.state_hash != whole.summary.state_hash)
+            print_error("%s stopped at step %d ends in another state\n", name, (int)stop);
+        assert_true(part.summary.state_hash == whole.summary.state_hash);
+        check_same_results(whole_folder, part_folder, whole.summary.frames);
+        char path[256];
+        remove_folder(in_folder(path, part_folder, ""));
+    }
+}
+
+/* ---- the scenes of the folder ---- */
+
+/* frames of the quick form */
+static int64_t frames_of(const char *name)
+{
+    static const struct {
+        const char *name;
+        int64_t frames;
+    } scenes[] = {{"balloon", 4},       {"caving-ball", 2},         {"hanging-sheet", 1},    {"lens-capsule", 5},
+                  {"organ-press", 15},  {"shell-crushed", 7},       {"shrinking-torus", 24}, {"sphere-explicit", 9},
+                  {"sphere-press", 12}, {"sphere-press-hollow", 9}, {"sphere-refine", 15}};
+    if (is_long())
+        return 0;
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
+        if (strcmp(scenes[i].name, name) == 0)
+            return scenes[i].frames;
+    return 3;
+}
+
+static void test_shipped_scenes(void **unused)
+{
+    (void)unused;
+    DIR *stream = opendir(PEL_SOURCE_DIR "/scenes");
+    assert_non_null(stream);
+    int count = 0;
+    for (struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
+        char path[512], name[64];
+        const char *end = strstr(entry->d_name, ".yaml");
+        if (end == NULL)
+            continue;
+        pel_scene *scene;
+        snprintf(path, sizeof path, PEL_SOURCE_DIR "/scenes/%.200s", entry->d_name);
+        snprintf(name, sizeof name, "%.*s", (int)(end - entry->d_name), entry->d_name);
+        assert_int_equal(pel_scene_load(path, NULL, 0, NULL, &scene, NULL), PEL_OK);
+        check_stops(scene, name, frames_of(name));
+        pel_scene_destroy(scene);
+        count++;
+    }
+    closedir(stream);
+    assert_true(count >= 11);
+}
+
+/* ---- all methods ---- */
+
+/* two bodies that touch, one of which refines, under a tool that presses, a box that turns and a clamp that loses hold
+ */
+static const char crowd[] =
+    "version: 1\n"
+    "bodies:\n"
+    "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 5 }, mass: { per_vertex: 1 }, scale_with_area: true,\n"
+    "      volumetric: { stiffness: 1.5 }, refine: { levels: 1, near_tools: 0.1, dwell: 5 } }\n"
+    "  - { name: b, mesh: { shape: geodesic-sphere, frequency: 4, translate: [0, 0, -2.02] },\n"
+    "      mass: { per_vertex: 1 }, volumetric: { stiffness: { keys: [[0, 1.5], [0.3, 1]] } } }\n"
+    "loads:\n"
+    "  - { body: a, force: [0, 0, -4], from: 0.05, until: 0.3 }\n"
+    "tools:\n"
+    "  - { name: probe, shape: sphere, radius: 0.3,\n"
+    "      motion: [{ position: [0, 0, 1.35] }, { time: 0.2, position: [0, 0, 1] },\n"
+    "               { time: 0.4, position: [0, 0, 1.5] }] }\n"
+    "  - { name: box, shape: box, size: [0.4, 0.4, 0.4],\n"
+    "      motion: [{ position: [1.25, 0, 0] },\n"
+    "               { time: 0.3, position: [1, 0, 0.1], rotation: { axis: [0, 1, 0], angle: 30 } }] }\n"
+    "  - { name: clamp, shape: sphere, radius: 0.3, press: false,\n"
+    "      grasp: { from: 0.05, until: 0.3, reach: 0.2, max_force: 2 },\n"
+    "      motion: [{ position: [0, -1.2, -2] }, { time: 0.4, position: [0, -1.6, -1.8] }] }\n"
+    "contact: { friction: 0.3 }\n"
+    "solver: { method: quasi-static, dt: 0.01 }\n"
+    "duration: 0.4\n"
+    "output: { every_frame: 3, fields: [contact, velocity] }\n";
+
+/* a shell that refines, with fibres that contract and a gas, between plates */
+static const char shell[] =
+    "version: 1\n"
+    "bodies:\n"
+    "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 5, radius: 0.1 },\n"
+    "      mass: { density: 1000, thickness: 0.002 }, membrane: { material: neo-hookean, young: 1.0e4 },\n"
+    "      bending: { model: hinge }, pressure: { gas: { pressure: 1000 } },\n"
+    "      anisotropy: { mode: active, stiffness: 1, rest_length: { keys: [[0, 1], [0.2, 0.8]] },\n"
+    "                    region: { sphere: { center: [0, 0, 0.1], radius: 0.08 } } } }\n"
+    "tools:\n"
+    "  - { name: probe, mesh: { shape: geodesic-sphere, frequency: 2, radius: 0.025 },\n"
+    "      motion: [{ position: [0, 0, 0.13] }, { time: 0.1, position: [0, 0, 0.11] }] }\n"
+    "  - { name: low, shape: box, size: [0.4, 0.4, 0.02], motion: [{ position: [0, 0, -0.112] }] }\n"
+    "contact: { friction: 0.3 }\n"
+    "gravity: [0, 0, -9.81]\n"
+    "solver: { method: xpbd, dt: 0.005 }\n"
+    "duration: 0.15\n"
+    "output: { every_frame: 4, fields: [contact, pressure] }\n";
+
+static void check_methods(const char *text, const char *name, const char *const *overrides, int32_t count)
+{
+    for (int32_t i = 0; i < count; i++) {
+        char run[64];
+        const char *pair[2];
+        snprintf(run, sizeof run, "%s-%d", name, (int)i);
+        pair[0] = overrides[2 * i];
+        pair[1] = overrides[2 * i + 1];
+        pel_scene *scene = load_scene(text, pair, pair[1] != NULL ? 2 : 1);
+        check_stops(scene, run, 0);
+        pel_scene_destroy(scene);
+    }
+}
+
+static void test_methods(void **unused)
+{
+    (void)unused;
+    static const char *const crowds[][2] = {{"solver.method=quasi-static", NULL},
+                                            {"solver.method=explicit", NULL},
+                                            {"solver.method=pbd", NULL},
+                                            {"solver.method=pbd", "bodies.a.pressure={ outside: 30 }"},
+                                            {"solver.method=pbd-distance", NULL},
+                                            {"solver.method=xpbd", "solver.substeps=7"},
+                                            {"solver.method=descent", "bodies.b.mesh.frequency=3"},
+                                            {"contact.start=tangled", "bodies.b.mesh.translate=[0, 0, -1.95]"},
+                                            {"solver.method=xpbd", "contact.method=bridson"}};
+    static const char *const shells[][2] = {{"solver.method=explicit", "solver.dt=0.0004"},
+                                            {"solver.method=pbd", NULL},
+                                            {"solver.method=xpbd", NULL},
+                                            {"solver.method=descent", NULL}};
+    check_methods(crowd, "crowd", crowds[0], sizeof crowds / sizeof *crowds);
+    check_methods(shell, "shell", shells[0], sizeof shells / sizeof *shells);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_methods),
+        cmocka_unit_test(test_shipped_scenes),
+    };
+    thread_count = 1;
+    return cmocka_run_group_tests(tests, make_folder, clear_folder);
+}

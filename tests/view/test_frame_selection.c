@@ -1,0 +1,134 @@
+#include "check.h"
+#include "failing_malloc.h"
+
+#include "view/frame_selection.h"
+
+enum { FRAMES = 11 };
+
+typedef struct fixture {
+    pel_frames frames[2];
+    view_run runs[2];
+    pel_render_def def;
+} fixture;
+
+static fixture make_fixture(const char *output, int32_t input_count)
+{
+    static double times[FRAMES];
+    fixture f = {.frames = {{.frame_count = FRAMES, .times = times}, {.frame_count = 3, .times = times}}};
+    f.def = pel_render_def_default();
+    f.def.output = output;
+    f.def.input_count = input_count;
+    return f;
+}
+
+static pel_status create(view_frame_selection *shots, fixture *f, pel_error *error)
+{
+    for (int r = 0; r < 2; ++r)
+        f->runs[r] = (view_run){.path = r == 0 ? "soft" : "stiff", .has_times = true, .frames = &f->frames[r]};
+    return view_frame_selection_create(shots, &f->def, f->runs, error);
+}
+
+static void check_shots(fixture f, int32_t pages, int32_t columns, int32_t rows, const int32_t (*expected)[2])
+{
+    view_frame_selection shots;
+    assert_int_equal(create(&shots, &f, NULL), PEL_OK);
+    assert_int_equal(shots.page_count, pages);
+    assert_int_equal(shots.columns, columns);
+    assert_int_equal(shots.rows, rows);
+    for (int i = 0; i < pages * columns * rows; ++i) {
+        assert_int_equal(shots.shots[i].run, expected[i][0]);
+        if (expected[i][0] >= 0)
+            assert_int_equal(shots.shots[i].frame, expected[i][1]);
+    }
+    view_frame_selection_destroy(&shots);
+}
+
+static void test_layouts(void **unused)
+{
+    (void)unused;
+    const pel_frame_range steps[] = {{0, -1, 4}, {-2, -2, 1}}, early[] = {{0, 2, 2}};
+    fixture f = make_fixture("a.png", 1);
+    check_shots(f, 1, 1, 1, (const int32_t[][2]){{0, 10}});
+    f = make_fixture("a.png", 2);
+    check_shots(f, 1, 2, 1, (const int32_t[][2]){{0, 10}, {1, 2}});
+    f.def.frames = early;
+    f.def.frame_range_count = 1;
+    check_shots(f, 1, 2, 2, (const int32_t[][2]){{0, 0}, {0, 2}, {1, 0}, {1, 2}});
+    f.def.columns = 3;
+    f.def.rows = 2;
+    check_shots(f, 1, 3, 2, (const int32_t[][2]){{0, 0}, {0, 2}, {1, 0}, {1, 2}, {-1, 0}, {-1, 0}});
+    /* a sheet without frames: as many of each run as fit */
+    f = make_fixture("a.png", 2);
+    f.def.columns = 3;
+    f.def.rows = 2;
+    check_shots(f, 1, 3, 2, (const int32_t[][2]){{0, 0}, {0, 5}, {0, 10}, {1, 0}, {1, 1}, {1, 2}});
+    f.def.columns = 8;
+    f.def.rows = 1;
+    check_shots(f, 1, 8, 1, (const int32_t[][2]){{0, 0}, {0, 3}, {0, 7}, {0, 10}, {1, 0}, {1, 1}, {1, 2}, {-1, 0}});
+    f.def.columns = f.def.rows = 1;
+    f.def.input_count = 1;
+    check_shots(f, 1, 1, 1, (const int32_t[][2]){{0, 10}});
+    f = make_fixture("a.png", 1);
+    f.def.frames = steps;
+    f.def.frame_range_count = 2;
+    check_shots(f, 1, 4, 1, (const int32_t[][2]){{0, 0}, {0, 4}, {0, 8}, {0, 9}});
+    f = make_fixture("pictures", 1);
+    f.def.frames = steps;
+    f.def.frame_range_count = 1;
+    check_shots(f, 3, 1, 1, (const int32_t[][2]){{0, 0}, {0, 4}, {0, 8}});
+    /* the shorter run waits at its end */
+    f = make_fixture("a.mp4", 2);
+    view_frame_selection shots;
+    assert_int_equal(create(&shots, &f, NULL), PEL_OK);
+    assert_int_equal(shots.page_count, FRAMES);
+    assert_int_equal(shots.shots[2 * 7 + 1].run, 1);
+    assert_int_equal(shots.shots[2 * 7 + 1].frame, 2);
+    view_frame_selection_destroy(&shots);
+}
+
+static void check_refused(pel_frame_range range, int32_t columns, const char *what)
+{
+    fixture f = make_fixture("a.png", 1);
+    view_frame_selection shots;
+    pel_error error;
+    f.def.frames = &range;
+    f.def.frame_range_count = 1;
+    f.def.columns = f.def.rows = columns;
+    assert_int_equal(create(&shots, &f, &error), PEL_BAD_ARGUMENT);
+    assert_string_equal(error.what, what);
+    assert_null(shots.shots);
+}
+
+static void test_refuses(void **unused)
+{
+    (void)unused;
+    check_refused((pel_frame_range){11, 11, 1}, 0, "there is no frame 11");
+    check_refused((pel_frame_range){0, 100, 1}, 0, "there is no frame 100");
+    check_refused((pel_frame_range){-12, -1, 1}, 0, "there is no frame -12");
+    check_refused((pel_frame_range){5, 4, 1}, 0, "frames 5 to 4 by steps of 1 are none");
+    check_refused((pel_frame_range){0, -1, 1}, 2, "11 pictures do not fit on the sheet");
+}
+
+static pel_status shots_case(const void *data, pel_error *error)
+{
+    fixture f = make_fixture(data, 2);
+    view_frame_selection shots;
+    pel_status status = create(&shots, &f, error);
+    assert_true(status == PEL_OK || shots.shots == NULL);
+    view_frame_selection_destroy(&shots);
+    return status;
+}
+
+static void test_out_of_memory(void **unused)
+{
+    (void)unused;
+    assert_int_equal(for_every_allocation_failure(shots_case, "a.png"), 4);
+    assert_int_equal(for_every_allocation_failure(shots_case, "a.mp4"), 4);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_layouts), cmocka_unit_test(test_refuses),
+                                       cmocka_unit_test(test_out_of_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

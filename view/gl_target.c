@@ -1,0 +1,418 @@
+/* One framebuffer with four samples per pixel and one without, into which it is resolved to be read. The context comes
+   from EGL's surfaceless platform (Mesa), which needs neither a display nor a window system. */
+#include "view/gl_target.h"
+
+#include "view/support.h"
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SAMPLES = 4, COLOR_STEPS = 256 };
+
+/* one for surfaces without edges, one with: software runs both sides of a branch, and edges cost as much as the light
+ */
+enum { PROGRAM_PLAIN, PROGRAM_EDGES, PROGRAM_COUNT };
+
+typedef struct program {
+    GLuint id;
+    GLint projection, plain, colored, highlight, edge_width, edge_strength;
+} program;
+
+struct view_gl_target {
+    EGLDisplay display;
+    EGLContext context;
+    int32_t width, height;
+    program programs[PROGRAM_COUNT];
+    GLuint corners, layout, color_map;
+    GLuint framebuffers[2], renderbuffers[3]; /* with samples, resolved; color, depth, resolved color */
+    uint8_t *pixels;                          /* (height x width x 4) as OpenGL gives them, bottom row first */
+    float projection[16];
+    view_color background;
+    int32_t low[2], high[2]; /* the part that was drawn on, from the lower left corner; empty when low >= high */
+    char renderer[128];
+};
+
+/* ---- programs ---- */
+
+static const char vertex_source[] = "layout(location = 0) in vec3 position;\n"
+                                    "layout(location = 1) in vec3 normal;\n"
+                                    "layout(location = 2) in float value;\n"
+                                    "uniform mat4 projection;\n"
+                                    "out vec3 point, direction, sides;\n"
+                                    "out float shade;\n"
+                                    "void main() {\n"
+                                    "    direction = normal;\n"
+                                    "    shade = value;\n"
+                                    "    int corner = gl_VertexID % 3;\n"
+                                    "    sides = vec3(corner == 0, corner == 1, corner == 2);\n"
+                                    "    gl_Position = projection * vec4(position, 1.0);\n"
+                                    "}\n";
+
+/* light is added up in squares of sRGB, which is near enough to linear: a key light from the upper left, a fill light
+   from the right, light of the sky; edges, bright on dark and dark on bright colors, where the distance to a side of
+   the triangle, in pixels, is small */
+static const char fragment_source[] =
+    "in vec3 direction;\n"
+    "in float shade;\n"
+    "#ifdef EDGES\n"
+    "in vec3 sides;\n"
+    "#endif\n"
+    "uniform sampler2D color_map;\n"
+    "uniform vec4 plain;\n"
+    "uniform float edge_width, edge_strength, highlight;\n"
+    "uniform bool colored;\n"
+    "out vec4 color;\n"
+    "void main() {\n"
+    "    vec3 n = normalize(direction + vec3(0.0, 0.0, 1e-20));\n"
+    "    n = gl_FrontFacing ? n : -n;\n"
+    "    const vec3 key = normalize(vec3(-0.45, 0.65, 0.75)), fill = normalize(vec3(0.8, -0.1, 0.5));\n"
+    "    const vec3 half_way = normalize(key + vec3(0.0, 0.0, 1.0));\n"
+    "    float bright_side = max(dot(n, key), 0.0);\n"
+    "    float light = 0.46 + 0.10 * n.y + 0.50 * bright_side + 0.12 * max(dot(n, fill), 0.0);\n"
+    "    light *= mix(0.70, 1.0, smoothstep(0.0, 0.5, n.z));\n"
+    "    vec3 base = colored ? texture(color_map, vec2(shade * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb : plain.rgb;\n"
+    "    base *= gl_FrontFacing ? base : 0.85 * base;\n"
+    "    float gloss = max(dot(n, half_way), 0.0);\n"
+    "    gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss;\n"
+    "    float sheen = 0.018 * bright_side * bright_side + highlight * gloss;\n"
+    "    vec3 lit = base * light + sheen;\n"
+    "    color = vec4(sqrt(min(lit, 1.0)), plain.a);\n"
+    "#ifdef EDGES\n"
+    "    vec3 pixels = sides / max(fwidth(sides), vec3(1e-6));\n"
+    "    float nearest = min(pixels.x, min(pixels.y, pixels.z));\n"
+    "    float on = 1.0 - smoothstep(0.5 * edge_width - 0.5, 0.5 * edge_width + 0.5, nearest);\n"
+    "    float bright = dot(color.rgb, vec3(0.30, 0.59, 0.11));\n"
+    "    color.rgb = mix(color.rgb, vec3(1.0 - smoothstep(0.25, 0.40, bright)), on * edge_strength);\n"
+    "#endif\n"
+    "}\n";
+
+static bool compile(GLuint id, GLenum kind, const char *head, const char *source, char *text, int size)
+{
+    GLuint shader = glCreateShader(kind);
+    GLint good = 0;
+    glShaderSource(shader, 2, (const char *[]){head, source}, NULL);
+    glCompileShader(shader);
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
+    if (!good)
+        glGetShaderInfoLog(shader, size, NULL, text);
+    glAttachShader(id, shader);
+    glDeleteShader(shader);
+    return good;
+}
+
+static pel_status make_program(program *p, const char *head, pel_error *error)
+{
+    char text[200] = "";
+    GLint good = 0;
+    p->id = glCreateProgram();
+    if (compile(p->id, GL_VERTEX_SHADER, head, vertex_source, text, sizeof text) &&
+        compile(p->id, GL_FRAGMENT_SHADER, head, fragment_source, text, sizeof text)) {
+        glLinkProgram(p->id);
+        glGetProgramiv(p->id, GL_LINK_STATUS, &good);
+        if (!good)
+            glGetProgramInfoLog(p->id, sizeof text, NULL, text);
+    }
+    if (!good) {
+        text[strcspn(text, "\n")] = '\0';
+        pel_fail(error, PEL_BAD_ARGUMENT, "this OpenGL refuses the shaders: %s", text);
+        pel_fail_remedy(error, "set LIBGL_ALWAYS_SOFTWARE=1 to draw without the graphics card");
+        return PEL_BAD_ARGUMENT;
+    }
+    p->projection = glGetUniformLocation(p->id, "projection");
+    p->plain = glGetUniformLocation(p->id, "plain");
+    p->colored = glGetUniformLocation(p->id, "colored");
+    p->highlight = glGetUniformLocation(p->id, "highlight");
+    p->edge_width = glGetUniformLocation(p->id, "edge_width");
+    p->edge_strength = glGetUniformLocation(p->id, "edge_strength");
+    return PEL_OK;
+}
+
+static pel_status make_programs(view_gl_target *canvas, pel_error *error)
+{
+    static const char *const heads[PROGRAM_COUNT] = {"#version 330 core\n", "#version 330 core\n#define EDGES\n"};
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < PROGRAM_COUNT; ++i)
+        status = make_program(&canvas->programs[i], heads[i], error);
+    return status;
+}
+
+/* ---- context and buffers ---- */
+
+static pel_status fail_context(const char *what, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "cannot draw: %s", what);
+    pel_fail_remedy(error, "install the Debian packages libegl1, libegl-mesa0 and libgl1-mesa-dri");
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status make_context(view_gl_target *canvas, pel_error *error)
+{
+    static const EGLint wanted[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    EGLint major, minor;
+    if (!epoxy_has_egl())
+        return fail_context("there is no EGL on this machine", error);
+    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base") ||
+        !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless"))
+        return fail_context("EGL cannot work without a display here", error);
+    canvas->display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    if (canvas->display == EGL_NO_DISPLAY || !eglInitialize(canvas->display, &major, &minor)) {
+        canvas->display = EGL_NO_DISPLAY;
+        return fail_context("EGL does not start", error);
+    }
+    if (!epoxy_has_egl_extension(canvas->display, "EGL_KHR_surfaceless_context") ||
+        !epoxy_has_egl_extension(canvas->display, "EGL_KHR_no_config_context") || !eglBindAPI(EGL_OPENGL_API))
+        return fail_context("EGL offers no OpenGL without a window", error);
+    canvas->context = eglCreateContext(canvas->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
+    if (canvas->context == EGL_NO_CONTEXT ||
+        !eglMakeCurrent(canvas->display, EGL_NO_SURFACE, EGL_NO_SURFACE, canvas->context))
+        return fail_context("there is no OpenGL 3.3", error);
+    snprintf(canvas->renderer, sizeof canvas->renderer, "%s", (const char *)glGetString(GL_RENDERER));
+    return PEL_OK;
+}
+
+static pel_status make_framebuffers(view_gl_target *canvas, pel_error *error)
+{
+    GLint largest = 0;
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+    if (canvas->width > largest || canvas->height > largest) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "a picture of %d x %d pixels is too large for this OpenGL",
+                 (int)canvas->width, (int)canvas->height);
+        pel_fail_remedy(error, "choose at most %d pixels a side", (int)largest);
+        return PEL_BAD_ARGUMENT;
+    }
+    static const GLenum formats[3] = {GL_RGBA8, GL_DEPTH_COMPONENT24, GL_RGBA8};
+    static const GLenum places[3] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT, GL_COLOR_ATTACHMENT0};
+    bool good = true;
+    glGenRenderbuffers(3, canvas->renderbuffers);
+    glGenFramebuffers(2, canvas->framebuffers);
+    for (int i = 0; i < 3; ++i) {
+        glBindRenderbuffer(GL_RENDERBUFFER, canvas->renderbuffers[i]);
+        glRenderbufferStorageMultisample(GL_RENDERBUFFER, i < 2 ? SAMPLES : 0, formats[i], canvas->width,
+                                         canvas->height);
+        glBindFramebuffer(GL_FRAMEBUFFER, canvas->framebuffers[i / 2]);
+        glFramebufferRenderbuffer(GL_FRAMEBUFFER, places[i], GL_RENDERBUFFER, canvas->renderbuffers[i]);
+    }
+    for (int i = 0; i < 2; ++i) {
+        glBindFramebuffer(GL_FRAMEBUFFER, canvas->framebuffers[i]);
+        good = good && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    }
+    canvas->pixels = view_allocate((size_t)canvas->width * (size_t)canvas->height, 4);
+    return good && canvas->pixels != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+static void make_layout(view_gl_target *canvas)
+{
+    static const GLint sizes[3] = {3, 3, 1};
+    static const size_t offsets[3] = {offsetof(view_corner, position), offsetof(view_corner, normal),
+                                      offsetof(view_corner, value)};
+    glGenVertexArrays(1, &canvas->layout);
+    glGenBuffers(1, &canvas->corners);
+    glBindVertexArray(canvas->layout);
+    glBindBuffer(GL_ARRAY_BUFFER, canvas->corners);
+    for (GLuint i = 0; i < 3; ++i) {
+        glEnableVertexAttribArray(i);
+        glVertexAttribPointer(i, sizes[i], GL_FLOAT, GL_FALSE, sizeof(view_corner), (const void *)offsets[i]);
+    }
+    glGenTextures(1, &canvas->color_map);
+    glBindTexture(GL_TEXTURE_2D, canvas->color_map);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    view_gl_target_set_color_map(canvas, PEL_COLORS_VIRIDIS);
+    glEnable(GL_DEPTH_TEST);
+    glFrontFace(GL_CCW);
+}
+
+pel_status view_gl_target_create(int32_t width, int32_t height, view_gl_target **canvas, pel_error *error)
+{
+    *canvas = NULL;
+    view_gl_target *made = view_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->width = width;
+    made->height = height;
+    pel_status status = make_context(made, error);
+    if (status == PEL_OK)
+        status = make_framebuffers(made, error);
+    if (status == PEL_OK)
+        status = make_programs(made, error);
+    if (status != PEL_OK) {
+        view_gl_target_destroy(made);
+        return status;
+    }
+    make_layout(made);
+    *canvas = made;
+    return PEL_OK;
+}
+
+void view_gl_target_destroy(view_gl_target *canvas)
+{
+    if (canvas == NULL)
+        return;
+    /* the context takes its buffers and programs with it */
+    if (canvas->display != EGL_NO_DISPLAY) {
+        eglMakeCurrent(canvas->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        if (canvas->context != EGL_NO_CONTEXT)
+            eglDestroyContext(canvas->display, canvas->context);
+        eglTerminate(canvas->display);
+        eglReleaseThread();
+    }
+    free(canvas->pixels);
+    free(canvas);
+}
+
+const char *view_gl_target_renderer(const view_gl_target *canvas)
+{
+    return canvas->renderer;
+}
+
+void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map)
+{
+    uint8_t table[COLOR_STEPS][4];
+    for (int i = 0; i < COLOR_STEPS; ++i) {
+        pel_color_map_sample(map, i / (COLOR_STEPS - 1.0), table[i]);
+        table[i][3] = 255;
+    }
+    glBindTexture(GL_TEXTURE_2D, canvas->color_map);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, COLOR_STEPS, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, table);
+}
+
+/* ---- drawing ---- */
+
+void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, view_color background)
+{
+    float part[4];
+    for (int i = 0; i < 4; ++i)
+        part[i] = (float)background.rgba[i] / 255;
+    glBindFramebuffer(GL_FRAMEBUFFER, canvas->framebuffers[0]);
+    glViewport(0, 0, canvas->width, canvas->height);
+    glDisable(GL_BLEND);
+    /* what is read has its alpha multiplied in */
+    glClearColor(part[0] * part[3], part[1] * part[3], part[2] * part[3], part[3]);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    canvas->background = background;
+    canvas->low[0] = canvas->width;
+    canvas->low[1] = canvas->height;
+    canvas->high[0] = canvas->high[1] = 0;
+    view_camera_project(camera, canvas->projection);
+    for (int i = 0; i < PROGRAM_COUNT; ++i) {
+        glUseProgram(canvas->programs[i].id);
+        glUniformMatrix4fv(canvas->programs[i].projection, 1, GL_FALSE, canvas->projection);
+    }
+}
+
+/* grows the part that was drawn on by two pixels around each corner */
+static void note_part(view_gl_target *canvas, const view_triangle_list *soup)
+{
+    const float *m = canvas->projection, size[2] = {(float)canvas->width, (float)canvas->height};
+    float low[2] = {size[0], size[1]}, high[2] = {0, 0};
+    bool before = true;
+    for (size_t i = 0; i < soup->count; ++i) {
+        const float *p = soup->corners[i].position;
+        float w = m[3] * p[0] + m[7] * p[1] + m[11] * p[2] + m[15];
+        before = before && w > 0;
+        for (int k = 0; k < 2; ++k) {
+            float at = (m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k]) / w;
+            at = (0.5f + 0.5f * at) * size[k];
+            low[k] = at < low[k] ? at : low[k];
+            high[k] = at > high[k] ? at : high[k];
+        }
+    }
+    for (int k = 0; k < 2; ++k) {
+        /* something beside or behind the camera may be anywhere */
+        int32_t first = before && low[k] > 2 ? (int32_t)low[k] - 2 : 0;
+        int32_t end = before && high[k] < size[k] - 3 ? (int32_t)high[k] + 3 : (int32_t)size[k];
+        canvas->low[k] = first < canvas->low[k] ? first : canvas->low[k];
+        canvas->high[k] = end > canvas->high[k] ? end : canvas->high[k];
+    }
+}
+
+void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup, const view_look *look)
+{
+    if (soup->count > 0)
+        note_part(canvas, soup);
+    const program *p = &canvas->programs[look->edge_width > 0 ? PROGRAM_EDGES : PROGRAM_PLAIN];
+    float plain[4];
+    for (int i = 0; i < 4; ++i)
+        plain[i] = (float)look->plain.rgba[i] / 255;
+    glUseProgram(p->id);
+    glUniform4fv(p->plain, 1, plain);
+    glUniform1i(p->colored, look->colored);
+    glUniform1f(p->highlight, (float)look->highlight);
+    glUniform1f(p->edge_width, (float)look->edge_width);
+    glUniform1f(p->edge_strength, (float)look->edge_strength);
+    if (look->plain.rgba[3] < 255) {
+        glEnable(GL_BLEND);
+        glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+        glEnable(GL_CULL_FACE);
+    } else {
+        glDisable(GL_BLEND);
+        glDisable(GL_CULL_FACE);
+    }
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(soup->count * sizeof *soup->corners), soup->corners, GL_STREAM_DRAW);
+    glDrawArrays(GL_TRIANGLES, 0, (GLsizei)soup->count);
+}
+
+/* a row of pixels with its alpha divided out again */
+static void copy_row(const uint8_t *from, uint8_t *to, int32_t width)
+{
+    for (int32_t i = 0; i < width; ++i, from += 4, to += 4) {
+        uint32_t alpha = from[3];
+        if (alpha == 255 || alpha == 0) {
+            memcpy(to, from, 4);
+            continue;
+        }
+        for (int k = 0; k < 3; ++k) {
+            uint32_t part = (from[k] * 255u + alpha / 2) / alpha;
+            to[k] = (uint8_t)(part > 255 ? 255 : part);
+        }
+        to[3] = from[3];
+    }
+}
+
+/* the picture around the part that was drawn on */
+static void fill_around(const view_gl_target *canvas, view_image *image, int32_t x, int32_t y, view_color color)
+{
+    int32_t width = canvas->width, height = canvas->height, left = canvas->low[0], right = canvas->high[0];
+    int32_t top = height - canvas->high[1], bottom = height - canvas->low[1];
+    if (left >= right || top >= bottom) {
+        view_image_fill(image, x, y, width, height, color);
+        return;
+    }
+    view_image_fill(image, x, y, width, top, color);
+    view_image_fill(image, x, y + bottom, width, height - bottom, color);
+    view_image_fill(image, x, y + top, left, bottom - top, color);
+    view_image_fill(image, x + right, y + top, width - right, bottom - top, color);
+}
+
+pel_status view_gl_target_read(view_gl_target *canvas, view_image *image, int32_t x, int32_t y, pel_error *error)
+{
+    /* software takes as long for a pixel of the background as for any other: leave those out */
+    const int32_t *low = canvas->low, *high = canvas->high;
+    const view_color nothing = {{0, 0, 0, 0}};
+    fill_around(canvas, image, x, y, canvas->background.rgba[3] > 0 ? canvas->background : nothing);
+    if (low[0] >= high[0] || low[1] >= high[1])
+        return PEL_OK;
+    int32_t width = high[0] - low[0], height = high[1] - low[1];
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, canvas->framebuffers[0]);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, canvas->framebuffers[1]);
+    glBlitFramebuffer(low[0], low[1], high[0], high[1], low[0], low[1], high[0], high[1], GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, canvas->framebuffers[1]);
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    glReadPixels(low[0], low[1], width, height, GL_RGBA, GL_UNSIGNED_BYTE, canvas->pixels);
+    if (glGetError() != GL_NO_ERROR)
+        return pel_fail_memory(error);
+    int32_t top = y + canvas->height - high[1], left = x + low[0];
+    for (int32_t row = 0; row < height; ++row) {
+        const uint8_t *from = canvas->pixels + 4 * (size_t)(height - 1 - row) * (size_t)width;
+        copy_row(from, image->pixels + 4 * ((size_t)(top + row) * (size_t)image->width + (size_t)left), width);
+    }
+    return PEL_OK;
+}

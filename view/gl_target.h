@@ -1,0 +1,34 @@
+/* OpenGL without a display: one drawing surface in memory, lit triangles on it, the result as an image. */
+#ifndef PELLICLE_VIEW_GL_TARGET_H
+#define PELLICLE_VIEW_GL_TARGET_H
+
+#include "view/camera.h"
+#include "view/image.h"
+#include "view/triangle_list.h"
+
+typedef struct view_gl_target view_gl_target;
+
+/* How triangles look. Colors are sRGB. */
+typedef struct view_look {
+    bool colored;         /* by the value of the corners along the color map, otherwise plain */
+    view_color plain;     /* with alpha below 255 drawn see-through, nearest side only */
+    double edge_width;    /* pixels; 0 = no edges */
+    double edge_strength; /* 0 .. 1 */
+    double highlight;     /* strength of the gloss */
+} view_look;
+
+/* Errors: PEL_BAD_ARGUMENT (no OpenGL; too large), PEL_OUT_OF_MEMORY. On failure *canvas is null. A canvas belongs to
+   the thread that made it; one at a time. */
+pel_status view_gl_target_create(int32_t width, int32_t height, view_gl_target **canvas, pel_error *error);
+void view_gl_target_destroy(view_gl_target *canvas);
+
+const char *view_gl_target_renderer(const view_gl_target *canvas);
+void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map);
+
+/* Empties the canvas and sets the camera for what is drawn until view_gl_target_read. */
+void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, view_color background);
+void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup, const view_look *look);
+/* Copies the canvas into the image with its upper left corner at x, y; it must fit in. */
+pel_status view_gl_target_read(view_gl_target *canvas, view_image *image, int32_t x, int32_t y, pel_error *error);
+
+#endif
