@@ -44,7 +44,8 @@ typedef enum pel_bending_model {
     PEL_BENDING_OFF,
     PEL_BENDING_ISOMETRIC,      /* paper B, equation 3, literal: pulls a curved rest shape flat */
     PEL_BENDING_ISOMETRIC_REST, /* the same energy less that of the rest shape */
-    PEL_BENDING_HINGE           /* dihedral angle against its angle at rest */
+    PEL_BENDING_HINGE,          /* dihedral angle against its angle at rest */
+    PEL_BENDING_MIDEDGE         /* shape operator with a rotation of each edge: a plate's on every mesh */
 } pel_bending_model;
 
 typedef struct pel_bending_def {

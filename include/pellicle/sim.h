@@ -26,7 +26,9 @@ typedef enum pel_method {
     PEL_METHOD_PBD,          /* paper B: each energy is a constraint, met by `iterations` sweeps of Gauss-Seidel */
     PEL_METHOD_PBD_DISTANCE, /* position-based dynamics on edge lengths alone */
     PEL_METHOD_XPBD,         /* extended position-based dynamics, strain form, `substeps` of one iteration each */
-    PEL_METHOD_DESCENT /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
+    PEL_METHOD_DESCENT, /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
+    PEL_METHOD_STATIC,  /* states of rest by Newton's method, under tools and contacts */
+    PEL_METHOD_IMPLICIT /* m a = F at the end of a step (BDF2, implicit midpoint), by Newton's method */
 } pel_method;
 
 /* A choice that may be left to the library. */
@@ -320,8 +322,10 @@ pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error)
    the state of the last look: at the start, every 8 to 32 steps, after refinement. 0 for other methods. */
 double pel_sim_softness(const pel_sim *sim);
 
-/* How the last step of PEL_METHOD_DESCENT went, and the substeps of position-based methods; zero for others. */
+/* How the last step of PEL_METHOD_DESCENT, STATIC or IMPLICIT went, and the substeps of position-based methods; zero
+   for others. */
 typedef struct pel_solver_reading {
+    bool solves; /* the method solves for balanced forces in each step: the next members say how far it came */
     int32_t iterations;
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */

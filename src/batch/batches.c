@@ -394,7 +394,7 @@ static pel_status add_batches(plan *p, pel_error *error)
         return status;
     if (status == PEL_OK && shell->has_membrane)
         status = add_membrane(p, error);
-    if (status == PEL_OK && shell->bending != PEL_BENDING_OFF)
+    if (status == PEL_OK && shell->bending != PEL_BENDING_OFF && shell->bending != PEL_BENDING_MIDEDGE)
         status = add_bending(p, error);
     for (int32_t r = 0; status == PEL_OK && r < shell->region_count; r++)
         if (has_elements(p, &shell->regions[r]))
@@ -586,6 +586,8 @@ void pel_batches_destroy(pel_batches *batches)
 void pel_batches_rebuild(pel_batches *batches, int32_t body)
 {
     plan p = plan_of(batches, body);
+    if (p.made->batch_count == 0)
+        return;
     update_pieces(&p);
     for (int32_t i = 0; i < p.made->batch_count; i++)
         fill_batch(&p, &p.made->batches[i], NULL);

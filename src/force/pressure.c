@@ -22,6 +22,15 @@ double pel_pressure_difference(const pel_shell *shell, double time, double volum
     }
 }
 
+double pel_pressure_slope(const pel_shell *shell, double volume, double rest_volume)
+{
+    const pel_pressure_def *def = &shell->pressure;
+    double ratio = volume / rest_volume;
+    if (def->kind == PEL_PRESSURE_GAS && ratio > LEAST_GAS_VOLUME)
+        return -def->gamma * def->value * pow(ratio, -def->gamma - 1) / rest_volume;
+    return def->kind == PEL_PRESSURE_VOLUME ? -def->bulk / rest_volume : 0;
+}
+
 bool pel_pressure_is_conservative(const pel_body *body)
 {
     const pel_shell *shell = body->shell;

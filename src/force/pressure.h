@@ -8,6 +8,9 @@
    pressure gives a negative number. Triangles multiply it by their weight. volume is read by gas and target volume. */
 double pel_pressure_difference(const pel_shell *shell, double time, double volume, double rest_volume);
 
+/* Its derivative by the volume [Pa/m3], <= 0. */
+double pel_pressure_slope(const pel_shell *shell, double volume, double rest_volume);
+
 /* True when the pressure is the negative gradient of a potential: consistent form, all of a closed body. */
 bool pel_pressure_is_conservative(const pel_body *body);
 

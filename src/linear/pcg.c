@@ -50,6 +50,13 @@ pel_status pel_pcg_create(int32_t unknown_count, pel_pcg **pcg, pel_error *error
     return PEL_OK;
 }
 
+static void multiply(const pel_pcg_def *def, pel_pool *pool, const double *x, double *y)
+{
+    pel_matrix_multiply(def->matrix, pool, x, y);
+    if (def->add_product != NULL)
+        def->add_product(def->added, pool, x, y);
+}
+
 /* one pass over all unknowns */
 typedef struct pass {
     pel_pcg *pcg;
@@ -147,7 +154,7 @@ static void begin(pass *p, const pel_pcg_def *def, pel_pool *pool, double sums[S
     pel_pcg *pcg = p->pcg;
     size_t bytes = (size_t)pcg->unknown_count * sizeof(double);
     if (def->has_start) {
-        pel_matrix_multiply(def->matrix, pool, p->solution, pcg->product);
+        multiply(def, pool, p->solution, pcg->product);
     } else {
         memset(p->solution, 0, bytes);
         memset(pcg->product, 0, bytes);
@@ -185,7 +192,7 @@ pel_pcg_result pel_pcg_solve(pel_pcg *pcg, const pel_pcg_def *def, pel_pool *poo
         p.factor = result.iterations > 0 ? (sums[0] - sums[1]) / energy : 0;
         energy = sums[0];
         pel_pool_run(pool, pcg->chunk_count, turn_chunk, &p);
-        pel_matrix_multiply(def->matrix, pool, pcg->direction, pcg->product);
+        multiply(def, pool, pcg->direction, pcg->product);
         run_pass(&p, pool, curve_chunk, sums);
         double curvature = sums[0] / sums[1];
         if (result.iterations == 0 || curvature < result.curvature)

@@ -14,8 +14,13 @@ typedef struct pel_pcg pel_pcg;
 pel_status pel_pcg_create(int32_t unknown_count, pel_pcg **pcg, pel_error *error);
 void pel_pcg_destroy(pel_pcg *pcg);
 
+/* y += B x for a symmetric B, both (unknown_count) */
+typedef void pel_added_product(void *context, pel_pool *pool, const double *x, double *y);
+
 typedef struct pel_pcg_def {
     const pel_matrix *matrix;
+    pel_added_product *add_product; /* what the system has beyond the matrix, of low rank as a rule; null = nothing */
+    void *added;
     pel_preconditioner *precondition; /* null = none */
     void *preconditioner;
     double tolerance;   /* on |r| / |b| */
@@ -39,7 +44,8 @@ typedef struct pel_pcg_result {
     const double *direction; /* PEL_PCG_INDEFINITE: the direction, until the next solve; else null */
 } pel_pcg_result;
 
-/* Solves A x = right, both (unknown_count). Allocates nothing; the same bits for any number of threads. */
+/* Solves A x = right, A the matrix and what is added to it, both (unknown_count). Allocates nothing; the same bits for
+ * any number of threads. */
 pel_pcg_result pel_pcg_solve(pel_pcg *pcg, const pel_pcg_def *def, pel_pool *pool, const double *right,
                              double *solution);
 

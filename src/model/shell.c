@@ -137,7 +137,8 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
     if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
         status =
             pel_quantity_check(&def->rest_length, body_def->mesh->vertex_count, body, "fibre rest_length", true, error);
-    if (status == PEL_OK && !fibres && body_def->shell.bending.model != PEL_BENDING_HINGE) {
+    pel_bending_model bending = body_def->shell.bending.model;
+    if (status == PEL_OK && !fibres && bending != PEL_BENDING_HINGE && bending != PEL_BENDING_MIDEDGE) {
         pel_fail(error, PEL_BAD_ARGUMENT, "anisotropy that curls changes rest angles, but the body has no hinges");
         pel_fail_element(error, "body", body);
         pel_fail_remedy(error, "give the bending the model hinge");
@@ -243,10 +244,10 @@ static double triangle_bending(const pel_shell *shell, const pel_shell_triangle 
     return pel_bending_stiffness(triangle->young, pel_membrane_law_of(&shell->material).poisson, triangle->thickness);
 }
 
-/* what hinges between parts of a triangle take from it */
+/* bending of triangles: of hinges between their parts, or of mid-edge elements */
 static pel_status create_parts(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
 {
-    if (body->detail == NULL)
+    if (body->detail == NULL && def->shell.bending.model != PEL_BENDING_MIDEDGE)
         return PEL_OK;
     shell->parts = pel_allocate((size_t)shell->triangle_count, sizeof *shell->parts);
     if (shell->parts == NULL)

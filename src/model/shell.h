@@ -14,7 +14,7 @@ typedef struct pel_shell_triangle {
     double young, thickness; /* means of the corners */
 } pel_shell_triangle;
 
-/* What hinges between parts of a triangle take from it. */
+/* Bending of a triangle, as hinges between its parts and its mid-edge element take it. */
 typedef struct pel_shell_part_bending {
     double stiffness; /* D, N m; 0 = unknown */
     double curl;      /* factor on rest angles */
@@ -48,7 +48,7 @@ struct pel_shell {
     /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
     int32_t triangle_count, triangle_limit;
     pel_shell_triangle *triangles; /* (triangle_count) also without a membrane */
-    pel_shell_part_bending *parts; /* (triangle_count) of a body that can refine, else null */
+    pel_shell_part_bending *parts; /* (triangle_count) of a body that can refine or has mid-edge bending, else null */
 
     double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
 

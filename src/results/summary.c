@@ -119,7 +119,7 @@ static void write_solver(pel_file_writer *writer, const pel_run_ending *ending)
     const pel_run_summary *s = ending->summary;
     pel_method method = ending->method;
     text_entry(writer, "method", ending->method_name);
-    if (method == PEL_METHOD_DESCENT) {
+    if (s->solver.solves) {
         count_entry(writer, "solver_iterations", s->solver.iterations);
         number_entry(writer, "solver_residual", s->solver.residual);
         begin(writer, "solver_converged");

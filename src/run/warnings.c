@@ -233,7 +233,7 @@ void pel_warnings_check_step(pel_run_state *run)
     pel_solver_reading solver;
     pel_contact_statistics now;
     pel_sim_get_solver(run->sim, &solver);
-    if (run->scene->sim.solver.method == PEL_METHOD_DESCENT && !solver.converged)
+    if (solver.solves && !solver.converged)
         pel_warn(tallies, PEL_WARN_UNCONVERGED, frame, solver.residual);
     if (solver.softness > SOFTNESS_LIMIT)
         pel_warn(tallies, PEL_WARN_SOFT, frame, solver.softness);

@@ -263,7 +263,8 @@ static pel_choice choice(const pel_scene_value *value)
 }
 
 /* in the order of pel_method, which is that of the words in the table */
-static const char *const method_names[] = {"quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent"};
+static const char *const method_names[] = {"quasi-static", "explicit", "pbd",    "pbd-distance",
+                                           "xpbd",         "descent",  "static", "implicit"};
 
 const char *pel_scene_method_name(pel_method method)
 {

@@ -121,9 +121,10 @@ static const pel_scene_row rows[] = {
      .doc = "pbd and xpbd, for cloth: principal stretches stay within 1 - strain_limit and 1 + strain_limit; leave out "
             "for no limit"},
     {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); leave out for none"},
-    {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge"), .preset = "hinge",
+    {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
      .doc = "isometric: paper B's, pulls a curved rest shape flat; isometric-rest: the same less the energy at rest; "
-            "hinge: angle between neighbours against that at rest"},
+            "hinge: angle between neighbours against that at rest; midedge: a plate's bending on every mesh, for the "
+            "methods static and implicit"},
     {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
      .doc = "pbd: factor on the correction of positions (paper B, k_B); auto lets the volume fall without jitter"},
     {"bodies[].bending.stiffness", .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP, WORDS("auto"),
@@ -275,12 +276,13 @@ static const pel_scene_row rows[] = {
          "triangle if that is more"},
 
     {"solver", MAP, .preset = "{}", .doc = "how the equations are stepped"},
-    {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent"),
+    {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"),
      .preset = "quasi-static",
      .doc =
          "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper B; "
          "pbd-distance: position-based dynamics on edges; xpbd: position-based dynamics that feels stiffness; "
-         "descent: minimises the energy under tools and contacts. Left out beside a membrane: xpbd"},
+         "descent: minimises the energy under tools and contacts; static: states of rest by Newton's method; implicit: "
+         "m a = F at the end of a step by Newton's method. Left out beside a membrane: xpbd"},
     {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
     {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
      .doc = "quasi-static: how far a step goes; auto takes a value that is safe for the mesh"},

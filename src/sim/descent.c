@@ -1,6 +1,7 @@
 /* The method `descent`: each step minimises the energy of springs, shells, pressure and loads at the step's end, from
-   where the bodies are. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) acts
-   as it is at the begin of the step: the steps together find the balance.
+   where the bodies are, by L-BFGS: of bodies that are held and touch nothing with the factored second derivatives as
+   preconditioner. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) acts as it
+   is at the begin of the step: the steps together find the balance.
 
    With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, bring the
    loads of the constraints, look for what touches now. Where something ran into something else on its way, the next
@@ -12,6 +13,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
+#include "sim/step_newton.h"
 #include "sim/tool.h"
 #include "solve/shell_stability.h"
 
@@ -30,6 +32,8 @@ enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12
 #define ROUNDING_ERRORS 32
 /* of the mean edge that a vertex goes in one iteration at most */
 #define MOVE_SHARE 0.3
+/* of the size of the bodies: who would go no farther than this is there; forces of stiff bodies round to more */
+#define SHORT_SHARE 1e-9
 
 /* what a round leaves of the gradient that it begins with; the first one, and one after something went back */
 #define FIRST_REDUCTION 1e-3
@@ -130,6 +134,7 @@ static pel_descent_problem make_problem(pel_descent_context *context)
         .context = context,
         .held_share = LOAD_SHARE,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
+        .short_move = SHORT_SHARE * sim->descent->size,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
         .gradient_only = sim->solver.gradient_only,
     };
@@ -254,6 +259,13 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
     descent->acted = fmax(descent->acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
+/* a step in time goes by what was left of the forces that it began with */
+static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
+{
+    return round->converged &&
+           (pel_sim_has_velocity(sim) || round->is_near || round->residual <= tolerance_of(sim, loads));
+}
+
 /* rounds until gaps are closed and forces balanced; the last part of a step looks for surfaces as well */
 static pel_status minimise_in_rounds(pel_descent_context *context, double loads, bool is_last, pel_error *error)
 {
@@ -270,7 +282,9 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         problem.tolerance = tolerance_of(sim, loads);
         problem.enough = ROUGH_SHARE * problem.tolerance;
         problem.reduction = !had_any || closed ? 0 : problem.goes_on ? REDUCTION : FIRST_REDUCTION;
-        pel_descent_run(descent->minimiser, &problem, sim->state->position_next, &round);
+        status = descent->minimise(context, &problem, &round, error);
+        if (status != PEL_OK)
+            return status;
         sum->iterations += round.iterations;
         sum->evaluations += round.evaluations;
         sum->residual = round.residual;
@@ -293,7 +307,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
             continue;
         }
         closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= 1;
-        sum->converged = closed && round.residual <= tolerance_of(sim, loads);
+        sum->converged = closed && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
     }
     return status;
@@ -354,23 +368,27 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
 
 /* ---- a step ---- */
 
-static void minimise_alone(pel_descent_context *context, double loads)
+static pel_status minimise_alone(pel_descent_context *context, double loads, pel_error *error)
 {
     pel_sim_descent *descent = context->sim->descent;
     pel_descent_problem problem = make_problem(context);
     problem.tolerance = tolerance_of(context->sim, loads);
-    pel_descent_run(descent->minimiser, &problem, context->sim->state->position_next, &descent->result);
+    pel_status status = descent->minimise(context, &problem, &descent->result, error);
+    if (status != PEL_OK)
+        return status;
     remember_acting(context->sim, loads, descent->result.first_residual);
     descent->result.converged |= descent->result.residual <= tolerance_of(context->sim, loads);
+    return PEL_OK;
 }
 
-static pel_status step(pel_sim *sim, pel_step_result *step, pel_error *error)
+pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_state *state = sim->state;
     pel_descent_context context = {.sim = sim, .state = *state, .time = (double)(state->step + 1) * sim->step.dt};
     pel_shell_forces_follow(sim->shells, state->position);
     double loads = find_external(sim, context.time);
-    pel_status status = pel_descent_check_held(sim, sim->descent->external, context.time, error);
+    pel_status status =
+        pel_sim_has_velocity(sim) ? PEL_OK : pel_descent_check_held(sim, sim->descent->external, context.time, error);
     if (status != PEL_OK)
         return status;
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
@@ -379,7 +397,7 @@ static pel_status step(pel_sim *sim, pel_step_result *step, pel_error *error)
     if (sim->tool_count > 0 || pel_descent_sees_contacts(sim))
         status = minimise_under_constraints(&context, loads, error);
     else
-        minimise_alone(&context, loads);
+        status = minimise_alone(&context, loads, error);
     /* what is left is looked for anew */
     if (sim->contacts != NULL)
         sim->contacts->list.count = 0;
@@ -418,12 +436,13 @@ static double find_stiff_force(pel_sim *sim, double edge)
     return stability.stiffness_bound * edge * sqrt(square);
 }
 
-static pel_status create(pel_sim *sim, pel_error *error)
+pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, pel_error *error)
 {
     pel_sim_descent *descent = sim->descent = pel_allocate(1, sizeof *descent);
     if (descent == NULL)
         return pel_fail_memory(error);
     size_t count = (size_t)sim->model->vertex_count;
+    descent->minimise = minimise;
     descent->external = pel_allocate_aligned(count, sizeof *descent->external);
     descent->constraint_of_vertex = pel_allocate(count, sizeof *descent->constraint_of_vertex);
     descent->shares = pel_allocate(count, sizeof *descent->shares);
@@ -433,8 +452,33 @@ static pel_status create(pel_sim *sim, pel_error *error)
         descent->shares[v] = 1;
     sim->contact_in_loop = true;
     descent->mean_edge = find_mean_edge(sim->model);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        descent->size = fmax(descent->size, sim->model->bodies[b].diameter);
     descent->stiff_force = find_stiff_force(sim, descent->mean_edge);
-    return pel_descent_create(sim->model->vertex_count, &descent->minimiser, error);
+    return PEL_OK;
+}
+
+static pel_status run_minimiser(pel_descent_context *context, const pel_descent_problem *problem,
+                                pel_descent_result *result, pel_error *error)
+{
+    (void)error;
+    pel_sim *sim = context->sim;
+    pel_descent_problem own = *problem;
+    if (sim->descent->newton != NULL && sim->descent->count == 0 && pel_sim_newton_approximate(context))
+        own.precondition = pel_sim_newton_precondition;
+    pel_descent_run(sim->descent->minimiser, &own, sim->state->position_next, result);
+    return PEL_OK;
+}
+
+static pel_status create(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_sim_descent_create(sim, run_minimiser, error);
+    if (status == PEL_OK)
+        status = pel_descent_create(sim->model->vertex_count, &sim->descent->minimiser, error);
+    /* the pattern of a matrix goes with a surface */
+    if (status == PEL_OK && sim->active == NULL && !sim->solver.gradient_only)
+        status = pel_sim_newton_create(sim, false, error);
+    return status;
 }
 
 void pel_sim_descent_destroy(pel_sim *sim)
@@ -443,6 +487,7 @@ void pel_sim_descent_destroy(pel_sim *sim)
     if (descent == NULL)
         return;
     pel_descent_destroy(descent->minimiser);
+    pel_sim_newton_destroy(descent->newton);
     void *arrays[] = {descent->external, descent->constraint_of_vertex, descent->shares, descent->constraints,
                       descent->others};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
@@ -450,7 +495,7 @@ void pel_sim_descent_destroy(pel_sim *sim)
     pel_free(descent);
 }
 
-static void accept(pel_sim *sim)
+void pel_sim_descent_accept(pel_sim *sim)
 {
     sim->descent->accepted = sim->descent->result;
 }
@@ -466,9 +511,9 @@ const pel_stepper pel_descent_kind = {
     .moves_tools = true,
     .create = create,
     .check_start = pel_descent_check_start,
-    .step = step,
+    .step = pel_sim_descent_step,
     .read_tools = pel_descent_contacts_read,
     .mark_contacts = pel_descent_contacts_mark,
-    .accept = accept,
+    .accept = pel_sim_descent_accept,
     .advise = advise,
 };

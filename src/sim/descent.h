@@ -34,10 +34,22 @@ typedef struct pel_descent_contact {
     int32_t number;   /* planes of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
 } pel_descent_contact;
 
+typedef struct pel_descent_context pel_descent_context;
+
+/* Moves position_next downhill: pel_descent_run, or Newton's method (step_newton.h). PEL_OUT_OF_MEMORY. */
+typedef pel_status pel_descent_minimise(pel_descent_context *context, const pel_descent_problem *problem,
+                                        pel_descent_result *result, pel_error *error);
+
+/* (step_newton.h) of the methods static and implicit */
+typedef struct pel_sim_newton pel_sim_newton;
+
 struct pel_sim_descent {
-    pel_descent *minimiser;
+    pel_descent_minimise *minimise;
+    pel_descent *minimiser;      /* of the method descent, else null */
+    pel_sim_newton *newton;      /* of the others, else null */
     pel_record *external;        /* (vertex_count) forces that stay during a step */
     double mean_edge;            /* m */
+    double size;                 /* m, of the largest body */
     double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
     double acted;                /* N, largest force that has acted since the start */
     double stiffness;            /* 1/s2, bound of that of the bodies over mass */
@@ -54,12 +66,12 @@ struct pel_sim_descent {
 };
 
 /* what the energy is evaluated with */
-typedef struct pel_descent_context {
+struct pel_descent_context {
     pel_sim *sim;
     pel_state state; /* a copy that looks at other positions */
     double time;
     bool is_constrained;
-} pel_descent_context;
+};
 
 /* where a constraint stands */
 typedef struct pel_gap_sample {
@@ -71,6 +83,15 @@ static inline bool pel_descent_sees_contacts(const pel_sim *sim)
 {
     return sim->contacts != NULL && sim->contact_in_loop;
 }
+
+/* ---- descent.c ---- */
+/* What all methods need that minimise. PEL_OUT_OF_MEMORY. */
+pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, pel_error *error);
+/* One step. */
+pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+
+/* After a step that is accepted: its result is the one that is told. */
+void pel_sim_descent_accept(pel_sim *sim);
 
 /* ---- descent_free.c ---- */
 /* Refuses a body that nothing holds against the net of some forces (vertex_count) at a time. PEL_BAD_ARGUMENT. */
@@ -87,6 +108,11 @@ void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *con
 pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */
 double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force);
+/* Second derivatives of a constraint's part at positions, N/m: with weights of the vertices (4) across its normal
+   (the vertices' weights are those of the constraint) and along it. False where it does not act. */
+bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint,
+                                   const pel_record *position, double weights[4], double along[3][3],
+                                   double across[3][3]);
 /* Loads and drags after a minimisation that ended at position_next. Returns the largest error of a gap over its
    tolerance. */
 double pel_descent_contacts_update(pel_sim *sim);

@@ -114,6 +114,40 @@ static double evaluate(const pel_sim *sim, const pel_descent_contact *constraint
     return energy;
 }
 
+/* a stick holds with all of the stiffness across the normal; a slip turns its force at most */
+static void drag_stiffness(const pel_descent_contact *constraint, const double drag[3], double across[3][3])
+{
+    double length = pel_vec3_length(drag), limit = constraint->friction * constraint->load;
+    bool slips = length > limit;
+    double stiffness = slips ? constraint->stiffness * limit / length : constraint->stiffness;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            double projection = (a == b) - constraint->normal[a] * constraint->normal[b];
+            double line = slips ? drag[a] * drag[b] / (length * length) : 0;
+            across[a][b] = stiffness * (projection - line);
+        }
+}
+
+bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint,
+                                   const pel_record *position, double weights[4], double along[3][3],
+                                   double across[3][3])
+{
+    pel_gap_sample meeting;
+    double drag[3];
+    pel_descent_contact_meet(sim, constraint, position, &meeting);
+    bool presses = constraint->load - constraint->stiffness * meeting.gap > 0;
+    bool drags = find_drag(sim, constraint, position, drag);
+    memcpy(weights, meeting.weights, sizeof meeting.weights);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            along[a][b] = presses ? constraint->stiffness * meeting.normal[a] * meeting.normal[b] : 0;
+            across[a][b] = 0;
+        }
+    if (drags)
+        drag_stiffness(constraint, drag, across);
+    return presses || drags;
+}
+
 double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force)
 {
     const pel_sim_descent *descent = sim->descent;

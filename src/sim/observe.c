@@ -46,6 +46,8 @@ void pel_sim_compute_forces(pel_sim *sim)
     pel_shell_forces_follow(sim->shells, state->position);
     sim->shell_energy =
         pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+    if (sim->stepper->edge_energy != NULL)
+        sim->shell_energy.bending += sim->stepper->edge_energy(sim);
 }
 
 double pel_sim_next_energy(pel_sim *sim)
@@ -255,6 +257,7 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     if (sim->descent == NULL)
         return;
     const pel_descent_result *result = &sim->descent->accepted;
+    reading->solves = true;
     reading->iterations = result->iterations;
     reading->evaluations = result->evaluations;
     reading->energy = result->energy;

@@ -38,6 +38,9 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
                 "stiffen",
                 error);
+        if (body->shell->bending == PEL_BENDING_MIDEDGE && !sim->stepper->turns_edges)
+            return refuse_shell(b, "midedge bending has unknowns on edges, which this method does not have",
+                                "give the bending the model hinge", error);
     }
     return PEL_OK;
 }

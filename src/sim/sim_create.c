@@ -42,7 +42,7 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
         return PEL_BAD_ARGUMENT;
     }
-    if (solver->method > PEL_METHOD_DESCENT)
+    if (solver->method > PEL_METHOD_IMPLICIT)
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
     if (solver->iterations < 0 || solver->substeps < 0 || solver->max_substeps < 0) {
         pel_fail(error, PEL_BAD_ARGUMENT, "solver iterations or substeps are below 0");

@@ -9,6 +9,8 @@ const pel_stepper *pel_stepper_of(pel_method method)
         [PEL_METHOD_PBD_DISTANCE] = &pel_project_distance_kind,
         [PEL_METHOD_XPBD] = &pel_project_xpbd_kind,
         [PEL_METHOD_DESCENT] = &pel_descent_kind,
+        [PEL_METHOD_STATIC] = &pel_step_static_kind,
+        [PEL_METHOD_IMPLICIT] = &pel_step_implicit_kind,
     };
     return kinds[method];
 }

@@ -18,6 +18,7 @@ typedef struct pel_stepper {
     bool is_at_end;     /* loads and keyed numbers act as they are at the end of the step */
     bool moves_tools;   /* tools and what they hold move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */
+    bool turns_edges;   /* rotations of edges are unknowns: PEL_BENDING_MIDEDGE */
 
     /* what the method needs, when model, state and shells are there; fills in open numbers of the solver */
     pel_status (*create)(pel_sim *sim, pel_error *error);
@@ -29,6 +30,10 @@ typedef struct pel_stepper {
     void (*read_tools)(pel_sim *sim);
     /* marks what touches beyond tools and the list of contacts; nullable */
     void (*mark_contacts)(const pel_sim *sim);
+    /* J, of mid-edge bending at the present state; nullable */
+    double (*edge_energy)(const pel_sim *sim);
+    /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
+    void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
     /* after a step that is accepted; nullable */
     void (*accept)(pel_sim *sim);
     /* the remedy for a step that diverged */
@@ -37,7 +42,7 @@ typedef struct pel_stepper {
 
 /* the rows, each in the file of its method */
 extern const pel_stepper pel_step_quasi_static_kind, pel_step_explicit_kind, pel_project_pbd_kind,
-    pel_project_distance_kind, pel_project_xpbd_kind, pel_descent_kind;
+    pel_project_distance_kind, pel_project_xpbd_kind, pel_descent_kind, pel_step_static_kind, pel_step_implicit_kind;
 
 /* The row of a method that pel_sim_create let pass. */
 const pel_stepper *pel_stepper_of(pel_method method);

@@ -26,6 +26,7 @@ struct pel_descent {
     double *x, *gradient;                /* (size) accepted */
     double *trial, *trial_gradient;      /* (size) */
     double *direction;                   /* (size) */
+    double *spread;                      /* (3 vertex_count) scratch: a vector over all vertices */
     double *step_pairs, *gradient_pairs; /* (PAIR_COUNT x size) */
     double inverse_products[PAIR_COUNT];
     int32_t pair_count, newest;
@@ -47,7 +48,8 @@ pel_status pel_descent_create(int32_t vertex_count, pel_descent **descent, pel_e
     size_t size = 3 * (size_t)vertex_count;
     made->vertex_count = vertex_count;
     made->movable = pel_allocate((size_t)vertex_count, sizeof *made->movable);
-    double **vectors[] = {&made->x, &made->gradient, &made->trial, &made->trial_gradient, &made->direction};
+    double **vectors[] = {&made->x,         &made->gradient, &made->trial, &made->trial_gradient,
+                          &made->direction, &made->spread};
     bool room = made->movable != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(size, sizeof **vectors[i])) != NULL;
@@ -70,7 +72,7 @@ void pel_descent_destroy(pel_descent *descent)
         return;
     void *arrays[] = {descent->x,         descent->gradient,   descent->trial,          descent->trial_gradient,
                       descent->direction, descent->step_pairs, descent->gradient_pairs, descent->position,
-                      descent->force,     descent->movable};
+                      descent->force,     descent->movable,    descent->spread};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(descent);
@@ -123,14 +125,40 @@ static void keep_pair(pel_descent *descent)
     descent->pair_count += descent->pair_count < PAIR_COUNT;
 }
 
+static void precondition(pel_descent *descent, const pel_descent_problem *problem, double *d)
+{
+    memset(descent->spread, 0, 3 * (size_t)descent->vertex_count * sizeof *descent->spread);
+    for (int32_t i = 0; i < descent->movable_count; i++)
+        memcpy(descent->spread + 3 * (size_t)descent->movable[i], d + 3 * (size_t)i, 3 * sizeof *d);
+    problem->precondition(problem->context, descent->spread);
+    for (int32_t i = 0; i < descent->movable_count; i++)
+        memcpy(d + 3 * (size_t)i, descent->spread + 3 * (size_t)descent->movable[i], 3 * sizeof *d);
+}
+
+/* what stands between the two loops: the first guess of H */
+static void apply_guess(pel_descent *descent, const pel_descent_problem *problem, double *d)
+{
+    size_t size = descent->size;
+    if (problem->precondition != NULL) {
+        precondition(descent, problem, d);
+        return;
+    }
+    if (descent->pair_count == 0)
+        return;
+    const double *newest = descent->gradient_pairs + (size_t)descent->newest * size;
+    double scale = 1 / (descent->inverse_products[descent->newest] * dot(size, newest, newest));
+    for (size_t i = 0; i < size; i++)
+        d[i] *= scale;
+}
+
 /* the two loops: direction = - H gradient */
-static void find_direction(pel_descent *descent)
+static void find_direction(pel_descent *descent, const pel_descent_problem *problem)
 {
     size_t size = descent->size;
     double *d = descent->direction, factors[PAIR_COUNT];
     for (size_t i = 0; i < size; i++)
         d[i] = -descent->gradient[i];
-    if (descent->pair_count == 0)
+    if (problem->gradient_only)
         return;
     for (int32_t k = 0; k < descent->pair_count; k++) {
         int32_t at = (descent->newest - k + PAIR_COUNT) % PAIR_COUNT;
@@ -139,10 +167,7 @@ static void find_direction(pel_descent *descent)
         for (size_t i = 0; i < size; i++)
             d[i] -= factors[at] * y[i];
     }
-    const double *newest = descent->gradient_pairs + (size_t)descent->newest * size;
-    double scale = 1 / (descent->inverse_products[descent->newest] * dot(size, newest, newest));
-    for (size_t i = 0; i < size; i++)
-        d[i] *= scale;
+    apply_guess(descent, problem, d);
     for (int32_t k = descent->pair_count - 1; k >= 0; k--) {
         int32_t at = (descent->newest - k + PAIR_COUNT) % PAIR_COUNT;
         const double *s = descent->step_pairs + (size_t)at * size, *y = descent->gradient_pairs + (size_t)at * size;
@@ -154,13 +179,20 @@ static void find_direction(pel_descent *descent)
 
 /* ---- line search ---- */
 
-/* the length at which some vertex goes as far as it may */
-static double longest_length(const pel_descent *descent, double longest_move)
+/* m, of a vertex along the direction */
+static double farthest_move(const pel_descent *descent)
 {
     double largest = 0;
     for (size_t i = 0; i < descent->size; i += 3)
         largest = fmax(largest, dot(3, descent->direction + i, descent->direction + i));
-    return largest > 0 ? longest_move / sqrt(largest) : 0;
+    return sqrt(largest);
+}
+
+/* the length at which some vertex goes as far as it may */
+static double longest_length(const pel_descent *descent, double longest_move)
+{
+    double farthest = farthest_move(descent);
+    return farthest > 0 ? longest_move / farthest : 0;
 }
 
 static descent_point look(pel_descent *descent, const pel_descent_problem *problem, double length)
@@ -224,7 +256,7 @@ static bool search(pel_descent *descent, const pel_descent_problem *problem, des
 
 static double first_length(const pel_descent *descent, const pel_descent_problem *problem)
 {
-    if (!problem->gradient_only && descent->pair_count > 0)
+    if (!problem->gradient_only && (descent->pair_count > 0 || problem->precondition != NULL))
         return 1;
     /* twice the last one, or a tenth of the longest move */
     if (problem->gradient_only && descent->last_length > 0)
@@ -259,7 +291,11 @@ static void iterate(pel_descent *descent, const pel_descent_problem *problem, pe
     double rough = fmin(problem->reduction * result->residual, problem->enough);
     descent_point at = {0, result->energy, 0};
     while (!result->converged && !result->stuck && result->iterations < problem->iterations) {
-        find_direction(descent);
+        find_direction(descent, problem);
+        if (problem->precondition != NULL && farthest_move(descent) <= problem->short_move) {
+            result->converged = result->is_near = true;
+            break;
+        }
         at.slope = dot(descent->size, descent->gradient, descent->direction);
         bool found =
             at.slope < 0 && search(descent, problem, &at, first_length(descent, problem), &result->evaluations);

@@ -1,6 +1,6 @@
-/* Minimisation of an energy over the positions of vertices: L-BFGS (Nocedal, Wright 2006, algorithm 7.4, eight pairs)
-   or gradient descent, both with a line search that asks for enough decrease of the energy or, where rounding hides
-   that, of its slope (Hager, Zhang 2005). Nothing is allocated while it runs. */
+/* Minimisation of an energy over the positions of vertices: L-BFGS (Nocedal, Wright 2006, algorithm 7.4, eight pairs),
+   preconditioned or not, or gradient descent, both with a line search that asks for enough decrease of the energy or,
+   where rounding hides that, of its slope (Hager, Zhang 2005). Nothing is allocated while it runs. */
 #ifndef PEL_SOLVE_DESCENT_H
 #define PEL_SOLVE_DESCENT_H
 
@@ -9,16 +9,22 @@
 /* Returns the energy [J] at positions (vertex_count) and writes the forces, its negative gradient [N]. */
 typedef double pel_descent_energy(void *context, pel_record *position, pel_record *force);
 
+/* Multiplies a vector (3 vertex_count, 0 where vertices stay) by a positive definite matrix near the inverse of the
+   second derivatives [m/N]. */
+typedef void pel_descent_precondition(void *context, double *vector);
+
 typedef struct pel_descent_problem {
     const pel_real *inverse_mass; /* (vertex_count) 0 = stays where it is */
     const uint8_t *held;          /* (vertex_count) 1 = stays as well; nullable */
     pel_descent_energy *energy;
+    pel_descent_precondition *precondition; /* of L-BFGS; null = a multiple of the identity */
     void *context;
     double longest_move; /* m, no vertex goes farther in one iteration */
     double tolerance;    /* N, root of the sum of squares of all forces at which it has converged */
     double held_share;   /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
     double reduction;    /* it has converged as well at this share of what there was at the begin; 0 = no such end */
     double enough;       /* N, when it is no more than this */
+    double short_move;   /* m, preconditioned: it has converged where no vertex would go farther than this */
     int32_t iterations;  /* at most */
     bool gradient_only;
     bool goes_on; /* nearly the energy of the last run, from where that ended: what it learnt of the curvature stays */
@@ -31,7 +37,8 @@ typedef struct pel_descent_result {
     double first_residual; /* N, that at the start */
     double held_force;     /* N, root of the sum of squares of the forces on the vertices that are held */
     bool converged;
-    bool stuck; /* no step downhill could be found: as near as rounding allows, or the energy is not smooth */
+    bool is_near; /* by short_move */
+    bool stuck;   /* no step downhill could be found: as near as rounding allows, or the energy is not smooth */
 } pel_descent_result;
 
 typedef struct pel_descent pel_descent;

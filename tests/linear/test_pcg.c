@@ -33,7 +33,11 @@ static void release_fixture(fixture *f)
 /* solves, and checks that the residual is what the result says */
 static pel_pcg_result solve(fixture *f, pel_preconditioner *precondition, void *context, double tolerance)
 {
-    pel_pcg_def def = {f->m, precondition, context, tolerance, 1000, false};
+    pel_pcg_def def = {.matrix = f->m,
+                       .precondition = precondition,
+                       .preconditioner = context,
+                       .tolerance = tolerance,
+                       .iterations = 1000};
     failing_malloc_begin(0);
     pel_pcg_result result = pel_pcg_solve(f->pcg, &def, NULL, f->right, f->x);
     assert_int_equal(failing_malloc_end().calls, 0);
@@ -102,7 +106,8 @@ static void test_ends(void **unused)
     (void)unused;
     random_state random = {2};
     fixture f = make_fixture(test_random_system(80, 300, &random), 0.5, &random);
-    pel_pcg_def def = {f.m, NULL, NULL, 1e-9, 1000, false};
+    pel_pcg_def def = {
+        .matrix = f.m, .precondition = NULL, .preconditioner = NULL, .tolerance = 1e-9, .iterations = 1000};
     pel_pcg_result cold = pel_pcg_solve(f.pcg, &def, NULL, f.right, f.x);
     assert_int_equal(cold.end, PEL_PCG_CONVERGED);
     def.has_start = true;
@@ -139,7 +144,8 @@ static void test_indefinite(void **unused)
     (void)unused;
     random_state random = {3};
     fixture f = make_fixture(test_random_system(80, 100, &random), -0.5, &random);
-    pel_pcg_def def = {f.m, NULL, NULL, 1e-9, 1000, false};
+    pel_pcg_def def = {
+        .matrix = f.m, .precondition = NULL, .preconditioner = NULL, .tolerance = 1e-9, .iterations = 1000};
     pel_pcg_result result = pel_pcg_solve(f.pcg, &def, NULL, f.right, f.x);
     assert_int_equal(result.end, PEL_PCG_INDEFINITE);
     assert_non_null(result.direction);
@@ -174,7 +180,11 @@ static void test_threads(void **unused)
     for (int threads = 2; threads <= 4; threads *= 2) {
         pel_pool *pool;
         assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
-        pel_pcg_def def = {f.m, pel_jacobi_apply, jacobi, 1e-6, 1000, false};
+        pel_pcg_def def = {.matrix = f.m,
+                           .precondition = pel_jacobi_apply,
+                           .preconditioner = jacobi,
+                           .tolerance = 1e-6,
+                           .iterations = 1000};
         pel_pcg_solve(f.pcg, &def, pool, f.right, f.x);
         assert_memory_equal(f.x, first, (size_t)f.s.unknown_count * sizeof *first);
         pel_pool_destroy(pool);

@@ -549,6 +549,13 @@ static void test_refusals(void **unused)
     def.solver.drag = -1;
     assert_sim_refused(&def, "drag is -1");
     pel_model_destroy(model);
+    body.shell.bending.model = PEL_BENDING_MIDEDGE;
+    model = make_model(&body);
+    for (int method = PEL_METHOD_QUASI_STATIC; method <= PEL_METHOD_DESCENT; method++) {
+        def = lone_sim(model, (pel_method)method, 1e-3);
+        assert_sim_refused(&def, "midedge bending");
+    }
+    pel_model_destroy(model);
     pel_mesh_destroy(mesh);
 }
 

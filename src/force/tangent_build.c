@@ -1,0 +1,473 @@
+#include "base/memory.h"
+#include "base/status.h"
+#include "force/pressure.h"
+#include "force/tangent_body.h"
+
+#include <string.h>
+
+/* ---- room ---- */
+
+/* fibres that have an energy */
+static bool has_energy(const pel_shell_region *region)
+{
+    return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE;
+}
+
+static bool has_midedge(const pel_shell *shell)
+{
+    return shell->bending == PEL_BENDING_MIDEDGE;
+}
+
+static bool has_hinges(const pel_shell *shell)
+{
+    return shell->bending != PEL_BENDING_OFF && !has_midedge(shell);
+}
+
+static bool has_springs(const pel_model *model, int32_t body)
+{
+    return model->bodies[body].plain_spring != 0; /* the same on a refined surface */
+}
+
+static bool depends_on_volume(const pel_shell *shell)
+{
+    return shell->pressure.kind == PEL_PRESSURE_GAS || shell->pressure.kind == PEL_PRESSURE_VOLUME;
+}
+
+/* most edges that a surface of a shell can have */
+static int32_t edge_limit(const pel_shell *shell)
+{
+    return has_midedge(shell) ? 3 * shell->triangle_limit : 0;
+}
+
+static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error *error)
+{
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        if (shell->has_membrane || shell->hinges[i].stiffness > 0)
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
+static bool allocate_fibres(pel_tangent_shell *own)
+{
+    const pel_shell *shell = own->shell;
+    size_t count = 0;
+    for (int32_t r = 0; r < shell->region_count; r++)
+        if (has_energy(&shell->regions[r]))
+            count += (size_t)shell->regions[r].fibre_limit;
+    if (count == 0)
+        return true;
+    own->fibre_begin = pel_allocate((size_t)shell->triangle_limit + 2, sizeof *own->fibre_begin);
+    own->fibres = pel_allocate(count, sizeof *own->fibres);
+    return own->fibre_begin != NULL && own->fibres != NULL;
+}
+
+static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
+{
+    const pel_shell *shell = own->shell;
+    size_t triangles = (size_t)shell->triangle_limit;
+    int32_t first = tangent->model->bodies[own->body].slice_begin * PEL_WIDTH;
+    size_t places = (size_t)(pel_body_place_end(tangent->model, own->body) - first);
+    bool all = allocate_fibres(own);
+    if (has_midedge(shell)) {
+        own->edges = pel_allocate(triangles, sizeof *own->edges);
+        own->midedges = pel_allocate(triangles, sizeof *own->midedges);
+        all &= own->edges != NULL && own->midedges != NULL;
+    }
+    if (shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL)
+        for (int i = 0; i < 4; i++) {
+            own->normal_pressure[i] = pel_allocate(places, sizeof(double));
+            all &= own->normal_pressure[i] != NULL;
+        }
+    if (depends_on_volume(shell)) {
+        own->rank_one = &tangent->rank_ones[tangent->pattern.rank_one_count++];
+        own->rank_one->first_vertex = first;
+        own->rank_one->vertex_count = (int32_t)places;
+        own->rank_one->gradient = pel_allocate(3 * places, sizeof(double));
+        all &= own->rank_one->gradient != NULL;
+    }
+    return all;
+}
+
+/* what all elements together take at most */
+typedef struct pel_tangent_room {
+    size_t elements, nodes, rows, gathers, edges, springs, chunks;
+} pel_tangent_room;
+
+static void add_room(pel_tangent_room *room, size_t elements, size_t vertices, size_t edges)
+{
+    room->elements += elements;
+    room->nodes += elements * (vertices + edges);
+    room->rows += elements * (3 * vertices + edges);
+    room->chunks += elements / PEL_TANGENT_CHUNK + 1;
+}
+
+static pel_tangent_room room_of(const pel_tangent *tangent)
+{
+    const pel_model *model = tangent->model;
+    pel_tangent_room room = {0};
+    for (int32_t i = 0; i < tangent->shell_count; i++) {
+        const pel_shell *shell = tangent->shells[i].shell;
+        add_room(&room, (size_t)shell->triangle_limit, 3, has_midedge(shell) ? 3 : 0);
+        if (has_hinges(shell))
+            add_room(&room, (size_t)shell->hinge_limit, 4, 0);
+        room.edges += (size_t)edge_limit(shell);
+    }
+    /* a spring stands at both of its ends */
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (has_springs(model, b)) {
+            size_t slots = (size_t)(model->slot_begin[pel_body_place_end(model, b) / PEL_WIDTH] -
+                                    model->slot_begin[model->bodies[b].slice_begin]);
+            room.springs += slots * PEL_WIDTH / 2 + 1;
+        }
+    add_room(&room, room.springs, 2, 0);
+    add_room(&room, (size_t)model->vertex_count, 1, 0);
+    return room;
+}
+
+static bool allocate_lists(pel_tangent *tangent)
+{
+    const pel_tangent_room room = room_of(tangent);
+    tangent->edges = pel_allocate(room.edges, sizeof *tangent->edges);
+    tangent->half_angles = pel_allocate(room.edges, sizeof *tangent->half_angles);
+    bool all = tangent->edges != NULL && tangent->half_angles != NULL;
+    for (int i = 0; i < 4; i++) {
+        tangent->settle[i] = pel_allocate(room.edges, sizeof(double));
+        all &= tangent->settle[i] != NULL;
+    }
+    tangent->springs = pel_allocate(room.springs, sizeof *tangent->springs);
+    tangent->points = pel_allocate((size_t)tangent->model->vertex_count, sizeof *tangent->points);
+    tangent->node_begin = pel_allocate(room.elements + 1, sizeof *tangent->node_begin);
+    tangent->nodes = pel_allocate(room.nodes, sizeof *tangent->nodes);
+    tangent->element_kind = pel_allocate(room.elements, sizeof *tangent->element_kind);
+    tangent->rows = pel_allocate(room.rows, sizeof *tangent->rows);
+    tangent->gather_begin =
+        pel_allocate((size_t)tangent->model->vertex_count + room.edges + 2, sizeof *tangent->gather_begin);
+    tangent->gather = pel_allocate(room.nodes, sizeof *tangent->gather);
+    tangent->energies = pel_allocate(room.chunks, sizeof *tangent->energies);
+    return all && tangent->springs != NULL && tangent->points != NULL && tangent->node_begin != NULL &&
+           tangent->nodes != NULL && tangent->element_kind != NULL && tangent->rows != NULL &&
+           tangent->gather_begin != NULL && tangent->gather != NULL && tangent->energies != NULL;
+}
+
+/* ---- shells ---- */
+
+/* Lists by owner: counts stand two places after their owner's number, sums make them begins one place after; filling
+   moves each up to the begin of the next owner, so that begin[owner] .. begin[owner + 1] is right in the end. */
+static void sum_counts(int32_t *begin, int32_t owner_count)
+{
+    for (int32_t i = 0; i < owner_count; i++)
+        begin[i + 2] += begin[i + 1];
+}
+
+static void fill_fibres(pel_tangent_shell *own)
+{
+    const pel_shell *shell = own->shell;
+    if (own->fibre_begin == NULL)
+        return;
+    memset(own->fibre_begin, 0, ((size_t)shell->triangle_count + 2) * sizeof *own->fibre_begin);
+    for (int32_t r = 0; r < shell->region_count; r++)
+        for (int32_t i = 0; has_energy(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++)
+            own->fibre_begin[shell->regions[r].fibres[i].triangle + 2]++;
+    sum_counts(own->fibre_begin, shell->triangle_count);
+    for (int32_t r = 0; r < shell->region_count; r++)
+        for (int32_t i = 0; has_energy(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++) {
+            const pel_shell_fibre *fibre = &shell->regions[r].fibres[i];
+            own->fibres[own->fibre_begin[fibre->triangle + 1]++] =
+                (pel_tangent_fibre){.region = r,
+                                    .stiffness = shell->regions[r].def.stiffness * fibre->weight,
+                                    .direction = {fibre->direction[0], fibre->direction[1]}};
+        }
+}
+
+/* the side of a triangle that begins at a vertex */
+static int side_from(const pel_shell_triangle *triangle, int32_t vertex)
+{
+    return triangle->vertices[0] == vertex ? 0 : triangle->vertices[1] == vertex ? 1 : 2;
+}
+
+static void add_edge(pel_tangent *tangent, const pel_tangent_edge *edge)
+{
+    tangent->edges[tangent->pattern.edge_count++] = *edge;
+}
+
+static void fill_edges(pel_tangent *tangent, pel_tangent_shell *own)
+{
+    const pel_shell *shell = own->shell;
+    enum { NONE = INT32_MAX };
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        for (int k = 0; k < 3; k++)
+            own->edges[t][k] = NONE;
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        const pel_shell_hinge *hinge = &shell->hinges[i];
+        pel_tangent_edge edge = {.body = own->body, .rest_angle = hinge->rest_angle};
+        memcpy(edge.vertices, hinge->vertices, sizeof edge.vertices);
+        memcpy(edge.triangles, hinge->triangles, sizeof edge.triangles);
+        for (int side = 0; side < 2; side++) {
+            int32_t t = hinge->triangles[side], e = tangent->pattern.edge_count;
+            own->edges[t][side_from(&shell->triangles[t], hinge->vertices[side])] = side == 0 ? e : ~e;
+        }
+        add_edge(tangent, &edge);
+    }
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        for (int k = 0; k < 3; k++) {
+            const int32_t *v = shell->triangles[t].vertices;
+            if (own->edges[t][k] != NONE)
+                continue;
+            const pel_tangent_edge edge = {
+                .vertices = {v[k], v[(k + 1) % 3], v[(k + 2) % 3], -1}, .triangles = {t, -1}, .body = own->body};
+            own->edges[t][k] = tangent->pattern.edge_count;
+            add_edge(tangent, &edge);
+        }
+}
+
+static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
+{
+    const pel_shell *shell = own->shell;
+    pel_membrane_material material = shell->material;
+    double poisson = shell->has_membrane ? pel_membrane_law_of(&material).poisson : material.poisson;
+    material.young = material.thickness = 1;
+    own->law = pel_membrane_law_of(&material);
+    fill_fibres(own);
+    if (!has_midedge(shell))
+        return;
+    fill_edges(tangent, own);
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        own->midedges[t] = pel_midedge_setup(&shell->triangles[t].rest, shell->parts[t].stiffness, poisson);
+}
+
+/* ---- springs and points ---- */
+
+static void fill_slice(pel_tangent *tangent, int32_t body, int32_t slice)
+{
+    const pel_model *model = tangent->model;
+    double uniform = model->bodies[body].uniform_spring;
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
+        for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
+            int32_t v = slice * PEL_WIDTH + lane, other = model->neighbours[slot][lane];
+            if (other <= v) /* filled up, or that of the other end */
+                continue;
+            double stiffness = uniform >= 0 ? uniform : (double)model->stiffnesses[slot][lane];
+            tangent->springs[tangent->spring_count++] =
+                (pel_tangent_spring){{v, other}, body, stiffness, (double)model->rest_lengths[slot][lane]};
+        }
+}
+
+static void fill_springs(pel_tangent *tangent)
+{
+    const pel_model *model = tangent->model;
+    tangent->spring_count = tangent->point_count = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        for (int32_t slice = model->bodies[b].slice_begin; has_springs(model, b) && slice < model->bodies[b].slice_end;
+             slice++)
+            fill_slice(tangent, b, slice);
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        if (model->mass[v] > 0)
+            tangent->points[tangent->point_count++] = v;
+}
+
+/* ---- parts ---- */
+
+static pel_tangent_part *add_part(pel_tangent *tangent, pel_part_kind kind, int32_t shell, int32_t count, int vertices,
+                                  int edges, int strains)
+{
+    const pel_tangent_part *last = tangent->part_count > 0 ? &tangent->parts[tangent->part_count - 1] : NULL;
+    pel_tangent_part *part = &tangent->parts[tangent->part_count++];
+    *part = (pel_tangent_part){.kind = kind,
+                               .shell = shell,
+                               .count = count,
+                               .nodes = vertices + edges,
+                               .unknowns = 3 * vertices + edges,
+                               .strains = strains};
+    if (last != NULL) {
+        part->first = last->first + last->count;
+        part->first_row = last->first_row + (size_t)last->count * (size_t)last->unknowns;
+    }
+    part->first_stress = tangent->pattern.stress_count;
+    part->first_chunk = tangent->chunk_count;
+    tangent->chunk_count += pel_tangent_chunk_count(count);
+    tangent->pattern.stress_count += count * strains;
+    tangent->pattern.element_count = part->first + count;
+    return part;
+}
+
+static void fill_parts(pel_tangent *tangent)
+{
+    tangent->part_count = tangent->chunk_count = tangent->pattern.stress_count = tangent->pattern.element_count = 0;
+    for (int32_t i = 0; i < tangent->shell_count; i++) {
+        const pel_tangent_shell *own = &tangent->shells[i];
+        const pel_shell *shell = own->shell;
+        int edges = has_midedge(shell) ? 3 : 0;
+        add_part(tangent, PEL_TANGENT_PART_TRIANGLES, i, shell->triangle_count, 3, edges, PEL_MEMBRANE_STRAINS + edges);
+        if (own->fibre_begin != NULL)
+            tangent->pattern.stress_count += own->fibre_begin[shell->triangle_count];
+        if (has_hinges(shell))
+            add_part(tangent, PEL_TANGENT_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
+    }
+    add_part(tangent, PEL_TANGENT_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);
+    add_part(tangent, PEL_TANGENT_PART_POINTS, -1, tangent->point_count, 1, 0, 0);
+}
+
+static void fill_nodes_of(pel_tangent *tangent, const pel_tangent_part *part, int32_t i, int32_t *nodes)
+{
+    const pel_tangent_shell *own = part->shell >= 0 ? &tangent->shells[part->shell] : NULL;
+    switch (part->kind) {
+    case PEL_TANGENT_PART_TRIANGLES:
+        memcpy(nodes, own->shell->triangles[i].vertices, 3 * sizeof *nodes);
+        for (int k = 3; k < part->nodes; k++) {
+            double sign;
+            nodes[k] = tangent->pattern.vertex_count + pel_tangent_edge_of(own->edges[i][k - 3], &sign);
+        }
+        return;
+    case PEL_TANGENT_PART_HINGES:
+        memcpy(nodes, own->shell->hinges[i].vertices, 4 * sizeof *nodes);
+        return;
+    case PEL_TANGENT_PART_SPRINGS:
+        memcpy(nodes, tangent->springs[i].vertices, 2 * sizeof *nodes);
+        return;
+    case PEL_TANGENT_PART_POINTS:
+        nodes[0] = tangent->points[i];
+    }
+}
+
+static void fill_nodes(pel_tangent *tangent)
+{
+    int32_t count = 0;
+    for (int32_t p = 0; p < tangent->part_count; p++) {
+        const pel_tangent_part *part = &tangent->parts[p];
+        for (int32_t i = 0; i < part->count; i++) {
+            tangent->node_begin[part->first + i] = count;
+            tangent->element_kind[part->first + i] = (uint8_t)(2 * part->kind + (part->nodes > 3));
+            fill_nodes_of(tangent, part, i, tangent->nodes + count);
+            count += part->nodes;
+        }
+    }
+    tangent->node_begin[tangent->pattern.element_count] = count;
+}
+
+/* counts the rows of each node, or lists them by rising element */
+static void visit_rows(pel_tangent *tangent, bool list)
+{
+    int32_t vertices = tangent->pattern.vertex_count;
+    for (int32_t p = 0; p < tangent->part_count; p++) {
+        const pel_tangent_part *part = &tangent->parts[p];
+        size_t row = part->first_row;
+        for (int32_t i = 0; i < part->count; i++)
+            for (int k = 0; k < part->nodes; k++) {
+                int32_t node = tangent->nodes[tangent->node_begin[part->first + i] + k];
+                if (list)
+                    tangent->gather[tangent->gather_begin[node + 1]++] = (int32_t)row;
+                else
+                    tangent->gather_begin[node + 2]++;
+                row += node < vertices ? 3 : 1;
+            }
+    }
+}
+
+void pel_tangent_rebuild(pel_tangent *tangent)
+{
+    tangent->pattern.edge_count = 0;
+    tangent->pattern.vertex_count = tangent->model->vertex_count;
+    for (int32_t i = 0; i < tangent->shell_count; i++)
+        fill_shell(tangent, &tangent->shells[i]);
+    fill_springs(tangent);
+    fill_parts(tangent);
+    fill_nodes(tangent);
+    int32_t node_count = tangent->pattern.vertex_count + tangent->pattern.edge_count;
+    tangent->pattern.unknown_count = 3 * tangent->pattern.vertex_count + tangent->pattern.edge_count;
+    memset(tangent->gather_begin, 0, ((size_t)node_count + 2) * sizeof *tangent->gather_begin);
+    visit_rows(tangent, false);
+    sum_counts(tangent->gather_begin, node_count);
+    visit_rows(tangent, true);
+}
+
+/* ---- creation ---- */
+
+static pel_status find_shells(pel_tangent *tangent, pel_error *error)
+{
+    const pel_model *model = tangent->model;
+    size_t bodies = (size_t)model->body_count;
+    tangent->shells = pel_allocate(bodies, sizeof *tangent->shells);
+    tangent->rank_ones = pel_allocate(bodies, sizeof *tangent->rank_ones);
+    tangent->parts = pel_allocate(2 * bodies + 2, sizeof *tangent->parts);
+    if (tangent->shells == NULL || tangent->rank_ones == NULL || tangent->parts == NULL)
+        return pel_fail_memory(error);
+    for (int32_t b = 0; b < model->body_count; b++) {
+        if (model->bodies[b].shell == NULL)
+            continue;
+        pel_status status = check_bending(model->bodies[b].shell, b, error);
+        if (status != PEL_OK)
+            return status;
+        pel_tangent_shell *own = &tangent->shells[tangent->shell_count++];
+        own->shell = model->bodies[b].shell;
+        own->body = b;
+        if (!allocate_shell(tangent, own))
+            return pel_fail_memory(error);
+    }
+    return PEL_OK;
+}
+
+pel_status pel_tangent_create(const pel_model *model, pel_tangent **made, pel_error *error)
+{
+    *made = NULL;
+    pel_tangent *tangent = pel_allocate(1, sizeof *tangent);
+    if (tangent == NULL)
+        return pel_fail_memory(error);
+    tangent->model = model;
+    pel_status status = find_shells(tangent, error);
+    if (status == PEL_OK && !allocate_lists(tangent))
+        status = pel_fail_memory(error);
+    if (status != PEL_OK) {
+        pel_tangent_destroy(tangent);
+        return status;
+    }
+    tangent->pattern.node_begin = tangent->node_begin;
+    tangent->pattern.nodes = tangent->nodes;
+    tangent->pattern.element_kind = tangent->element_kind;
+    tangent->pattern.rank_ones = tangent->rank_ones;
+    pel_tangent_rebuild(tangent);
+    *made = tangent;
+    return PEL_OK;
+}
+
+void pel_tangent_destroy(pel_tangent *tangent)
+{
+    if (tangent == NULL)
+        return;
+    for (int32_t i = 0; i < tangent->shell_count; i++) {
+        pel_tangent_shell *own = &tangent->shells[i];
+        void *arrays[] = {own->fibre_begin,
+                          own->fibres,
+                          own->edges,
+                          own->midedges,
+                          own->normal_pressure[0],
+                          own->normal_pressure[1],
+                          own->normal_pressure[2],
+                          own->normal_pressure[3],
+                          own->rank_one != NULL ? own->rank_one->gradient : NULL};
+        for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+            pel_free(arrays[k]);
+    }
+    void *arrays[] = {tangent->parts,     tangent->shells,       tangent->rank_ones,  tangent->edges,
+                      tangent->springs,   tangent->points,       tangent->node_begin, tangent->nodes,
+                      tangent->rows,      tangent->gather_begin, tangent->gather,     tangent->half_angles,
+                      tangent->settle[0], tangent->settle[1],    tangent->settle[2],  tangent->settle[3],
+                      tangent->energies,  tangent->element_kind};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        pel_free(arrays[k]);
+    pel_free(tangent);
+}
+
+const pel_tangent_pattern *pel_tangent_pattern_of(const pel_tangent *tangent)
+{
+    return &tangent->pattern;
+}
+
+const pel_tangent_edge *pel_tangent_edges_of(const pel_tangent *tangent)
+{
+    return tangent->edges;
+}

@@ -1,0 +1,144 @@
+/* The edges of mid-edge bending: angles, finite steps, and the minimum of the bending energy over their rotations. */
+#include "force/tangent_body.h"
+#include "math/vec3.h"
+
+#include <string.h>
+
+/* a loop over the edges */
+typedef struct edge_loop {
+    pel_tangent *tangent;
+    const double *unknowns, *step;
+    double scale;
+    double *xi; /* null = angles */
+} edge_loop;
+
+static void find_angle(const edge_loop *loop, int32_t e)
+{
+    const pel_tangent_edge *edge = &loop->tangent->edges[e];
+    double x[12];
+    loop->tangent->half_angles[e] = 0;
+    if (edge->triangles[1] < 0)
+        return;
+    pel_tangent_points(loop->unknowns, edge->vertices, 4, x);
+    loop->tangent->half_angles[e] = 0.5 * pel_angle_from_rest(x, edge->rest_angle);
+}
+
+/* the finite turn of one triangle of an edge over the step */
+static double turn_of(const edge_loop *loop, const int32_t corners[3])
+{
+    double before[3][3], step[3][3], after[3][3];
+    pel_tangent_points(loop->unknowns, corners, 3, before[0]);
+    pel_tangent_points(loop->step, corners, 3, step[0]);
+    for (int k = 0; k < 3; k++)
+        pel_vec3_along(before[k], loop->scale, step[k], after[k]);
+    return pel_midedge_turn((const double(*)[3])before, (const double(*)[3])after);
+}
+
+static void advance_edge(const edge_loop *loop, int32_t e)
+{
+    const pel_tangent_edge *edge = &loop->tangent->edges[e];
+    const int32_t *v = edge->vertices, first[3] = {v[0], v[1], v[2]}, second[3] = {v[1], v[0], v[3]};
+    double psi = loop->scale * loop->step[3 * (size_t)loop->tangent->pattern.vertex_count + (size_t)e];
+    double turn = turn_of(loop, first);
+    loop->xi[e] += psi + (edge->triangles[1] < 0 ? turn : 0.5 * (turn - turn_of(loop, second)));
+}
+
+static void edge_chunk(void *context, int32_t chunk)
+{
+    const edge_loop *loop = context;
+    int32_t first = chunk * PEL_TANGENT_CHUNK, end = first + PEL_TANGENT_CHUNK;
+    for (int32_t e = first; e < end && e < loop->tangent->pattern.edge_count; e++)
+        if (loop->xi != NULL)
+            advance_edge(loop, e);
+        else
+            find_angle(loop, e);
+}
+
+void pel_tangent_find_angles(pel_tangent *tangent, const double *unknowns, pel_pool *pool)
+{
+    edge_loop loop = {.tangent = tangent, .unknowns = unknowns};
+    pel_pool_run(pool, pel_tangent_chunk_count(tangent->pattern.edge_count), edge_chunk, &loop);
+}
+
+void pel_tangent_advance(pel_tangent *tangent, double *unknowns, const double *step, double scale, pel_pool *pool)
+{
+    size_t positions = 3 * (size_t)tangent->pattern.vertex_count;
+    edge_loop loop = {tangent, unknowns, step, scale, unknowns + positions};
+    pel_pool_run(pool, pel_tangent_chunk_count(tangent->pattern.edge_count), edge_chunk, &loop);
+    for (size_t i = 0; i < positions; i++)
+        unknowns[i] += scale * step[i];
+}
+
+/* ---- minimum over rotations ---- */
+
+/* result = derivative of the bending energy by xi where alpha = share half_angle + sign xi, 0 on fixed edges; diagonal
+   (may be null) of that matrix */
+static void edge_moments(const pel_tangent *tangent, const double *xi, double share, const uint8_t *is_fixed,
+                         double *result, double *diagonal)
+{
+    size_t size = (size_t)tangent->pattern.edge_count * sizeof(double);
+    memset(result, 0, size);
+    if (diagonal != NULL)
+        memset(diagonal, 0, size);
+    for (int32_t b = 0; b < tangent->shell_count; b++) {
+        const pel_tangent_shell *own = &tangent->shells[b];
+        for (int32_t t = 0; own->midedges != NULL && t < own->shell->triangle_count; t++) {
+            static const int at[3] = {0, 3, 5};
+            double alpha[3], sign[3], moment[3];
+            int32_t e[3];
+            for (int k = 0; k < 3; k++) {
+                e[k] = pel_tangent_edge_of(own->edges[t][k], &sign[k]);
+                alpha[k] = share * tangent->half_angles[e[k]] + sign[k] * xi[e[k]];
+            }
+            pel_midedge_moments(&own->midedges[t], alpha, moment);
+            for (int k = 0; k < 3; k++) {
+                result[e[k]] += sign[k] * moment[k];
+                if (diagonal != NULL)
+                    diagonal[e[k]] += own->midedges[t].stiffness[at[k]];
+            }
+        }
+    }
+    for (int32_t e = 0; is_fixed != NULL && e < tangent->pattern.edge_count; e++)
+        if (is_fixed[e])
+            result[e] = 0;
+}
+
+static double dot(const double *a, const double *b, int32_t count)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < count; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* conjugate gradients with the diagonal as preconditioner */
+int pel_tangent_settle_edges(pel_tangent *tangent, double *unknowns, const uint8_t *is_fixed)
+{
+    enum { MOST = 1000 };
+    int32_t count = tangent->pattern.edge_count;
+    double *xi = unknowns + 3 * (size_t)tangent->pattern.vertex_count;
+    double *residual = tangent->settle[0], *direction = tangent->settle[1], *image = tangent->settle[2];
+    double *diagonal = tangent->settle[3], product = 0, start = 0;
+    pel_tangent_find_angles(tangent, unknowns, NULL);
+    edge_moments(tangent, xi, 1, is_fixed, residual, diagonal);
+    for (int32_t e = 0; e < count; e++) {
+        direction[e] = diagonal[e] > 0 ? -residual[e] / diagonal[e] : 0;
+        product -= residual[e] * direction[e];
+    }
+    start = product;
+    int iterations = 0;
+    while (product > 1e-24 * start && iterations < MOST) {
+        edge_moments(tangent, direction, 0, is_fixed, image, NULL);
+        double step = product / dot(direction, image, count), next = 0;
+        for (int32_t e = 0; e < count; e++) {
+            xi[e] += step * direction[e];
+            residual[e] += step * image[e];
+            next += diagonal[e] > 0 ? residual[e] * residual[e] / diagonal[e] : 0;
+        }
+        for (int32_t e = 0; e < count; e++)
+            direction[e] = next / product * direction[e] - (diagonal[e] > 0 ? residual[e] / diagonal[e] : 0);
+        product = next;
+        iterations++;
+    }
+    return iterations;
+}

@@ -1,0 +1,61 @@
+/* Mid-edge bending: the shape operator of a triangle from the rotations of its normal towards those of its edges, with
+   one rotation per edge as an unknown (Grinspun et al. 2006, the Morley element; theory page, section 16). It is a
+   plate's bending with its Poisson's ratio on every mesh.
+
+   Strains. Edge i of a triangle runs from corner i to corner i + 1. alpha_i is the angle by which the normal of the
+   triangle is turned about it from the normal of the edge, towards the tip, less that at rest. Between two triangles
+   with the dihedral angle theta and the edge's unknown xi
+
+       alpha = (theta - theta_rest) / 2 + xi in the first triangle, (theta - theta_rest) / 2 - xi in the second
+
+   and alpha = xi on the boundary. The energy of a triangle is 1/2 alpha^T K alpha with the constant matrix
+
+       K_ij = D |e_i| |e_j| / A ((1 - nu) cos^2(e_i, e_j) + nu)
+
+   Unknowns. The state of an edge is xi; positions and xi determine the energy. The unknowns of an iteration are
+   increments of positions and of psi, the rotation of the edge's normal about the edge in a frame that is carried along
+   with the edge by parallel transport. With the rotation gamma of a triangle's normal about the edge in that frame
+
+       d alpha = d gamma + d psi in the first triangle, d gamma - d psi in the second,
+       d theta = d gamma_first + d gamma_second,     d xi = d psi + (d gamma_first - d gamma_second) / 2
+
+   (d xi = d gamma + d psi on the boundary), so that the element of a triangle has 12 unknowns, its own vertices and
+   edges, and no others. psi is not a function of the state (turning frames do not come back to themselves): it starts
+   at 0 in each iteration, and pel_midedge_turn gives the finite gamma of a step, from which xi follows. The Hessian is
+   the exact second derivative along these finite steps.
+
+   Conditions on psi: free on the boundary is a free edge. psi = 0 on an edge whose vertices are held is a clamped edge:
+   its normal stays. A given increment turns the clamp. A moment M [N m] on a boundary edge is a force M on psi; unless
+   the edge keeps its direction such a moment has no potential, and Newton's method with this symmetric Hessian
+   converges linearly. */
+#ifndef PEL_MEASURE_MIDEDGE_H
+#define PEL_MEASURE_MIDEDGE_H
+
+#include "measure/tangent.h"
+
+enum { PEL_MIDEDGE_STRAINS = 3 };
+
+typedef struct pel_midedge {
+    double stiffness[6]; /* K, N m: 00, 01, 02, 11, 12, 22 */
+} pel_midedge;
+
+/* K of a triangle with the bending stiffness D [N m] and Poisson's ratio nu, -1 < nu < 1. */
+pel_midedge pel_midedge_setup(const pel_rest_triangle *rest, double stiffness, double poisson);
+
+/* Moments t = K alpha. */
+void pel_midedge_moments(const pel_midedge *element, const double alpha[3], double moment[3]);
+
+/* Energy of a triangle at x (9) with its strains; unknowns are the corners (9) and psi of the three edges, whose sign
+   is 1 where the triangle is the edge's first, -1 where it is its second. Strains for MIP: the moments. */
+double pel_midedge_tangent(const pel_midedge *element, const double alpha[3], const double sign[3], const double *x,
+                           const pel_tangent_request *request, const pel_tangent_sum *sum);
+
+/* gamma of a finite step: the angle by which the normal of the triangle (tail, head, tip) turns about its edge from
+   tail to head, towards the tip, in the frame that goes with the edge. */
+double pel_midedge_turn(const double before[3][3], const double after[3][3]);
+
+/* The angle about that edge from a triangle's normal to a given direction, the alpha of a boundary edge with this
+   normal. */
+double pel_midedge_angle(const double x[3][3], const double normal[3]);
+
+#endif

@@ -1,0 +1,158 @@
+/* The method `implicit`: m a + c v = F at the end of a step, solved by Newton's method (theory page, section 16).
+
+   In a step inertia and drag are springs of the vertices to points. With x and v at its begin, x' and v' one step
+   before and the unknown positions y, each scheme has the form
+
+     u = rate (y - anchor),     m rate (u - carried) + c u = F(y)
+
+     implicit Euler   rate 1/dt,       anchor x,                 carried v,                 x_1 = y,       v_1 = u
+     BDF2             rate 3/(2 dt),   anchor (4 x - x') / 3,    carried (4 v - v') / 3,    x_1 = y,       v_1 = u
+     midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
+
+   The midpoint rule keeps the energy where nothing takes it away; BDF2 damps what a step cannot follow; Euler begins,
+   and follows what touches. */
+#include "base/status.h"
+#include "sim/contact.h"
+#include "sim/step_newton.h"
+
+#include <string.h>
+
+typedef struct scheme {
+    double rate;                     /* times dt */
+    double position[2], velocity[2]; /* anchor and carried: of the begin of the step, of one step before */
+    double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
+} scheme;
+
+static const scheme euler = {1, {1, 0}, {1, 0}, 1};
+static const scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
+static const scheme midpoint = {2, {1, 0}, {1, 0}, 2};
+
+static bool has_damping(const pel_sim *sim)
+{
+    bool any = sim->solver.drag > 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        any |= sim->model->damping[v] > 0 || sim->model->volumetric_damping[v] > 0;
+    return any;
+}
+
+static bool touches(const pel_sim *sim)
+{
+    const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = 0; c < descent->count; c++)
+        if (descent->constraints[c].load > 0)
+            return true;
+    return false;
+}
+
+static const scheme *choose_scheme(const pel_sim *sim)
+{
+    if (sim->tool_count == 0 && sim->contacts == NULL && !sim->descent->newton->is_damped)
+        return &midpoint;
+    return sim->state->older_is_known && !touches(sim) ? &bdf2 : &euler;
+}
+
+/* N s/m */
+static double drag_of(const pel_sim *sim, int32_t v)
+{
+    const double *factors = sim->state->factors[sim->model->body_of_slice[v / PEL_WIDTH]];
+    return factors[PEL_SPRING_DAMPING] * (double)sim->model->damping[v] +
+           sim->solver.drag * (double)sim->model->mass[v];
+}
+
+static double anchor_of(const pel_state *state, const scheme *s, int32_t v, int k)
+{
+    double older = s->position[1] != 0 ? s->position[1] * (double)state->older_position[v][k] : 0;
+    return s->position[0] * (double)state->position[v][k] + older;
+}
+
+static double carried_of(const pel_state *state, const scheme *s, int32_t v, int k)
+{
+    double older = s->velocity[1] != 0 ? s->velocity[1] * (double)state->older_velocity[v][k] : 0;
+    return s->velocity[0] * (double)state->velocity[v][k] + older;
+}
+
+/* the springs that inertia and drag are */
+static void set_points(pel_sim *sim, const scheme *s)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    double rate = s->rate / sim->step.dt;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double inertia = (double)sim->model->mass[v] * rate, drag = drag_of(sim, v), sum = inertia + drag;
+        newton->point_stiffness[v] = sim->model->inverse_mass[v] > 0 ? sum * rate : 0;
+        for (int k = 0; k < 3; k++) {
+            double anchor = anchor_of(sim->state, s, v, k), carried = carried_of(sim->state, s, v, k);
+            newton->points[v][k] = sum > 0 ? anchor + inertia * carried / (sum * rate) : anchor;
+        }
+    }
+}
+
+/* positions and velocities at the end of the step */
+static void finish(pel_sim *sim, const scheme *s)
+{
+    const pel_sim_newton *newton = sim->descent->newton;
+    pel_state *state = sim->state;
+    double rate = s->rate / sim->step.dt;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            double y = newton->unknowns[3 * v + k], u = rate * (y - anchor_of(state, s, v, k));
+            bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
+            double velocity = s->end * u + (1 - s->end) * (double)state->velocity[v][k];
+            state->velocity_next[v][k] = moves ? (pel_real)velocity : 0;
+            if (s->end != 1 && moves)
+                state->position_next[v][k] = (pel_real)(s->end * y + (1 - s->end) * (double)state->position[v][k]);
+        }
+}
+
+static pel_status create(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_sim_descent_create(sim, pel_sim_newton_minimise, error);
+    if (status == PEL_OK)
+        status = pel_sim_newton_create(sim, true, error);
+    if (status == PEL_OK)
+        sim->descent->newton->is_damped = has_damping(sim);
+    return status == PEL_OK ? pel_state_add_history(sim->model, sim->state, error) : status;
+}
+
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    const scheme *s = choose_scheme(sim);
+    set_points(sim, s);
+    pel_sim_newton_begin(sim);
+    pel_status status = pel_sim_descent_step(sim, result, error);
+    if (status != PEL_OK)
+        return status;
+    finish(sim, s);
+    result->diverged |= !pel_sim_all_inside(sim);
+    return PEL_OK;
+}
+
+/* the state that was the present one is now one step before; velocities have changed places */
+static void accept(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    size_t count = (size_t)sim->model->vertex_count;
+    memcpy(state->older_position, state->position_before, count * sizeof *state->older_position);
+    memcpy(state->older_velocity, state->velocity_next, count * sizeof *state->older_velocity);
+    state->older_is_known = true;
+    pel_sim_descent_accept(sim);
+}
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads", sim->step.dt);
+}
+
+const pel_stepper pel_step_implicit_kind = {
+    .has_velocity = true,
+    .is_at_end = true,
+    .turns_edges = true,
+    .moves_tools = true,
+    .create = create,
+    .step = step,
+    .read_tools = pel_sim_newton_read_tools,
+    .edge_energy = pel_sim_newton_edge_energy,
+    .get_held_force = pel_sim_newton_held_force,
+    .mark_contacts = pel_descent_contacts_mark,
+    .accept = accept,
+    .advise = advise,
+};

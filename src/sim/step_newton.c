@@ -1,0 +1,354 @@
+#include "sim/step_newton.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/tool.h"
+
+#include <string.h>
+
+/* runs of a step end in statics, and in a step in time, at this share of the forces that they began with */
+#define DYNAMIC_REDUCTION 1e-3
+/* of the diagonal of a preconditioner: what rounding in float may take */
+#define HELD_SHIFT 1e-7
+enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
+
+pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
+{
+    pel_sim_newton *newton = sim->descent->newton = pel_allocate(1, sizeof *newton);
+    if (newton == NULL)
+        return pel_fail_memory(error);
+    pel_status status = pel_newton_create(sim->model, sim->pool, &newton->newton, error);
+    if (status != PEL_OK)
+        return status;
+    size_t vertices = (size_t)sim->model->vertex_count;
+    size_t count = (size_t)pel_newton_pattern(newton->newton)->unknown_count;
+    newton->unknowns = pel_allocate(count, sizeof *newton->unknowns);
+    newton->target = pel_allocate(count, sizeof *newton->target);
+    newton->loads = pel_allocate(count, sizeof *newton->loads);
+    newton->fixed = pel_allocate(count, sizeof *newton->fixed);
+    newton->position = pel_allocate_aligned(vertices, sizeof *newton->position);
+    newton->force = pel_allocate_aligned(vertices, sizeof *newton->force);
+    bool room = newton->unknowns != NULL && newton->target != NULL && newton->loads != NULL && newton->fixed != NULL &&
+                newton->position != NULL && newton->force != NULL;
+    if (is_dynamic) {
+        newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
+        newton->points = pel_allocate(vertices, sizeof *newton->points);
+        room &= newton->point_stiffness != NULL && newton->points != NULL;
+    }
+    return room ? PEL_OK : pel_fail_memory(error);
+}
+
+void pel_sim_newton_destroy(pel_sim_newton *newton)
+{
+    if (newton == NULL)
+        return;
+    pel_newton_destroy(newton->newton);
+    void *arrays[] = {newton->unknowns, newton->target, newton->loads,           newton->fixed,
+                      newton->position, newton->force,  newton->point_stiffness, newton->points};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(newton);
+}
+
+/* ---- what goes in ---- */
+
+void pel_sim_newton_begin(pel_sim *sim)
+{
+    sim->descent->newton->goes_on = false;
+    sim->descent->newton->result = (pel_newton_result){0};
+}
+
+/* Vertices that stand elsewhere than where the last run left them; of edges what bends them least at the begin. */
+static void take_positions(pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    const pel_record *from = newton->goes_on ? sim->state->position_next : sim->state->position;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        bool is_held = sim->held != NULL && sim->held[v];
+        for (int k = 0; k < 3; k++) {
+            double *x = &newton->unknowns[3 * v + k];
+            newton->target[3 * v + k] = (double)sim->state->position_next[v][k];
+            newton->fixed[3 * v + k] = is_held;
+            if (!newton->goes_on || (!is_held && (pel_real)*x != from[v][k]))
+                *x = (double)from[v][k];
+        }
+    }
+    if (!newton->goes_on)
+        pel_tangent_settle_edges(pel_newton_tangent(newton->newton), newton->unknowns, NULL);
+    newton->goes_on = true;
+}
+
+static void find_loads(pel_sim *sim, double time)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    memset(newton->force, 0, (size_t)sim->model->vertex_count * sizeof *newton->force);
+    pel_loads_add(sim, time, newton->force);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            newton->loads[3 * v + k] = (double)newton->force[v][k];
+}
+
+/* ---- free bodies ---- */
+
+static bool is_held(const pel_sim *sim, int32_t v)
+{
+    return !(sim->model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v]);
+}
+
+static bool is_free(const pel_sim *sim, int32_t body)
+{
+    const pel_body *own = &sim->model->bodies[body];
+    for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
+        if (sim->model->mesh_vertex[v] >= 0 && is_held(sim, v))
+            return false;
+    return !own->has_volumetric;
+}
+
+static int largest_component(const double x[3])
+{
+    int largest = 0;
+    for (int k = 1; k < 3; k++)
+        largest = fabs(x[k]) > fabs(x[largest]) ? k : largest;
+    return largest;
+}
+
+static void way_between(const pel_sim_newton *newton, int32_t from, int32_t to, double way[3])
+{
+    pel_vec3_subtract(newton->unknowns + 3 * (size_t)to, newton->unknowns + 3 * (size_t)from, way);
+}
+
+/* the vertex farthest from one, or from the line along `axis` through it */
+static int32_t find_farthest(const pel_sim *sim, int32_t body, int32_t from, const double *axis)
+{
+    const pel_body *own = &sim->model->bodies[body];
+    double most = -1;
+    int32_t farthest = from;
+    for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+        double way[3], across[3];
+        if (sim->model->mesh_vertex[v] < 0)
+            continue;
+        way_between(sim->descent->newton, from, v, way);
+        if (axis != NULL)
+            pel_vec3_cross(axis, way, across);
+        double square = pel_vec3_squared_length(axis != NULL ? across : way);
+        if (square > most) {
+            most = square;
+            farthest = v;
+        }
+    }
+    return farthest;
+}
+
+static void fix(pel_sim_newton *newton, int32_t v, int k)
+{
+    newton->fixed[3 * v + k] = 1;
+    newton->target[3 * v + k] = newton->unknowns[3 * v + k];
+}
+
+/* A body that nothing holds, under loads in balance: six components of three vertices take its rigid motions away and
+   feel no force. All of one vertex; of a second one those across the way to it; of a third one that across their plane.
+ */
+static void support_free_body(pel_sim *sim, int32_t body)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
+    while (sim->model->mesh_vertex[first] < 0)
+        first++;
+    int32_t second = find_farthest(sim, body, first, NULL);
+    double axis[3], way[3], normal[3];
+    way_between(newton, first, second, axis);
+    int32_t third = find_farthest(sim, body, first, axis);
+    way_between(newton, first, third, way);
+    pel_vec3_cross(axis, way, normal);
+    for (int k = 0; k < 3; k++) {
+        fix(newton, first, k);
+        if (k != largest_component(axis))
+            fix(newton, second, k);
+    }
+    fix(newton, third, largest_component(normal));
+}
+
+/* ---- constraints ---- */
+
+static double evaluate_constraints(void *context, const double *unknowns, double *gradient)
+{
+    pel_sim *sim = context;
+    pel_sim_newton *newton = sim->descent->newton;
+    int32_t count = sim->model->vertex_count;
+    for (int32_t v = 0; v < count; v++)
+        for (int k = 0; k < 3; k++)
+            newton->position[v][k] = (pel_real)unknowns[3 * v + k];
+    memset(newton->force, 0, (size_t)count * sizeof *newton->force);
+    double energy = pel_descent_contacts_evaluate(sim, newton->position, newton->force);
+    for (int32_t v = 0; v < count; v++)
+        for (int k = 0; k < 3; k++)
+            gradient[3 * v + k] -= (double)newton->force[v][k];
+    return energy;
+}
+
+static void add_block(pel_matrix *matrix, int32_t i, int32_t j, double weight, const double stiffness[3][3])
+{
+    int32_t block = pel_matrix_block(matrix, i, j);
+    double *values = matrix->values + matrix->block_start[block];
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            values[a + 3 * b] += weight * stiffness[a][b];
+}
+
+/* pairs that the pattern has no block for are bounded by what stands on the diagonal */
+static void add_constraint(pel_matrix *matrix, const int32_t vertices[4], const double weights[4],
+                           const double stiffness[3][3])
+{
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            double weight = weights[i] * weights[j];
+            if (weight == 0)
+                continue;
+            if (pel_matrix_block(matrix, vertices[i], vertices[j]) >= 0)
+                add_block(matrix, vertices[i], vertices[j], weight, stiffness);
+            else
+                add_block(matrix, vertices[i], vertices[i], fabs(weight), stiffness);
+        }
+}
+
+static void add_constraints(void *context, pel_matrix *matrix)
+{
+    const pel_sim *sim = context;
+    const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        double along[3][3], across[3][3], weights[4];
+        if (pel_descent_contact_stiffness(sim, constraint, descent->newton->position, weights, along, across)) {
+            add_constraint(matrix, constraint->vertices, weights, (const double(*)[3])along);
+            add_constraint(matrix, constraint->vertices, constraint->weights, (const double(*)[3])across);
+        }
+    }
+}
+
+/* ---- a run ---- */
+
+static void add_result(pel_newton_result *sum, const pel_newton_result *run)
+{
+    pel_newton_result before = *sum;
+    *sum = *run;
+    sum->iterations += before.iterations;
+    sum->factors += before.factors;
+    sum->products += before.products;
+}
+
+pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
+                                   pel_descent_result *result, pel_error *error)
+{
+    pel_sim *sim = context->sim;
+    pel_sim_newton *newton = sim->descent->newton;
+    bool is_dynamic = newton->point_stiffness != NULL;
+    const pel_newton_terms terms = {sim, evaluate_constraints, add_constraints};
+    take_positions(sim);
+    find_loads(sim, context->time);
+    for (int32_t b = 0; b < sim->model->body_count && !is_dynamic && !context->is_constrained; b++)
+        if (is_free(sim, b))
+            support_free_body(sim, b);
+    const pel_newton_problem own = {
+        .time = context->time,
+        .state = sim->state,
+        .force = newton->loads,
+        .point_stiffness = newton->point_stiffness,
+        .points = (const double(*)[3])newton->points,
+        .fixed = newton->fixed,
+        .target = newton->target,
+        .terms = context->is_constrained ? &terms : NULL,
+        .tolerance = problem->tolerance,
+        .held_share = problem->held_share,
+        .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
+        .enough = is_dynamic ? HUGE_VAL : problem->enough,
+        .short_move = problem->short_move,
+        .iterations =
+            sim->solver.iterations > 0 ? sim->solver.iterations : (is_dynamic ? DYNAMIC_ITERATIONS : STATIC_ITERATIONS),
+        .keeps_factor = is_dynamic,
+        .is_dynamic = is_dynamic,
+    };
+    pel_newton_result run;
+    pel_status status = pel_newton_run(newton->newton, &own, newton->unknowns, &run, error);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
+            sim->state->position_next[v][k] = (pel_real)newton->unknowns[3 * v + k];
+    *result = (pel_descent_result){
+        .iterations = run.iterations,
+        .evaluations = run.iterations + 1,
+        .energy = run.energy,
+        .residual = run.residual,
+        .first_residual = run.first_residual,
+        .held_force = run.held_force,
+        .converged = run.converged,
+        .is_near = run.is_near,
+        .stuck = run.stuck,
+    };
+    add_result(&newton->result, &run);
+    return status;
+}
+
+/* ---- the preconditioner of descent ---- */
+
+bool pel_sim_newton_approximate(pel_descent_context *context)
+{
+    pel_sim *sim = context->sim;
+    pel_sim_newton *newton = sim->descent->newton;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (is_free(sim, b))
+            return false;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            newton->unknowns[3 * v + k] = newton->target[3 * v + k] = (double)sim->state->position_next[v][k];
+            newton->fixed[3 * v + k] = sim->held != NULL && sim->held[v];
+        }
+    const pel_newton_problem problem = {
+        .time = context->time,
+        .state = sim->state,
+        .fixed = newton->fixed,
+        .target = newton->target,
+    };
+    return pel_newton_approximate(newton->newton, &problem, newton->unknowns, HELD_SHIFT);
+}
+
+void pel_sim_newton_precondition(void *context, double *vector)
+{
+    const pel_descent_context *at = context;
+    pel_newton_precondition(at->sim->descent->newton->newton, vector);
+}
+
+/* ---- readings ---- */
+
+double pel_sim_newton_edge_energy(const pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    pel_tangent *tangent = pel_newton_tangent(newton->newton);
+    const pel_tangent_input input = {.unknowns = newton->unknowns, .time = pel_sim_time(sim), .state = sim->state};
+    if (pel_newton_pattern(newton->newton)->edge_count == 0)
+        return 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        pel_vertex_position(sim->state->position, v, newton->unknowns + 3 * (size_t)v);
+    pel_tangent_settle_edges(tangent, newton->unknowns, NULL);
+    newton->goes_on = false;
+    return pel_tangent_evaluate(tangent, &input, sim->pool, NULL).edges;
+}
+
+void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3])
+{
+    const double *gradient = pel_newton_gradient(sim->descent->newton->newton);
+    pel_vec3_scale(gradient + 3 * (size_t)v, -1, force);
+}
+
+void pel_sim_newton_read_tools(pel_sim *sim)
+{
+    pel_descent_contacts_read(sim);
+    for (int32_t t = 0; t < sim->tool_count; t++) {
+        pel_tool *tool = &sim->tools[t];
+        for (int32_t i = 0; i < tool->held_count; i++) {
+            int32_t v = tool->held[i];
+            double x[3], force[3];
+            pel_vertex_position(sim->state->position_next, v, x);
+            pel_sim_newton_held_force(sim, v, force);
+            pel_tool_add_grip(sim, tool, v, x, force);
+        }
+    }
+}

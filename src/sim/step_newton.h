@@ -1,0 +1,43 @@
+/* Newton's method inside of the minimisation of sim/descent.h: what the methods static and implicit share. */
+#ifndef PEL_SIM_STEP_NEWTON_H
+#define PEL_SIM_STEP_NEWTON_H
+
+#include "sim/descent.h"
+#include "solve/newton.h"
+
+struct pel_sim_newton {
+    pel_newton *newton;
+    double *unknowns;             /* (unknown_count) positions at the end of the step, and the xi of edges */
+    double *target;               /* (unknown_count) of fixed ones */
+    double *loads;                /* (unknown_count) N */
+    uint8_t *fixed;               /* (unknown_count) */
+    pel_record *position, *force; /* (vertex_count) what constraints see of the unknowns, and answer */
+    double *point_stiffness;      /* (vertex_count) N/m, inertia and drag; null in statics */
+    double (*points)[3];          /* (vertex_count) m */
+    bool is_damped;               /* drag, or damping of springs */
+    bool goes_on;                 /* the unknowns belong to the step in progress */
+    pel_newton_result result;     /* sum of the step */
+};
+
+/* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY, PEL_BAD_ARGUMENT. */
+pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error);
+void pel_sim_newton_destroy(pel_sim_newton *newton);
+
+/* before the first run of a step */
+void pel_sim_newton_begin(pel_sim *sim);
+/* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */
+pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
+                                   pel_descent_result *result, pel_error *error);
+/* Prepares the preconditioner of a minimisation without constraints from position_next; false where there is none: with
+   a body that nothing holds, rounding of forces would feed its rigid motions. */
+bool pel_sim_newton_approximate(pel_descent_context *context);
+/* a pel_descent_precondition; the context is that of the minimisation */
+void pel_sim_newton_precondition(void *context, double *vector);
+/* J, of mid-edge bending at the present positions, with the edges where they bend least */
+double pel_sim_newton_edge_energy(const pel_sim *sim);
+/* N, on a vertex that is fixed: what the bodies do to it */
+void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
+/* What tools feel: loads of constraints, and what holds grasped vertices. */
+void pel_sim_newton_read_tools(pel_sim *sim);
+
+#endif

@@ -1,0 +1,36 @@
+/* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
+#include "base/status.h"
+#include "sim/step_newton.h"
+
+static pel_status create(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_sim_descent_create(sim, pel_sim_newton_minimise, error);
+    return status == PEL_OK ? pel_sim_newton_create(sim, false, error) : status;
+}
+
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_sim_newton_begin(sim);
+    return pel_sim_descent_step(sim, result, error);
+}
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    (void)sim;
+    pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
+}
+
+const pel_stepper pel_step_static_kind = {
+    .is_at_end = true,
+    .turns_edges = true,
+    .moves_tools = true,
+    .create = create,
+    .check_start = pel_descent_check_start,
+    .step = step,
+    .read_tools = pel_sim_newton_read_tools,
+    .edge_energy = pel_sim_newton_edge_energy,
+    .get_held_force = pel_sim_newton_held_force,
+    .mark_contacts = pel_descent_contacts_mark,
+    .accept = pel_sim_descent_accept,
+    .advise = advise,
+};

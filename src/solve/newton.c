@@ -1,0 +1,690 @@
+#include "solve/newton.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "linear/pcg.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* full steps of mixed integration points without a new least residual, after which steps of least energy follow */
+enum { PATIENCE = 12 };
+/* no vertex goes farther than this share of the model's size in one step */
+#define LONGEST_SHARE 0.5
+/* fixed unknowns this near to their targets, of the size, are there: rounding */
+#define SHORT_SHARE 1e-12
+/* of conjugate gradients, relative */
+#define SOLVE_TOLERANCE 1e-8
+/* products with a new factor at most; with a kept one, more of them ask for a new one */
+enum { MOST_PRODUCTS = 200, KEPT_PRODUCTS = 8 };
+/* on the diagonal of a float factor near its limit of condition */
+#define FLOAT_SHIFT 1e-7
+/* a pivot in float, over its diagonal, that is below minus this is none of rounding */
+#define ROUGH_PIVOT 1e-3
+/* multiples of the masses: the first one, of the stiffness over mass; by how much they shrink and grow */
+#define FIRST_SHIFT 1e-2
+#define LEAST_SHIFT 1e-12
+#define MOST_SHIFT 1e3
+#define SHRINK 0.2
+#define GROW 4.0
+/* of the decrease that a step promises; changes below this share of the energy's parts may be rounding */
+#define DECREASE 1e-3
+#define ROUNDING 1e-13
+/* of the size, by which a balance that is no minimum is left */
+#define NUDGE 1e-7
+
+struct pel_newton {
+    const pel_model *model;
+    pel_pool *pool;
+    pel_tangent *tangent;
+    const pel_tangent_pattern *pattern;
+    pel_matrix *matrix;
+    pel_factor_plan *plan;
+    pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
+    pel_factor_precision precision;
+    bool has_factor, was_kept;
+    pel_pcg *pcg;
+    double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
+    double *walked;                                           /* (unknown_count) sum of the steps of a run */
+    double *stresses;                                         /* (stress_count) */
+    double *masses;                                           /* (unknown_count) kg, 0 on edges */
+    uint8_t *fixed;                                           /* (unknown_count) */
+    double size;                                              /* m, of the model */
+    double edge;                                              /* m, mean length of edges with an unknown */
+};
+
+/* one run */
+typedef struct newton_run {
+    pel_newton *newton;
+    const pel_newton_problem *problem;
+    double *unknowns;
+    pel_newton_result *result;
+    pel_error *error;
+    pel_status status;
+    pel_tangent_kind kind;
+    bool has_stresses;
+    double shift; /* 1/s2, of the masses */
+    double parts; /* J, sum of the sizes of the energy's parts */
+} newton_run;
+
+/* ---- creation ---- */
+
+static pel_status create_matrix(pel_newton *newton, pel_error *error)
+{
+    const pel_tangent_pattern *pattern = newton->pattern;
+    int32_t node_count = pattern->vertex_count + pattern->edge_count;
+    uint8_t *sizes = pel_allocate((size_t)node_count, 1);
+    if (sizes == NULL)
+        return pel_fail_memory(error);
+    for (int32_t n = 0; n < node_count; n++)
+        sizes[n] = n < pattern->vertex_count ? 3 : 1;
+    const pel_matrix_def def = {
+        .node_count = node_count,
+        .node_size = sizes,
+        .element_count = pattern->element_count,
+        .element_start = pattern->node_begin,
+        .element_node = pattern->nodes,
+        .element_kind = pattern->element_kind,
+    };
+    pel_status status = pel_matrix_create(&def, &newton->matrix, error);
+    pel_free(sizes);
+    return status;
+}
+
+static void edge_midpoint(const pel_newton *newton, int32_t e, double middle[3])
+{
+    const int32_t *ends = pel_tangent_edges_of(newton->tangent)[e].vertices;
+    for (int k = 0; k < 3; k++)
+        middle[k] = 0.5 * ((double)newton->model->rest[ends[0]][k] + (double)newton->model->rest[ends[1]][k]);
+}
+
+static pel_status create_plan(pel_newton *newton, pel_error *error)
+{
+    const pel_tangent_pattern *pattern = newton->pattern;
+    double(*places)[3] = pel_allocate((size_t)pattern->vertex_count + (size_t)pattern->edge_count, sizeof *places);
+    if (places == NULL)
+        return pel_fail_memory(error);
+    for (int32_t v = 0; v < pattern->vertex_count; v++)
+        pel_vertex_position(newton->model->rest, v, places[v]);
+    for (int32_t e = 0; e < pattern->edge_count; e++)
+        edge_midpoint(newton, e, places[pattern->vertex_count + e]);
+    pel_status status = pel_factor_plan_create(newton->matrix, (const double(*)[3])places, &newton->plan, error);
+    pel_free(places);
+    return status;
+}
+
+/* where the matrix of each element stands, masses, and lengths to compare with */
+static void measure(pel_newton *newton)
+{
+    const pel_model *model = newton->model;
+    const pel_tangent_pattern *pattern = newton->pattern;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, sum = 0;
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            newton->masses[3 * v + k] = (double)model->mass[v];
+            low[k] = fmin(low[k], (double)model->rest[v][k]);
+            high[k] = fmax(high[k], (double)model->rest[v][k]);
+        }
+    newton->size = pel_vec3_distance(low, high);
+    for (int32_t e = 0; e < pattern->edge_count; e++) {
+        const int32_t *ends = pel_tangent_edges_of(newton->tangent)[e].vertices;
+        double a[3], b[3];
+        pel_vertex_position(model->rest, ends[0], a);
+        pel_vertex_position(model->rest, ends[1], b);
+        sum += pel_vec3_distance(a, b);
+    }
+    newton->edge = pattern->edge_count > 0 ? sum / pattern->edge_count : 1;
+}
+
+static bool make_room(pel_newton *newton)
+{
+    const pel_tangent_pattern *pattern = newton->pattern;
+    size_t count = (size_t)pattern->unknown_count;
+    newton->stresses = pel_allocate((size_t)pattern->stress_count + 1, sizeof *newton->stresses);
+    newton->fixed = pel_allocate(count, 1);
+    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,  &newton->start,
+                          &newton->start_gradient, &newton->masses, &newton->walked};
+    bool room = newton->stresses != NULL && newton->fixed != NULL;
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
+    return room;
+}
+
+pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error)
+{
+    *newton = NULL;
+    pel_newton *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->model = model;
+    made->pool = pool;
+    made->precision = PEL_FACTOR_FLOAT;
+    pel_status status = pel_tangent_create(model, &made->tangent, error);
+    if (status == PEL_OK) {
+        made->pattern = pel_tangent_pattern_of(made->tangent);
+        status = make_room(made) ? create_matrix(made, error) : pel_fail_memory(error);
+    }
+    if (status == PEL_OK)
+        status = create_plan(made, error);
+    if (status == PEL_OK)
+        status = pel_factor_create(made->plan, PEL_FACTOR_FLOAT, &made->factors[PEL_FACTOR_FLOAT], error);
+    if (status == PEL_OK)
+        status = pel_pcg_create(made->pattern->unknown_count, &made->pcg, error);
+    if (status != PEL_OK) {
+        pel_newton_destroy(made);
+        return status;
+    }
+    measure(made);
+    *newton = made;
+    return PEL_OK;
+}
+
+void pel_newton_destroy(pel_newton *newton)
+{
+    if (newton == NULL)
+        return;
+    pel_pcg_destroy(newton->pcg);
+    for (int p = 0; p < 2; p++)
+        pel_factor_destroy(newton->factors[p]);
+    pel_factor_plan_destroy(newton->plan);
+    pel_matrix_destroy(newton->matrix);
+    pel_tangent_destroy(newton->tangent);
+    void *arrays[] = {newton->gradient,       newton->right,    newton->step,  newton->start, newton->masses,
+                      newton->start_gradient, newton->stresses, newton->fixed, newton->walked};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
+    pel_free(newton);
+}
+
+const pel_tangent_pattern *pel_newton_pattern(const pel_newton *newton)
+{
+    return newton->pattern;
+}
+
+pel_tangent *pel_newton_tangent(const pel_newton *newton)
+{
+    return newton->tangent;
+}
+
+const double *pel_newton_gradient(const pel_newton *newton)
+{
+    return newton->gradient;
+}
+
+pel_factor_cost pel_newton_cost(const pel_newton *newton)
+{
+    return pel_factor_plan_cost(newton->plan);
+}
+
+/* ---- energy, forces, matrix ---- */
+
+/* loads are constant forces on positions and moments on edges; a moment has no part in the energy */
+static double add_loads(const newton_run *run)
+{
+    const pel_newton *newton = run->newton;
+    const double *force = run->problem->force;
+    double sum = 0;
+    for (int32_t u = 0; force != NULL && u < newton->pattern->unknown_count; u++) {
+        newton->gradient[u] -= force[u];
+        if (u < 3 * newton->pattern->vertex_count)
+            sum -= force[u] * (run->unknowns[u] - (double)newton->model->rest[u / 3][u % 3]);
+    }
+    return sum;
+}
+
+/* a moment as the force that it is at the end of an edge */
+static double force_of(const pel_newton *newton, int32_t u)
+{
+    return u < 3 * newton->pattern->vertex_count ? newton->gradient[u] : newton->gradient[u] / newton->edge;
+}
+
+static void measure_forces(const newton_run *run)
+{
+    const pel_newton *newton = run->newton;
+    double free = 0, held = 0;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
+        double force = force_of(newton, u);
+        *(newton->fixed[u] ? &held : &free) += force * force;
+    }
+    run->result->residual = sqrt(free);
+    run->result->held_force = sqrt(held);
+}
+
+/* energy and gradient at the unknowns */
+static void evaluate(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    const pel_newton_problem *problem = run->problem;
+    const pel_tangent_input input = {
+        .unknowns = run->unknowns,
+        .time = problem->time,
+        .state = problem->state,
+        .kind = run->kind,
+        .stresses = run->has_stresses ? newton->stresses : NULL,
+        .point_stiffness = problem->point_stiffness,
+        .points = problem->points,
+    };
+    pel_tangent_energy energy = pel_tangent_evaluate(newton->tangent, &input, newton->pool, newton->gradient);
+    double loads = add_loads(run), terms = 0;
+    if (problem->terms != NULL)
+        terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
+    run->parts = fabs(energy.membrane) + fabs(energy.fibres) + fabs(energy.bending) + fabs(energy.edges) +
+                 fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) + fabs(terms);
+    run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms;
+    measure_forces(run);
+}
+
+static bool is_finite(const newton_run *run)
+{
+    return isfinite(run->result->energy) && isfinite(run->result->residual) && isfinite(run->result->held_force);
+}
+
+/* what fixed unknowns have before them */
+static double way_to_target(const newton_run *run, int32_t u)
+{
+    const pel_newton *newton = run->newton;
+    bool is_position = u < 3 * newton->pattern->vertex_count;
+    if (run->problem->fixed == NULL || !run->problem->fixed[u])
+        return 0;
+    return run->problem->target[u] - (is_position ? run->unknowns[u] : newton->walked[u]);
+}
+
+/* ---- linear systems ---- */
+
+/* y += sum of coefficient g (g . x) over bodies with a gas or a kept volume, on unknowns that move */
+static void add_rank_ones(void *context, pel_pool *pool, const double *x, double *y)
+{
+    const pel_newton *newton = context;
+    (void)pool;
+    for (int32_t r = 0; r < newton->pattern->rank_one_count; r++) {
+        const pel_rank_one *one = &newton->pattern->rank_ones[r];
+        const int32_t begin = 3 * one->first_vertex, count = 3 * one->vertex_count;
+        double product = 0;
+        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
+            product += newton->fixed[begin + i] ? 0 : one->gradient[i] * x[begin + i];
+        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
+            y[begin + i] += newton->fixed[begin + i] ? 0 : one->coefficient * product * one->gradient[i];
+    }
+}
+
+/* what the ways of fixed unknowns do through these */
+static void shift_rank_ones(const newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    for (int32_t r = 0; r < newton->pattern->rank_one_count; r++) {
+        const pel_rank_one *one = &newton->pattern->rank_ones[r];
+        const int32_t begin = 3 * one->first_vertex, count = 3 * one->vertex_count;
+        double product = 0;
+        for (int32_t i = 0; i < count; i++)
+            product += newton->fixed[begin + i] ? one->gradient[i] * newton->step[begin + i] : 0;
+        for (int32_t i = 0; i < count; i++)
+            newton->right[begin + i] -= newton->fixed[begin + i] ? 0 : one->coefficient * product * one->gradient[i];
+    }
+}
+
+static bool has_volume_terms(const pel_newton *newton)
+{
+    for (int32_t r = 0; r < newton->pattern->rank_one_count; r++)
+        if (newton->pattern->rank_ones[r].coefficient > 0)
+            return true;
+    return false;
+}
+
+/* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
+static void assemble(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
+    if (run->problem->terms != NULL)
+        run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
+    if (run->shift > 0)
+        pel_matrix_add_diagonal(newton->matrix, run->shift, newton->masses);
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
+        newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
+        newton->right[u] = newton->fixed[u] ? 0 : -newton->gradient[u];
+    }
+    shift_rank_ones(run);
+    pel_matrix_fix(newton->matrix, newton->pool, newton->fixed, newton->step, newton->right);
+}
+
+static bool compute_factor(newton_run *run, double shift, double *pivot)
+{
+    pel_newton *newton = run->newton;
+    pel_factor_result made =
+        pel_factor_compute(newton->factors[newton->precision], newton->matrix, shift, newton->pool);
+    run->result->factors++;
+    newton->has_factor = made.positive_definite;
+    *pivot = made.pivot;
+    return made.positive_definite;
+}
+
+/* in float, with a little on the diagonal, then in double from now on; false where the matrix is not positive */
+static bool make_factor(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    double pivot;
+    if (compute_factor(run, 0, &pivot))
+        return true;
+    if (newton->precision == PEL_FACTOR_DOUBLE || pivot < -ROUGH_PIVOT)
+        return false;
+    if (compute_factor(run, FLOAT_SHIFT, &pivot))
+        return true;
+    if (pivot < -ROUGH_PIVOT)
+        return false;
+    run->status = pel_factor_create(newton->plan, PEL_FACTOR_DOUBLE, &newton->factors[PEL_FACTOR_DOUBLE], run->error);
+    if (run->status != PEL_OK)
+        return false;
+    newton->precision = PEL_FACTOR_DOUBLE;
+    return compute_factor(run, 0, &pivot);
+}
+
+static pel_pcg_result solve(newton_run *run, int32_t products)
+{
+    pel_newton *newton = run->newton;
+    const pel_pcg_def def = {
+        .matrix = newton->matrix,
+        .add_product = has_volume_terms(newton) ? add_rank_ones : NULL,
+        .added = newton,
+        .precondition = pel_factor_solve,
+        .preconditioner = newton->factors[newton->precision],
+        .tolerance = SOLVE_TOLERANCE,
+        .iterations = products,
+    };
+    pel_pcg_result solved = pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step);
+    run->result->products += solved.iterations;
+    return solved;
+}
+
+/* The step of the matrix; false where that is not positive definite. */
+static bool find_step(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    assemble(run);
+    if (run->problem->keeps_factor && newton->has_factor) {
+        newton->was_kept = true;
+        if (solve(run, KEPT_PRODUCTS).end == PEL_PCG_CONVERGED)
+            return true;
+        for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+            newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
+    }
+    newton->was_kept = false;
+    if (!make_factor(run))
+        return false;
+    pel_pcg_end end = solve(run, MOST_PRODUCTS).end;
+    return end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT;
+}
+
+/* ---- steps ---- */
+
+static double longest_move(const pel_newton *newton)
+{
+    double longest = 0;
+    for (int32_t v = 0; v < newton->pattern->vertex_count; v++)
+        longest = fmax(longest, pel_vec3_length(newton->step + 3 * (size_t)v));
+    return longest;
+}
+
+/* goes along the step, as far as that is good for; returns the share of it */
+static double go(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    double longest = longest_move(newton), limit = LONGEST_SHARE * newton->size;
+    double scale = longest > limit ? limit / longest : 1;
+    pel_tangent_advance(newton->tangent, run->unknowns, newton->step, scale, newton->pool);
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        newton->walked[u] += scale * newton->step[u];
+    run->result->iterations++;
+    return scale;
+}
+
+static bool has_converged(newton_run *run)
+{
+    const pel_newton_problem *problem = run->problem;
+    pel_newton_result *result = run->result;
+    for (int32_t u = 0; u < run->newton->pattern->unknown_count; u++)
+        if (run->newton->fixed[u] && fabs(way_to_target(run, u)) > SHORT_SHARE * run->newton->size)
+            return false;
+    double held = problem->held_share * result->held_force;
+    bool reduced = result->residual <= problem->reduction * result->first_residual;
+    result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held) ||
+                        (reduced && result->residual <= problem->enough);
+    return result->converged;
+}
+
+static void extrapolate(newton_run *run, double scale)
+{
+    pel_newton *newton = run->newton;
+    const pel_tangent_input input = {
+        .unknowns = run->unknowns,
+        .time = run->problem->time,
+        .state = run->problem->state,
+    };
+    for (int32_t u = 0; scale < 1 && u < newton->pattern->unknown_count; u++)
+        newton->right[u] = scale * newton->step[u];
+    pel_tangent_extrapolate(newton->tangent, &input, scale < 1 ? newton->right : newton->step, newton->pool,
+                            newton->stresses);
+    run->has_stresses = true;
+}
+
+/* Full steps of mixed integration points. False where they lead nowhere. */
+static bool go_full_steps(newton_run *run)
+{
+    pel_newton_result *result = run->result;
+    double best = HUGE_VAL;
+    int since = 0;
+    for (;;) {
+        run->kind = PEL_TANGENT_EXACT;
+        evaluate(run);
+        if (!is_finite(run))
+            return false;
+        if (result->iterations == 0)
+            result->first_residual = result->residual;
+        if (has_converged(run) || result->iterations >= run->problem->iterations)
+            return true;
+        since = result->residual < best ? 0 : since + 1;
+        best = fmin(best, result->residual);
+        if (since > PATIENCE)
+            return false;
+        if (!find_step(run)) {
+            run->kind = PEL_TANGENT_POSITIVE;
+            run->has_stresses = false;
+            evaluate(run);
+            if (run->status != PEL_OK || !find_step(run))
+                return false;
+        }
+        double longest = longest_move(run->newton);
+        double scale = fmin(1, LONGEST_SHARE * run->newton->size / fmax(longest, DBL_MIN));
+        extrapolate(run, scale);
+        go(run);
+        if (longest <= run->problem->short_move && scale == 1) {
+            evaluate(run);
+            has_converged(run);
+            result->converged = result->is_near = is_finite(run);
+            return result->converged;
+        }
+    }
+}
+
+/* ---- steps of least energy ---- */
+
+/* stiffness over mass, a bound of what the shift has to do with */
+static double stiffness_scale(const pel_newton *newton)
+{
+    double stiffness = 0, mass = 0;
+    for (int32_t v = 0; v < newton->pattern->vertex_count; v++) {
+        int32_t block = pel_matrix_block(newton->matrix, v, v);
+        const double *diagonal = newton->matrix->values + newton->matrix->block_start[block];
+        if (newton->fixed[3 * v])
+            continue;
+        stiffness += diagonal[0] + diagonal[4] + diagonal[8];
+        mass += 3 * newton->masses[3 * v];
+    }
+    return stiffness / mass;
+}
+
+static double slope_of(const pel_newton *newton)
+{
+    double slope = 0;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        slope += newton->fixed[u] ? 0 : newton->start_gradient[u] * newton->step[u];
+    return slope;
+}
+
+/* The least shift, from the present one, under which the matrix is positive; false beyond the largest. */
+static bool find_shifted_step(newton_run *run, double most)
+{
+    while (run->shift <= most) {
+        if (find_step(run))
+            return true;
+        if (run->status != PEL_OK)
+            return false;
+        run->shift = fmax(GROW * run->shift, LEAST_SHIFT * most);
+    }
+    return false;
+}
+
+/* One step downhill from the last evaluation; false where there is none. */
+static bool go_downhill(newton_run *run, double most)
+{
+    pel_newton *newton = run->newton;
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    double energy = run->result->energy, residual = run->result->residual, parts = run->parts;
+    memcpy(newton->start, run->unknowns, bytes);
+    memcpy(newton->start_gradient, newton->gradient, bytes);
+    while (find_shifted_step(run, most)) {
+        double slope = slope_of(newton);
+        go(run);
+        evaluate(run);
+        double fall = energy - run->result->energy;
+        if (is_finite(run) && (fall >= -DECREASE * slope - ROUNDING * parts ||
+                               (fall >= -ROUNDING * parts && run->result->residual < residual))) {
+            run->shift = run->shift > LEAST_SHIFT * most ? SHRINK * run->shift : 0;
+            return true;
+        }
+        memcpy(run->unknowns, newton->start, bytes);
+        evaluate(run);
+        run->shift = fmax(GROW * run->shift, LEAST_SHIFT * most);
+        if (run->result->iterations >= run->problem->iterations)
+            return false;
+    }
+    return false;
+}
+
+/* fixed unknowns are at their targets from here on */
+static void go_to_targets(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
+        newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
+        newton->walked[u] += newton->step[u];
+    }
+    pel_tangent_advance(newton->tangent, run->unknowns, newton->step, 1, newton->pool);
+}
+
+static void go_down(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    run->kind = PEL_TANGENT_EXACT;
+    run->has_stresses = false;
+    go_to_targets(run);
+    evaluate(run);
+    assemble(run);
+    double most = MOST_SHIFT * stiffness_scale(newton);
+    run->shift = FIRST_SHIFT / MOST_SHIFT * most;
+    while (run->status == PEL_OK && !has_converged(run) && run->result->iterations < run->problem->iterations)
+        if (!go_downhill(run, most)) {
+            run->result->stuck = run->status == PEL_OK;
+            break;
+        }
+    run->shift = 0;
+}
+
+/* ---- stability ---- */
+
+/* the exact tangent at the end has a factor */
+static bool is_stable(newton_run *run)
+{
+    run->kind = PEL_TANGENT_EXACT;
+    run->has_stresses = false;
+    run->shift = 0;
+    evaluate(run);
+    assemble(run);
+    return make_factor(run);
+}
+
+/* A small move of all free vertices, always the same; the steps downhill find where it grows. */
+static void nudge(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    uint32_t random = 1;
+    for (int32_t u = 0; u < 3 * newton->pattern->vertex_count; u++) {
+        random = random * 1664525u + 1013904223u;
+        if (!newton->fixed[u])
+            run->unknowns[u] += NUDGE * newton->size * ((double)(random >> 8) / (1 << 23) - 1);
+    }
+}
+
+/* ---- a run ---- */
+
+static void fix_unknowns(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    bool changed = false;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
+        bool is_vertex = u < 3 * newton->pattern->vertex_count;
+        bool rests = is_vertex && !(newton->model->inverse_mass[u / 3] > 0);
+        uint8_t fixed = rests || (run->problem->fixed != NULL && run->problem->fixed[u]);
+        changed |= fixed != newton->fixed[u];
+        newton->fixed[u] = fixed;
+        newton->walked[u] = 0;
+    }
+    if (changed)
+        newton->has_factor = false;
+}
+
+pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
+                          pel_newton_result *result, pel_error *error)
+{
+    newton_run run = {.newton = newton, .problem = problem, .unknowns = unknowns, .result = result, .error = error};
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    *result = (pel_newton_result){0};
+    fix_unknowns(&run);
+    memcpy(newton->start, unknowns, bytes);
+    if (!go_full_steps(&run) && run.status == PEL_OK) {
+        memcpy(unknowns, newton->start, bytes);
+        memset(newton->walked, 0, bytes);
+        go_down(&run);
+    }
+    if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK) {
+        result->unstable = true;
+        nudge(&run);
+        go_down(&run);
+        result->unstable = !result->converged || !is_stable(&run);
+    }
+    return run.status;
+}
+
+/* ---- a preconditioner ---- */
+
+bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns, double shift)
+{
+    pel_newton_result result = {0};
+    memcpy(newton->start, unknowns, (size_t)newton->pattern->unknown_count * sizeof *unknowns);
+    newton_run run = {.newton = newton, .problem = problem, .unknowns = newton->start, .result = &result};
+    run.kind = PEL_TANGENT_POSITIVE;
+    double pivot;
+    fix_unknowns(&run);
+    evaluate(&run);
+    assemble(&run);
+    return compute_factor(&run, shift, &pivot);
+}
+
+void pel_newton_precondition(pel_newton *newton, double *vector)
+{
+    size_t vertices = 3 * (size_t)newton->pattern->vertex_count;
+    memcpy(newton->right, vector, vertices * sizeof *vector);
+    memset(newton->right + vertices, 0, (size_t)newton->pattern->edge_count * sizeof *vector);
+    pel_factor_solve(newton->factors[newton->precision], newton->pool, newton->right, newton->step);
+    memcpy(vector, newton->step, vertices * sizeof *vector);
+}

@@ -1,0 +1,87 @@
+/* Newton's method on the balance of forces of a model: states of rest, and steps in time, where inertia is a spring of
+   each vertex to a point (theory page, section 16).
+
+   The tangent is that of mixed integration points: its geometric part takes the stresses that the last step promised.
+   It goes in full steps and gets by with some ten of them where membrane and bending stiffness are far apart, but
+   nothing makes it go downhill. Where it finds no end, steps of least energy follow: the tangent plus a multiple of
+   the masses (a step of implicit Euler from rest, of Levenberg and Marquardt), smaller whenever the energy falls. Those
+   end in a minimum; a balance whose exact tangent is not positive definite is left along them.
+
+   Linear systems are solved by conjugate gradients with a Cholesky factor in float, in double where float does not
+   carry; the factor may be kept from one run to the next. */
+#ifndef PEL_SOLVE_NEWTON_H
+#define PEL_SOLVE_NEWTON_H
+
+#include "force/tangent.h"
+#include "linear/factor.h"
+
+/* What the caller adds to the energy of the model: contacts, friction. */
+typedef struct pel_newton_terms {
+    void *context;
+    /* Energy [J] at unknowns; adds its gradient. */
+    double (*evaluate)(void *context, const double *unknowns, double *gradient);
+    /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. Pairs
+       of vertices that it has no block for are to stand on the diagonal, with what bounds them. */
+    void (*add_matrix)(void *context, pel_matrix *matrix);
+} pel_newton_terms;
+
+typedef struct pel_newton_problem {
+    double time;            /* of keyed curves */
+    const pel_state *state; /* factors of keyed parameters */
+    const double *force;    /* (unknown_count) N, loads that stay; null = none */
+    /* inertia: springs of the vertices to points; both null in statics */
+    const double *point_stiffness; /* (vertex_count) N/m */
+    const double (*points)[3];     /* (vertex_count) m */
+    const uint8_t *fixed;          /* (unknown_count) 1 = goes to its target and stays there */
+    const double *target;          /* (unknown_count) of positions where fixed [m]; of psi its increment in this run */
+    const pel_newton_terms *terms; /* null = none */
+    double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
+    double held_share; /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double reduction;  /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double enough;     /* N, when it is no more than this */
+    double short_move; /* m, and after a full step in which no vertex goes farther than this */
+    int32_t iterations;
+    bool keeps_factor; /* conjugate gradients with an older factor, while they need few iterations */
+    bool is_dynamic;   /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
+} pel_newton_problem;
+
+typedef struct pel_newton_result {
+    int32_t iterations; /* linear systems solved */
+    int32_t factors, products;
+    double energy;         /* J, terms, loads and inertia included */
+    double residual;       /* N, root of the sum of squares of all forces */
+    double first_residual; /* N, that at the start, held vertices at their targets apart */
+    double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
+    bool converged;
+    bool is_near;  /* by short_move */
+    bool stuck;    /* no step makes the energy fall: as near as rounding allows */
+    bool unstable; /* the balance that was found is no minimum */
+} pel_newton_result;
+
+typedef struct pel_newton pel_newton;
+
+/* Pattern, order and room for a model whose surface stays. PEL_BAD_ARGUMENT as pel_tangent_create;
+   PEL_OUT_OF_MEMORY, with the size that the factor needs. */
+pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error);
+void pel_newton_destroy(pel_newton *newton);
+
+const pel_tangent_pattern *pel_newton_pattern(const pel_newton *newton);
+pel_tangent *pel_newton_tangent(const pel_newton *newton);
+/* (unknown_count) N, the gradient at the end of the last run: the reactions where unknowns are fixed */
+const double *pel_newton_gradient(const pel_newton *newton);
+pel_factor_cost pel_newton_cost(const pel_newton *newton);
+
+/* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates nothing, but once where
+   a factor in double is needed: PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
+                          pel_newton_result *result, pel_error *error);
+
+/* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
+   terms, fixed as in the problem, shift on the diagonal as in pel_factor_compute: for what no energy holds. False where
+   it has no factor. pel_newton_precondition multiplies a vector (3 vertex_count) by its inverse, with edges free to
+   follow. */
+bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns,
+                            double shift);
+void pel_newton_precondition(pel_newton *newton, double *vector);
+
+#endif
