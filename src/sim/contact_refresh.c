@@ -54,9 +54,15 @@ static void load_point(const refresh_job *job, int32_t point, double x[3])
         pel_vec3_copy(contacts->substep_end[point - contacts->place_count], x);
 }
 
-/* whether a direction from an edge a, b leads away from both its triangles */
-static bool leads_away(const refresh_job *job, int32_t edge, const double a[3], const double b[3],
-                       const double direction[3])
+static bool has_point(const pel_contact_key *key, int32_t point)
+{
+    return key->points[0] == point || key->points[1] == point || key->points[2] == point || key->points[3] == point;
+}
+
+/* Whether a direction from an edge a, b leads away from both its triangles. A triangle that has a vertex of the pair
+   makes no pair with it: where it collapses, the edge alone stops the pair. */
+static bool leads_away(const refresh_job *job, const pel_contact_key *key, int32_t edge, const double a[3],
+                       const double b[3], const double direction[3])
 {
     const pel_tree *tree = pel_collider_tree(job->sim->contacts->collider);
     double along[3], square;
@@ -64,7 +70,7 @@ static bool leads_away(const refresh_job *job, int32_t edge, const double a[3], 
     square = pel_vec3_squared_length(along);
     for (int i = 0; i < 2; i++) {
         double inward[3];
-        if (tree->opposite[edge][i] < 0 || !(square > 0))
+        if (tree->opposite[edge][i] < 0 || !(square > 0) || has_point(key, tree->opposite[edge][i]))
             continue;
         load_point(job, tree->opposite[edge][i], inward);
         pel_vec3_subtract(inward, a, inward);
@@ -76,13 +82,13 @@ static bool leads_away(const refresh_job *job, int32_t edge, const double a[3], 
 }
 
 /* whether the direction to a vertex before the border of a triangle leads away from the triangles across that border */
-static bool leads_away_from_border(const refresh_job *job, int32_t triangle, double x[4][3], const double w[3],
-                                   const double direction[3])
+static bool leads_away_from_border(const refresh_job *job, const pel_contact_key *key, double x[4][3],
+                                   const double w[3], const double direction[3])
 {
     const pel_tree *tree = pel_collider_tree(job->sim->contacts->collider);
     for (int i = 0; i < 3; i++)
         if (w[(i + 2) % 3] <= INSIDE &&
-            !leads_away(job, tree->triangle_edges[triangle][i], x[1 + i], x[1 + (i + 1) % 3], direction))
+            !leads_away(job, key, tree->triangle_edges[key->second][i], x[1 + i], x[1 + (i + 1) % 3], direction))
             return false;
     return true;
 }
@@ -144,7 +150,7 @@ static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pe
     }
     if (square > 0 && pel_vec3_dot(way, normal) > 0)
         pel_vec3_scale(way, 1 / sqrt(square), normal);
-    key->is_off = is_border && !leads_away_from_border(job, key->second, x, w, normal);
+    key->is_off = is_border && !leads_away_from_border(job, key, x, w, normal);
 }
 
 /* the same for two edges */
@@ -164,8 +170,8 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
     else
         key->has_side = false;
     pel_vec3_scale(cross, -1, back);
-    key->is_off = !is_inside || !leads_away(job, key->first, x[0], x[1], back) ||
-                  !leads_away(job, key->second, x[2], x[3], cross);
+    key->is_off = !is_inside || !leads_away(job, key, key->first, x[0], x[1], back) ||
+                  !leads_away(job, key, key->second, x[2], x[3], cross);
     for (int i = 0; i < 4; i++)
         weights[i] = i < 2 ? w[i] : -w[i];
     for (int k = 0; k < 3; k++)
@@ -212,10 +218,10 @@ static void check_impact(const refresh_job *job, double x[4][3], pel_contact_key
         w[k] = key->edge_edge ? 0 : fabs(key->place[k + 1]);
     }
     if (key->edge_edge)
-        key->is_off =
-            !leads_away(job, key->first, x[0], x[1], back) || !leads_away(job, key->second, x[2], x[3], normal);
+        key->is_off = !leads_away(job, key, key->first, x[0], x[1], back) ||
+                      !leads_away(job, key, key->second, x[2], x[3], normal);
     else
-        key->is_off = !leads_away_from_border(job, key->second, x, w, normal);
+        key->is_off = !leads_away_from_border(job, key, x, w, normal);
     if (key->is_off)
         contact->separation = (pel_real)-HUGE_VAL;
 }
@@ -275,7 +281,7 @@ void pel_contacts_refresh(pel_sim *sim, const pel_record *start)
     pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
 }
 
-/* where the features of a pair are no bumps at the start of the step; the guard minds impacts that it leaves out */
+/* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */
 static bool acts_at_start(const refresh_job *job, int32_t c)
 {
     pel_contact_key key = job->sim->contacts->keys[c];

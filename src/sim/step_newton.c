@@ -14,6 +14,12 @@ enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
+    if (sim->active != NULL) {
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "a body refines: the matrix of Newton's method belongs to a surface that stays");
+        pel_fail_remedy(error, "leave refine out, or take method descent or xpbd");
+        return PEL_BAD_ARGUMENT;
+    }
     pel_sim_newton *newton = sim->descent->newton = pel_allocate(1, sizeof *newton);
     if (newton == NULL)
         return pel_fail_memory(error);

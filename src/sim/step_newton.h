@@ -19,7 +19,8 @@ struct pel_sim_newton {
     pel_newton_result result;     /* sum of the step */
 };
 
-/* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY, PEL_BAD_ARGUMENT. */
+/* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY; PEL_BAD_ARGUMENT for bodies that refine,
+   and as pel_newton_create. */
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error);
 void pel_sim_newton_destroy(pel_sim_newton *newton);
 
