@@ -61,6 +61,7 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
 void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->descent->newton->goes_on = false;
+    pel_newton_forget(sim->descent->newton->newton);
     sim->descent->newton->result = (pel_newton_result){0};
 }
 
