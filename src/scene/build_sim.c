@@ -383,6 +383,8 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     if (status == PEL_OK)
         status = read_tools(reader, root, &store, scene);
     if (status == PEL_OK)
+        status = pel_scene_build_supports(reader, bodies, scene);
+    if (status == PEL_OK)
         status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;
 }

@@ -122,7 +122,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         status = keep_apart(sim, next, longest, error);
     if (status != PEL_OK)
         return status;
-    pel_supports_read(sim);
+    pel_supports_read(sim, next);
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(sim->state);
