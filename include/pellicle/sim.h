@@ -53,8 +53,9 @@ typedef struct pel_solver_def {
 
 /* What a load's force means. */
 typedef enum pel_load_kind {
-    PEL_LOAD_TOTAL,     /* N, shared out evenly over the vertices of the load */
-    PEL_LOAD_PER_VERTEX /* N on each of them */
+    PEL_LOAD_TOTAL,      /* N, shared out evenly over the vertices of the load */
+    PEL_LOAD_PER_VERTEX, /* N on each of them */
+    PEL_LOAD_PER_LENGTH  /* N/m at rest, on boundary edges with both ends among them; half of each edge to each end */
 } pel_load_kind;
 
 /* A force on some vertices during some time. */

@@ -65,7 +65,7 @@ static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, co
 {
     *load = pel_load_def_default();
     load->name = pel_scene_value_entry(value, "name")->text;
-    load->kind = pel_scene_value_integer(value, "per") == 0 ? PEL_LOAD_TOTAL : PEL_LOAD_PER_VERTEX;
+    load->kind = (pel_load_kind)pel_scene_value_integer(value, "per"); /* in the order of the words in the table */
     pel_scene_value_numbers(pel_scene_value_entry(value, "force"), load->force);
     pel_status status = fill_body(reader, value, model);
     if (status == PEL_OK)

@@ -438,7 +438,8 @@ static double longest_way(const pel_sim_contacts *contacts)
     for (int32_t p = 0; p < contacts->point_count; p++) {
         double way[3];
         pel_vec3_subtract(contacts->end[p], contacts->start[p], way);
-        square = fmax(square, pel_vec3_squared_length(way));
+        double own = pel_vec3_squared_length(way);
+        square = own > square ? own : square;
     }
     return sqrt(square);
 }

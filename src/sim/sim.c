@@ -83,8 +83,7 @@ static pel_status solve(pel_sim *sim, double next, double *longest, pel_error *e
     update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
     pel_status status = stepper->step(sim, &result, error);
     /* nothing bounds how far some methods go: what tools look for goes by the new edges */
-    if (status == PEL_OK && !result.diverged && !stepper->bounds_motion &&
-        (sim->tool_count > 0 || sim->contacts != NULL))
+    if (status == PEL_OK && !result.diverged && !stepper->bounds_motion && sim->tool_count > 0)
         result.longest = pel_sim_longest_edge(sim);
     *longest = result.longest;
     if (status == PEL_OK && result.diverged)

@@ -71,6 +71,7 @@ typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;                         /* of a mesh: the sphere about it */
     double press_margin;                     /* m, the largest distance from a body that it keeps */
+    pel_real look_box[2][3];                 /* low, high: about what the criterion of tools looks at in this step */
     double friction, restitution, thickness; /* its own; below 0: that of contact */
     pel_mesh *mesh;                          /* null = the solid */
     struct pel_mesh_query *query;            /* of a mesh that grasps: what is inside of it or near; else null */
@@ -417,6 +418,8 @@ typedef struct pel_verdict {
     bool warm;       /* a measure is above its lower threshold */
 } pel_verdict;
 
+/* Before the slices of a body are looked at in a step. */
+void pel_refine_criterion_begin(pel_sim *sim, int32_t body);
 /* the criteria at the vertices of a slice of a body, whose def uses any of them */
 void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
                                 pel_verdict verdicts[PEL_WIDTH]);

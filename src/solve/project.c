@@ -244,7 +244,7 @@ static void predict_vertex(const vertex_job *job, int32_t v, const double *facto
     pel_record next = from.base + tau * from.velocity + push;
     if (job->projector->reaction != NULL && job->projector->is_fixed[v])
         job->projector->reaction[v] += force;
-    job->force[v] = pel_wide_splat(0);
+    job->force[v] = (pel_record){0};
     bool is_dragged = w > 0 && massive_drag(job->projector) > 0;
     if (is_dragged || (job->projector->is_held && is_held(model, v)))
         next = hold_back(job, v, factors, x, &from, push, &w);
