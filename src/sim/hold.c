@@ -361,7 +361,7 @@ static bool find_free_motion(motion *m, double free[6])
                 pivot = i;
         if (!(m->squares[pivot][pivot] > 1e-10 * largest)) {
             for (int i = 0; i < 6; i++)
-                free[i] = done[i] ? -m->squares[i][pivot] : i == pivot;
+                free[i] = done[i] ? 0 - m->squares[i][pivot] : i == pivot;
             return true;
         }
         done[pivot] = true;
@@ -385,10 +385,16 @@ static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motio
     for (int k = 0; k < 3; k++)
         turn[k] = free[3 + k] / m->size;
     pel_vec3_copy(free, way);
+    for (int k = 0; k < 3; k++) {
+        way[k] = fabs(way[k]) < 1e-6 ? 0 : way[k];
+        turn[k] = fabs(turn[k]) * m->size < 1e-6 ? 0 : turn[k];
+    }
     double square = pel_vec3_squared_length(turn), length = sqrt(square);
     if (length * m->size > 1e-6) {
         pel_vec3_cross(turn, way, foot);
         pel_vec3_along(m->center, 1 / square, foot, foot);
+        for (int k = 0; k < 3; k++)
+            foot[k] = fabs(foot[k]) < 1e-6 * m->size ? 0 : foot[k];
         pel_fail(error, PEL_BAD_ARGUMENT,
                  "supports leave body '%s' free to turn about the axis (%.3g, %.3g, %.3g) through (%.3g, %.3g, %.3g): "
                  "statics has no answer",
