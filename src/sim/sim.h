@@ -35,6 +35,12 @@ typedef struct pel_load {
     pel_load_kind kind;
 } pel_load;
 
+/* a moment on one boundary edge (edge_load.c) */
+typedef struct pel_edge_load {
+    int32_t load, edge;
+    double along[3]; /* m, the edge at rest */
+} pel_edge_load;
+
 typedef struct pel_pose {
     double position[3];
     double rotation[4]; /* x, y, z, w */
@@ -193,6 +199,9 @@ typedef struct pel_sim_parts {
 /* (descent.c) what the method needs */
 typedef struct pel_sim_descent pel_sim_descent;
 
+/* (hold.h) supports of single components */
+typedef struct pel_sim_holds pel_sim_holds;
+
 /* What a body or tool did to a body in a step. Sums over contacts; those with a load are weighted by it. */
 typedef struct pel_pair_force {
     double force[3];  /* N */
@@ -245,6 +254,9 @@ struct pel_sim {
     pel_fingerprint fingerprint;   /* of the model and the def, in snapshots */
     pel_load *loads;
     int32_t load_count;
+    pel_edge_load *edge_loads; /* (edge_load_count) null = none */
+    int32_t edge_load_count;
+    double edge_load_work; /* J, in the step */
     pel_tool *tools;
     int32_t tool_count;
     pel_sim_contacts *contacts;    /* (contact.h) null = none */
@@ -268,6 +280,7 @@ struct pel_sim {
     bool held_is_listed;           /* the boundary is that of the tools */
     pel_sim_solids *solids;        /* (tool_solid.h) methods with substeps; null = no tool presses */
     pel_support_reading *supports; /* (body_count) of pinned vertices, projected methods; null = nothing is pinned */
+    pel_sim_holds *holds;          /* (hold.h) supports of single components; null = none */
     pel_contact_forces contact_forces;
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
     pel_ledger ledger;
@@ -408,7 +421,7 @@ void pel_restitution_apply(pel_sim *sim);
 pel_status pel_supports_create(pel_sim *sim, pel_error *error);
 void pel_supports_destroy(pel_sim *sim);
 /* Projected methods: reads the forces on pinned vertices after a step, before it is accepted. */
-void pel_supports_read(pel_sim *sim);
+void pel_supports_read(pel_sim *sim, double time);
 
 /* ---- observe.c ---- */
 /* Forces of bodies and loads at the present state, into sim->force. */
