@@ -166,6 +166,15 @@ static void support_free_body(pel_sim *sim, int32_t body)
     fix(newton, third, largest_component(normal));
 }
 
+void pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free)
+{
+    take_positions(sim);
+    find_loads(sim, time);
+    for (int32_t b = 0; b < sim->model->body_count && supports_free; b++)
+        if (is_free(sim, b))
+            support_free_body(sim, b);
+}
+
 /* ---- constraints ---- */
 
 static double evaluate_constraints(void *context, const double *unknowns, double *gradient)
@@ -241,11 +250,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
     const pel_newton_terms terms = {sim, evaluate_constraints, add_constraints};
-    take_positions(sim);
-    find_loads(sim, context->time);
-    for (int32_t b = 0; b < sim->model->body_count && !is_dynamic && !context->is_constrained; b++)
-        if (is_free(sim, b))
-            support_free_body(sim, b);
+    pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     const pel_newton_problem own = {
         .time = context->time,
         .state = sim->state,

@@ -23,6 +23,8 @@ struct pel_sim_newton {
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error);
 void pel_sim_newton_destroy(pel_sim_newton *newton);
 
+/* Unknowns, fixed ones, targets and loads of a run; with supports of three vertices for bodies that nothing holds. */
+void pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free);
 /* before the first run of a step */
 void pel_sim_newton_begin(pel_sim *sim);
 /* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */

@@ -1,15 +1,26 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
 #include "base/status.h"
-#include "sim/step_newton.h"
+#include "sim/step_modes.h"
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
     pel_status status = pel_sim_descent_create(sim, pel_sim_newton_minimise, error);
-    return status == PEL_OK ? pel_sim_newton_create(sim, false, error) : status;
+    if (status == PEL_OK)
+        status = pel_sim_newton_create(sim, false, error);
+    bool has_modes = sim->solver.analysis != PEL_ANALYSIS_NONE;
+    return status == PEL_OK && has_modes ? pel_sim_modes_create(sim, error) : status;
+}
+
+static pel_status check_start(pel_sim *sim, pel_error *error)
+{
+    pel_status status = sim->modes != NULL ? pel_sim_modes_check(sim, error) : PEL_OK;
+    return status == PEL_OK ? pel_descent_check_start(sim, error) : status;
 }
 
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
+    if (sim->modes != NULL)
+        return pel_sim_modes_step(sim, result, error);
     pel_sim_newton_begin(sim);
     return pel_sim_descent_step(sim, result, error);
 }
@@ -25,7 +36,7 @@ const pel_stepper pel_step_static_kind = {
     .turns_edges = true,
     .moves_tools = true,
     .create = create,
-    .check_start = pel_descent_check_start,
+    .check_start = check_start,
     .step = step,
     .read_tools = pel_sim_newton_read_tools,
     .edge_energy = pel_sim_newton_edge_energy,
