@@ -11,7 +11,11 @@
 /* of conjugate gradients and eigenvectors, relative */
 #define SOLVE_TOLERANCE 1e-13
 #define MODE_TOLERANCE 1e-6
+#define BUCKLING_TOLERANCE 1e-4
 enum { MOST_PRODUCTS = 30, MOST_ITERATIONS = 400 };
+/* of the first look for the lowest factor, above which no shift can be */
+#define ROUGH_TOLERANCE 1e-2
+enum { ROUGH_ITERATIONS = 8 };
 /* shifts by the masses, of the mean stiffness over mass: the first one, and the largest */
 #define SHIFT_SHARE 1e-8
 #define MOST_SHIFT_SHARE 1e-3
@@ -32,7 +36,7 @@ struct pel_modes {
     double *values, *vectors; /* (count), (count x unknown_count) */
     const pel_tangent_pattern *pattern;
     uint8_t *fixed; /* (unknown_count) of the solve */
-    double shift;   /* 1/s2 */
+    double shift;   /* 1/s2 by the masses, or a factor of the loads */
 };
 
 pel_status pel_modes_create(pel_newton *newton, pel_analysis analysis, int32_t count, pel_modes **modes,
@@ -229,6 +233,7 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
     pel_matrix *matrix = modes->system.matrix;
     pel_tangent_input own = *input;
     double square = 0;
+    modes->shift = 0;
     own.kind = PEL_TANGENT_POSITIVE;
     evaluate(modes, &own, matrix, modes->right);
     for (int32_t u = 0; u < modes->pattern->unknown_count; u++) {
@@ -255,12 +260,38 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
     return PEL_OK;
 }
 
+/* matrix += (factor - shift) G */
+static void shift_to(pel_modes *modes, double factor)
+{
+    pel_matrix *matrix = modes->system.matrix;
+    for (int32_t i = 0; i < matrix->block_start[matrix->block_count]; i++)
+        matrix->values[i] += (factor - modes->shift) * modes->geometric->values[i];
+    modes->shift = factor;
+}
+
+/* Factors lie close together where shells buckle in short waves. From just below the first one they are far apart: K +
+   shift G takes the place of K. It has a factor exactly while the shift is below the lowest. */
+static void find_shift(pel_modes *modes, const pel_eigen_def *def)
+{
+    static const double shares[] = {0.99, 0.95, 0.8, 0.5, 0};
+    pel_eigen_def rough = *def;
+    rough.tolerance = ROUGH_TOLERANCE;
+    rough.iterations = ROUGH_ITERATIONS;
+    bool found = pel_eigen_solve(modes->eigen, &rough).products > 0 && pel_eigen_value(modes->eigen, 0) > 0;
+    double estimate = found ? 1 / pel_eigen_value(modes->eigen, 0) : 0;
+    for (size_t i = 0; found && i < sizeof shares / sizeof *shares; i++) {
+        shift_to(modes, shares[i] * estimate);
+        if (compute_factor(modes))
+            return;
+    }
+}
+
 /* ---- modes ---- */
 
 static double value_of(const pel_modes *modes, double inverse)
 {
     if (modes->analysis == PEL_ANALYSIS_BUCKLING)
-        return 1 / inverse;
+        return modes->shift + 1 / inverse;
     double square = 1 / inverse - modes->shift;
     return fabs(square) <= RIGID_SHARE * modes->shift ? 0 : copysign(sqrt(fabs(square)), square) / (2 * acos(-1));
 }
@@ -312,12 +343,16 @@ pel_status pel_modes_solve(pel_modes *modes, const pel_newton_problem *problem, 
     pel_status status = buckles ? prepare_buckling(modes, problem, &input, error) : prepare_modal(modes, &input, error);
     if (status != PEL_OK)
         return status;
-    const pel_eigen_def def = {
+    pel_eigen_def def = {
         .apply = buckles ? apply_geometric : apply_masses,
         .metric = buckles ? multiply_stiffness : multiply_masses,
         .context = modes,
         .tolerance = MODE_TOLERANCE,
         .iterations = MOST_ITERATIONS,
     };
+    if (buckles) {
+        find_shift(modes, &def);
+        def.tolerance = BUCKLING_TOLERANCE;
+    }
     return take_modes(modes, pel_eigen_solve(modes->eigen, &def).count, error);
 }
