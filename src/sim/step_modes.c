@@ -22,7 +22,8 @@ pel_status pel_sim_modes_create(pel_sim *sim, pel_error *error)
         return pel_fail_memory(error);
     made->base = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->base);
     made->values = pel_allocate((size_t)count, sizeof *made->values);
-    if (made->base == NULL || made->values == NULL)
+    made->present = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->present);
+    if (made->base == NULL || made->present == NULL || made->values == NULL)
         return pel_fail_memory(error);
     return pel_modes_create(sim->descent->newton->newton, sim->solver.analysis, count, &made->modes, error);
 }
@@ -43,6 +44,7 @@ void pel_sim_modes_destroy(pel_sim *sim)
         return;
     pel_modes_destroy(sim->modes->modes);
     pel_free(sim->modes->base);
+    pel_free(sim->modes->present);
     pel_free(sim->modes->values);
     pel_free(sim->modes);
 }
@@ -52,6 +54,7 @@ static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *er
 {
     pel_state *state = sim->state;
     size_t bytes = (size_t)sim->model->vertex_count * sizeof *state->position;
+    memcpy(sim->modes->present, state->position, bytes);
     memcpy(state->position, sim->model->rest, bytes);
     memcpy(state->position_next, sim->model->rest, bytes);
     pel_sim_newton_begin(sim);
@@ -78,6 +81,7 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
     problem.fixed = newton->fixed;
     pel_sim_newton_gather(sim, problem.time, sim->solver.analysis == PEL_ANALYSIS_BUCKLING);
     status = pel_modes_solve(own->modes, &problem, newton->unknowns, error);
+    memcpy(sim->state->position, own->present, (size_t)sim->model->vertex_count * sizeof *own->present);
     own->is_solved = status == PEL_OK;
     own->count = status == PEL_OK ? sim->solver.mode_count : 0;
     for (int32_t m = 0; m < own->count; m++)

@@ -7,10 +7,11 @@
 
 struct pel_sim_modes {
     pel_modes *modes;
-    pel_record *base; /* (vertex_count) the state that modes are about */
-    bool is_solved;   /* modes are there; not so at first after a snapshot was loaded */
-    double *values;   /* (mode_count) in snapshots, and */
-    int32_t count;    /* of them, 0 before the first step */
+    pel_record *base;    /* (vertex_count) the state that modes are about */
+    pel_record *present; /* (vertex_count) that of the step, while modes are found */
+    bool is_solved;      /* modes are there; not so at first after a snapshot was loaded */
+    double *values;      /* (mode_count) in snapshots, and */
+    int32_t count;       /* of them, 0 before the first step */
 };
 
 /* After pel_sim_newton_create. PEL_BAD_ARGUMENT beside tools or contact; PEL_OUT_OF_MEMORY. */

@@ -1,5 +1,6 @@
 #include "solve/modes.h"
 
+#include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "linear/eigen.h"
@@ -12,7 +13,9 @@
 #define SOLVE_TOLERANCE 1e-13
 #define MODE_TOLERANCE 1e-6
 #define BUCKLING_TOLERANCE 1e-4
-enum { MOST_PRODUCTS = 30, MOST_ITERATIONS = 400 };
+enum { MOST_PRODUCTS = 30, MOST_ITERATIONS = 200 };
+/* of stiffness times place, in forces at rest */
+#define ROUNDING (16 * (double)PEL_REAL_EPSILON)
 /* of the first look for the lowest factor, above which no shift can be */
 #define ROUGH_TOLERANCE 1e-2
 enum { ROUGH_ITERATIONS = 8 };
@@ -35,8 +38,9 @@ struct pel_modes {
     double *right, *stresses; /* (unknown_count), (stress_count + 1) */
     double *values, *vectors; /* (count), (count x unknown_count) */
     const pel_tangent_pattern *pattern;
-    uint8_t *fixed; /* (unknown_count) of the solve */
-    double shift;   /* 1/s2 by the masses, or a factor of the loads */
+    double largest_factor; /* of loads: beyond, the linear step is longer than the model */
+    uint8_t *fixed;        /* (unknown_count) of the solve */
+    double shift;          /* 1/s2 by the masses, or a factor of the loads */
 };
 
 pel_status pel_modes_create(pel_newton *newton, pel_analysis analysis, int32_t count, pel_modes **modes,
@@ -226,22 +230,49 @@ static pel_status prepare_modal(pel_modes *modes, const pel_tangent_input *input
 
 /* ---- buckling ---- */
 
+/* N, what rounding of positions leaves of the forces at rest */
+static double rounding_force(const pel_modes *modes)
+{
+    const pel_matrix *matrix = modes->system.matrix;
+    double stiffness = 0, far = 0;
+    for (int32_t v = 0; v < modes->pattern->vertex_count; v++) {
+        const double *diagonal = matrix->values + matrix->block_start[pel_matrix_block(matrix, v, v)];
+        for (int k = 0; k < 3; k++) {
+            stiffness = fmax(stiffness, diagonal[4 * k]);
+            far = fmax(far, fabs((double)modes->system.model->rest[v][k]));
+        }
+    }
+    return ROUNDING * stiffness * far;
+}
+
+/* that takes a vertex as far as the model reaches */
+static double longest_factor(const pel_modes *modes, const double *step)
+{
+    double longest = 0, far = 0;
+    for (int32_t u = 0; u < 3 * modes->pattern->vertex_count; u++) {
+        longest = fmax(longest, fabs(step[u]));
+        far = fmax(far,
+                   fabs((double)modes->system.model->rest[u / 3][u % 3] - (double)modes->system.model->rest[0][u % 3]));
+    }
+    return far / longest;
+}
+
 /* Stresses of the linear step under the loads; then what they and the pressure add to the tangent. */
 static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *problem, const pel_tangent_input *input,
                                    pel_error *error)
 {
     pel_matrix *matrix = modes->system.matrix;
     pel_tangent_input own = *input;
-    double square = 0;
+    double most = 0;
     modes->shift = 0;
     own.kind = PEL_TANGENT_POSITIVE;
     evaluate(modes, &own, matrix, modes->right);
     for (int32_t u = 0; u < modes->pattern->unknown_count; u++) {
         double load = problem->force != NULL ? problem->force[u] : 0;
         modes->right[u] = modes->fixed[u] ? 0 : load - modes->right[u];
-        square += modes->right[u] * modes->right[u];
+        most = u < 3 * modes->pattern->vertex_count ? fmax(most, fabs(modes->right[u])) : most;
     }
-    if (!(square > 0)) {
+    if (!(most > rounding_force(modes))) {
         pel_fail(error, PEL_BAD_ARGUMENT, "no load acts: there is no load factor to find");
         pel_fail_remedy(error, "add the loads or the pressure under which the body is to buckle");
         return PEL_BAD_ARGUMENT;
@@ -250,6 +281,7 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
     if (!compute_factor(modes))
         return fail_unstable(error);
     solve(modes, modes->vectors);
+    modes->largest_factor = longest_factor(modes, modes->vectors);
     pel_tangent_extrapolate(modes->system.tangent, input, modes->vectors, modes->system.pool, modes->stresses);
     own.kind = PEL_TANGENT_EXACT;
     own.stresses = modes->stresses;
@@ -270,20 +302,23 @@ static void shift_to(pel_modes *modes, double factor)
 }
 
 /* Factors lie close together where shells buckle in short waves. From just below the first one they are far apart: K +
-   shift G takes the place of K. It has a factor exactly while the shift is below the lowest. */
-static void find_shift(pel_modes *modes, const pel_eigen_def *def)
+   shift G takes the place of K. It has a factor exactly while the shift is below the lowest. False where no factor
+   above 0 shows. */
+static bool find_shift(pel_modes *modes, const pel_eigen_def *def)
 {
     static const double shares[] = {0.99, 0.95, 0.8, 0.5, 0};
     pel_eigen_def rough = *def;
     rough.tolerance = ROUGH_TOLERANCE;
     rough.iterations = ROUGH_ITERATIONS;
-    bool found = pel_eigen_solve(modes->eigen, &rough).products > 0 && pel_eigen_value(modes->eigen, 0) > 0;
+    pel_eigen_solve(modes->eigen, &rough);
+    bool found = pel_eigen_value(modes->eigen, 0) * modes->largest_factor > 1;
     double estimate = found ? 1 / pel_eigen_value(modes->eigen, 0) : 0;
     for (size_t i = 0; found && i < sizeof shares / sizeof *shares; i++) {
         shift_to(modes, shares[i] * estimate);
         if (compute_factor(modes))
-            return;
+            break;
     }
+    return found;
 }
 
 /* ---- modes ---- */
@@ -317,7 +352,7 @@ static pel_status take_modes(pel_modes *modes, int32_t found, pel_error *error)
     bool buckles = modes->analysis == PEL_ANALYSIS_BUCKLING;
     for (int32_t m = 0; m < found; m++) {
         double inverse = pel_eigen_value(modes->eigen, m);
-        if (buckles && !(inverse > 0)) {
+        if (buckles && !(inverse > 0 && value_of(modes, inverse) < modes->largest_factor)) {
             found = m;
             break;
         }
@@ -351,7 +386,8 @@ pel_status pel_modes_solve(pel_modes *modes, const pel_newton_problem *problem, 
         .iterations = MOST_ITERATIONS,
     };
     if (buckles) {
-        find_shift(modes, &def);
+        if (!find_shift(modes, &def))
+            return take_modes(modes, 0, error);
         def.tolerance = BUCKLING_TOLERANCE;
     }
     return take_modes(modes, pel_eigen_solve(modes->eigen, &def).count, error);
