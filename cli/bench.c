@@ -7,8 +7,9 @@
 #include <string.h>
 
 static const cli_bench_case *const cases[] = {
-    &cli_bench_sphere_500, &cli_bench_table1,   &cli_bench_million, &cli_bench_million_threads,
-    &cli_bench_read_obj,   &cli_bench_read_ply, &cli_bench_frames,  &cli_bench_frames_all,
+    &cli_bench_sphere_500, &cli_bench_springs,         &cli_bench_springs_explicit, &cli_bench_table1,
+    &cli_bench_million,    &cli_bench_million_threads, &cli_bench_read_obj,         &cli_bench_read_ply,
+    &cli_bench_frames,     &cli_bench_frames_all,
 };
 
 enum { CASE_COUNT = sizeof cases / sizeof *cases, REPEATS_MAX = 1000 };

@@ -42,7 +42,8 @@ typedef struct cli_bench_case {
 } cli_bench_case;
 
 /* the cases of the other files */
-extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply, cli_bench_sphere_500, cli_bench_million,
-    cli_bench_million_threads, cli_bench_table1, cli_bench_frames, cli_bench_frames_all;
+extern const cli_bench_case cli_bench_read_obj, cli_bench_read_ply, cli_bench_sphere_500, cli_bench_springs,
+    cli_bench_springs_explicit, cli_bench_million, cli_bench_million_threads, cli_bench_table1, cli_bench_frames,
+    cli_bench_frames_all;
 
 #endif

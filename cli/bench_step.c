@@ -15,6 +15,7 @@ typedef struct stepping {
     pel_sim *sim;
     void *start; /* snapshot to come back to */
     size_t start_size;
+    pel_method method;
     int thread_count;
     int steps; /* of one repeat */
 } stepping;
@@ -43,19 +44,22 @@ static pel_status make_sim(stepping *s, int32_t frequency, pel_error *error)
     load.vertex_count = 1;
     pel_sim_def def = pel_sim_def_default();
     def.model = s->model;
-    def.solver.alpha = 50;
+    def.solver.method = s->method;
+    def.solver.alpha = s->method == PEL_METHOD_QUASI_STATIC ? 50 : def.solver.alpha;
     def.loads = &load;
     def.load_count = 1;
     def.thread_count = s->thread_count;
     return pel_sim_create(&def, &s->sim, error);
 }
 
-static pel_status begin(void **inner, int32_t frequency, int steps, int thread_count, pel_error *error)
+static pel_status begin(void **inner, int32_t frequency, pel_method method, int steps, int thread_count,
+                        pel_error *error)
 {
     stepping *s = calloc(1, sizeof *s);
     *inner = s;
     if (s == NULL)
         return pel_fail_memory(error);
+    s->method = method;
     s->steps = steps;
     s->thread_count = thread_count;
     pel_status status = make_sim(s, frequency, error);
@@ -71,17 +75,27 @@ static pel_status begin(void **inner, int32_t frequency, int steps, int thread_c
 
 static pel_status begin_paper(void **inner, pel_error *error)
 {
-    return begin(inner, 5, 500, 1, error);
+    return begin(inner, 5, PEL_METHOD_QUASI_STATIC, 500, 1, error);
+}
+
+static pel_status begin_springs(void **inner, pel_error *error)
+{
+    return begin(inner, 32, PEL_METHOD_QUASI_STATIC, 100, 1, error);
+}
+
+static pel_status begin_springs_explicit(void **inner, pel_error *error)
+{
+    return begin(inner, 32, PEL_METHOD_EXPLICIT, 100, 1, error);
 }
 
 static pel_status begin_million(void **inner, pel_error *error)
 {
-    return begin(inner, 316, 5, 1, error);
+    return begin(inner, 316, PEL_METHOD_QUASI_STATIC, 5, 1, error);
 }
 
 static pel_status begin_million_threads(void **inner, pel_error *error)
 {
-    return begin(inner, 316, 5, 0, error);
+    return begin(inner, 316, PEL_METHOD_QUASI_STATIC, 5, 0, error);
 }
 
 static pel_status rewind_sim(void *inner, pel_error *error)
@@ -179,6 +193,16 @@ static pel_status finish_paper(void *inner, cli_bench_result *result, pel_error 
     return PEL_OK;
 }
 
+static pel_status finish_springs(void *inner, cli_bench_result *result, pel_error *error)
+{
+    (void)error;
+    const stepping *s = inner;
+    double steps_s = result->min_s / s->steps;
+    cli_bench_add(result, "step_us", "us", 1e6 * steps_s);
+    cli_bench_add(result, "spring_ns", "ns", 1e9 * steps_s / (1.5 * s->mesh->triangle_count));
+    return PEL_OK;
+}
+
 static pel_status finish_million(void *inner, cli_bench_result *result, pel_error *error)
 {
     (void)error;
@@ -204,6 +228,28 @@ const cli_bench_case cli_bench_sphere_500 = {
     .rewind = rewind_sim,
     .once = step,
     .finish = finish_paper,
+    .end = end,
+};
+
+const cli_bench_case cli_bench_springs = {
+    .name = "springs",
+    .doc = "100 quasi-static steps of a sphere of springs (10,242 vertices), one thread",
+    .repeats = 21,
+    .begin = begin_springs,
+    .rewind = rewind_sim,
+    .once = step,
+    .finish = finish_springs,
+    .end = end,
+};
+
+const cli_bench_case cli_bench_springs_explicit = {
+    .name = "springs-explicit",
+    .doc = "the same, explicit",
+    .repeats = 21,
+    .begin = begin_springs_explicit,
+    .rewind = rewind_sim,
+    .once = step,
+    .finish = finish_springs,
     .end = end,
 };
 

@@ -110,15 +110,7 @@ static inline pel_lane_mask pel_lane_above(pel_lane a, pel_lane b)
 }
 static inline pel_lane pel_lane_sqrt(pel_lane a)
 {
-#if defined(PEL_SINGLE) && defined(__AVX__)
-    return (pel_lane)_mm256_sqrt_ps((__m256)a);
-#elif defined(__AVX__)
-    return (pel_lane)_mm256_sqrt_pd((__m256d)a);
-#else
-    for (int i = 0; i < PEL_BLOCK; i++)
-        a[i] = pel_sqrt(a[i]);
-    return a;
-#endif
+    return pel_wide_sqrt(a);
 }
 
 #endif
@@ -161,15 +153,8 @@ static inline bool pel_lane_all(pel_lane_mask mask)
 {
 #ifdef PEL_LANE_SCALAR
     return mask != 0;
-#elif defined(PEL_SINGLE) && defined(__AVX__)
-    return _mm256_movemask_ps((__m256)mask) == 255;
-#elif !defined(PEL_SINGLE) && defined(__AVX__)
-    return _mm256_movemask_pd((__m256d)mask) == 15;
 #else
-    pel_lane_integer all = -1;
-    for (int i = 0; i < PEL_BLOCK; i++)
-        all &= mask[i];
-    return all != 0;
+    return pel_wide_all(mask);
 #endif
 }
 
@@ -182,12 +167,10 @@ static inline pel_lane pel_lane_quotient(pel_lane a, pel_lane b)
 /* b where either is NaN */
 static inline pel_lane pel_lane_max(pel_lane a, pel_lane b)
 {
-#if !defined(PEL_LANE_SCALAR) && defined(PEL_SINGLE) && defined(__AVX__)
-    return (pel_lane)_mm256_max_ps((__m256)a, (__m256)b);
-#elif !defined(PEL_LANE_SCALAR) && !defined(PEL_SINGLE) && defined(__AVX__)
-    return (pel_lane)_mm256_max_pd((__m256d)a, (__m256d)b);
+#ifdef PEL_LANE_SCALAR
+    return a > b ? a : b;
 #else
-    return pel_lane_select(pel_lane_above(a, b), a, b);
+    return pel_wide_max(a, b);
 #endif
 }
 
@@ -405,81 +388,42 @@ static inline void pel_particle_move(pel_record *records, const int32_t *steps, 
     pel_record_set(records, steps[lane], r + (pel_record){way.x, way.y, way.z, 0});
 }
 
-#elif defined(PEL_SINGLE)
+#else
 
-/* both halves of four rows: a 4 x 4 transpose in each, its own inverse */
-static inline void pel_lane_transpose(pel_lane *a, pel_lane *b, pel_lane *c, pel_lane *d)
-{
-    pel_lane ab_low = __builtin_shufflevector(*a, *b, 0, 8, 1, 9, 4, 12, 5, 13);
-    pel_lane ab_high = __builtin_shufflevector(*a, *b, 2, 10, 3, 11, 6, 14, 7, 15);
-    pel_lane cd_low = __builtin_shufflevector(*c, *d, 0, 8, 1, 9, 4, 12, 5, 13);
-    pel_lane cd_high = __builtin_shufflevector(*c, *d, 2, 10, 3, 11, 6, 14, 7, 15);
-    *a = __builtin_shufflevector(ab_low, cd_low, 0, 1, 8, 9, 4, 5, 12, 13);
-    *b = __builtin_shufflevector(ab_low, cd_low, 2, 3, 10, 11, 6, 7, 14, 15);
-    *c = __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13);
-    *d = __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15);
-}
 /* a block of records side by side, the fourth number 0 */
 static inline void pel_lane3_store(pel_record *records, pel_lane3 v)
 {
-    pel_lane a = v.x, b = v.y, c = v.z, d = pel_lane_splat(0);
-    pel_lane_transpose(&a, &b, &c, &d);
-    const pel_lane rows[4] = {a, b, c, d};
-    for (int i = 0; i < 4; i++) {
-        records[i] = __builtin_shufflevector(rows[i], rows[i], 0, 1, 2, 3);
-        records[i + 4] = __builtin_shufflevector(rows[i], rows[i], 4, 5, 6, 7);
-    }
+    pel_wide_store(records, v.x, v.y, v.z, pel_wide_splat(0));
 }
-static inline pel_lane pel_lane_join(pel_record low, pel_record high)
-{
-    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
-}
+#ifdef PEL_SINGLE
+
 static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *steps, int32_t lane)
 {
     (void)lane;
-    pel_lane a = pel_lane_join(pel_record_get(records, steps[0]), pel_record_get(records, steps[4]));
-    pel_lane b = pel_lane_join(pel_record_get(records, steps[1]), pel_record_get(records, steps[5]));
-    pel_lane c = pel_lane_join(pel_record_get(records, steps[2]), pel_record_get(records, steps[6]));
-    pel_lane d = pel_lane_join(pel_record_get(records, steps[3]), pel_record_get(records, steps[7]));
-    pel_lane_transpose(&a, &b, &c, &d);
+    pel_wide a = pel_wide_row(pel_record_get(records, steps[0]), pel_record_get(records, steps[4]));
+    pel_wide b = pel_wide_row(pel_record_get(records, steps[1]), pel_record_get(records, steps[5]));
+    pel_wide c = pel_wide_row(pel_record_get(records, steps[2]), pel_record_get(records, steps[6]));
+    pel_wide d = pel_wide_row(pel_record_get(records, steps[3]), pel_record_get(records, steps[7]));
+    pel_wide_transpose(&a, &b, &c, &d);
     return (pel_particle){{a, b, c}, d};
 }
 static inline void pel_particle_move(pel_record *records, const int32_t *steps, int32_t lane, const pel_particle *p,
                                      pel_lane3 way)
 {
     (void)lane;
-    pel_lane a = way.x, b = way.y, c = way.z, d = pel_lane_splat(0);
-    if (p != NULL) {
-        a = p->at.x + a;
-        b = p->at.y + b;
-        c = p->at.z + c;
-        d = p->fourth;
-    }
-    pel_lane_transpose(&a, &b, &c, &d);
-    const pel_lane rows[4] = {a, b, c, d};
-    pel_record moved[8];
-    for (int i = 0; i < 4; i++) {
-        moved[i] = __builtin_shufflevector(rows[i], rows[i], 0, 1, 2, 3);
-        moved[i + 4] = __builtin_shufflevector(rows[i], rows[i], 4, 5, 6, 7);
-    }
-    for (int i = 0; p == NULL && i < 8; i++)
+    pel_record moved[PEL_BLOCK];
+    if (p != NULL)
+        pel_wide_store(moved, p->at.x + way.x, p->at.y + way.y, p->at.z + way.z, p->fourth);
+    else
+        pel_wide_store(moved, way.x, way.y, way.z, pel_wide_splat(0));
+    for (int i = 0; p == NULL && i < PEL_BLOCK; i++)
         moved[i] += pel_record_get(records, steps[i]);
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < PEL_BLOCK; i++)
         pel_record_set(records, steps[i], moved[i]);
 }
 
 #else
 
-/* a block of records side by side, the fourth number 0 */
-static inline void pel_lane3_store(pel_record *records, pel_lane3 v)
-{
-    pel_wide a = v.x, b = v.y, c = v.z, d = pel_wide_splat(0);
-    pel_wide_transpose(&a, &b, &c, &d);
-    records[0] = a;
-    records[1] = b;
-    records[2] = c;
-    records[3] = d;
-}
 static inline pel_particle pel_particle_load(const pel_record *records, const int32_t *steps, int32_t lane)
 {
     (void)lane;
@@ -505,6 +449,7 @@ static inline void pel_particle_move(pel_record *records, const int32_t *steps, 
     pel_record_set(records, steps[3], d);
 }
 
+#endif
 #endif
 #endif /* particles */
 #endif

@@ -586,6 +586,8 @@ void pel_batches_destroy(pel_batches *batches)
 void pel_batches_rebuild(pel_batches *batches, int32_t body)
 {
     plan p = plan_of(batches, body);
+    if (p.made->batch_count == 0)
+        return;
     update_pieces(&p);
     for (int32_t i = 0; i < p.made->batch_count; i++)
         fill_batch(&p, &p.made->batches[i], NULL);

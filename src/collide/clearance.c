@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "geom/wide4.h"
 #include "math/vec3.h"
 #include "pellicle/geometry.h"
 
@@ -30,48 +31,88 @@ void pel_clearance_clear(pel_clearance *clearance)
 
 /* ---- motion ---- */
 
-/* the box around the displacements of all points between two sets of positions */
+/* boxes around the displacements of all points from one set of positions to one or two others */
 typedef struct motion_job {
-    const double (*from)[3], (*to)[3];
-    int32_t point_count;
-    double low[PARTS][3], high[PARTS][3];
-    bool is_finite[PARTS];
+    const double (*from)[3], (*to[2])[3];
+    int32_t point_count, target_count;
+    double low[2][PARTS][3], high[2][PARTS][3];
+    bool is_finite[2][PARTS];
 } motion_job;
+
+static wide4 load_four(const double *numbers)
+{
+    wide4 four;
+    memcpy(&four, numbers, sizeof four);
+    return four;
+}
+
+/* Four points are twelve numbers side by side: lane l of the j-th vector is coordinate (4 j + l) % 3. */
+static void measure_target(motion_job *job, int32_t target, int32_t part)
+{
+    int64_t count = job->point_count, p = count * part / PARTS, end = count * (part + 1) / PARTS;
+    const double(*from)[3] = job->from, (*to)[3] = job->to[target];
+    double *low = job->low[target][part], *high = job->high[target][part], lost = 0;
+    wide4 least[3], most[3], bad = wide4_set(0);
+    for (int j = 0; j < 3; j++) {
+        least[j] = wide4_set(HUGE_VAL);
+        most[j] = wide4_set(-HUGE_VAL);
+        low[j] = HUGE_VAL;
+        high[j] = -HUGE_VAL;
+    }
+    for (; p + 4 <= end; p += 4)
+        for (int j = 0; j < 3; j++) {
+            wide4 way = load_four(to[p] + 4 * j) - load_four(from[p] + 4 * j);
+            least[j] = wide4_min(way, least[j]);
+            most[j] = wide4_max(way, most[j]);
+            bad += way - way;
+        }
+    for (int j = 0; j < 12; j++) {
+        double a = least[j / 4][j % 4], b = most[j / 4][j % 4];
+        low[j % 3] = a < low[j % 3] ? a : low[j % 3];
+        high[j % 3] = b > high[j % 3] ? b : high[j % 3];
+    }
+    for (; p < end; p++)
+        for (int k = 0; k < 3; k++) {
+            double way = to[p][k] - from[p][k];
+            low[k] = way < low[k] ? way : low[k];
+            high[k] = way > high[k] ? way : high[k];
+            lost += way - way;
+        }
+    job->is_finite[target][part] = lost + (bad[0] + bad[1]) + (bad[2] + bad[3]) == 0;
+}
 
 static void measure_part(void *context, int32_t part)
 {
     motion_job *job = context;
-    int64_t count = job->point_count;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, bad = 0;
-    for (int64_t p = count * part / PARTS; p < count * (part + 1) / PARTS; p++)
-        for (int k = 0; k < 3; k++) {
-            double way = job->to[p][k] - job->from[p][k];
-            low[k] = way < low[k] ? way : low[k];
-            high[k] = way > high[k] ? way : high[k];
-            bad += way - way;
-        }
-    memcpy(job->low[part], low, sizeof low);
-    memcpy(job->high[part], high, sizeof high);
-    job->is_finite[part] = bad == 0;
+    for (int32_t target = 0; target < job->target_count; target++)
+        measure_target(job, target, part);
 }
 
-/* how much any two points approached each other at most; infinite if a displacement is not finite */
-static double longest_approach(const double (*from)[3], const double (*to)[3], int32_t point_count, pel_pool *pool)
+static double approach_of(const motion_job *job, int32_t target)
 {
-    motion_job job = {.from = from, .to = to, .point_count = point_count};
-    pel_pool_run(pool, PARTS, measure_part, &job);
     double square = 0;
     for (int k = 0; k < 3; k++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int part = 0; part < PARTS; part++) {
-            low = fmin(low, job.low[part][k]);
-            high = fmax(high, job.high[part][k]);
-            if (!job.is_finite[part])
+            low = fmin(low, job->low[target][part][k]);
+            high = fmax(high, job->high[target][part][k]);
+            if (!job->is_finite[target][part])
                 return HUGE_VAL;
         }
         square += high > low ? (high - low) * (high - low) : 0;
     }
     return sqrt(square);
+}
+
+/* How much any two points approached each other at most on the way to `to`, or to one of two; infinite if a
+   displacement is not finite. */
+static double longest_approach(const double (*from)[3], const double (*to)[3], const double (*other)[3],
+                               int32_t point_count, pel_pool *pool)
+{
+    motion_job job = {.from = from, .to = {to, other}, .point_count = point_count, .target_count = other != to ? 2 : 1};
+    pel_pool_run(pool, PARTS, measure_part, &job);
+    double longest = approach_of(&job, 0);
+    return other != to ? fmax(longest, approach_of(&job, 1)) : longest;
 }
 
 bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double needed,
@@ -81,8 +122,7 @@ bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], co
     if (!(room > 0))
         return false;
     const double(*from)[3] = (const double(*)[3])clearance->positions;
-    bool serves = longest_approach(from, start, clearance->point_count, pool) < room &&
-                  (end == start || longest_approach(from, end, clearance->point_count, pool) < room);
+    bool serves = longest_approach(from, start, end, clearance->point_count, pool) < room;
     clearance->uses += serves;
     return serves;
 }
@@ -153,7 +193,7 @@ static bool keep_near(near_job *job, pel_pair *pairs, size_t count, pel_pool *po
 static bool is_worth_it(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double margin,
                         pel_pool *pool)
 {
-    if (!(margin > 0) || !(WORTH_STEPS * longest_approach(start, end, clearance->point_count, pool) < margin))
+    if (!(margin > 0) || !(WORTH_STEPS * longest_approach(start, end, end, clearance->point_count, pool) < margin))
         return false;
     if (clearance->reach > 0) {
         int32_t length = clearance->pause_length == 0 ? 2 : 2 * clearance->pause_length;

@@ -368,6 +368,8 @@ PEL_DEFINE_SORT(sort_collisions, pel_collision, comes_before)
 static pel_status solve_kind(pel_collider *collider, const pel_collision_query *query, bool edge_edge,
                              const pel_pair_list *pairs, pel_ccd_statistics *statistics)
 {
+    if (pairs->count == 0)
+        return PEL_OK;
     collision_list *all = &collider->collisions;
     narrow n = {.tree = collider->candidates->tree,
                 .query = query,

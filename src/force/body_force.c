@@ -52,12 +52,9 @@ static void length_chunk(void *context, int32_t chunk)
     pel_wide longest = pel_wide_splat(0);
     for (int32_t slice = first; slice < loop->slice_end && slice < first + PEL_SLICE_CHUNK; slice++) {
         pel_slice own = pel_slice_load(loop->position, slice);
-        for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
-            pel_wide3 d = pel_slot_offset(model, loop->position, slot, &own.position);
-            longest = pel_wide_max(pel_wide3_dot(d, d), longest);
-        }
+        longest = pel_wide_max(pel_slice_longest(model, loop->position, slice, &own.position), longest);
     }
-    loop->longest[chunk] = sqrt((double)pel_wide_largest(longest));
+    loop->longest[chunk] = (double)pel_wide_largest(longest);
 }
 
 double pel_longest_spring(const pel_model *model, const pel_record *position, pel_pool *pool, double *longest)

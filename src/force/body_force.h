@@ -8,7 +8,7 @@
 #include "model/state.h"
 
 /* slices of one chunk of a parallel loop */
-enum { PEL_SLICE_CHUNK = 128 };
+enum { PEL_SLICE_CHUNK = 512 / PEL_WIDTH };
 
 static inline int32_t pel_slice_chunk_count(int32_t slice_begin, int32_t slice_end)
 {
@@ -23,31 +23,22 @@ typedef struct pel_slice {
 /* loads the records of a slice, turned so that a lane is a vertex */
 static inline pel_slice pel_slice_load(const pel_record *records, int32_t slice)
 {
-    const pel_record *own = records + (size_t)slice * PEL_WIDTH;
-    pel_wide a = own[0], b = own[1], c = own[2], d = own[3];
-    pel_wide_transpose(&a, &b, &c, &d);
+    pel_wide a, b, c, d;
+    pel_wide_load(records + (size_t)slice * PEL_WIDTH, &a, &b, &c, &d);
     return (pel_slice){{a, b, c}, d};
 }
 
 static inline void pel_slice_store(pel_record *records, int32_t slice, pel_wide3 vector, pel_wide fourth)
 {
-    pel_record *own = records + (size_t)slice * PEL_WIDTH;
-    pel_wide a = vector.x, b = vector.y, c = vector.z, d = fourth;
-    pel_wide_transpose(&a, &b, &c, &d);
-    own[0] = a;
-    own[1] = b;
-    own[2] = c;
-    own[3] = d;
+    pel_wide_store(records + (size_t)slice * PEL_WIDTH, vector.x, vector.y, vector.z, fourth);
 }
 
 /* vectors to the neighbours of one slot */
 static inline pel_wide3 pel_slot_offset(const pel_model *model, const pel_record *position, int32_t slot,
                                         const pel_wide3 *own)
 {
-    const int32_t *neighbour = model->neighbours[slot];
-    pel_wide a = position[neighbour[0]], b = position[neighbour[1]], c = position[neighbour[2]],
-             d = position[neighbour[3]];
-    pel_wide_transpose(&a, &b, &c, &d);
+    pel_wide a, b, c, d;
+    pel_wide_gather(position, model->neighbours[slot], &a, &b, &c, &d);
     return (pel_wide3){a - own->x, b - own->y, c - own->z};
 }
 
@@ -103,6 +94,18 @@ static inline pel_wide3 pel_spring_force(const pel_model *model, const pel_recor
     *flight = begun;
     *longest = sum.longest;
     return sum.force;
+}
+
+/* length of the longest spring of each vertex of a slice */
+static inline pel_wide pel_slice_longest(const pel_model *model, const pel_record *position, int32_t slice,
+                                         const pel_wide3 *own)
+{
+    pel_wide square = pel_wide_splat(0);
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+        pel_wide3 d = pel_slot_offset(model, position, slot, own);
+        square = pel_wide_max(pel_wide3_dot(d, d), square);
+    }
+    return pel_wide_sqrt(square);
 }
 
 /* how the loops treat one body at the present time */

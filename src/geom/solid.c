@@ -73,22 +73,22 @@ static void way_past_axis(const double a[3], const double b[3], const double c[3
     unit_or(n, sideways, direction);
 }
 
-/* whether a triangle is too small to come into a sphere or capsule from where its first corner is; surely so */
-static bool is_out_of_reach(const pel_solid *solid, double half, const double a[3], const double b[3],
+/* whether a plane across the direction of the middle of a triangle keeps it out of a sphere or capsule; surely so */
+static bool is_beyond_plane(const pel_solid *solid, double half, const double a[3], const double b[3],
                             const double c[3])
 {
-    const double p[3] = {a[0], a[1], a[2] - clamp(a[2], -half, half)};
-    double clear = 0.999 * (pel_vec3_length(p) - solid->radius), ab[3], ac[3];
-    pel_vec3_subtract(b, a, ab);
-    pel_vec3_subtract(c, a, ac);
-    return clear > 0 && clear * clear > pel_vec3_squared_length(ab) && clear * clear > pel_vec3_squared_length(ac);
+    double way[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+    way[2] -= clamp(way[2], -3 * half, 3 * half);
+    double least = fmin(pel_vec3_dot(way, a), fmin(pel_vec3_dot(way, b), pel_vec3_dot(way, c)));
+    double clear = 0.999999 * (least - half * fabs(way[2]));
+    return clear > 0 && clear * clear > solid->radius * solid->radius * pel_vec3_squared_length(way);
 }
 
 static double round_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                           double weights[3], double normal[3])
 {
     double half = solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0;
-    if (is_out_of_reach(solid, half, a, b, c))
+    if (is_beyond_plane(solid, half, a, b, c))
         return 0;
     const double low[3] = {0, 0, -half}, high[3] = {0, 0, half};
     double both[5] = {1, 0, 0, 0, 0};

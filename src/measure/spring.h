@@ -1,4 +1,4 @@
-/* The two springs of paper A, four at a time.
+/* The two springs of paper A, a slice at a time.
 
    Structural spring (eq. A-3), on vertex i from vertex j, d = x_j - x_i, R its rest length:
        g = k (|d| - R) d / |d| = (k - k R/|d|) d

@@ -14,7 +14,7 @@
     ROW(GRAVITY, "gravity")                                                                                            \
     ROW(SPRINGS, "springs")                                                                                            \
     ROW(VOLUMETRIC, "volumetric springs")                                                                              \
-    ROW(FRICTION, "friction of a body")                                                                                \
+    ROW(SURFACE, "contact of a body")                                                                                  \
     ROW(REFINEMENT, "refinement")                                                                                      \
     ROW(MEMBRANE, "membrane")                                                                                          \
     ROW(BENDING, "bending")                                                                                            \

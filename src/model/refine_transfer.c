@@ -101,7 +101,7 @@ void pel_refine_transfer_positions(const pel_refined_model *active, int32_t body
         state->position_before[place] = state->position_next[place] = state->position[place];
         state->contact[place] = 0;
         if (state->velocity != NULL)
-            state->velocity[place] = state->velocity_next[place] = pel_wide_splat(0);
+            state->velocity[place] = state->velocity_next[place] = (pel_record){0};
     }
 }
 

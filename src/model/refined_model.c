@@ -487,7 +487,7 @@ static void clear_place(pel_refined_model *active, int32_t place, pel_state *sta
     state->position_before[place] = state->position_next[place] = state->position[place];
     state->contact[place] = 0;
     if (state->velocity != NULL)
-        state->velocity[place] = state->velocity_next[place] = pel_wide_splat(0);
+        state->velocity[place] = state->velocity_next[place] = (pel_record){0};
 }
 
 /* ---- an event ---- */

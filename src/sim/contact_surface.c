@@ -1,6 +1,7 @@
 /* All surfaces of a simulation as one: the bodies' present triangles and those of the tools. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "geom/wide4.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
 
@@ -62,6 +63,8 @@ void pel_contact_tool_points(const pel_contact_tool *tool, const pel_pose *pose,
 
 /* ---- points ---- */
 
+enum { POINT_PARTS = 64 };
+
 /* false if the point was there already */
 static bool set_point(const double x[3], double point[3])
 {
@@ -70,18 +73,50 @@ static bool set_point(const double x[3], double point[3])
     return differs;
 }
 
+typedef struct point_job {
+    pel_sim *sim;
+    bool differs[POINT_PARTS];
+} point_job;
+
+/* whether a vertex is where the point is; reads the number behind the point as well */
+static bool is_at(pel_record record, const double point[3])
+{
+    wide4 x = __builtin_convertvector(record, wide4), y;
+    memcpy(&y, point, sizeof y);
+    wide4_mask same = x == y;
+    same[3] = -1;
+    return wide4_all(same);
+}
+
+/* returns whether a point differs; looks at no more of them than that takes */
+static bool set_range(const pel_record *records, int64_t begin, int64_t end, double (*points)[3])
+{
+    while (begin < end && is_at(records[begin], points[begin]))
+        begin++;
+    for (int64_t p = begin; p < end; p++)
+        pel_vertex_position(records, (int32_t)p, points[p]);
+    return begin < end;
+}
+
+static void set_part(void *context, int32_t part)
+{
+    point_job *job = context;
+    const pel_state *state = job->sim->state;
+    pel_sim_contacts *contacts = job->sim->contacts;
+    int64_t count = contacts->place_count, begin = count * part / POINT_PARTS, end = count * (part + 1) / POINT_PARTS;
+    bool moved = set_range(state->position, begin, end, contacts->start);
+    job->differs[part] = set_range(state->position_next, begin, end, contacts->end) || moved;
+}
+
 void pel_contact_points(pel_sim *sim)
 {
     pel_sim_contacts *contacts = sim->contacts;
-    const pel_state *state = sim->state;
+    point_job job = {.sim = sim};
+    pel_pool_run(sim->pool, POINT_PARTS, set_part, &job);
     bool differs = false;
     double x[3];
-    for (int32_t p = 0; p < contacts->place_count; p++) {
-        pel_vertex_position(state->position, p, x);
-        differs |= set_point(x, contacts->start[p]);
-        pel_vertex_position(state->position_next, p, x);
-        differs |= set_point(x, contacts->end[p]);
-    }
+    for (int part = 0; part < POINT_PARTS; part++)
+        differs |= job.differs[part];
     for (int32_t i = 0; i < sim->tool_count; i++) {
         const pel_contact_tool *tool = &contacts->tools[i];
         for (int32_t p = tool->point_begin; p < tool->point_end; p++) {
@@ -218,8 +253,9 @@ static pel_status allocate_surface(pel_sim *sim, pel_error *error)
     contacts->may_meet = pel_allocate((size_t)group_count * (size_t)group_count, sizeof *contacts->may_meet);
     contacts->friction_of_group = pel_allocate((size_t)group_count, sizeof *contacts->friction_of_group);
     contacts->revisions = pel_allocate((size_t)model->body_count, sizeof *contacts->revisions);
-    contacts->start = pel_allocate((size_t)point_count, sizeof *contacts->start);
-    contacts->end = pel_allocate((size_t)point_count, sizeof *contacts->end);
+    /* one more: points are read four numbers at once */
+    contacts->start = pel_allocate((size_t)point_count + 1, sizeof *contacts->start);
+    contacts->end = pel_allocate((size_t)point_count + 1, sizeof *contacts->end);
     size_t tool_points = (size_t)(point_count - contacts->place_count);
     contacts->substep_start = pel_allocate(tool_points, sizeof *contacts->substep_start);
     contacts->substep_end = pel_allocate(tool_points, sizeof *contacts->substep_end);

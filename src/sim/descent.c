@@ -1,7 +1,7 @@
 /* The method `descent`: each step minimises the energy of springs, shells, pressure and loads at the step's end, from
-   where the bodies are, by L-BFGS with the factored second derivatives at its begin as preconditioner. A pressure that
-   has no potential (vertex-normal form, a part of the surface, open meshes) acts as it is at the begin of the step: the
-   steps together find the balance.
+   where the bodies are, by L-BFGS: of bodies that are held and touch nothing with the factored second derivatives as
+   preconditioner. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) acts as it
+   is at the begin of the step: the steps together find the balance.
 
    With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, bring the
    loads of the constraints, look for what touches now. Where something ran into something else on its way, the next
@@ -464,7 +464,7 @@ static pel_status run_minimiser(pel_descent_context *context, const pel_descent_
     (void)error;
     pel_sim *sim = context->sim;
     pel_descent_problem own = *problem;
-    if (sim->descent->newton != NULL && pel_sim_newton_approximate(context))
+    if (sim->descent->newton != NULL && sim->descent->count == 0 && pel_sim_newton_approximate(context))
         own.precondition = pel_sim_newton_precondition;
     pel_descent_run(sim->descent->minimiser, &own, sim->state->position_next, result);
     return PEL_OK;

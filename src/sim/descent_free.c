@@ -70,7 +70,7 @@ pel_status pel_descent_check_held(const pel_sim *sim, const pel_record *force, d
 static pel_status check_at(pel_sim *sim, double time, pel_error *error)
 {
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        sim->force[v] = pel_wide_splat(0);
+        sim->force[v] = (pel_record){0};
     pel_loads_add(sim, time, sim->force);
     pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
     return pel_descent_check_held(sim, sim->force, time, error);
@@ -90,6 +90,6 @@ pel_status pel_descent_check_start(pel_sim *sim, pel_error *error)
                 status = check_at(sim, load->keys[k].time, error);
     }
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        sim->force[v] = pel_wide_splat(0);
+        sim->force[v] = (pel_record){0};
     return status;
 }

@@ -46,7 +46,7 @@ static double sum_of(pel_record a)
 
 static void sum_moments(const vertex_sums *sums, int32_t first, int32_t end, pel_ledger_chunk *chunk)
 {
-    pel_record shift = pel_wide_splat(0);
+    pel_record shift = {0};
     for (int32_t v = first; v < end; v++)
         shift += sums->sim->model->mass[v] * (sums->to[v] - sums->from[v]);
     for (int c = 0; c < 3; c++)
@@ -57,7 +57,7 @@ static void sum_moments(const vertex_sums *sums, int32_t first, int32_t end, pel
 static double drag_sum(const vertex_sums *sums, int32_t first, int32_t end)
 {
     const pel_state *state = sums->sim->state;
-    pel_record square = pel_wide_splat(0);
+    pel_record square = {0};
     for (int32_t v = first; v < end; v++) {
         pel_record before = state->velocity[v], after = state->velocity_next[v];
         square += sums->sim->model->mass[v] * (after * after + before * before);
@@ -123,7 +123,7 @@ static double damping_sum(const vertex_sums *sums, int32_t slice_begin, int32_t 
         for (int32_t lane = 0; !is_explicit && has_damping && lane < PEL_WIDTH; lane++)
             loss += substep_loss(sums, slice * PEL_WIDTH + lane, factors);
     }
-    return (double)sum[0] + (double)sum[1] + (double)sum[2] + (double)sum[3] + loss;
+    return pel_wide_sum(sum) + loss;
 }
 
 static void sum_chunk(void *context, int32_t index)

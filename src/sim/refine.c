@@ -373,6 +373,7 @@ static void step_body(pel_sim *sim, int32_t body)
     pel_refine_body *refine = &sim->refine[body];
     if (b->detail == NULL || !pel_refine_criterion_is_used(&b->detail->def))
         return;
+    pel_refine_criterion_begin(sim, body);
     /* every interval-th slice: what lies near a tool stands together */
     for (int32_t slice = b->slice_begin + refine->part; slice < b->slice_end; slice += b->detail->def.interval) {
         pel_verdict verdicts[PEL_WIDTH];

@@ -178,6 +178,39 @@ static double elastic_force(const pel_sim *sim, int32_t body, int32_t place, con
     return pel_vec3_length(force);
 }
 
+/* whether a vertex of the slice may have triangles within the distance at which a tool is left behind; a box along the
+   axes of the world tells for most of them that it has not */
+static bool is_near_tool(const pel_sim *sim, int32_t body, const pel_wide3 *x, pel_wide longest)
+{
+    const pel_wide reach = longest * pel_wide_splat((pel_real)1.001);
+    for (int32_t i = 0; i < sim->tool_count; i++) {
+        const pel_real(*box)[3] = (const pel_real(*)[3])sim->tools[i].look_box;
+        if (!pel_tool_acts_on(&sim->tools[i], body))
+            continue;
+        pel_wide_mask apart = x->x + reach < pel_wide_splat(box[0][0]);
+        apart |= x->x - reach > pel_wide_splat(box[1][0]);
+        apart |= x->y + reach < pel_wide_splat(box[0][1]);
+        apart |= x->y - reach > pel_wide_splat(box[1][1]);
+        apart |= x->z + reach < pel_wide_splat(box[0][2]);
+        apart |= x->z - reach > pel_wide_splat(box[1][2]);
+        if (!pel_wide_all(apart))
+            return true;
+    }
+    return false;
+}
+
+void pel_refine_criterion_begin(pel_sim *sim, int32_t body)
+{
+    double near = sim->model->bodies[body].detail->def.near_tools;
+    for (int32_t i = 0; near > 0 && i < sim->tool_count; i++) {
+        const pel_search_box box = pel_tool_box(&sim->tools[i], LEAVING_RATIO * near, 0);
+        for (int k = 0; k < 3; k++) {
+            sim->tools[i].look_box[0][k] = box.low[k];
+            sim->tools[i].look_box[1][k] = box.high[k];
+        }
+    }
+}
+
 void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
                                 pel_verdict verdicts[PEL_WIDTH])
 {
@@ -185,7 +218,12 @@ void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const
     const pel_refine_def *def = &model->bodies[body].detail->def;
     pel_slice own = pel_slice_load(sim->state->position, slice);
     pel_wide longest = pel_wide_splat(0);
-    pel_wide3 force = pel_elastic_force(model, sim->state->position, slice, &own.position, numbers, &longest);
+    pel_wide3 force = {longest, longest, longest};
+    if (def->above > 0)
+        force = pel_elastic_force(model, sim->state->position, slice, &own.position, numbers, &longest);
+    else if (def->near_tools > 0)
+        longest = pel_slice_longest(model, sim->state->position, slice, &own.position);
+    bool near_tool = def->near_tools > 0 && is_near_tool(sim, body, &own.position, longest);
     for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
         int32_t place = slice * PEL_WIDTH + lane;
         verdicts[lane] = (pel_verdict){0};
@@ -200,7 +238,7 @@ void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const
             note(&verdicts[lane], curvature_change(sim, body, place, fan, at.fan_count), def->curvature_above,
                  def->curvature_below);
         }
-        if (def->near_tools > 0)
+        if (near_tool)
             look_at_tools(&at, def->near_tools, &verdicts[lane]);
     }
 }

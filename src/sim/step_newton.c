@@ -8,6 +8,8 @@
 
 /* runs of a step end in statics, and in a step in time, at this share of the forces that they began with */
 #define DYNAMIC_REDUCTION 1e-3
+/* of the diagonal of a preconditioner: what rounding in float may take */
+#define HELD_SHIFT 1e-7
 enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
@@ -296,7 +298,9 @@ bool pel_sim_newton_approximate(pel_descent_context *context)
 {
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
-    const pel_newton_terms terms = {sim, evaluate_constraints, add_constraints};
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (is_free(sim, b))
+            return false;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             newton->unknowns[3 * v + k] = newton->target[3 * v + k] = (double)sim->state->position_next[v][k];
@@ -307,9 +311,8 @@ bool pel_sim_newton_approximate(pel_descent_context *context)
         .state = sim->state,
         .fixed = newton->fixed,
         .target = newton->target,
-        .terms = context->is_constrained ? &terms : NULL,
     };
-    return pel_newton_approximate(newton->newton, &problem, newton->unknowns);
+    return pel_newton_approximate(newton->newton, &problem, newton->unknowns, HELD_SHIFT);
 }
 
 void pel_sim_newton_precondition(void *context, double *vector)

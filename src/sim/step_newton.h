@@ -30,7 +30,8 @@ void pel_sim_newton_begin(pel_sim *sim);
 /* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
                                    pel_descent_result *result, pel_error *error);
-/* Prepares the preconditioner of a minimisation from position_next; false where there is none. */
+/* Prepares the preconditioner of a minimisation without constraints from position_next; false where there is none: with
+   a body that nothing holds, rounding of forces would feed its rigid motions. */
 bool pel_sim_newton_approximate(pel_descent_context *context);
 /* a pel_descent_precondition; the context is that of the minimisation */
 void pel_sim_newton_precondition(void *context, double *vector);

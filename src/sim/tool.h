@@ -155,8 +155,8 @@ pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *
  */
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
                                const pel_record *positions, int32_t t, double weights[3], double normal[3]);
-/* Box about the tool and a margin, along the axes of the world. */
-pel_search_box pel_tool_box(const pel_tool *tool, double margin);
+/* Box about the tool grown by a width on all sides of its own frame, and a margin, along the axes of the world. */
+pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin);
 /* Lists the triangles that reach within a margin of the tool's box in sim->near_triangles, in rising order; returns how
    many. */
 int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin);

@@ -20,12 +20,12 @@ enum { SWEEP_LIMIT = 100 };
 /* triangles this near to the tool's box may come into it by the pushes of a step, relative to the longest edge */
 #define NEAR_MARGIN 0.25
 
-pel_search_box pel_tool_box(const pel_tool *tool, double margin)
+pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin)
 {
     double local[3], axis[3], half[3] = {0, 0, 0};
     pel_solid_half_box(&tool->solid, local);
     for (int i = 0; i < 3; i++) {
-        double extent = local[i] + tool->press_margin;
+        double extent = local[i] + width;
         pel_vec3_set(axis, i == 0 ? extent : 0, i == 1 ? extent : 0, i == 2 ? extent : 0);
         pel_rotate(tool->pose.rotation, axis, axis);
         for (int j = 0; j < 3; j++)
@@ -39,22 +39,11 @@ pel_search_box pel_tool_box(const pel_tool *tool, double margin)
     return box;
 }
 
-/* whether all corners of a triangle lie beyond one side of the box */
-static bool is_beside(const pel_search_box *box, const pel_record *positions, const int32_t corners[3])
-{
-    const pel_record *a = &positions[corners[0]], *b = &positions[corners[1]], *c = &positions[corners[2]];
-    for (int i = 0; i < 3; i++)
-        if (((*a)[i] < box->low[i] && (*b)[i] < box->low[i] && (*c)[i] < box->low[i]) ||
-            ((*a)[i] > box->high[i] && (*b)[i] > box->high[i] && (*c)[i] > box->high[i]))
-            return true;
-    return false;
-}
-
 /* in rising order: the sweeps depend on the order, which must not change when a triangle that does not touch comes near
    or goes */
 int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin)
 {
-    pel_search_box box = pel_tool_box(tool, margin);
+    pel_search_box box = pel_tool_box(tool, tool->press_margin, margin);
     bool at_start = positions == sim->state->position;
     int32_t count = 0;
     if (!at_start || !sim->tool_search->is_fitted)
@@ -271,8 +260,8 @@ static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *bo
 {
     const int32_t *corners = sim->model->triangles[t];
     for (int c = 0; c < 3; c++) {
-        const int32_t corner[3] = {corners[c], corners[c], corners[c]};
-        if (!is_done(sim, tool, corners[c]) && !is_beside(box, sim->state->position_next, corner))
+        const pel_record x = sim->state->position_next[corners[c]];
+        if (!is_done(sim, tool, corners[c]) && !pel_search_apart(&(pel_search_box){x, x}, box))
             *moved |= press_corner(sim, tool, t, c, tolerance);
     }
 }
@@ -304,7 +293,8 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32
         if ((sim->moved_at[v[0]] <= last && sim->moved_at[v[1]] <= last && sim->moved_at[v[2]] <= last))
             continue;
         sim->looked_at[i] = sim->push_count;
-        if (is_beside(box, sim->state->position_next, v))
+        pel_search_box around = pel_search_triangle(sim->state->position_next, v);
+        if (pel_search_apart(&around, box))
             continue;
         moved |= press_triangle(sim, tool, t, tolerance);
     }
@@ -315,7 +305,7 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32
 static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
 {
     double tolerance = pel_tool_press_tolerance(sim, tool);
-    pel_search_box box = pel_tool_box(tool, 0);
+    pel_search_box box = pel_tool_box(tool, tool->press_margin, 0);
     bool moved = false, again = true;
     sim->press_count++;
     for (int32_t i = 0; i < near_count; i++) {

@@ -151,13 +151,15 @@ void pel_tool_search_destroy(pel_tool_search *search)
 
 static pel_search_box empty_box(void)
 {
-    return (pel_search_box){pel_wide_splat((pel_real)INFINITY), pel_wide_splat(-(pel_real)INFINITY)};
+    const pel_real far = (pel_real)INFINITY;
+    const pel_record none = {far, far, far, far};
+    return (pel_search_box){none, -none};
 }
 
 static void add_point(pel_search_box *box, pel_record x)
 {
-    box->low = -pel_wide_max(-x, -box->low);
-    box->high = pel_wide_max(x, box->high);
+    box->low = pel_record_min(x, box->low);
+    box->high = pel_record_max(x, box->high);
 }
 
 static pel_search_box box_of_points(const pel_record *x, int32_t count)
@@ -166,10 +168,10 @@ static pel_search_box box_of_points(const pel_record *x, int32_t count)
     int32_t i = 0;
     /* four at a time, so that they do not wait for each other */
     for (; i + 4 <= count; i += 4) {
-        pel_record high = pel_wide_max(pel_wide_max(x[i], x[i + 1]), pel_wide_max(x[i + 2], x[i + 3]));
-        pel_record low = pel_wide_max(pel_wide_max(-x[i], -x[i + 1]), pel_wide_max(-x[i + 2], -x[i + 3]));
-        box.high = pel_wide_max(high, box.high);
-        box.low = -pel_wide_max(low, -box.low);
+        box.high = pel_record_max(pel_record_max(pel_record_max(x[i], x[i + 1]), pel_record_max(x[i + 2], x[i + 3])),
+                                  box.high);
+        box.low =
+            pel_record_min(pel_record_min(pel_record_min(x[i], x[i + 1]), pel_record_min(x[i + 2], x[i + 3])), box.low);
     }
     for (; i < count; i++)
         add_point(&box, x[i]);
@@ -178,8 +180,8 @@ static pel_search_box box_of_points(const pel_record *x, int32_t count)
 
 static void add_box(pel_search_box *box, const pel_search_box *other)
 {
-    box->low = -pel_wide_max(-other->low, -box->low);
-    box->high = pel_wide_max(other->high, box->high);
+    box->low = pel_record_min(other->low, box->low);
+    box->high = pel_record_max(other->high, box->high);
 }
 
 /* vertices of a block: places from begin to end - 1 */
@@ -266,31 +268,37 @@ void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions)
 
 /* ---- search ---- */
 
-static bool overlap(const pel_search_box *a, const pel_search_box *b)
+/* The triangles of a block, the first of each vertex, then the second ones and so on: triangles lie far apart in
+   memory, and none of these reads waits for another. */
+static int32_t find_in_block(const pel_tool_search *search, const pel_record *positions, span own,
+                             const pel_search_box *box, int32_t *triangles, int32_t count)
 {
-    for (int i = 0; i < 3; i++)
-        if (a->low[i] > b->high[i] || a->high[i] < b->low[i])
-            return false;
-    return true;
+    int32_t heads[BLOCK], head_count = 0;
+    for (int32_t v = own.begin; v < own.end; v++) {
+        heads[head_count] = search->first[v];
+        head_count += search->first[v] >= 0;
+    }
+    while (head_count > 0) {
+        int32_t kept = 0;
+        for (int32_t i = 0; i < head_count; i++) {
+            int32_t t = heads[i], next = search->next[t];
+            pel_search_box around = pel_search_triangle(positions, search->model->triangles[t]);
+            triangles[count] = t;
+            count += !pel_search_apart(&around, box);
+            heads[kept] = next;
+            kept += next >= 0;
+        }
+        head_count = kept;
+    }
+    return count;
 }
 
 int32_t pel_tool_search_find(const pel_tool_search *search, const pel_record *positions, int32_t body,
                              const pel_search_box *box, int32_t *triangles, int32_t count)
 {
-    for (int32_t block = search->bodies[body].block_begin, end = block_end(search, body); block < end; block++) {
-        if (!overlap(&search->boxes[block], box))
-            continue;
-        span own = span_of(search, body, block);
-        for (int32_t v = own.begin; v < own.end; v++)
-            for (int32_t t = search->first[v]; t >= 0; t = search->next[t]) {
-                const int32_t *corners = search->model->triangles[t];
-                pel_search_box around = {positions[corners[0]], positions[corners[0]]};
-                add_point(&around, positions[corners[1]]);
-                add_point(&around, positions[corners[2]]);
-                if (overlap(&around, box))
-                    triangles[count++] = t;
-            }
-    }
+    for (int32_t block = search->bodies[body].block_begin, end = block_end(search, body); block < end; block++)
+        if (!pel_search_apart(&search->boxes[block], box))
+            count = find_in_block(search, positions, span_of(search, body, block), box, triangles, count);
     return count;
 }
 

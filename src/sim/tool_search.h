@@ -15,6 +15,18 @@ typedef struct pel_search_box {
     pel_record low, high;
 } pel_search_box;
 
+static inline pel_search_box pel_search_triangle(const pel_record *positions, const int32_t corners[3])
+{
+    pel_record a = positions[corners[0]], b = positions[corners[1]], c = positions[corners[2]];
+    return (pel_search_box){pel_record_min(pel_record_min(a, b), c), pel_record_max(pel_record_max(a, b), c)};
+}
+
+/* whether a side of one box keeps them apart */
+static inline bool pel_search_apart(const pel_search_box *a, const pel_search_box *b)
+{
+    return pel_record_exceeds(a->low, b->high) || pel_record_exceeds(b->low, a->high);
+}
+
 typedef struct pel_search_body {
     int32_t first_place, fine_place;            /* of its base and of its finer vertices */
     int32_t block_begin, block_fine, block_end; /* blocks of its base and of finer vertices that there may be */

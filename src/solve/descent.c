@@ -72,7 +72,7 @@ void pel_descent_destroy(pel_descent *descent)
         return;
     void *arrays[] = {descent->x,         descent->gradient,   descent->trial,          descent->trial_gradient,
                       descent->direction, descent->step_pairs, descent->gradient_pairs, descent->position,
-                      descent->force,     descent->movable};
+                      descent->force,     descent->movable,    descent->spread};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(descent);

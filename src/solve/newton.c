@@ -673,10 +673,7 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
 
 /* ---- a preconditioner ---- */
 
-/* on the diagonal: free bodies have motions that no energy holds */
-#define FREE_SHIFT 1e-6
-
-bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns)
+bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns, double shift)
 {
     pel_newton_result result = {0};
     memcpy(newton->start, unknowns, (size_t)newton->pattern->unknown_count * sizeof *unknowns);
@@ -686,7 +683,7 @@ bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *proble
     fix_unknowns(&run);
     evaluate(&run);
     assemble(&run);
-    return compute_factor(&run, FREE_SHIFT, &pivot);
+    return compute_factor(&run, shift, &pivot);
 }
 
 void pel_newton_precondition(pel_newton *newton, double *vector)

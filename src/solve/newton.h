@@ -90,9 +90,11 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
                           pel_newton_result *result, pel_error *error);
 
 /* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
-   terms, fixed as in the problem. False where it has no factor. pel_newton_precondition multiplies a vector
-   (3 vertex_count) by its inverse, with edges free to follow. */
-bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns);
+   terms, fixed as in the problem, shift on the diagonal as in pel_factor_compute: for what no energy holds. False where
+   it has no factor. pel_newton_precondition multiplies a vector (3 vertex_count) by its inverse, with edges free to
+   follow. */
+bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns,
+                            double shift);
 void pel_newton_precondition(pel_newton *newton, double *vector);
 
 #endif

@@ -90,9 +90,15 @@ static void move_history(pel_projector *projector, pel_state *state, double subs
 
 void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int32_t substeps)
 {
-    double substep = projector->solver.dt / substeps;
+    pel_projector_set_time(projector, state, projector->solver.dt, substeps);
+}
+
+void pel_projector_set_time(pel_projector *projector, pel_state *state, double dt, int32_t substeps)
+{
+    double substep = dt / substeps;
     if (state != NULL && state->older_position != NULL && state->older_is_known && substep != projector->substep)
         move_history(projector, state, substep);
+    projector->solver.dt = dt;
     projector->solver.substeps = substeps;
     projector->substep = substep;
 }
@@ -244,7 +250,7 @@ static void predict_vertex(const vertex_job *job, int32_t v, const double *facto
     pel_record next = from.base + tau * from.velocity + push;
     if (job->projector->reaction != NULL && job->projector->is_fixed[v])
         job->projector->reaction[v] += force;
-    job->force[v] = pel_wide_splat(0);
+    job->force[v] = (pel_record){0};
     bool is_dragged = w > 0 && massive_drag(job->projector) > 0;
     if (is_dragged || (job->projector->is_held && is_held(model, v)))
         next = hold_back(job, v, factors, x, &from, push, &w);

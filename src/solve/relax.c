@@ -150,8 +150,10 @@ static pel_wide mobility(const stage *run, int32_t slice, pel_wide state_inverse
     const pel_wide *inverse_mass = (const pel_wide *)model->inverse_mass;
     pel_wide factor = pel_wide_splat((pel_real)run->relax->active->relaxation.factor);
     factor *= inverse_mass[slice] - state_inverse_mass;
-    for (int32_t lane = 0; run->held != NULL && lane < PEL_WIDTH; lane++)
-        if (run->held[slice * PEL_WIDTH + lane])
+    static const uint8_t none[PEL_WIDTH];
+    const uint8_t *held = run->held != NULL ? run->held + slice * PEL_WIDTH : none;
+    for (int32_t lane = 0; memcmp(held, none, sizeof none) != 0 && lane < PEL_WIDTH; lane++)
+        if (held[lane])
             factor[lane] = 0;
     return factor;
 }
@@ -189,7 +191,7 @@ static bool stage_slice(const stage *run, int32_t slice, const pel_slice *own, p
                       own->position.z + kept * (own->position.z - before.position.z) + share * way.z};
     pel_slice_store(run->next, slice, next, own->inverse_mass);
     pel_wide_mask inside = pel_wide3_dot(next, next) < pel_wide_splat(run->square_bound);
-    return inside[0] && inside[1] && inside[2] && inside[3];
+    return pel_wide_all(inside);
 }
 
 static void run_chunk(void *context, int32_t chunk)

@@ -115,8 +115,7 @@ STEP_INLINE void run_chunk(const sweep *whole, int32_t chunk, bool explicit_meth
             run_slices(&run, begin, end, explicit_method, flag, false, &sum);
     }
     /* an infinite length says that a position left the bound */
-    bool inside = sum.inside[0] && sum.inside[1] && sum.inside[2] && sum.inside[3];
-    run.step->longest[chunk] = inside ? (double)pel_wide_largest(sum.longest) : HUGE_VAL;
+    run.step->longest[chunk] = pel_wide_all(sum.inside) ? (double)pel_wide_largest(sum.longest) : HUGE_VAL;
 }
 
 static void quasi_static_chunk(void *context, int32_t chunk)

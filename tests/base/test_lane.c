@@ -159,7 +159,7 @@ static void test_store(void **unused)
         a.y[i] = (pel_real)(3 * i + 1);
         a.z[i] = (pel_real)(3 * i + 2);
     }
-    records[PEL_BLOCK] = pel_wide_splat(7);
+    records[PEL_BLOCK] = (pel_record){7, 7, 7, 7};
     pel_lane3_store(records, a);
     for (int i = 0; i < PEL_BLOCK; i++)
         for (int c = 0; c < 4; c++)

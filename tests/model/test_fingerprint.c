@@ -206,8 +206,8 @@ static void test_names(void **unused)
     all->bodies[1].friction = 0.5;
     pel_fingerprint after = fingerprint_of(all);
     assert_string_equal(pel_fingerprint_compare(&before, &after, text, sizeof text),
-                        "gravity, friction of a body, solver");
-    assert_string_equal(pel_fingerprint_compare(&before, &after, cut, sizeof cut), "gravity, fr");
+                        "gravity, contact of a body, solver");
+    assert_string_equal(pel_fingerprint_compare(&before, &after, cut, sizeof cut), "gravity, co");
     free(all);
 }
 

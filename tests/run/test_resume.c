@@ -149,7 +149,7 @@ static void test_methods(void **unused)
 {
     (void)unused;
     static const char *const crowds[][2] = {{"solver.method=quasi-static", NULL},
-                                            {"solver.method=explicit", NULL},
+                                            {"solver.method=explicit", "contact.restitution=0.5"},
                                             {"solver.method=pbd", NULL},
                                             {"solver.method=pbd", "bodies.a.pressure={ outside: 30 }"},
                                             {"solver.method=pbd-distance", NULL},

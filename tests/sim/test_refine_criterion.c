@@ -1,4 +1,5 @@
 /* Where a body refines: curvature, tools, regions, and who wins within a budget. */
+#include "random.h"
 #include "sim/refine_fixture.h"
 
 static double present[3 * 20000];
@@ -136,6 +137,44 @@ static bench beside_tool(pel_tool_shape shape, double near)
     def.tools = &tool;
     def.tool_count = 1;
     return begin(mesh, &body, &def);
+}
+
+/* the box about a tool leaves out no vertex that has triangles near it: beside a look at all */
+static void test_box_of_tool(void **unused)
+{
+    (void)unused;
+    const pel_tool_shape shapes[] = {PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_BOX};
+    random_state random = {7};
+    int near_count = 0, far_count = 0;
+    for (int n = 0; n < 60; n++) {
+        bench made = beside_tool(shapes[n % 3], 0.15);
+        pel_tool *tool = &made.sim->tools[0];
+        double turn = random_between(&random, 0, 3);
+        tool->pose.rotation[0] = sin(turn / 2);
+        tool->pose.rotation[3] = cos(turn / 2);
+        for (int i = 0; i < 3; i++)
+            tool->pose.position[i] = random_between(&random, -1.2, 1.2);
+        pel_refine_criterion_begin(made.sim, 0);
+        const pel_real far = (pel_real)INFINITY, all[2][3] = {{-far, -far, -far}, {far, far, far}};
+        pel_real box[2][3];
+        memcpy(box, tool->look_box, sizeof box);
+        for (int32_t slice = 0; slice < made.sim->model->bodies[0].slice_end; slice++) {
+            pel_verdict verdicts[PEL_WIDTH], expected[PEL_WIDTH];
+            pel_body_force numbers = pel_slice_force_of(made.sim->model, made.sim->state, slice);
+            memcpy(tool->look_box, box, sizeof box);
+            pel_refine_criterion_slice(made.sim, 0, slice, &numbers, verdicts);
+            memcpy(tool->look_box, all, sizeof box);
+            pel_refine_criterion_slice(made.sim, 0, slice, &numbers, expected);
+            for (int lane = 0; lane < PEL_WIDTH; lane++) {
+                assert_true(verdicts[lane].strength == expected[lane].strength);
+                assert_true(verdicts[lane].warm == expected[lane].warm);
+                near_count += expected[lane].strength > 0;
+                far_count += expected[lane].strength == 0;
+            }
+        }
+        end(&made);
+    }
+    assert_true(near_count > 100 && far_count > near_count);
 }
 
 /* refined before it touches, near it alone, and given up when it has gone */
@@ -440,15 +479,11 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_curvature_measure),
-        cmocka_unit_test(test_fold),
-        cmocka_unit_test(test_near_tools),
-        cmocka_unit_test(test_small_tool),
-        cmocka_unit_test(test_region),
-        cmocka_unit_test(test_stronger_displaces),
-        cmocka_unit_test(test_portions),
-        cmocka_unit_test(test_snapshot),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_curvature_measure),  cmocka_unit_test(test_fold),
+        cmocka_unit_test(test_box_of_tool),        cmocka_unit_test(test_near_tools),
+        cmocka_unit_test(test_small_tool),         cmocka_unit_test(test_region),
+        cmocka_unit_test(test_stronger_displaces), cmocka_unit_test(test_portions),
+        cmocka_unit_test(test_snapshot),           cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

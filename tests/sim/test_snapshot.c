@@ -162,7 +162,7 @@ static const char *change_model(setup *s, int change)
     case 13:
         return s->pinned[0]++, "pinned vertices";
     case 14:
-        return body->friction = 0.1, "friction of a body";
+        return body->friction = 0.1, "contact of a body";
     case 15:
         return s->model.gravity[2] = -9.81, "gravity";
     default:
@@ -294,6 +294,16 @@ static const char *change_springs(setup *s, int change)
         return tool->grasp_max_force = 3, "tools";
     case 31:
         return s->sim.solver.symplectic = false, "solver";
+    case 32:
+        return s->body.restitution = 0.5, "contact of a body";
+    case 33:
+        return s->body.contact_thickness = 5e-4, "contact of a body";
+    case 34:
+        return tool->restitution = 0.5, "tools";
+    case 35:
+        return tool->thickness = 5e-4, "tools";
+    case 36:
+        return contact->restitution = 0.5, "contact";
     default:
         return NULL;
     }
@@ -457,7 +467,7 @@ static void test_changes(void **unused)
         check_changes(begins[i], change_model, 16);
         check_changes(begins[i], change_sim, 21);
     }
-    check_changes(make_springs, change_springs, 32);
+    check_changes(make_springs, change_springs, 37);
     check_changes(make_shell, change_shell, 30);
 }
 

@@ -197,7 +197,7 @@ static pel_status create(const void *unused, pel_error *error)
 static void test_allocation_failure(void **unused)
 {
     (void)unused;
-    assert_int_equal(for_every_allocation_failure(create, NULL), 11);
+    assert_int_equal(for_every_allocation_failure(create, NULL), 12);
 }
 
 /* vertices that are held stay; an end at a share of the gradient; what goes on has learnt */
