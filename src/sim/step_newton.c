@@ -332,6 +332,9 @@ double pel_sim_newton_edge_energy(const pel_sim *sim)
         return 0;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         pel_vertex_position(sim->state->position, v, newton->unknowns + 3 * (size_t)v);
+    /* from zero: the same bits whatever was solved before */
+    const pel_tangent_pattern *pattern = pel_newton_pattern(newton->newton);
+    memset(newton->unknowns + 3 * (size_t)pattern->vertex_count, 0, (size_t)pattern->edge_count * sizeof(double));
     pel_tangent_settle_edges(tangent, newton->unknowns, NULL);
     newton->goes_on = false;
     return pel_tangent_evaluate(tangent, &input, sim->pool, NULL).edges;
