@@ -128,6 +128,11 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
     printf("  volume at end          %.6g of that at rest\n", s->volume_ratio_final);
     if (s->self_intersections_final >= 0)
         printf("  self-intersections     %lld pairs of triangles at end\n", (long long)s->self_intersections_final);
+    for (int m = 0; m < s->mode_count; ++m)
+        if (scene->sim.solver.analysis == PEL_ANALYSIS_MODAL)
+            printf("  mode %-3d               %.6g Hz\n", m + 1, s->modes[m]);
+        else
+            printf("  mode %-3d               load factor %.6g\n", m + 1, s->modes[m]);
     if (s->alpha > 0.0)
         printf("  alpha                  %.6g (stable below %.6g)\n", s->alpha, s->alpha_limit);
     print_files(folder);

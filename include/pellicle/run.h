@@ -62,6 +62,9 @@ pel_run_def pel_run_def_default(void);
 /* Warnings of a run at most: one of each code. */
 enum { PEL_RUN_WARNING_LIMIT = 12 };
 
+/* Modes of an analysis that a summary tells, and summary.json with it. */
+enum { PEL_RUN_MODE_LIMIT = 1000 };
+
 /* What makes the numbers of a run doubtful. docs/results.md lists the codes with their thresholds. */
 typedef struct pel_run_warning {
     const char *code;    /* such as "unconverged"; lives forever */
@@ -89,8 +92,10 @@ typedef struct pel_run_summary {
     uint64_t state_hash;
     double alpha, alpha_limit;
     int32_t threads;
-    pel_solver_reading solver; /* of the last step */
-    int64_t unconverged_steps; /* of the method descent: steps whose forces or gaps are not within tolerance */
+    pel_solver_reading solver;        /* of the last step */
+    int32_t mode_count;               /* of an analysis, 0 without */
+    double modes[PEL_RUN_MODE_LIMIT]; /* (mode_count) Hz, or load factors */
+    int64_t unconverged_steps;        /* of the method descent: steps whose forces or gaps are not within tolerance */
     const char *stop_reason; /* what ended the run: "duration", "max_frames" or a key of the scene's `stop`; "" when it
                               was stopped or failed; lives forever */
     int64_t volume_rises;    /* frames whose volume is more than that of the frame before */

@@ -34,6 +34,14 @@ typedef enum pel_method {
 /* A choice that may be left to the library. */
 typedef enum pel_choice { PEL_AUTO = -1, PEL_NO = 0, PEL_YES = 1 } pel_choice;
 
+/* static: what is asked of the state of rest */
+typedef enum pel_analysis {
+    PEL_ANALYSIS_NONE,
+    PEL_ANALYSIS_MODAL,   /* step n shows the mode of the n-th lowest frequency about the state under the loads */
+    PEL_ANALYSIS_BUCKLING /* step n shows the mode of the n-th lowest factor of the loads, all alike, that buckles the
+                             body by linear theory */
+} pel_analysis;
+
 typedef struct pel_solver_def {
     pel_method method;
     double dt;          /* s, one step */
@@ -49,6 +57,8 @@ typedef struct pel_solver_def {
                                 contact, gas and target volumes */
     double drag;             /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
     bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
+    pel_analysis analysis;   /* static; tools and contact have no part in modes */
+    int32_t mode_count;      /* of an analysis: modes to find, 1 to 1000 */
 } pel_solver_def;
 
 /* What a load's force means. */
@@ -370,6 +380,13 @@ typedef struct pel_solver_reading {
     double softness, most_softness;        /* pel_sim_softness, and the largest so far */
 } pel_solver_reading;
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
+
+/* Of an analysis, after its first step: Hz, or factors of the loads, ascending; values (at most mode_count) may be
+   null. Returns their number, 0 before. Modes are drawn with a largest displacement of 5 % of the largest body. */
+int32_t pel_sim_get_modes(const pel_sim *sim, double *values);
+pel_analysis pel_sim_analysis(const pel_sim *sim);
+/* that of the mode that the present state shows; 0 = none */
+double pel_sim_mode_value(const pel_sim *sim);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {

@@ -157,7 +157,8 @@ static const pel_member solver[] = {
     PLAIN(pel_solver_def, symplectic, SAME),    PLAIN(pel_solver_def, iterations, SAME),
     PLAIN(pel_solver_def, substeps, SAME),      PLAIN(pel_solver_def, max_substeps, SAME),
     PLAIN(pel_solver_def, second_order, SAME),  PLAIN(pel_solver_def, drag, SAME),
-    PLAIN(pel_solver_def, gradient_only, SAME), END,
+    PLAIN(pel_solver_def, gradient_only, SAME), PLAIN(pel_solver_def, analysis, SAME),
+    PLAIN(pel_solver_def, mode_count, SAME),    END,
 };
 
 static const pel_member load[] = {

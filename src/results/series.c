@@ -107,6 +107,13 @@ static bool has_contact(const pel_sim *sim)
     return pel_sim_contact_thickness(sim) > 0;
 }
 
+/* the column of an analysis; null = none */
+static const char *mode_column(const pel_sim *sim)
+{
+    static const char *const columns[] = {NULL, "frequency", "load_factor"};
+    return columns[pel_sim_analysis(sim)];
+}
+
 static void put_header(pel_run_series *series, const pel_sim *sim)
 {
     put_text(series, first_columns);
@@ -134,6 +141,10 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     for (int c = 0; has_contact(sim) && c < CONTACT_COLUMN_COUNT; c++) {
         put_text(series, ",");
         put_text(series, contact_columns[c]);
+    }
+    if (mode_column(sim) != NULL) {
+        put_text(series, ",");
+        put_text(series, mode_column(sim));
     }
     put_text(series, "\n");
 }
@@ -221,7 +232,7 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
     *series = (pel_run_series){.descriptor = -1, .path = path};
     series->room =
         sizeof first_columns +
-        (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT) * PEL_NUMBER_SIZE +
+        (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 1) * PEL_NUMBER_SIZE +
         (size_t)pel_sim_tool_count(sim) * tool_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
     series->line = pel_allocate(series->room, 1);
@@ -336,6 +347,8 @@ pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_ru
     put_ledger(series, &row->ledger);
     if (has_contact(sim))
         put_contact(series, row);
+    if (mode_column(sim) != NULL)
+        put_number(series, pel_sim_mode_value(sim));
     put_text(series, "\n");
     return write_line(series, error);
 }

@@ -138,6 +138,22 @@ static void write_solver(pel_file_writer *writer, const pel_run_ending *ending)
     number_entry(writer, "softness_max", s->solver.most_softness);
 }
 
+/* frequencies or load factors of an analysis */
+static void write_modes(pel_file_writer *writer, const pel_run_ending *ending)
+{
+    static const char *const keys[] = {NULL, "frequencies", "load_factors"};
+    pel_analysis analysis = pel_sim_analysis(ending->sim);
+    if (analysis == PEL_ANALYSIS_NONE)
+        return;
+    begin(writer, keys[analysis]);
+    pel_file_writer_printf(writer, "[");
+    for (int32_t m = 0; m < ending->summary->mode_count; m++) {
+        pel_file_writer_printf(writer, m > 0 ? ", " : "");
+        write_number(writer, ending->summary->modes[m]);
+    }
+    pel_file_writer_printf(writer, "]");
+}
+
 static void write_ledger(pel_file_writer *writer, const pel_sim_ledger *ledger)
 {
     const struct {
@@ -207,6 +223,7 @@ static void write_entries(pel_file_writer *writer, const pel_run_ending *ending)
     number_entry(writer, "max_tool_force", s->max_tool_force);
     write_tools(writer, ending);
     write_solver(writer, ending);
+    write_modes(writer, ending);
     if (pel_sim_contact_thickness(ending->sim) > 0)
         write_contact(writer, ending->sim);
     write_ledger(writer, &s->ledger);

@@ -4,6 +4,7 @@
 #include "pellicle/preset.h"
 #include "scene/validate.h"
 
+#include <math.h>
 #include <string.h>
 
 /* what a preset says when it gives no density, and a membrane that has none at all [kg/m3] */
@@ -11,7 +12,7 @@
 /* dt of the table */
 #define DEFAULT_DT 0.01
 
-enum { MOST_PRESETS = 64 };
+enum { MOST_PRESETS = 64, DEFAULT_MODES = 6, MOST_STATIC_STEPS = 1000 };
 
 /* the entry of a map; one without value counts as left out */
 static pel_scene_value *find(pel_scene_value *map, const char *key)
@@ -185,6 +186,86 @@ static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
     return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
 }
 
+/* ---- statics: neither duration nor dt ---- */
+
+static bool is_word(pel_scene_value *map, const char *key, const char *word)
+{
+    const pel_scene_value *value = find(map, key);
+    return value != NULL && value->kind == PEL_SCENE_SCALAR && strcmp(value->text, word) == 0;
+}
+
+static pel_status imply_static(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *solver = find_map(root, "solver");
+    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
+    return has_modes ? set_text(reader, solver, "method", "static") : PEL_OK;
+}
+
+/* the greatest time of which two times are multiples, and where keys of `least` are as good as any */
+static double common_time(double a, double b, double least)
+{
+    while (b > least) {
+        double rest = fmod(a, b);
+        a = b;
+        b = b - rest > least ? rest : 0;
+    }
+    return a;
+}
+
+/* when loads, tools and numbers change: the last time and the greatest one that all are multiples of */
+typedef struct key_times {
+    double last, step;
+} key_times;
+
+static void take_time(const pel_scene_value *value, key_times *times)
+{
+    double time;
+    if (value == NULL || value->kind != PEL_SCENE_SCALAR || !pel_scene_parse_number(value->text, &time) ||
+        !(time > 0) || !isfinite(time))
+        return;
+    times->last = fmax(times->last, time);
+    times->step = times->step > 0 ? common_time(fmax(time, times->step), fmin(time, times->step), 1e-6 * time) : time;
+}
+
+static void take_times(const pel_scene_value *value, key_times *times)
+{
+    for (const pel_scene_value *entry = value->first; entry != NULL; entry = entry->next) {
+        const char *key = entry->key;
+        if (key != NULL && (strcmp(key, "from") == 0 || strcmp(key, "until") == 0 || strcmp(key, "time") == 0))
+            take_time(entry, times);
+        for (pel_scene_value *pair = entry->first; key != NULL && strcmp(key, "keys") == 0 && pair != NULL;
+             pair = pair->next)
+            if (pair->kind == PEL_SCENE_LIST)
+                take_time(pair->first, times);
+        take_times(entry, times);
+    }
+}
+
+/* A step, and a frame, for each time that all keys are multiples of; with `steps`, so many to the last one; for each
+   mode; one where nothing is keyed. */
+static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *solver = find_map(root, "solver"), *output = find(root, "output");
+    const char *const parts[] = {"bodies", "loads", "tools"};
+    double modes = positive(solver, "modes"), steps = positive(solver, "steps"), dt = positive(solver, "dt");
+    key_times times = {0};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (find(root, parts[i]) != NULL)
+            take_times(find(root, parts[i]), &times);
+    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
+    double last = times.last > 0 ? times.last : 1, step = times.last > 0 ? times.step : 1;
+    step = steps > 0 ? last / steps : fmax(step, last / MOST_STATIC_STEPS);
+    if (has_modes)
+        last = (modes > 0 ? modes : DEFAULT_MODES) * (step = dt > 0 ? dt : 1);
+    if (output == NULL && (output = add(reader, root, "output", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    pel_status status = set_number(reader, solver, "dt", step);
+    if (status == PEL_OK)
+        status = set_number(reader, root, "duration", fmax(last, dt));
+    bool is_open = output->kind == PEL_SCENE_MAP && find(output, "every") == NULL;
+    return status == PEL_OK && is_open ? set_text(reader, output, "every_frame", "1") : status;
+}
+
 static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root)
 {
     pel_scene_value *stop = find_map(root, "stop");
@@ -194,6 +275,8 @@ static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root
     double time = positive(stop, "time"), frames = positive(stop, "frames") * (dt > 0 ? dt : DEFAULT_DT);
     if (time > 0 || frames > 0)
         return set_number(reader, root, "duration", time > 0 && (!(frames > 0) || time < frames) ? time : frames);
+    if (is_word(find_map(root, "solver"), "method", "static"))
+        return imply_static_times(reader, root);
     return PEL_OK;
 }
 
@@ -206,6 +289,8 @@ pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *ro
         return PEL_OK;
     for (pel_scene_value *body = bodies->first; status == PEL_OK && body != NULL; body = body->next)
         status = imply_body(reader, body, &has_membrane);
+    if (status == PEL_OK)
+        status = imply_static(reader, root);
     if (status == PEL_OK && has_membrane)
         status = imply_method(reader, root);
     return status == PEL_OK ? imply_duration(reader, root) : status;

@@ -333,13 +333,22 @@ static const pel_scene_row rows[] = {
      .doc = "explicit, pbd, xpbd: velocities fall by exp(-drag t)"},
     {"solver.descent", WORD("lbfgs", "gradient"), .preset = "lbfgs",
      .doc = "descent: L-BFGS, or plain gradient descent (paper B's comparison)"},
+    {"solver.steps", INTEGER, COUNT_FROM(1),
+     .doc = "static without `duration`: steps to the last key; left out: one for each key"},
+    {"solver.analysis", WORD("none", "modal", "buckling"), .preset = "none",
+     .doc = "static: modal finds the lowest frequencies and modes of the body under its loads; buckling the lowest "
+            "factors of all loads, gravity and pressure together, under which it buckles by linear theory. A frame "
+            "for each mode; the numbers are in summary.json"},
+    {"solver.modes", INTEGER, BETWEEN(1, 1000), .preset = "6", .doc = "modes that an analysis finds"},
     {"solver.threads", INTEGER, COUNT_FROM(0), .preset = "0",
      .doc =
          "threads of a step, 0 for as many as the machine has; unless it is 1, a further thread writes the frames; the "
          "results do not depend on it"},
 
     {"duration", NUMBER, .unit = "s", POSITIVE, REQUIRED,
-     .doc = "simulated time; left out: that of stop.time or stop.frames"},
+     .doc =
+         "simulated time; left out: that of stop.time or stop.frames; method static needs none: the time of the last "
+         "key, with steps and frames at the keys, or one step"},
     {"stop", MAP, .doc = "what ends a run before its duration; leave out for nothing"},
     {"stop.at_rest", NUMBER, .unit = "m/s", POSITIVE,
      .doc = "ends the run once loads and tools are done and no vertex is faster"},

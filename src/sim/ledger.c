@@ -424,7 +424,8 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
     double work = ledger->work_tools + ledger->work_loads + ledger->work_pressure + ledger->work_gravity +
                   ledger->work_material + ledger->work_setters;
     double gained = ledger->elastic + ledger->kinetic - ledger->elastic_start - ledger->kinetic_start;
-    double left = gained - work + ledger->dissipated_drag;
+    /* modes are drawn: nothing supplies their energy */
+    double left = sim->modes != NULL ? 0 : gained - work + ledger->dissipated_drag;
     /* not fmax: the sign of a zero is up to the compiler there */
     ledger->dissipated_solver = left < 0 ? -left : 0;
     ledger->energy_error = left > 0 ? left : 0;

@@ -198,6 +198,8 @@ typedef struct pel_sim_parts {
 
 /* (descent.c) what the method needs */
 typedef struct pel_sim_descent pel_sim_descent;
+/* (step_modes.h) of an analysis */
+typedef struct pel_sim_modes pel_sim_modes;
 
 /* (hold.h) supports of single components */
 typedef struct pel_sim_holds pel_sim_holds;
@@ -247,6 +249,7 @@ struct pel_sim {
     pel_projector *projector; /* position-based methods, else null */
     pel_shell_forces *shells; /* null = no body is a shell */
     pel_sim_descent *descent; /* null = another method */
+    pel_sim_modes *modes;     /* null = no analysis */
     pel_relax *relax;         /* quasi-static method on bodies that refine, else null */
     double relax_shell_rate;
     pel_sim_substeps substeps;     /* of xpbd */

@@ -3,9 +3,9 @@
 #include "base/status.h"
 #include "pellicle/parallel.h"
 #include "sim/contact.h"
-#include "sim/descent.h"
 #include "sim/edge_load.h"
 #include "sim/hold.h"
+#include "sim/step_modes.h"
 #include "sim/tool_solid.h"
 
 enum { SIM_COOKIE = 0x73696d21 };
@@ -46,6 +46,11 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
     }
     if (solver->method > PEL_METHOD_IMPLICIT)
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
+    if (solver->analysis != PEL_ANALYSIS_NONE && solver->method != PEL_METHOD_STATIC) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "only the method static has an analysis");
+        pel_fail_remedy(error, "use method static, or no analysis");
+        return PEL_BAD_ARGUMENT;
+    }
     if (solver->iterations < 0 || solver->substeps < 0 || solver->max_substeps < 0) {
         pel_fail(error, PEL_BAD_ARGUMENT, "solver iterations or substeps are below 0");
         pel_fail_remedy(error, "give at least 1, or 0 for the usual number of the method");
@@ -195,6 +200,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_edge_loads_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
+    pel_sim_modes_destroy(sim);
     pel_sim_descent_destroy(sim);
     pel_relax_destroy(sim->relax);
     pel_projector_destroy(sim->projector);

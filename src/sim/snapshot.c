@@ -4,8 +4,8 @@
 #include "base/status.h"
 #include "model/shell.h"
 #include "sim/contact.h"
-#include "sim/descent.h"
 #include "sim/hold.h"
+#include "sim/step_modes.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -259,6 +259,10 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     if (sim->descent != NULL) {
         transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
         transfer(at, &sim->descent->accepted, sizeof sim->descent->accepted);
+    }
+    if (sim->modes != NULL) {
+        transfer(at, sim->modes->values, (size_t)sim->solver.mode_count * sizeof *sim->modes->values);
+        transfer(at, &sim->modes->count, sizeof sim->modes->count);
     }
     /* the cursor writes to the sim only while it loads */
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;

@@ -68,11 +68,13 @@ void pel_sim_newton_begin(pel_sim *sim)
     sim->descent->newton->result = (pel_newton_result){0};
 }
 
-/* edges as they bend least, clamps apart */
+/* edges as they bend least, clamps apart; from zero: the same bits whatever was solved before */
 static void settle_edges(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->descent->newton;
     pel_tangent *tangent = pel_newton_tangent(newton->newton);
+    const pel_tangent_pattern *pattern = pel_newton_pattern(newton->newton);
+    memset(newton->unknowns + 3 * (size_t)pattern->vertex_count, 0, (size_t)pattern->edge_count * sizeof(double));
     const uint8_t *is_fixed = sim->holds != NULL ? sim->holds->edge_fixed : NULL;
     if (is_fixed != NULL)
         pel_tangent_clamp_edges(tangent, newton->unknowns, is_fixed);
@@ -192,6 +194,18 @@ static void support_free_body(pel_sim *sim, int32_t body)
     fix(newton, third, largest_component(normal));
 }
 
+pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free)
+{
+    take_positions(sim);
+    const pel_newton_frames frames =
+        pel_holds_fix(sim, time, sim->descent->newton->fixed, sim->descent->newton->target);
+    find_loads(sim, time);
+    for (int32_t b = 0; b < sim->model->body_count && supports_free; b++)
+        if (is_free(sim, b))
+            support_free_body(sim, b);
+    return frames;
+}
+
 /* ---- constraints ---- */
 
 static double evaluate_constraints(void *context, const double *unknowns, double *gradient)
@@ -288,12 +302,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     bool is_dynamic = newton->point_stiffness != NULL;
     bool has_springs = sim->holds != NULL && sim->holds->spring_count > 0;
     const pel_newton_terms terms = {context, evaluate_constraints, add_constraints};
-    take_positions(sim);
-    const pel_newton_frames frames = pel_holds_fix(sim, context->time, newton->fixed, newton->target);
-    find_loads(sim, context->time);
-    for (int32_t b = 0; b < sim->model->body_count && !is_dynamic && !context->is_constrained; b++)
-        if (is_free(sim, b))
-            support_free_body(sim, b);
+    const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     const pel_newton_problem own = {
         .time = context->time,
         .state = sim->state,

@@ -1,24 +1,32 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
 #include "base/status.h"
 #include "sim/hold.h"
-#include "sim/step_newton.h"
+#include "sim/step_modes.h"
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
     pel_status status = pel_sim_descent_create(sim, pel_sim_newton_minimise, error);
-    return status == PEL_OK ? pel_sim_newton_create(sim, false, error) : status;
+    if (status == PEL_OK)
+        status = pel_sim_newton_create(sim, false, error);
+    bool has_modes = sim->solver.analysis != PEL_ANALYSIS_NONE;
+    return status == PEL_OK && has_modes ? pel_sim_modes_create(sim, error) : status;
 }
 
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
+    if (sim->modes != NULL)
+        return pel_sim_modes_step(sim, result, error);
     pel_sim_newton_begin(sim);
     return pel_sim_descent_step(sim, result, error);
 }
 
 static pel_status check_start(pel_sim *sim, pel_error *error)
 {
-    pel_status status = pel_descent_check_start(sim, error);
-    return status == PEL_OK ? pel_holds_check_mechanism(sim, error) : status;
+    pel_status status = sim->modes != NULL ? pel_sim_modes_check(sim, error) : PEL_OK;
+    if (status == PEL_OK)
+        status = pel_descent_check_start(sim, error);
+    /* free motions are modes of frequency 0 */
+    return status == PEL_OK && sim->modes == NULL ? pel_holds_check_mechanism(sim, error) : status;
 }
 
 static void advise(const pel_sim *sim, pel_error *error)

@@ -72,7 +72,7 @@ typedef struct newton_run {
 
 /* ---- creation ---- */
 
-static pel_status create_matrix(pel_newton *newton, pel_error *error)
+pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error)
 {
     const pel_tangent_pattern *pattern = newton->pattern;
     int32_t node_count = pattern->vertex_count + pattern->edge_count;
@@ -89,7 +89,7 @@ static pel_status create_matrix(pel_newton *newton, pel_error *error)
         .element_node = pattern->nodes,
         .element_kind = pattern->element_kind,
     };
-    pel_status status = pel_matrix_create(&def, &newton->matrix, error);
+    pel_status status = pel_matrix_create(&def, matrix, error);
     pel_free(sizes);
     return status;
 }
@@ -166,7 +166,7 @@ pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton 
     pel_status status = pel_tangent_create(model, &made->tangent, error);
     if (status == PEL_OK) {
         made->pattern = pel_tangent_pattern_of(made->tangent);
-        status = make_room(made) ? create_matrix(made, error) : pel_fail_memory(error);
+        status = make_room(made) ? pel_newton_create_matrix(made, &made->matrix, error) : pel_fail_memory(error);
     }
     if (status == PEL_OK)
         status = create_plan(made, error);
@@ -224,6 +224,12 @@ const double *pel_newton_turns(const pel_newton *newton)
 pel_factor_cost pel_newton_cost(const pel_newton *newton)
 {
     return pel_factor_plan_cost(newton->plan);
+}
+
+pel_newton_system pel_newton_system_of(const pel_newton *newton)
+{
+    return (pel_newton_system){newton->model, newton->tangent, newton->matrix,
+                               newton->plan,  newton->pool,    newton->masses};
 }
 
 /* ---- energy, forces, matrix ---- */

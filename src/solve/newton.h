@@ -81,6 +81,19 @@ const double *pel_newton_gradient(const pel_newton *newton);
 const double *pel_newton_turns(const pel_newton *newton);
 pel_factor_cost pel_newton_cost(const pel_newton *newton);
 
+/* What other solvers of the same unknowns share: between two runs they may use the matrix. */
+typedef struct pel_newton_system {
+    const pel_model *model;
+    pel_tangent *tangent;
+    pel_matrix *matrix;
+    const pel_factor_plan *plan;
+    pel_pool *pool;
+    const double *masses; /* (unknown_count) kg, 0 on edges */
+} pel_newton_system;
+pel_newton_system pel_newton_system_of(const pel_newton *newton);
+/* One more matrix of the same pattern. PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error);
+
 /* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates nothing, but once where
    a factor in double is needed: PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,

@@ -1,0 +1,144 @@
+#include "sim/step_modes.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/hold.h"
+
+#include <string.h>
+
+/* of the largest body, that modes are drawn with */
+#define DRAWN_SHARE 0.05
+enum { MOST_MODES = 1000 };
+
+pel_status pel_sim_modes_create(pel_sim *sim, pel_error *error)
+{
+    int32_t count = sim->solver.mode_count;
+    if (count < 1 || count > MOST_MODES) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "an analysis of %d modes", (int)count);
+        pel_fail_remedy(error, "ask for 1 to %d modes", (int)MOST_MODES);
+        return PEL_BAD_ARGUMENT;
+    }
+    pel_sim_modes *made = sim->modes = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->base = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->base);
+    made->values = pel_allocate((size_t)count, sizeof *made->values);
+    made->present = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->present);
+    if (made->base == NULL || made->present == NULL || made->values == NULL)
+        return pel_fail_memory(error);
+    return pel_modes_create(sim->descent->newton->newton, sim->solver.analysis, count, &made->modes, error);
+}
+
+pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
+{
+    if (sim->tool_count == 0 && sim->contacts == NULL)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "modes are those of bodies without %s",
+             sim->tool_count > 0 ? "tools" : "contact");
+    pel_fail_remedy(error, "take the %s out, or leave out the analysis", sim->tool_count > 0 ? "tools" : "contact");
+    return PEL_BAD_ARGUMENT;
+}
+
+void pel_sim_modes_destroy(pel_sim *sim)
+{
+    if (sim->modes == NULL)
+        return;
+    pel_modes_destroy(sim->modes->modes);
+    pel_free(sim->modes->base);
+    pel_free(sim->modes->present);
+    pel_free(sim->modes->values);
+    pel_free(sim->modes);
+}
+
+/* about the state at rest, or that under the loads */
+static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_state *state = sim->state;
+    size_t bytes = (size_t)sim->model->vertex_count * sizeof *state->position;
+    memcpy(sim->modes->present, state->position, bytes);
+    memcpy(state->position, sim->model->rest, bytes);
+    memcpy(state->position_next, sim->model->rest, bytes);
+    pel_sim_newton_begin(sim);
+    bool buckles = sim->solver.analysis == PEL_ANALYSIS_BUCKLING;
+    if (buckles)
+        sim->descent->result = (pel_descent_result){.converged = true};
+    pel_status status = buckles ? PEL_OK : pel_sim_descent_step(sim, result, error);
+    memcpy(sim->modes->base, state->position_next, bytes);
+    if (status != PEL_OK || result->diverged || sim->descent->result.converged)
+        return status;
+    pel_fail(error, PEL_BAD_ARGUMENT, "no state of rest under the loads was found to take modes of");
+    pel_fail_remedy(error, "make the loads smaller");
+    return PEL_BAD_ARGUMENT;
+}
+
+/* the matrices of modes are along the axes of space, and know the bodies alone */
+static pel_status check_supports(const pel_sim *sim, const pel_newton_frames *frames, pel_error *error)
+{
+    bool is_turned = false, has_springs = sim->holds != NULL && sim->holds->spring_count > 0;
+    for (int32_t i = 0; i < frames->count; i++)
+        for (int a = 0; a < 3; a++)
+            is_turned |= !(frames->axes[i][a][a] == 1);
+    if (!is_turned && !has_springs)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "modes do not know %s",
+             has_springs ? "supports with a stiffness" : "frames of supports");
+    pel_fail_remedy(error, "fix components along x, y and z");
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    pel_sim_modes *own = sim->modes;
+    pel_status status = find_base(sim, result, error);
+    if (status != PEL_OK || result->diverged)
+        return status;
+    pel_newton_problem problem = {.time = sim->step.dt, .state = sim->state, .force = newton->loads};
+    problem.fixed = newton->fixed;
+    problem.frames = pel_sim_newton_gather(sim, problem.time, sim->solver.analysis == PEL_ANALYSIS_BUCKLING);
+    status = check_supports(sim, &problem.frames, error);
+    if (status == PEL_OK)
+        status = pel_modes_solve(own->modes, &problem, newton->unknowns, error);
+    memcpy(sim->state->position, own->present, (size_t)sim->model->vertex_count * sizeof *own->present);
+    own->is_solved = status == PEL_OK;
+    own->count = status == PEL_OK ? sim->solver.mode_count : 0;
+    for (int32_t m = 0; m < own->count; m++)
+        own->values[m] = pel_modes_value(own->modes, m);
+    return status;
+}
+
+pel_status pel_sim_modes_step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_sim_modes *own = sim->modes;
+    pel_status status = own->is_solved ? PEL_OK : solve(sim, result, error);
+    if (status != PEL_OK || result->diverged)
+        return status;
+    int32_t number = (int32_t)(sim->state->step % own->count);
+    const double *mode = pel_modes_vector(own->modes, number);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            sim->state->position_next[v][k] =
+                (pel_real)((double)own->base[v][k] + DRAWN_SHARE * sim->descent->size * mode[3 * v + k]);
+    return PEL_OK;
+}
+
+pel_analysis pel_sim_analysis(const pel_sim *sim)
+{
+    return sim->solver.analysis;
+}
+
+int32_t pel_sim_get_modes(const pel_sim *sim, double *values)
+{
+    if (sim->modes == NULL)
+        return 0;
+    if (values != NULL)
+        memcpy(values, sim->modes->values, (size_t)sim->modes->count * sizeof *values);
+    return sim->modes->count;
+}
+
+double pel_sim_mode_value(const pel_sim *sim)
+{
+    if (sim->modes == NULL || sim->state->step == 0 || sim->modes->count == 0)
+        return 0;
+    return sim->modes->values[(sim->state->step - 1) % sim->modes->count];
+}
