@@ -30,6 +30,7 @@ typedef struct pel_contact {
 typedef struct pel_contact_list {
     pel_contact *contacts; /* in a fixed order; may be null when count is 0 */
     int32_t count;
+    double recovery; /* m: how much depth from before the substep a sweep takes back at most */
 } pel_contact_list;
 
 #endif

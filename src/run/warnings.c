@@ -16,6 +16,8 @@
 enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
 /* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
 #define JAM_SHARE 0.1
+/* share from which one step is enough */
+#define JAM_AT_ONCE 0.5
 enum { JAM_STEPS = 10 };
 /* m, and thickness over size: a larger body as thin as that is probably measured in millimetres */
 #define LARGE_BODY 20.0
@@ -471,7 +473,7 @@ static bool holds(const pel_run_state *run, pel_warning_kind kind)
     if (kind == PEL_WARN_COARSE)
         return tally->count > 0 && run->flagged[kind].limit > 0;
     if (kind == PEL_WARN_JAMMED)
-        return tally->count >= JAM_STEPS;
+        return tally->count >= JAM_STEPS || (tally->count > 0 && tally->worst >= JAM_AT_ONCE);
     if (kind == PEL_WARN_ENERGY)
         return tally->count > 0 && tally->worst > run->ledger.tolerance;
     return tally->count > 0;

@@ -4,6 +4,37 @@
 #include "model/shell.h"
 #include "scene/build.h"
 
+static bool is_pinned(const pel_model *model, int32_t body)
+{
+    for (int32_t v = model->bodies[body].slice_begin * PEL_WIDTH; v < model->bodies[body].slice_end * PEL_WIDTH; v++)
+        if (model->mass[v] > 0 && !(model->inverse_mass[v] > 0))
+            return true;
+    return false;
+}
+
+/* held by a support that moves */
+static bool is_supported(const pel_scene *scene, int32_t body)
+{
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        if (scene->sim.tools[t].shape == PEL_TOOL_SUPPORT && scene->sim.tools[t].body == body)
+            return true;
+    return false;
+}
+
+/* a force that a free body cannot balance: gravity, a load, a pressure on an open surface or on a part of it */
+static bool is_driven(const pel_scene *scene, const pel_model *model, int32_t b)
+{
+    const double *gravity = model->gravity;
+    const pel_shell *shell = model->bodies[b].shell;
+    bool driven = gravity[0] != 0 || gravity[1] != 0 || gravity[2] != 0;
+    for (int32_t l = 0; l < scene->sim.load_count; l++)
+        driven |= scene->sim.loads[l].body == b;
+    if (shell != NULL && shell->pressure.kind != PEL_PRESSURE_NONE)
+        driven |= !model->bodies[b].closed || shell->pressure_weights != NULL ||
+                  shell->pressure.form != PEL_PRESSURE_CONSISTENT;
+    return driven;
+}
+
 /* what only position-based methods know: strain limits, regions that cave in */
 static bool needs_projection(const pel_shell *shell)
 {
@@ -24,15 +55,46 @@ static bool is_solvable(const pel_model *model)
     return true;
 }
 
-static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, int32_t needed)
+/* every body is held, or free of net forces, and minimisation knows its energy */
+static bool has_rest(const pel_scene *scene, const pel_model *model)
+{
+    for (int32_t b = 0; b < model->body_count; b++) {
+        bool held = is_pinned(model, b) || is_supported(scene, b) || model->bodies[b].has_volumetric;
+        if ((!held && is_driven(scene, model, b)) || needs_projection(model->bodies[b].shell))
+            return false;
+    }
+    return true;
+}
+
+static bool touches(const pel_scene *scene)
+{
+    bool presses = scene->sim.contact.enabled;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        presses |= scene->sim.tools[t].press;
+    return presses;
+}
+
+/* the method for what is too stiff for xpbd: implicit where nothing touches, else descent where there is a state of
+   rest; xpbd where neither knows what is asked for */
+static pel_method stiff_method(const pel_scene *scene, const pel_model *model)
+{
+    if (is_solvable(model) && !touches(scene))
+        return PEL_METHOD_IMPLICIT;
+    return has_rest(scene, model) ? PEL_METHOD_DESCENT : PEL_METHOD_XPBD;
+}
+
+static void take(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, pel_method stiff,
+                 int32_t needed)
 {
     pel_solver_def *solver = &scene->sim.solver;
     pel_scene_value *method = pel_scene_value_at(root, "solver.method");
-    pel_log_line(reader->log,
-                 "method implicit: xpbd would need %d substeps in a step of %g s, more than max_substeps %d",
-                 (int)needed, solver->dt, (int)solver->max_substeps);
-    solver->method = PEL_METHOD_IMPLICIT;
-    method->text = pel_scene_method_name(PEL_METHOD_IMPLICIT);
+    pel_log_line(reader->log, "method %s: xpbd would need %d substeps in a step of %g s, more than max_substeps %d%s",
+                 pel_scene_method_name(stiff), (int)needed, solver->dt, (int)solver->max_substeps,
+                 stiff == PEL_METHOD_DESCENT ? ". The run finds states of rest; for motion write `method: xpbd` and "
+                                               "more `max_substeps`, or a smaller dt"
+                                             : "");
+    solver->method = stiff;
+    method->text = pel_scene_method_name(stiff);
 }
 
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
@@ -49,11 +111,11 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     pel_sim_def def = scene->sim;
     def.model = model;
     status = pel_sim_needed_substeps(&def, &needed, NULL);
-    bool takes = status == PEL_OK && needed > solver->max_substeps && is_solvable(model);
+    pel_method stiff = status == PEL_OK && needed > solver->max_substeps ? stiff_method(scene, model) : solver->method;
     pel_model_destroy(model);
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(reader->error);
-    if (takes)
-        take_implicit(reader, root, scene, needed);
+    if (stiff != solver->method)
+        take(reader, root, scene, stiff, needed);
     return PEL_OK;
 }

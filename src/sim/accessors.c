@@ -5,7 +5,13 @@
 
 double pel_sim_time(const pel_sim *sim)
 {
-    return (double)sim->state->step * sim->step.dt;
+    return ((double)sim->state->step + (double)sim->parts.at / PEL_PART_LIMIT) * sim->solver.dt;
+}
+
+double pel_sim_next_time(const pel_sim *sim)
+{
+    return ((double)sim->state->step + (double)(sim->parts.at + sim->parts.step_size) / PEL_PART_LIMIT) *
+           sim->solver.dt;
 }
 
 int64_t pel_sim_step_count(const pel_sim *sim)

@@ -8,7 +8,15 @@
 #include <string.h>
 #include <time.h>
 
-enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS = 2, VELOCITY_SWEEPS = 4 };
+enum {
+    SWEEP_PRESET = 10,
+    ROUND_LIMIT = 10,
+    HALVING_ROUNDS = 5,
+    MOST_DOUBLINGS = 6,
+    CONTACTS_PER_VERTEX = 64,
+    SIDE_ROUNDS = 2,
+    VELOCITY_SWEEPS = 4
+};
 
 /* distance that the guard keeps, of the thickness */
 #define GUARDED_SHARE 0.3
@@ -23,6 +31,9 @@ enum { SWEEP_PRESET = 10, ROUND_LIMIT = 8, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS
 #define NEAR_SHARE 0.5
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2
+/* Depth that a pair had at the start of the step and that corrections take back, of the thickness. No more: the start
+   keeps all these distances, so that there is an answer, also where layers press each other from all sides. */
+#define RECOVERY_SHARE 0.2
 
 /* ---- creation ---- */
 
@@ -225,6 +236,8 @@ void pel_contacts_destroy(pel_sim *sim)
                       contacts->keys,
                       contacts->other_keys,
                       contacts->other_contacts,
+                      contacts->heights.list.contacts,
+                      contacts->heights.triangles,
                       contacts->conflicts,
                       contacts->impacts,
                       contacts->solved,
@@ -309,7 +322,7 @@ static void exchange_lists(pel_sim_contacts *contacts, int32_t count)
     pel_contact *list = contacts->list.contacts;
     pel_contact_key *keys = contacts->keys;
     size_t capacity = contacts->capacity, key_capacity = contacts->key_capacity;
-    contacts->list = (pel_contact_list){contacts->other_contacts, count};
+    contacts->list = (pel_contact_list){contacts->other_contacts, count, contacts->list.recovery};
     contacts->keys = contacts->other_keys;
     contacts->capacity = contacts->other_capacity;
     contacts->key_capacity = contacts->other_key_capacity;
@@ -355,9 +368,11 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     pel_sim_contacts *contacts = m->sim->contacts;
     pel_contact_key key = make_key(m->sim, pair);
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
+    double start = pel_contact_start_distance(contacts, pair);
+    key.depth = fmax(0, (1 - RECOVERY_SHARE) * contacts->thickness - start);
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
-    if (key.tool >= 0 && !is_before_face(pair) && pel_contact_start_distance(contacts, pair) > m->tool_reach)
+    if (key.tool >= 0 && !is_before_face(pair) && start > m->tool_reach)
         return;
     /* the substeps see boxes as solids (tool_solid.h) */
     if (key.tool >= 0 && m->is_for_substeps && m->sim->tools[key.tool].mesh == NULL)
@@ -368,6 +383,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
         return;
     if (!make_contact(m->sim, pair, key.is_impact ? &m->impacts[number].hit : &pair->hit, &contact))
         return;
+    if (key.is_impact)
+        contact.separation -= (pel_real)key.depth;
     if (known) {
         const pel_contact_key *own = &contacts->keys[m->old];
         contact.push = old->push;
@@ -447,7 +464,7 @@ static double longest_way(const pel_sim_contacts *contacts)
 /* tools where they are and where they will want to be; the substeps have moved them already */
 static void expect_tools(pel_sim *sim)
 {
-    double next = (double)(sim->state->step + 1) * sim->step.dt;
+    double next = pel_sim_next_time(sim);
     bool began = pel_sim_is_projected(sim);
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_contact_tool *own = &sim->contacts->tools[i];
@@ -485,6 +502,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     contacts->list.count = 0;
+    contacts->substep = 0;
     pel_contact_points(sim);
     contacts->way_is_searched = false;
     expect_tools(sim);
@@ -549,6 +567,10 @@ static void correct(pel_sim *sim, int32_t sweeps)
         sim->tools[i].pose_substep = sim->tools[i].pose_before;
     pel_contacts_place_tools(sim);
     pel_contacts_refresh(sim, state->position);
+    for (int32_t c = 0; c < contacts->list.count; c++)
+        if (!contacts->keys[c].is_impact)
+            contacts->list.contacts[c].separation -= (pel_real)contacts->keys[c].depth;
+    contacts->list.recovery = HUGE_VAL;
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&contacts->list, state->position_next, state->position) < tolerance)
             break;
@@ -585,21 +607,27 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     bool once = contacts->def.response == PEL_CONTACT_AFTER;
+    /* layers that press each other, which converge slowly; other methods have solved nothing of them yet */
+    int doublings = pel_sim_has_loop_contacts(sim) ? MOST_DOUBLINGS : 0;
+    /* shorter parts have fewer conflicts, and cost less than many rounds */
+    int limit = once ? 1 : pel_parts_can_halve(sim) ? HALVING_ROUNDS : ROUND_LIMIT;
     for (int round = 0;; round++) {
         pel_collision_result found;
         pel_status status = search_way(sim, &found, error);
-        if (status != PEL_OK || round == (once ? 1 : ROUND_LIMIT) || (round > 0 && contacts->conflict_count == 0))
+        if (status != PEL_OK || round == limit || (round > 0 && contacts->conflict_count == 0))
             return status;
         /* without conflicts, what the solver swept over needs no more */
         if (contacts->conflict_count == 0 &&
             (pel_sim_has_loop_contacts(sim) || found.collision_count + contacts->list.count == 0))
             return PEL_OK;
+        if (round == 0 && pel_parts_can_halve(sim))
+            contacts->solved_energy = pel_sim_next_energy(sim);
         double began = seconds_now();
         status = merge(sim, &found, contacts->impacts, HUGE_VAL, error);
         if (status != PEL_OK)
             return status;
         contacts->minds_sides = round < SIDE_ROUNDS;
-        correct(sim, once ? 1 : contacts->def.sweeps);
+        correct(sim, once ? 1 : contacts->def.sweeps << (round < doublings ? round : doublings));
         /* boxes are in the list */
         pel_tools_press(sim, longest, true);
         pel_contact_points(sim);
@@ -608,14 +636,33 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
+/* Corrections may add this share of the energy that was supplied, over a whole step. */
+#define APPEARS_SHARE 0.02
+
+/* Whether the part is to be done anew in two: the guard would have to step bodies back, or corrections have put in more
+   energy than they may. */
+static bool is_refused(pel_sim *sim)
+{
+    if (!pel_parts_can_halve(sim))
+        return false;
+    if (sim->contacts->conflict_count > 0)
+        return true;
+    double most = APPEARS_SHARE * sim->ledger.sums.supplied * sim->step.dt / sim->solver.dt + sim->ledger.rounding;
+    return !(pel_sim_next_energy(sim) - sim->contacts->solved_energy <= most);
+}
+
 static pel_status step(pel_sim *sim, double longest, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     pel_tools_press(sim, longest, false);
     pel_contact_points(sim);
+    int64_t rounds = contacts->statistics.rounds;
     pel_status status = respond(sim, longest, error);
     if (status != PEL_OK)
         return status;
+    sim->parts.is_refused = contacts->statistics.rounds > rounds && is_refused(sim);
+    if (sim->parts.is_refused)
+        return PEL_OK;
     double began = seconds_now();
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].is_held_back = false;
@@ -642,7 +689,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_err
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, time);
     pel_status status = step(sim, longest, error);
-    if (status != PEL_OK) {
+    if (status != PEL_OK || sim->parts.is_refused) {
         pel_tools_return(sim);
         return status;
     }

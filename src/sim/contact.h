@@ -29,6 +29,7 @@ typedef struct pel_contact_key {
     bool is_off;          /* does not act at present */
     bool has_side;        /* the normal tells the side on which the pair touches */
     bool has_pushed;      /* in any substep of this step */
+    double depth;         /* m, how much nearer than the thickness the pair was at the start of the step */
     double gap;           /* m, between the features, when it was looked at last */
     double load, drag[3]; /* N, of the method descent: along the normal and across it */
 } pel_contact_key;
@@ -78,6 +79,13 @@ typedef struct pel_tangles {
     size_t key_capacity;
 } pel_tangles;
 
+/* triangles that may collapse in this step (contact_height.c) */
+typedef struct pel_contact_heights {
+    pel_contact_list list;
+    int32_t *triangles; /* (list.count) of the surface */
+    size_t capacity, triangle_capacity;
+} pel_contact_heights;
+
 struct pel_sim_contacts {
     pel_contact_def def;
     double thickness;           /* m, of bodies and tools that have none of their own */
@@ -112,6 +120,9 @@ struct pel_sim_contacts {
     pel_contact *other_contacts;
     size_t capacity, other_capacity, key_capacity, other_key_capacity;
     int32_t limit;
+    pel_contact_heights heights;
+
+    double solved_energy; /* J, of the new positions and velocities before anything was corrected */
 
     /* the guard */
     pel_conflict *conflicts; /* of the last look */
@@ -156,6 +167,12 @@ void pel_contacts_place_tools(pel_sim *sim);
 void pel_contacts_refresh(pel_sim *sim, const pel_record *start);
 /* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);
+
+/* ---- contact_height.c ---- */
+/* At the start of a step: triangles that are nearly collapsed. PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_heights_find(pel_sim *sim, pel_error *error);
+/* contacts at position_next */
+void pel_contact_heights_refresh(pel_sim *sim);
 
 /* ---- contact_surface.c ---- */
 pel_status pel_contact_surface_create(pel_sim *sim, pel_error *error);

@@ -51,9 +51,15 @@ static void load_point(const pel_sim *sim, int32_t point, double x[3])
         pel_vec3_copy(contacts->substep_end[point - contacts->place_count], x);
 }
 
-/* whether a direction from an edge a, b leads away from both its triangles */
-static bool leads_away(const pel_sim *sim, int32_t edge, const double a[3], const double b[3],
-                       const double direction[3])
+static bool has_point(const pel_contact_key *key, int32_t point)
+{
+    return key->points[0] == point || key->points[1] == point || key->points[2] == point || key->points[3] == point;
+}
+
+/* Whether a direction from an edge a, b leads away from both its triangles. A triangle that has a vertex of the pair
+   makes no pair with it: where it collapses, the edge alone stops the pair. */
+static bool leads_away(const pel_sim *sim, const pel_contact_key *key, int32_t edge, const double a[3],
+                       const double b[3], const double direction[3])
 {
     const pel_tree *tree = pel_collider_tree(sim->contacts->collider);
     double along[3], square;
@@ -61,7 +67,7 @@ static bool leads_away(const pel_sim *sim, int32_t edge, const double a[3], cons
     square = pel_vec3_squared_length(along);
     for (int i = 0; i < 2; i++) {
         double inward[3];
-        if (tree->opposite[edge][i] < 0 || !(square > 0))
+        if (tree->opposite[edge][i] < 0 || !(square > 0) || has_point(key, tree->opposite[edge][i]))
             continue;
         load_point(sim, tree->opposite[edge][i], inward);
         pel_vec3_subtract(inward, a, inward);
@@ -73,13 +79,13 @@ static bool leads_away(const pel_sim *sim, int32_t edge, const double a[3], cons
 }
 
 /* whether the direction to a vertex before the border of a triangle leads away from the triangles across that border */
-static bool leads_away_from_border(const pel_sim *sim, int32_t triangle, double x[4][3], const double w[3],
+static bool leads_away_from_border(const pel_sim *sim, const pel_contact_key *key, double x[4][3], const double w[3],
                                    const double direction[3])
 {
     const pel_tree *tree = pel_collider_tree(sim->contacts->collider);
     for (int i = 0; i < 3; i++)
         if (w[(i + 2) % 3] <= INSIDE &&
-            !leads_away(sim, tree->triangle_edges[triangle][i], x[1 + i], x[1 + (i + 1) % 3], direction))
+            !leads_away(sim, key, tree->triangle_edges[key->second][i], x[1 + i], x[1 + (i + 1) % 3], direction))
             return false;
     return true;
 }
@@ -141,7 +147,7 @@ static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pe
     }
     if (square > 0 && pel_vec3_dot(way, normal) > 0)
         pel_vec3_scale(way, 1 / sqrt(square), normal);
-    key->is_off = is_border && !leads_away_from_border(job->sim, key->second, x, w, normal);
+    key->is_off = is_border && !leads_away_from_border(job->sim, key, x, w, normal);
 }
 
 /* the same for two edges */
@@ -161,8 +167,8 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
     else
         key->has_side = false;
     pel_vec3_scale(cross, -1, back);
-    key->is_off = !is_inside || !leads_away(job->sim, key->first, x[0], x[1], back) ||
-                  !leads_away(job->sim, key->second, x[2], x[3], cross);
+    key->is_off = !is_inside || !leads_away(job->sim, key, key->first, x[0], x[1], back) ||
+                  !leads_away(job->sim, key, key->second, x[2], x[3], cross);
     for (int i = 0; i < 4; i++)
         weights[i] = i < 2 ? w[i] : -w[i];
     for (int k = 0; k < 3; k++)
@@ -209,10 +215,10 @@ static void check_impact(const pel_sim *sim, double x[4][3], pel_contact_key *ke
         w[k] = key->edge_edge ? 0 : fabs(key->place[k + 1]);
     }
     if (key->edge_edge)
-        key->is_off =
-            !leads_away(sim, key->first, x[0], x[1], back) || !leads_away(sim, key->second, x[2], x[3], normal);
+        key->is_off = !leads_away(sim, key, key->first, x[0], x[1], back) ||
+                      !leads_away(sim, key, key->second, x[2], x[3], normal);
     else
-        key->is_off = !leads_away_from_border(sim, key->second, x, w, normal);
+        key->is_off = !leads_away_from_border(sim, key, x, w, normal);
     if (key->is_off)
         contact->separation = (pel_real)-HUGE_VAL;
 }

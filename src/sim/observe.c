@@ -57,6 +57,21 @@ void pel_sim_compute_forces(pel_sim *sim)
     sim->shell_energy.bending += edge_energy(sim);
 }
 
+double pel_sim_next_energy(pel_sim *sim)
+{
+    pel_sim_measures sums = {0};
+    pel_state *state = sim->state;
+    pel_record *position = state->position, *velocity = state->velocity;
+    state->position = state->position_next;
+    state->velocity = state->velocity_next;
+    sim->force_is_present = false;
+    pel_sim_sum_energies(sim, &sums);
+    sim->force_is_present = false;
+    state->position = position;
+    state->velocity = velocity;
+    return sums.elastic_energy + sums.kinetic_energy;
+}
+
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
 {
     pel_sim_compute_forces(sim);

@@ -10,6 +10,13 @@
 /* of a step with contacts that were not foreseen */
 enum { REPEAT_LIMIT = 2 };
 
+/* sweeps over pairs after one over elements, and the depth at which they may end, of the thickness */
+enum { SWEEP_LIMIT = 8 };
+#define SWEEP_TOLERANCE 0.02
+/* depth that a pair had before a substep and that is taken back in it, of the thickness: all at once would turn depth
+   into speed */
+#define RECOVERY_SHARE 0.05
+
 static pel_status create(pel_sim *sim, pel_error *error)
 {
     pel_solver_def *solver = &sim->solver;
@@ -45,9 +52,17 @@ static void sweep(pel_sim *sim, const pel_record *start)
     pel_project_sweep(sim->projector, positions);
     if (pairs != NULL) {
         pel_contacts_refresh(sim, start);
-        pel_contacts_project(pairs, positions, start);
+        for (int i = 1; pel_contacts_project(pairs, positions, start) > SWEEP_TOLERANCE * sim->contacts->thickness;
+             i++) {
+            if (i == SWEEP_LIMIT)
+                break;
+            pel_contacts_refresh(sim, start);
+        }
+        pel_contact_heights_refresh(sim);
+        pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
     if (sim->solids != NULL) {
+        sim->solids->list.recovery = HUGE_VAL;
         pel_solids_refresh(sim, start);
         pel_contacts_project(&sim->solids->list, positions, start);
     }
@@ -70,7 +85,9 @@ static void run_substep(pel_sim *sim, int32_t number)
     const pel_record *start = pel_project_substep_start(projector);
     if (pairs != NULL) {
         pel_contacts_place_tools(sim);
+        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->thickness;
         pel_contacts_begin(pairs);
+        pel_contacts_begin(&sim->contacts->heights.list);
     }
     if (sim->solids != NULL)
         pel_contacts_begin(&sim->solids->list);
@@ -113,10 +130,11 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
-    pel_substeps_follow(sim);
-    pel_tools_begin(sim, (double)(state->step + 1) * sim->step.dt);
+    pel_tools_begin(sim, pel_sim_next_time(sim));
     bool has_pairs = pel_sim_has_loop_contacts(sim);
     pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
+    if (status == PEL_OK && has_pairs)
+        status = pel_contact_heights_find(sim, error);
     if (status == PEL_OK && sim->solids != NULL)
         status = pel_solids_find(sim, error);
     if (status != PEL_OK)

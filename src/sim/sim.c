@@ -42,7 +42,6 @@ static void accept(pel_state *state)
     state->position_next = oldest;
     state->velocity = state->velocity_next;
     state->velocity_next = velocity;
-    state->step++;
 }
 
 static void mark_contacts(pel_sim *sim)
@@ -52,7 +51,8 @@ static void mark_contacts(pel_sim *sim)
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         int32_t first = body->slice_begin * PEL_WIDTH, count = body->slice_end * PEL_WIDTH - first;
-        memset(sim->state->contact + first, 0, (size_t)count);
+        if (sim->parts.at == 0)
+            memset(sim->state->contact + first, 0, (size_t)count);
     }
     for (int32_t i = 0; i < sim->tool_count; i++)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
@@ -110,26 +110,52 @@ static pel_status keep_apart(pel_sim *sim, double next, double longest, pel_erro
     return PEL_OK;
 }
 
-pel_status pel_sim_step(pel_sim *sim, pel_error *error)
+/* what follows once the new positions and velocities of a part are final */
+static void accept_part(pel_sim *sim, double next)
 {
-    double next = (double)(sim->state->step + 1) * sim->step.dt, longest = 0;
-    pel_ledger_start(sim);
-    pel_status status = follow_surface(sim, error);
-    if (status == PEL_OK)
-        status = solve(sim, next, &longest, error);
-    if (status == PEL_OK)
-        status = keep_apart(sim, next, longest, error);
-    if (status != PEL_OK)
-        return status;
+    bool is_last = pel_parts_are_last(sim);
     pel_supports_read(sim);
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(sim->state);
     pel_contact_forces_accept(sim);
+    sim->state->step += is_last;
     pel_tools_end_step(sim, next);
-    pel_bending_weights_follow(sim);
+    if (is_last)
+        pel_bending_weights_follow(sim);
     if (sim->stepper->accept != NULL)
         sim->stepper->accept(sim);
     pel_restitution_apply(sim);
-    return PEL_OK;
+    pel_parts_accept(sim);
+}
+
+/* a part that failed, or is refused, leaves the state before it */
+static pel_status step_part(pel_sim *sim, pel_error *error)
+{
+    double next = pel_sim_next_time(sim), longest = 0;
+    pel_status status = solve(sim, next, &longest, error);
+    if (status == PEL_OK)
+        status = keep_apart(sim, next, longest, error);
+    /* a shorter part has fewer pairs, and does not go that far */
+    bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;
+    if (sim->parts.is_refused || (is_too_long && pel_parts_can_halve(sim))) {
+        pel_parts_halve(sim);
+        return PEL_OK;
+    }
+    if (status == PEL_OK)
+        accept_part(sim, next);
+    return status;
+}
+
+pel_status pel_sim_step(pel_sim *sim, pel_error *error)
+{
+    pel_ledger_start(sim);
+    pel_status status = follow_surface(sim, error);
+    if (status != PEL_OK)
+        return status;
+    pel_parts_begin(sim);
+    while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
+        status = step_part(sim, error);
+    pel_parts_end(sim, status);
+    return status;
 }

@@ -100,6 +100,8 @@ typedef struct pel_tool {
     int32_t *held;          /* (held_count) vertices held */
     double (*anchors)[3];   /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
+    double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts so far */
+    bool was_held_back, hold_is_counted;
     bool is_on_its_way, blocked_before; /* in a step, which may fail: what there was before it */
     double force_before[3], torque_before[3];
     int32_t contact_count;
@@ -165,6 +167,28 @@ typedef struct pel_sim_substeps {
     pel_softness_scratch scratch;
     pel_substeps_now now;
 } pel_sim_substeps;
+
+/* Parts of a step (parts.c). Sizes are in units of a step over PEL_PART_LIMIT. */
+enum { PEL_PART_LIMIT = 64 };
+/* parts of one size that have to go well before the next is twice as long; after one that failed, twice as many */
+enum { PEL_LEAST_PATIENCE = 4, PEL_MOST_PATIENCE = 256 };
+
+/* in snapshots */
+typedef struct pel_parts_now {
+    int32_t size;     /* of the next part */
+    int32_t calm;     /* parts of this size that went well */
+    int32_t patience; /* so many have to, before the next part is longer */
+} pel_parts_now;
+
+typedef struct pel_sim_parts {
+    pel_parts_now now;
+    int32_t at;        /* where the present part begins; 0 between steps */
+    int32_t step_size; /* of the present part */
+    int32_t substeps;  /* of a whole step */
+    bool is_refused;   /* the present part is to be done anew, shorter */
+    void *before;      /* (before_size) snapshot before a step in parts; null = all steps are whole */
+    size_t before_size;
+} pel_sim_parts;
 
 /* (descent.c) what the method needs */
 typedef struct pel_sim_descent pel_sim_descent;
@@ -247,6 +271,7 @@ struct pel_sim {
     pel_contact_forces contact_forces;
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
     pel_ledger ledger;
+    pel_sim_parts parts;
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
@@ -316,6 +341,29 @@ bool pel_substeps_restore(pel_sim *sim);
 void pel_substeps_remedy(const pel_sim *sim, pel_error *error);
 void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading);
 
+/* ---- parts.c ---- */
+/* After all that a snapshot holds is there. PEL_OUT_OF_MEMORY. */
+pel_status pel_parts_create(pel_sim *sim, pel_error *error);
+void pel_parts_destroy(pel_sim *sim);
+/* At the start of a step: chooses substeps and the size of the first part. */
+void pel_parts_begin(pel_sim *sim);
+/* Whether the present part may be refused, and done anew in two. */
+static inline bool pel_parts_can_halve(const pel_sim *sim)
+{
+    return sim->parts.before != NULL && sim->parts.step_size > 1;
+}
+static inline bool pel_parts_are_last(const pel_sim *sim)
+{
+    return sim->parts.at + sim->parts.step_size == PEL_PART_LIMIT;
+}
+void pel_parts_halve(pel_sim *sim);
+/* After a part: the next one begins. */
+void pel_parts_accept(pel_sim *sim);
+/* After the last part, or the first failure, which takes the state back to the start of the step. */
+void pel_parts_end(pel_sim *sim, pel_status status);
+/* at the end of the present part [s] */
+double pel_sim_next_time(const pel_sim *sim);
+
 /* ---- contact_event.c ---- */
 /* Room for that, where bodies refine under contact. PEL_OUT_OF_MEMORY. */
 pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error);
@@ -367,6 +415,9 @@ void pel_supports_read(pel_sim *sim);
 void pel_sim_compute_forces(pel_sim *sim);
 /* Fills the energies of the present state; other members stay as they are. */
 void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures);
+
+/* elastic and kinetic energy [J] of the new positions and velocities */
+double pel_sim_next_energy(pel_sim *sim);
 
 /* ---- descent.c ---- */
 void pel_sim_descent_destroy(pel_sim *sim);

@@ -150,6 +150,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
+        status = pel_parts_create(sim, error);
+    if (status == PEL_OK)
         pel_fingerprint_add(&sim->fingerprint, pel_sim_members, def);
     return status;
 }
@@ -176,6 +178,7 @@ void pel_sim_destroy(pel_sim *sim)
     if (sim == NULL)
         return;
     pel_ledger_destroy(sim);
+    pel_parts_destroy(sim);
     pel_free(sim->collisions);
     pel_contact_forces_destroy(sim);
     pel_contacts_destroy(sim);

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 6 };
+enum { SNAPSHOT_VERSION = 7 };
 
 typedef struct header {
     char magic[8];
@@ -170,6 +170,16 @@ static bool restore_tools(pel_sim *sim)
     return whole;
 }
 
+static bool restore_parts(pel_sim *sim)
+{
+    pel_parts_now *now = &sim->parts.now;
+    bool is_size = now->size > 0 && now->size <= PEL_PART_LIMIT && (now->size & (now->size - 1)) == 0;
+    if (is_size && now->calm >= 0 && now->patience >= PEL_LEAST_PATIENCE && now->patience <= PEL_MOST_PATIENCE)
+        return true;
+    *now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
+    return false;
+}
+
 /* the front, places and loads of what transfer_refinement read */
 static bool restore_refinement(pel_sim *sim, int32_t body)
 {
@@ -220,6 +230,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     }
     if (sim->stepper->is_compliant)
         transfer(at, (pel_substeps_now *)(uintptr_t)&sim->substeps.now, sizeof sim->substeps.now);
+    if (sim->contacts != NULL && pel_sim_is_projected(sim))
+        transfer(at, (pel_parts_now *)(uintptr_t)&sim->parts.now, sizeof sim->parts.now);
     transfer(at, state->contact, count * sizeof *state->contact);
     transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
     transfer(at, state->bending, (size_t)sim->model->body_count * sizeof *state->bending);
@@ -376,6 +388,8 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     pel_ledger_follow(sim);
     if (!has_tools)
         return refuse(error, damage_remedy, "the snapshot is damaged: a tool holds or touches what is not there");
+    if (!restore_parts(sim))
+        return refuse(error, damage_remedy, "the snapshot is damaged: its parts of a step are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, damage_remedy, "the snapshot is damaged: its number of substeps is out of range");
     return PEL_OK;

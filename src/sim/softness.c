@@ -67,7 +67,7 @@ static double longest_substep(const pel_sim *sim)
 
 static int32_t needed_substeps(const pel_sim *sim)
 {
-    double count = ceil(sim->step.dt / longest_substep(sim));
+    double count = ceil(sim->solver.dt / longest_substep(sim));
     return (int32_t)fmin(fmax(count, sim->substeps.least), INT32_MAX);
 }
 

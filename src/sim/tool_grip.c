@@ -203,8 +203,9 @@ void pel_tools_end_step(pel_sim *sim, double time)
         int32_t lost = tool->grasp_max_force > 0 ? lose_vertices(sim, tool) : 0;
         if (lost > 0)
             count_loss(&tool->tally, lost, time);
-        if (tool->is_held_back)
+        if (tool->is_held_back && !tool->hold_is_counted)
             count_hold(&tool->tally, time);
+        tool->hold_is_counted |= tool->is_held_back;
         if (tool->blocked && !tool->is_held_back) {
             pel_pose wanted = pel_tool_pose_at(tool, time);
             tool->blocked = pel_tool_way(tool, &tool->pose, &wanted) > 0;

@@ -6,6 +6,8 @@
    on impulses is one on the sums of these distances, |tangential| <= friction push. */
 #include "solve/contact.h"
 
+#include <math.h>
+
 /* a record in double whatever the preset is */
 typedef double record4 __attribute__((vector_size(32)));
 
@@ -80,6 +82,15 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         double free = mobility(contact, positions);
         if (!(free > 0))
             continue;
+        if (gap < 0 && list->recovery < HUGE_VAL) {
+            record4 first = combine(contact, start);
+            double gap0 = -(double)contact->separation;
+            for (int k = 0; k < 3; k++)
+                gap0 += (first[k] + (double)contact->drift[k]) * (double)contact->normal[k];
+            double aim = gap0 + list->recovery;
+            aim = aim < 0 ? aim : 0;
+            gap -= aim;
+        }
         if (gap < 0) {
             for (int k = 0; k < 3; k++)
                 way[k] = -gap * (double)contact->normal[k];

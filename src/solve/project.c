@@ -90,9 +90,15 @@ static void move_history(pel_projector *projector, pel_state *state, double subs
 
 void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int32_t substeps)
 {
-    double substep = projector->solver.dt / substeps;
+    pel_projector_set_time(projector, state, projector->solver.dt, substeps);
+}
+
+void pel_projector_set_time(pel_projector *projector, pel_state *state, double dt, int32_t substeps)
+{
+    double substep = dt / substeps;
     if (state != NULL && state->older_position != NULL && state->older_is_known && substep != projector->substep)
         move_history(projector, state, substep);
+    projector->solver.dt = dt;
     projector->solver.substeps = substeps;
     projector->substep = substep;
 }

@@ -52,6 +52,8 @@ void pel_projector_destroy(pel_projector *projector);
 /* Changes the substeps of the steps to come, between two steps. state: its history (second order) is brought to the new
    substep by the parabola through it; null leaves it alone. */
 void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int32_t substeps);
+/* The same with another length of the step [s]. */
+void pel_projector_set_time(pel_projector *projector, pel_state *state, double dt, int32_t substeps);
 
 /* From now on substeps record the force [N] that the body exerts on what holds each vertex that is pinned or held: the
    multipliers of its constraints and the forces given, summed over substeps (pel_projector_reaction gives the mean).

@@ -323,13 +323,16 @@ static void test_every_kind_has_a_text(void **unused)
     sim_def.model = run.model;
     assert_int_equal(pel_sim_create(&sim_def, &run.sim, NULL), PEL_OK);
     for (int k = 0; k < PEL_WARN_COUNT; k++) {
-        run.totals.warnings.of[k] = (pel_warning_tally){2, 9, 3};
+        run.totals.warnings.of[k] = (pel_warning_tally){2, 9, k == PEL_WARN_JAMMED ? 0.4 : 3};
         run.flagged[k] = (pel_flagged_body){0, 2, 1};
     }
-    /* nine steps are no jam, ten are; energy counts against all that was supplied */
+    /* nine steps are no jam, ten are, and one that steps half of all vertices back; energy counts against all that was
+     * supplied */
     run.ledger.tolerance = 3;
     assert_int_equal(pel_warnings_list(&run, warnings), PEL_WARN_COUNT - 2);
-    run.totals.warnings.of[PEL_WARN_JAMMED].count = 10;
+    run.totals.warnings.of[PEL_WARN_JAMMED] = (pel_warning_tally){2, 1, 0.5};
+    assert_int_equal(pel_warnings_list(&run, warnings), PEL_WARN_COUNT - 1);
+    run.totals.warnings.of[PEL_WARN_JAMMED] = (pel_warning_tally){2, 10, 0.4};
     run.ledger.tolerance = 2.9;
     assert_int_equal(pel_warnings_list(&run, warnings), PEL_WARN_COUNT);
     for (int i = 0; i < PEL_WARN_COUNT; i++) {

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "io/file.h"
 #include "pellicle/run.h"
+#include "scene/build.h"
 
 #define HEAD "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: geodesic-sphere, frequency: 4, radius: 0.05}\n"
 #define SHEET "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: grid, nx: 8, ny: 8, size_x: 0.1, size_y: 0.1}\n"
@@ -43,53 +44,60 @@ static pel_scene *load(const char *text, heard *told)
     return scene;
 }
 
-/* implicit where xpbd would need too much, unless only position-based methods know what is asked for; xpbd, silently,
-   in all other scenes */
+/* where xpbd would need too much: implicit; where something touches or the surface may change, descent if a state of
+   rest exists; xpbd, silently, in all other scenes */
 static void test_choice(void **unused)
 {
     (void)unused;
     static const struct {
         const char *text;
-        bool implicit;
+        const char *takes; /* null = no other method than the one that stands there */
     } cases[] = {
-        {HEAD STEEL PRESSED, true},
-        {HEAD STEEL, true},
-        {HEAD RUBBER PRESSED, false},
-        {HEAD RUBBER PRESSED "solver: {max_substeps: 5}\n", true},
-        {HEAD STEEL PRESSED "solver: {max_substeps: 1000000}\n", false},
+        {HEAD STEEL PRESSED, "implicit"},
+        {HEAD STEEL, "implicit"},
+        {HEAD RUBBER PRESSED, NULL},
+        {HEAD RUBBER PRESSED "solver: {max_substeps: 5}\n", "implicit"},
+        {HEAD STEEL PRESSED "solver: {max_substeps: 1000000}\n", NULL},
         /* written */
-        {HEAD STEEL PRESSED "solver: {method: xpbd}\n", false},
-        {HEAD STEEL PRESSED "solver: {substeps: 16}\n", false},
-        {HEAD STEEL PRESSED "solver: {iterations: 3}\n", false},
-        {HEAD STEEL PRESSED "solver: {method: explicit, dt: 1.0e-7}\n", false},
+        {HEAD STEEL PRESSED "solver: {method: xpbd}\n", NULL},
+        {HEAD STEEL PRESSED "solver: {substeps: 16}\n", NULL},
+        {HEAD STEEL PRESSED "solver: {iterations: 3}\n", NULL},
+        {HEAD STEEL PRESSED "solver: {method: explicit, dt: 1.0e-7}\n", NULL},
         /* free to move */
-        {HEAD STEEL "gravity: [0, 0, -9.81]\n", true},
-        {HEAD STEEL PINNED "gravity: [0, 0, -9.81]\n", true},
-        {HEAD STEEL "loads: [{force: [0, 0, 1]}]\n", true},
-        {SHEET STEEL PRESSED, true},
-        {SHEET STEEL PINNED PRESSED, true},
-        {HEAD STEEL "    pressure: {inside: 1, form: vertex-normal}\n", true},
+        {HEAD STEEL "gravity: [0, 0, -9.81]\n", "implicit"},
+        {HEAD STEEL PINNED "gravity: [0, 0, -9.81]\n", "implicit"},
+        {HEAD STEEL "loads: [{force: [0, 0, 1]}]\n", "implicit"},
+        {SHEET STEEL PRESSED, "implicit"},
+        {SHEET STEEL PINNED PRESSED, "implicit"},
+        {HEAD STEEL "    pressure: {inside: 1, form: vertex-normal}\n", "implicit"},
         /* only position-based methods cave in */
-        {HEAD STEEL "    anisotropy: {strength: 0.1, stiffness: 1}\n", false},
+        {HEAD STEEL "    anisotropy: {strength: 0.1, stiffness: 1}\n", NULL},
         /* a surface that may change */
-        {HEAD RUBBER "solver: {max_substeps: 80}\n", false},
-        {HEAD RUBBER "    refine: {levels: 2, everywhere: true}\nsolver: {max_substeps: 80}\n", false},
+        {HEAD RUBBER "solver: {max_substeps: 80}\n", NULL},
+        {HEAD RUBBER "    refine: {levels: 2, everywhere: true}\nsolver: {max_substeps: 80}\n", "descent"},
+        /* what touches */
+        {SHEET STEEL PINNED "contact: {}\n", "descent"},
+        {SHEET STEEL "contact: {}\ngravity: [0, 0, -9.81]\n", NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         heard told = {.count = 0};
         pel_scene *scene = load(cases[i].text, &told);
-        bool implicit = scene->sim.solver.method == PEL_METHOD_IMPLICIT;
-        if (implicit != cases[i].implicit)
+        const char *takes = cases[i].takes;
+        char line[100];
+        if (told.count != (takes != NULL))
             print_error("case %d: %s\n", (int)i, told.text);
-        assert_true(implicit == cases[i].implicit);
-        assert_int_equal(told.count, implicit);
-        if (implicit) {
-            assert_non_null(strstr(told.text, "method implicit: xpbd would need "));
-            assert_non_null(strstr(pel_scene_text(scene), "method: implicit\n"));
+        assert_int_equal(told.count, takes != NULL);
+        if (takes != NULL) {
+            pel_method method = scene->sim.solver.method;
+            assert_string_equal(pel_scene_method_name(method), takes);
+            snprintf(line, sizeof line, "method %s: xpbd would need ", takes);
+            assert_non_null(strstr(told.text, line));
+            snprintf(line, sizeof line, "method: %s\n", takes);
+            assert_non_null(strstr(pel_scene_text(scene), line));
             /* the resolved scene has it as written */
             heard again = {.count = 0};
             pel_scene *resolved = load(pel_scene_text(scene), &again);
-            assert_true(resolved->sim.solver.method == PEL_METHOD_IMPLICIT && again.count == 0);
+            assert_true(resolved->sim.solver.method == method && again.count == 0);
             pel_scene_destroy(resolved);
         }
         pel_scene_destroy(scene);

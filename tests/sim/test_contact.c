@@ -617,18 +617,21 @@ static uint64_t crumple(int64_t memory_limit, pel_error *error)
     return hash;
 }
 
-/* less memory costs time, and changes nothing until what a step itself needs does not fit */
+/* less memory costs time; where the pairs of a step do not fit, it goes in parts, until the smallest does not fit */
 static void test_memory_limit(void **unused)
 {
     (void)unused;
     pel_error error;
     uint64_t expected = crumple(0, &error), hash = expected;
+    int divided = 0;
     assert_true(expected != 0);
     for (int64_t memory = 1 << 24; hash != 0; memory = memory * 4 / 5) {
         hash = crumple(memory, &error);
-        assert_true(hash == 0 || hash == expected);
-        assert_true(memory > 1 << 12);
+        divided += hash != 0 && hash != expected;
+        assert_true(divided > 0 || hash == expected);
+        assert_true(memory > 1 << 11);
     }
+    assert_true(divided > 0);
     assert_non_null(strstr(error.what, "memory limit"));
     assert_non_null(strstr(error.remedy, "smaller dt"));
 }
@@ -688,7 +691,10 @@ static void test_paper_method_is_guarded(void **unused)
         double first[3 * 16], second[3 * 16];
         pel_sim_get_positions(sim, 0, first);
         pel_sim_get_positions(sim, 1, second);
-        assert_true(first[0] + 1 < second[0]);
+        double between = 0;
+        for (int v = 0; v < 16; v++)
+            between += (second[3 * v] - first[3 * v]) / 16;
+        assert_true(between > 0.5);
         scene_end(&scene, sim);
     }
 }

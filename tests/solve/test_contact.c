@@ -33,7 +33,7 @@ static void test_moves_apart(void **unused)
     place(start, 0.2);
     place(x, -0.05);
     pel_contact contact = vertex_on_face(0);
-    pel_contact_list list = {&contact, 1};
+    pel_contact_list list = {&contact, 1, HUGE_VAL};
     assert_near(pel_contacts_project(&list, x, start), 0.15, 1e-6);
     assert_near(gap_of(x), 0.1, 1e-6);
     assert_near((double)contact.push, 0.15, 1e-6);
@@ -63,7 +63,7 @@ static void test_friction(void **unused)
         place(x, -0.05);
         x[0][0] += (pel_real)0.1;
         pel_contact contact = vertex_on_face(coefficients[i]);
-        pel_contact_list list = {&contact, 1};
+        pel_contact_list list = {&contact, 1, HUGE_VAL};
         pel_contacts_project(&list, x, start);
         double slip = 0, before = 0;
         for (int k = 0; k < 4; k++) {
@@ -81,7 +81,7 @@ static void test_drift(void **unused)
     pel_record start[1] = {{0, 0, (pel_real)0.1, 1}}, x[1] = {{0, 0, 0, 1}};
     pel_contact contact = {.weights = {1, 0, 0, 0}, .normal = {0, 0, 1}, .separation = (pel_real)0.1, .friction = 1};
     contact.drift[0] = (pel_real)0.05;
-    pel_contact_list list = {&contact, 1};
+    pel_contact_list list = {&contact, 1, HUGE_VAL};
     pel_contacts_project(&list, x, start);
     assert_near((double)x[0][0], 0.05, 1e-6);
     assert_near((double)x[0][2], 0.1, 1e-6);
@@ -95,19 +95,47 @@ static void test_nothing_moves(void **unused)
     for (int i = 0; i < 4; i++)
         x[i][3] = 0;
     pel_contact contact = vertex_on_face(1);
-    pel_contact_list list = {&contact, 1}, none = {NULL, 0};
+    pel_contact_list list = {&contact, 1, HUGE_VAL}, none = {NULL, 0, HUGE_VAL};
     pel_contacts_project(&list, x, x);
     pel_contacts_project(&none, x, x);
     assert_near((double)x[0][2], -0.05, 1e-6);
 }
 
+/* depth from before the substep comes back in small portions, what approaches is stopped at once */
+static void test_bounded_recovery(void **unused)
+{
+    (void)unused;
+    pel_record start[4], x[4];
+    pel_contact contact = vertex_on_face(0);
+    pel_contact_list list = {&contact, 1, 0.01};
+    /* 0.1 is asked for */
+    place(start, 0.04);
+    place(x, -0.05);
+    assert_near(pel_contacts_project(&list, x, start), 0.1, 1e-6);
+    assert_near(gap_of(x), 0.05, 1e-6);
+    /* no more than what is asked for */
+    place(start, 0.095);
+    place(x, 0.07);
+    pel_contacts_project(&list, x, start);
+    assert_near(gap_of(x), 0.1, 1e-6);
+    /* what parts by itself is left alone */
+    place(start, 0.04);
+    place(x, 0.06);
+    assert_near(pel_contacts_project(&list, x, start), 0, 0);
+    assert_near(gap_of(x), 0.06, 1e-6);
+    /* a tool that came nearer by 0.03 has to be given way to, beside what is given back */
+    place(start, 0.04);
+    place(x, 0.04);
+    contact.drift[2] = (pel_real)0.03;
+    pel_contacts_project(&list, x, start);
+    assert_near(gap_of(x), 0.08, 1e-6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_moves_apart),
-        cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_drift),
-        cmocka_unit_test(test_nothing_moves),
+        cmocka_unit_test(test_moves_apart), cmocka_unit_test(test_bounded_recovery), cmocka_unit_test(test_friction),
+        cmocka_unit_test(test_drift),       cmocka_unit_test(test_nothing_moves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,121 @@
+/* Steps in parts. Contacts are searched once a step, along straight ways. Where things move many thicknesses in a step,
+   or press each other in layers, too many pairs meet for the substeps to solve them: the guard would step bodies back,
+   and corrections would put energy into them. Such a step is done anew in halves, each a step of its own with search,
+   substeps and guard, and halves again where needed. Parts stay that short until a number of them went well. */
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/tool.h"
+
+#include <string.h>
+
+pel_status pel_parts_create(pel_sim *sim, pel_error *error)
+{
+    pel_sim_parts *parts = &sim->parts;
+    parts->step_size = PEL_PART_LIMIT;
+    parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
+    parts->substeps = sim->solver.substeps;
+    if (!pel_sim_is_projected(sim) || sim->contacts == NULL)
+        return PEL_OK;
+    parts->before_size = pel_sim_save_size(sim);
+    parts->before = pel_allocate(parts->before_size, 1);
+    return parts->before != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+void pel_parts_destroy(pel_sim *sim)
+{
+    pel_free(sim->parts.before);
+}
+
+/* time and substeps of the solver for parts of a size; the length of a substep stays */
+static void set_size(pel_sim *sim, int32_t size)
+{
+    int32_t count = PEL_PART_LIMIT / size;
+    sim->parts.step_size = size;
+    sim->step.dt = sim->solver.dt / count;
+    if (!pel_sim_is_projected(sim))
+        return;
+    sim->solver.substeps = (sim->parts.substeps + count - 1) / count;
+    pel_projector_set_time(sim->projector, sim->state, sim->step.dt, sim->solver.substeps);
+}
+
+void pel_parts_begin(pel_sim *sim)
+{
+    pel_sim_parts *parts = &sim->parts;
+    parts->at = 0;
+    parts->is_refused = false;
+    if (pel_sim_is_projected(sim))
+        pel_substeps_follow(sim);
+    parts->substeps = sim->solver.substeps;
+    for (int32_t t = 0; t < sim->tool_count; t++) {
+        sim->tools[t].hold_is_counted = sim->tools[t].was_held_back = false;
+        memset(sim->tools[t].force_sum, 0, sizeof sim->tools[t].force_sum);
+        memset(sim->tools[t].torque_sum, 0, sizeof sim->tools[t].torque_sum);
+    }
+    if (parts->now.size == PEL_PART_LIMIT)
+        return;
+    pel_sim_save(sim, parts->before);
+    set_size(sim, parts->now.size);
+}
+
+void pel_parts_halve(pel_sim *sim)
+{
+    pel_sim_parts *parts = &sim->parts;
+    parts->is_refused = false;
+    if (parts->step_size == PEL_PART_LIMIT)
+        pel_sim_save(sim, parts->before);
+    if (parts->now.calm == 0)
+        parts->now.patience = parts->now.patience < PEL_MOST_PATIENCE ? 2 * parts->now.patience : PEL_MOST_PATIENCE;
+    parts->now.calm = 0;
+    parts->now.size /= 2;
+    set_size(sim, parts->now.size);
+}
+
+/* readings of the step are means of its parts */
+static void sum_readings(pel_sim *sim)
+{
+    double share = (double)sim->parts.step_size / PEL_PART_LIMIT;
+    for (int32_t t = 0; t < sim->tool_count; t++) {
+        pel_tool *tool = &sim->tools[t];
+        pel_vec3_along(tool->force_sum, share, tool->force, tool->force_sum);
+        pel_vec3_along(tool->torque_sum, share, tool->torque, tool->torque_sum);
+        tool->was_held_back |= tool->is_held_back;
+    }
+}
+
+void pel_parts_accept(pel_sim *sim)
+{
+    pel_sim_parts *parts = &sim->parts;
+    pel_parts_now *now = &parts->now;
+    if (parts->step_size < PEL_PART_LIMIT)
+        sum_readings(sim);
+    parts->at += parts->step_size;
+    if (now->size == PEL_PART_LIMIT)
+        return;
+    now->calm++;
+    if (now->calm < now->patience || parts->at % (2 * now->size) != 0)
+        return;
+    now->size *= 2;
+    now->calm = 0;
+    if (now->size == PEL_PART_LIMIT)
+        now->patience = PEL_LEAST_PATIENCE;
+    if (parts->at < PEL_PART_LIMIT)
+        set_size(sim, now->size);
+}
+
+void pel_parts_end(pel_sim *sim, pel_status status)
+{
+    pel_sim_parts *parts = &sim->parts;
+    int32_t at = parts->at;
+    parts->at = 0;
+    if (parts->step_size == PEL_PART_LIMIT)
+        return;
+    set_size(sim, PEL_PART_LIMIT);
+    if (status != PEL_OK && at > 0)
+        pel_sim_load(sim, parts->before, parts->before_size, NULL);
+    for (int32_t t = 0; t < sim->tool_count && status == PEL_OK; t++) {
+        pel_tool *tool = &sim->tools[t];
+        pel_vec3_copy(tool->force_sum, tool->force);
+        pel_vec3_copy(tool->torque_sum, tool->torque);
+        tool->is_held_back = tool->was_held_back;
+    }
+}
