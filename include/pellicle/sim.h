@@ -53,8 +53,9 @@ typedef struct pel_solver_def {
 
 /* What a load's force means. */
 typedef enum pel_load_kind {
-    PEL_LOAD_TOTAL,     /* N, shared out evenly over the vertices of the load */
-    PEL_LOAD_PER_VERTEX /* N on each of them */
+    PEL_LOAD_TOTAL,      /* N, shared out evenly over the vertices of the load */
+    PEL_LOAD_PER_VERTEX, /* N on each of them */
+    PEL_LOAD_PER_LENGTH  /* N/m at rest, on boundary edges with both ends among them; half of each edge to each end */
 } pel_load_kind;
 
 /* A force on some vertices during some time. */
@@ -128,6 +129,25 @@ pel_tool_def pel_tool_def_default(void);
    the last it stands still. */
 void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4]);
 
+/* A support of vertices: holds components of their positions, rigidly or by springs, and the rotation of edges. For the
+   methods static and implicit. A pinned or grasped vertex is held by its pin or tool alone. */
+typedef struct pel_support_def {
+    const char *name;
+    int32_t body;            /* one that does not refine */
+    const int32_t *vertices; /* (vertex_count) of the mesh; copied */
+    int32_t vertex_count;
+    double axes[3][3];      /* rows are orthonormal axes; default: x, y, z */
+    bool fix[3];            /* components along the axes that are held; default: all */
+    double displacement[3]; /* m, along the axes, from the place at rest; of components that are held */
+    const pel_key *keys;    /* (key_count) factor on the displacement over time; null = 1 */
+    int32_t key_count;
+    double stiffness;  /* N/m of each vertex: components are held by springs; 0 = rigid */
+    bool fix_rotation; /* edges with both ends among the vertices keep their normals (PEL_BENDING_MIDEDGE): an edge that
+                          is held in space is clamped, one that slides in a plane of symmetry stays normal to it */
+} pel_support_def;
+
+pel_support_def pel_support_def_default(void);
+
 /* When contacts are solved. */
 typedef enum pel_contact_response {
     PEL_CONTACT_IN_LOOP, /* in every sweep of pbd and xpbd, in the minimisation of descent, and after the step until
@@ -173,6 +193,8 @@ typedef struct pel_sim_def {
     int32_t load_count;
     const pel_tool_def *tools; /* (tool_count), copied */
     int32_t tool_count;
+    const pel_support_def *supports; /* (support_count), copied */
+    int32_t support_count;
     pel_contact_def contact;
     int32_t thread_count; /* 0 = as many as the machine has; the results do not depend on it */
     uint32_t cookie;
@@ -299,17 +321,23 @@ typedef struct pel_tool_reading {
 } pel_tool_reading;
 void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
 
-/* What a body does to its supports: pinned vertices, and tools of PEL_TOOL_SUPPORT.
+/* What a body does to its supports: pinned vertices, tools of PEL_TOOL_SUPPORT, and supports of the def.
 
    Position-based methods: the multipliers of the constraints at the pinned vertices and the loads on them, mean of the
-   last step. Other methods: the forces of the body and the loads at the pinned vertices in the present state. The
-   weight of the pinned vertices counts, and so do contacts on them in the last step. */
+   last step. Methods static and implicit: the forces in the balance that the last step ended with. Other methods: the
+   forces of the body and the loads at the pinned vertices in the present state. The weight of the pinned vertices
+   counts, and so do contacts on them in the last step. */
 typedef struct pel_support_reading {
     double force[3];      /* N, on the supports */
     double torque[3];     /* N m, about the origin */
     int32_t vertex_count; /* vertices pinned or held by them; 0 = the body has no support */
 } pel_support_reading;
 void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *reading);
+
+/* Supports of the def, one by one: the force along the components that each holds. Zero before the first step. */
+int32_t pel_sim_support_count(const pel_sim *sim);
+const char *pel_sim_support_name(const pel_sim *sim, int32_t support);
+void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading);
 
 /* What contact did and cost, summed over all steps since the start. All zero without contact. */
 typedef struct pel_contact_statistics {

@@ -99,6 +99,9 @@ void pel_tangent_advance(pel_tangent *tangent, double *unknowns, const double *s
    (edge_count): edges that keep their xi; null = none. Relative residual 1e-12. Returns the number of iterations. */
 int pel_tangent_settle_edges(pel_tangent *tangent, double *unknowns, const uint8_t *is_fixed);
 
+/* Sets xi of fixed edges so that their normals are those at rest, carried along with the direction of the edge. */
+void pel_tangent_clamp_edges(pel_tangent *tangent, double *unknowns, const uint8_t *is_fixed);
+
 /* Sets fibre directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions. */
 void pel_tangent_follow(pel_tangent *tangent, const double *unknowns);
 

@@ -142,3 +142,34 @@ int pel_tangent_settle_edges(pel_tangent *tangent, double *unknowns, const uint8
     }
     return iterations;
 }
+
+/* ---- clamped edges ---- */
+
+/* the normal at rest of the first triangle, turned as the edge's direction is from that at rest */
+static void carried_normal(const double rest[3][3], const double now[3][3], double normal[3])
+{
+    double from[3], to[3], both[3];
+    pel_vec3_triangle_normal(rest[0], rest[1], rest[2], normal);
+    pel_vec3_subtract(rest[1], rest[0], from);
+    pel_vec3_subtract(now[1], now[0], to);
+    pel_vec3_normalize(from);
+    pel_vec3_normalize(to);
+    pel_vec3_add(from, to, both);
+    pel_vec3_along(normal, -pel_vec3_dot(normal, to) / (1 + pel_vec3_dot(from, to)), both, normal);
+}
+
+void pel_tangent_clamp_edges(pel_tangent *tangent, double *unknowns, const uint8_t *is_fixed)
+{
+    double *xi = unknowns + 3 * (size_t)tangent->pattern.vertex_count;
+    pel_tangent_find_angles(tangent, unknowns, NULL);
+    for (int32_t e = 0; e < tangent->pattern.edge_count; e++) {
+        double rest[3][3], now[3][3], normal[3];
+        if (!is_fixed[e])
+            continue;
+        for (int k = 0; k < 3; k++)
+            pel_vertex_position(tangent->model->rest, tangent->edges[e].vertices[k], rest[k]);
+        pel_tangent_points(unknowns, tangent->edges[e].vertices, 3, now[0]);
+        carried_normal((const double(*)[3])rest, (const double(*)[3])now, normal);
+        xi[e] = pel_midedge_angle((const double(*)[3])now, normal) - tangent->half_angles[e];
+    }
+}

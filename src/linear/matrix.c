@@ -498,6 +498,42 @@ void pel_matrix_fix(pel_matrix *matrix, pel_pool *pool, const uint8_t *fixed, co
     pel_pool_run(pool, (matrix->node_count + ROWS_PER_CHUNK - 1) / ROWS_PER_CHUNK, fix_chunk, &f);
 }
 
+typedef struct turning {
+    pel_matrix *matrix;
+    const int32_t *frame;
+    const double (*axes)[3][3];
+} turning;
+
+/* three numbers, `stride` apart, along the axes */
+static void turn_triple(const double axes[3][3], double *x, int32_t stride)
+{
+    const double a = x[0], b = x[stride], c = x[2 * (size_t)stride];
+    for (int k = 0; k < 3; k++)
+        x[k * stride] = axes[k][0] * a + axes[k][1] * b + axes[k][2] * c;
+}
+
+static void turn_chunk(void *context, int32_t chunk)
+{
+    const turning *t = context;
+    const pel_matrix *m = t->matrix;
+    int32_t end = (chunk + 1) * ROWS_PER_CHUNK < m->node_count ? (chunk + 1) * ROWS_PER_CHUNK : m->node_count;
+    for (int32_t i = chunk * ROWS_PER_CHUNK; i < end; i++)
+        for (int32_t block = m->row_start[i]; block < m->row_start[i + 1]; block++) {
+            int32_t j = m->column[block], rows = size_of(m, i), columns = size_of(m, j);
+            double *values = &m->values[m->block_start[block]];
+            for (int32_t b = 0; t->frame[i] >= 0 && b < columns; b++)
+                turn_triple(t->axes[t->frame[i]], values + rows * b, 1);
+            for (int32_t a = 0; t->frame[j] >= 0 && a < rows; a++)
+                turn_triple(t->axes[t->frame[j]], values + a, rows);
+        }
+}
+
+void pel_matrix_turn(pel_matrix *matrix, pel_pool *pool, const int32_t *frame, const double (*axes)[3][3])
+{
+    turning t = {matrix, frame, axes};
+    pel_pool_run(pool, (matrix->node_count + ROWS_PER_CHUNK - 1) / ROWS_PER_CHUNK, turn_chunk, &t);
+}
+
 typedef struct product {
     const pel_matrix *matrix;
     const double *x;

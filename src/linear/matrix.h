@@ -67,6 +67,10 @@ void pel_matrix_add_diagonal(pel_matrix *matrix, double factor, const double *di
    system. Keeps symmetry and pattern. */
 void pel_matrix_fix(pel_matrix *matrix, pel_pool *pool, const uint8_t *fixed, const double *value, double *right);
 
+/* Turns unknowns of nodes of three: those of node n are then along the rows of axes[frame[n]]; frame[n] < 0: they stay.
+   frame (node_count), axes orthonormal. */
+void pel_matrix_turn(pel_matrix *matrix, pel_pool *pool, const int32_t *frame, const double (*axes)[3][3]);
+
 /* y = A x, both (unknown_count) and different; the same bits for any number of threads */
 void pel_matrix_multiply(const pel_matrix *matrix, pel_pool *pool, const double *x, double *y);
 

@@ -200,6 +200,21 @@ static const pel_member tool[] = {
     END,
 };
 
+static const pel_member support[] = {
+    OTHER(pel_support_def, name),
+    PLAIN(pel_support_def, body, SAME),
+    LIST(pel_support_def, vertices, SAME, vertex_count),
+    OTHER(pel_support_def, vertex_count),
+    PLAIN(pel_support_def, axes, SAME),
+    PLAIN(pel_support_def, fix, SAME),
+    PLAIN(pel_support_def, displacement, SAME),
+    LIST(pel_support_def, keys, SAME, key_count),
+    OTHER(pel_support_def, key_count),
+    PLAIN(pel_support_def, stiffness, SAME),
+    PLAIN(pel_support_def, fix_rotation, SAME),
+    END,
+};
+
 /* the limit of memory decides how much room the search for pairs gives */
 static const pel_member contact[] = {
     PLAIN(pel_contact_def, enabled, SAME),
@@ -225,6 +240,8 @@ const pel_member pel_sim_members[] = {
     OTHER(pel_sim_def, load_count),
     DEFS(pel_sim_def, tools, TOOLS, tool_count, tool),
     OTHER(pel_sim_def, tool_count),
+    DEFS(pel_sim_def, supports, SUPPORTS, support_count, support),
+    OTHER(pel_sim_def, support_count),
     DEF(pel_sim_def, contact, CONTACT, contact),
     OTHER(pel_sim_def, thread_count),
     OTHER(pel_sim_def, cookie),

@@ -21,6 +21,7 @@
     ROW(ANISOTROPY, "anisotropy")                                                                                      \
     ROW(PRESSURE, "pressure")                                                                                          \
     ROW(LOADS, "loads")                                                                                                \
+    ROW(SUPPORTS, "supports")                                                                                          \
     ROW(TOOLS, "tools")                                                                                                \
     ROW(CONTACT, "contact")                                                                                            \
     ROW(SOLVER, "solver")

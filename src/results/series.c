@@ -69,6 +69,11 @@ static void put_named_column(pel_run_series *series, const char *tool, const cha
 static const char *const support_columns[] = {"support_force", "support_force_x", "support_force_y", "support_force_z"};
 enum { SUPPORT_COLUMN_COUNT = sizeof support_columns / sizeof support_columns[0] };
 
+/* of single supports */
+static const char *const part_columns[] = {"force",    "force_x",  "force_y", "force_z",
+                                           "torque_x", "torque_y", "torque_z"};
+enum { PART_COLUMN_COUNT = sizeof part_columns / sizeof part_columns[0] };
+
 /* a body whose pins have no tool for columns */
 static bool has_pins(const pel_sim *sim, int32_t body)
 {
@@ -112,6 +117,9 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     for (int32_t b = 0; b < pel_model_body_count(model); b++)
         for (int c = 0; has_pins(sim, b) && c < SUPPORT_COLUMN_COUNT; c++)
             put_named_column(series, pel_model_body_name(model, b), support_columns[c]);
+    for (int32_t s = 0; s < pel_sim_support_count(sim); s++)
+        for (int c = 0; c < PART_COLUMN_COUNT; c++)
+            put_named_column(series, pel_sim_support_name(sim, s), part_columns[c]);
     for (int32_t b = 0; b < pel_model_body_count(model); b++)
         for (int c = 0; have_contact(sim) && c < BODY_COLUMN_COUNT; c++)
             put_named_column(series, pel_model_body_name(model, b), body_columns[c]);
@@ -155,6 +163,15 @@ static void put_support(pel_run_series *series, pel_sim *sim, int32_t body)
     pel_support_reading reading;
     pel_sim_get_support(sim, body, &reading);
     put_force(series, reading.force);
+}
+
+static void put_part(pel_run_series *series, const pel_sim *sim, int32_t support)
+{
+    pel_support_reading reading;
+    pel_sim_get_support_part(sim, support, &reading);
+    put_force(series, reading.force);
+    for (int i = 0; i < 3; i++)
+        put_number(series, reading.torque[i]);
 }
 
 static void put_body(pel_run_series *series, const pel_sim *sim, int32_t body)
@@ -309,6 +326,8 @@ pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_ru
     for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
         if (has_pins(sim, b))
             put_support(series, sim, b);
+    for (int32_t s = 0; s < pel_sim_support_count(sim); s++)
+        put_part(series, sim, s);
     for (int32_t b = 0; have_contact(sim) && b < pel_model_body_count(pel_sim_model(sim)); b++)
         put_body(series, sim, b);
     const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};

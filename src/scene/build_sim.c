@@ -65,7 +65,7 @@ static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, co
 {
     *load = pel_load_def_default();
     load->name = pel_scene_value_entry(value, "name")->text;
-    load->kind = pel_scene_value_integer(value, "per") == 0 ? PEL_LOAD_TOTAL : PEL_LOAD_PER_VERTEX;
+    load->kind = (pel_load_kind)pel_scene_value_integer(value, "per"); /* in the order of the words in the table */
     pel_scene_value_numbers(pel_scene_value_entry(value, "force"), load->force);
     pel_status status = fill_body(reader, value, model);
     if (status == PEL_OK)
@@ -382,6 +382,8 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
         status = read_tools(reader, root, &store, scene);
+    if (status == PEL_OK)
+        status = pel_scene_build_supports(reader, bodies, scene);
     if (status == PEL_OK)
         status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;

@@ -7,6 +7,7 @@
 #include "math/vec3.h"
 #include "sim/contact.h"
 #include "sim/descent.h"
+#include "sim/hold.h"
 #include "sim/tool.h"
 
 #include <math.h>
@@ -24,7 +25,7 @@ static bool holds_itself(const pel_sim *sim, int32_t body)
     for (int32_t i = 0; i < sim->tool_count; i++)
         if ((sim->tools[i].press || sim->tools[i].grasp) && pel_tool_acts_on(&sim->tools[i], body))
             return true;
-    return own->has_volumetric;
+    return own->has_volumetric || pel_holds_has_body(sim, body);
 }
 
 static bool is_held(const pel_sim *sim, int32_t body)

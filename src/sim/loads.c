@@ -1,5 +1,7 @@
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/vec3.h"
+#include "pellicle/topology.h"
 #include "sim/sim.h"
 
 #include <math.h>
@@ -41,11 +43,58 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
         if (def->weights != NULL && !isfinite(def->weights[i]))
             return refuse(error, load, "weight is not finite", "give finite weights");
     }
+    if (def->kind == PEL_LOAD_PER_LENGTH && body->detail != NULL)
+        return refuse(error, load, "load per length on a body that refines", "give the load per vertex or in total");
     for (int32_t k = 0; k < def->key_count; k++)
         if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
             (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
             return refuse(error, load, "keys are not finite or not in order", "give keys with increasing times");
     return PEL_OK;
+}
+
+/* ---- loads on boundary edges ---- */
+
+/* m, half the length at rest of the boundary edges at each vertex of the mesh whose ends the load both has */
+static pel_status find_lengths(const pel_mesh *mesh, const pel_load_def *def, double *lengths, pel_error *error)
+{
+    uint8_t *marks = pel_allocate((size_t)mesh->vertex_count, sizeof *marks);
+    pel_topology *topology = NULL;
+    pel_status status = marks != NULL ? pel_topology_create(mesh, &topology, error) : pel_fail_memory(error);
+    if (status != PEL_OK) {
+        pel_free(marks);
+        return status;
+    }
+    memset(marks, def->vertices == NULL, (size_t)mesh->vertex_count);
+    for (int32_t i = 0; def->vertices != NULL && i < def->vertex_count; i++)
+        marks[def->vertices[i]] = 1;
+    for (int32_t h = 0; h < 3 * topology->triangle_count; h++) {
+        int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
+        if (topology->twin[h] >= 0 || !marks[a] || !marks[b])
+            continue;
+        double half = 0.5 * pel_vec3_distance(mesh->positions[a], mesh->positions[b]);
+        lengths[a] += half;
+        lengths[b] += half;
+    }
+    pel_topology_destroy(topology);
+    pel_free(marks);
+    return PEL_OK;
+}
+
+/* weights become those of the edges */
+static pel_status weigh_by_length(const pel_mesh *mesh, const pel_load_def *def, int32_t index, pel_load *load,
+                                  pel_error *error)
+{
+    double *lengths = pel_allocate((size_t)mesh->vertex_count, sizeof *lengths), sum = 0;
+    pel_status status = lengths != NULL ? find_lengths(mesh, def, lengths, error) : pel_fail_memory(error);
+    for (int32_t i = 0; status == PEL_OK && i < load->vertex_count; i++) {
+        load->weights[i] *= lengths[def->vertices != NULL ? def->vertices[i] : i];
+        sum += fabs(load->weights[i]);
+    }
+    pel_free(lengths);
+    if (status == PEL_OK && !(sum > 0))
+        return refuse(error, index, "load per length acts on no boundary edge",
+                      "choose a region with both ends of boundary edges, or give the load per vertex");
+    return status;
 }
 
 /* ---- loads on a body that refines ---- */
@@ -170,7 +219,7 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
         load->vertices[i] = body->model_index[def->vertices != NULL ? def->vertices[i] : i];
         load->weights[i] = share * (def->weights != NULL ? def->weights[i] : 1);
     }
-    return PEL_OK;
+    return def->kind == PEL_LOAD_PER_LENGTH ? weigh_by_length(body->mesh, def, index, load, error) : PEL_OK;
 }
 
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error)

@@ -114,7 +114,7 @@ static pel_status keep_apart(pel_sim *sim, double next, double longest, pel_erro
 static void accept_part(pel_sim *sim, double next)
 {
     bool is_last = pel_parts_are_last(sim);
-    pel_supports_read(sim);
+    pel_supports_read(sim, next);
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(sim->state);

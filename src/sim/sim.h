@@ -193,6 +193,9 @@ typedef struct pel_sim_parts {
 /* (descent.c) what the method needs */
 typedef struct pel_sim_descent pel_sim_descent;
 
+/* (hold.h) supports of single components */
+typedef struct pel_sim_holds pel_sim_holds;
+
 /* What a body or tool did to a body in a step. Sums over contacts; those with a load are weighted by it. */
 typedef struct pel_pair_force {
     double force[3];  /* N */
@@ -268,6 +271,7 @@ struct pel_sim {
     bool held_is_listed;           /* the boundary is that of the tools */
     pel_sim_solids *solids;        /* (tool_solid.h) methods with substeps; null = no tool presses */
     pel_support_reading *supports; /* (body_count) of pinned vertices, projected methods; null = nothing is pinned */
+    pel_sim_holds *holds;          /* (hold.h) supports of single components; null = none */
     pel_contact_forces contact_forces;
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
     pel_ledger ledger;
@@ -408,7 +412,7 @@ void pel_restitution_apply(pel_sim *sim);
 pel_status pel_supports_create(pel_sim *sim, pel_error *error);
 void pel_supports_destroy(pel_sim *sim);
 /* Projected methods: reads the forces on pinned vertices after a step, before it is accepted. */
-void pel_supports_read(pel_sim *sim);
+void pel_supports_read(pel_sim *sim, double time);
 
 /* ---- observe.c ---- */
 /* Forces of bodies and loads at the present state, into sim->force. */

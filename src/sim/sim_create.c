@@ -4,6 +4,7 @@
 #include "pellicle/parallel.h"
 #include "sim/contact.h"
 #include "sim/descent.h"
+#include "sim/hold.h"
 #include "sim/tool_solid.h"
 
 enum { SIM_COOKIE = 0x73696d21 };
@@ -54,7 +55,7 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a finite number of at least 0");
         return PEL_BAD_ARGUMENT;
     }
-    if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0)
+    if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0 || def->support_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     return PEL_OK;
 }
@@ -136,6 +137,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_supports_create(sim, error);
     if (status == PEL_OK)
+        status = pel_holds_create(sim, def, error);
+    if (status == PEL_OK)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
         status = pel_contact_forces_create(sim, error);
@@ -183,6 +186,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_contact_forces_destroy(sim);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
+    pel_holds_destroy(sim);
     pel_supports_destroy(sim);
     pel_tools_destroy(sim);
     pel_loads_destroy(sim);

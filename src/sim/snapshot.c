@@ -5,6 +5,7 @@
 #include "model/shell.h"
 #include "sim/contact.h"
 #include "sim/descent.h"
+#include "sim/hold.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -241,6 +242,8 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer_tool(at, &sim->tools[t], count);
     if (sim->supports != NULL)
         transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
+    for (int32_t h = 0; h < pel_sim_support_count(sim); h++)
+        transfer(at, &sim->holds->holds[h].reading, sizeof sim->holds->holds[h].reading);
     const pel_contact_forces *forces = &sim->contact_forces;
     if (forces->vertex != NULL) {
         transfer(at, forces->vertex, count * sizeof *forces->vertex);

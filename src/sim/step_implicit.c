@@ -13,6 +13,7 @@
    and follows what touches. */
 #include "base/status.h"
 #include "sim/contact.h"
+#include "sim/hold.h"
 #include "sim/step_newton.h"
 
 #include <string.h>
@@ -46,7 +47,7 @@ static bool touches(const pel_sim *sim)
 
 static const scheme *choose_scheme(const pel_sim *sim)
 {
-    if (sim->tool_count == 0 && sim->contacts == NULL && !sim->descent->newton->is_damped)
+    if (sim->tool_count == 0 && !pel_holds_move(sim) && sim->contacts == NULL && !sim->descent->newton->is_damped)
         return &midpoint;
     return sim->state->older_is_known && !touches(sim) ? &bdf2 : &euler;
 }

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "sim/hold.h"
 #include "sim/tool.h"
 
 #include <string.h>
@@ -58,7 +59,18 @@ void pel_sim_newton_begin(pel_sim *sim)
     sim->descent->newton->result = (pel_newton_result){0};
 }
 
-/* Vertices that stand elsewhere than where the last run left them; of edges what bends them least at the begin. */
+/* edges as they bend least, clamps apart */
+static void settle_edges(const pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    pel_tangent *tangent = pel_newton_tangent(newton->newton);
+    const uint8_t *is_fixed = sim->holds != NULL ? sim->holds->edge_fixed : NULL;
+    if (is_fixed != NULL)
+        pel_tangent_clamp_edges(tangent, newton->unknowns, is_fixed);
+    pel_tangent_settle_edges(tangent, newton->unknowns, is_fixed);
+}
+
+/* Vertices that stand elsewhere than where the last run left them. */
 static void take_positions(pel_sim *sim)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -74,7 +86,7 @@ static void take_positions(pel_sim *sim)
         }
     }
     if (!newton->goes_on)
-        pel_tangent_settle_edges(pel_newton_tangent(newton->newton), newton->unknowns, NULL);
+        settle_edges(sim);
     newton->goes_on = true;
 }
 
@@ -101,7 +113,7 @@ static bool is_free(const pel_sim *sim, int32_t body)
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
         if (sim->model->mesh_vertex[v] >= 0 && is_held(sim, v))
             return false;
-    return !own->has_volumetric;
+    return !own->has_volumetric && !pel_holds_has_body(sim, body);
 }
 
 static int largest_component(const double x[3])
@@ -172,7 +184,11 @@ static void support_free_body(pel_sim *sim, int32_t body)
 
 static double evaluate_constraints(void *context, const double *unknowns, double *gradient)
 {
-    pel_sim *sim = context;
+    const pel_descent_context *at = context;
+    pel_sim *sim = at->sim;
+    double springs = pel_holds_evaluate(sim, at->time, unknowns, gradient);
+    if (!at->is_constrained)
+        return springs;
     pel_sim_newton *newton = sim->descent->newton;
     int32_t count = sim->model->vertex_count;
     for (int32_t v = 0; v < count; v++)
@@ -183,7 +199,7 @@ static double evaluate_constraints(void *context, const double *unknowns, double
     for (int32_t v = 0; v < count; v++)
         for (int k = 0; k < 3; k++)
             gradient[3 * v + k] -= (double)newton->force[v][k];
-    return energy;
+    return energy + springs;
 }
 
 static void add_block(pel_matrix *matrix, int32_t i, int32_t j, double weight, const double stiffness[3][3])
@@ -213,9 +229,11 @@ static void add_constraint(pel_matrix *matrix, const int32_t vertices[4], const 
 
 static void add_constraints(void *context, pel_matrix *matrix)
 {
-    const pel_sim *sim = context;
+    const pel_descent_context *at = context;
+    const pel_sim *sim = at->sim;
     const pel_sim_descent *descent = sim->descent;
-    for (int32_t c = 0; c < descent->count; c++) {
+    pel_holds_add_matrix(sim, matrix);
+    for (int32_t c = 0; at->is_constrained && c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
         double along[3][3], across[3][3], weights[4];
         if (pel_descent_contact_stiffness(sim, constraint, descent->newton->position, weights, along, across)) {
@@ -242,8 +260,10 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    const pel_newton_terms terms = {sim, evaluate_constraints, add_constraints};
+    bool has_springs = sim->holds != NULL && sim->holds->spring_count > 0;
+    const pel_newton_terms terms = {context, evaluate_constraints, add_constraints};
     take_positions(sim);
+    const pel_newton_frames frames = pel_holds_fix(sim, context->time, newton->fixed, newton->target);
     find_loads(sim, context->time);
     for (int32_t b = 0; b < sim->model->body_count && !is_dynamic && !context->is_constrained; b++)
         if (is_free(sim, b))
@@ -256,7 +276,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .points = (const double(*)[3])newton->points,
         .fixed = newton->fixed,
         .target = newton->target,
-        .terms = context->is_constrained ? &terms : NULL,
+        .frames = frames,
+        .terms = context->is_constrained || has_springs ? &terms : NULL,
         .tolerance = problem->tolerance,
         .held_share = problem->held_share,
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
@@ -326,7 +347,7 @@ pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unkn
         return NULL;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         pel_vertex_position(sim->state->position, v, newton->unknowns + 3 * (size_t)v);
-    pel_tangent_settle_edges(tangent, newton->unknowns, NULL);
+    settle_edges(sim);
     newton->goes_on = false;
     *unknowns = newton->unknowns;
     return tangent;

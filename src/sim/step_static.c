@@ -1,5 +1,6 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
 #include "base/status.h"
+#include "sim/hold.h"
 #include "sim/step_newton.h"
 
 static pel_status create(pel_sim *sim, pel_error *error)
@@ -14,6 +15,12 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     return pel_sim_descent_step(sim, result, error);
 }
 
+static pel_status check_start(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_descent_check_start(sim, error);
+    return status == PEL_OK ? pel_holds_check_mechanism(sim, error) : status;
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
     (void)sim;
@@ -25,7 +32,7 @@ const pel_stepper pel_step_static_kind = {
     .turns_edges = true,
     .moves_tools = true,
     .create = create,
-    .check_start = pel_descent_check_start,
+    .check_start = check_start,
     .step = step,
     .read_tools = pel_sim_newton_read_tools,
     .settle_edges = pel_sim_newton_settle_edges,

@@ -1,6 +1,7 @@
 /* Forces on the supports of bodies: vertices that are pinned, and keyed supports, which are tools. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "sim/hold.h"
 #include "sim/tool.h"
 
 #include <string.h>
@@ -49,12 +50,12 @@ static bool has_pins(const pel_sim *sim)
 
 pel_status pel_supports_create(pel_sim *sim, pel_error *error)
 {
-    if (sim->projector == NULL || !has_pins(sim))
+    if ((sim->projector == NULL && sim->stepper->get_held_force == NULL) || !has_pins(sim))
         return PEL_OK;
     sim->supports = pel_allocate((size_t)sim->model->body_count, sizeof *sim->supports);
     if (sim->supports == NULL)
         return pel_fail_memory(error);
-    return pel_projector_record_reactions(sim->projector, error);
+    return sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
 }
 
 void pel_supports_destroy(pel_sim *sim)
@@ -62,11 +63,30 @@ void pel_supports_destroy(pel_sim *sim)
     pel_free(sim->supports);
 }
 
-void pel_supports_read(pel_sim *sim)
+/* what the balance of the step says, contacts included */
+static void read_balance(pel_sim *sim, int32_t body, pel_support_reading *reading)
 {
+    *reading = (pel_support_reading){0};
+    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+        double point[3], force[3];
+        if (!is_pinned(sim, v))
+            continue;
+        pel_vertex_position(sim->state->position_next, v, point);
+        sim->stepper->get_held_force(sim, v, force);
+        add_force(reading, point, force);
+        reading->vertex_count++;
+    }
+}
+
+void pel_supports_read(pel_sim *sim, double time)
+{
+    pel_holds_read(sim, time);
     for (int32_t b = 0; sim->supports != NULL && b < sim->model->body_count; b++)
-        sum_pins(sim, b, sim->state->position_next, sim->projector->reaction, 1.0 / sim->solver.substeps,
-                 sim->contact_forces.vertex_next, &sim->supports[b]);
+        if (sim->projector == NULL)
+            read_balance(sim, b, &sim->supports[b]);
+        else
+            sum_pins(sim, b, sim->state->position_next, sim->projector->reaction, 1.0 / sim->solver.substeps,
+                     sim->contact_forces.vertex_next, &sim->supports[b]);
 }
 
 static int32_t count_pins(const pel_sim *sim, int32_t body)
@@ -83,10 +103,11 @@ void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *readin
     if (sim->supports != NULL)
         *reading = sim->supports[body];
     reading->vertex_count = count_pins(sim, body);
-    if (reading->vertex_count > 0 && sim->projector == NULL) {
+    if (reading->vertex_count > 0 && sim->supports == NULL) {
         pel_sim_compute_forces(sim);
         sum_pins(sim, body, sim->state->position, sim->force, 1, sim->contact_forces.vertex, reading);
     }
+    pel_holds_add_readings(sim, body, reading);
     for (int32_t t = 0; t < sim->tool_count; t++) {
         const pel_tool *tool = &sim->tools[t];
         if (tool->support == NULL || tool->body != body)

@@ -47,6 +47,8 @@ struct pel_newton {
     pel_pcg *pcg;
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
     double *walked;                                           /* (unknown_count) sum of the steps of a run */
+    double *move;                                             /* (unknown_count) the step along x, y, z */
+    int32_t *frame;                                           /* (node_count) number of its axes, or -1 */
     double *stresses;                                         /* (stress_count) */
     double *masses;                                           /* (unknown_count) kg, 0 on edges */
     uint8_t *fixed;                                           /* (unknown_count) */
@@ -143,9 +145,10 @@ static bool make_room(pel_newton *newton)
     size_t count = (size_t)pattern->unknown_count;
     newton->stresses = pel_allocate((size_t)pattern->stress_count + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
-    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,  &newton->start,
-                          &newton->start_gradient, &newton->masses, &newton->walked};
-    bool room = newton->stresses != NULL && newton->fixed != NULL;
+    newton->frame = pel_allocate((size_t)pattern->vertex_count + (size_t)pattern->edge_count, sizeof *newton->frame);
+    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start,
+                          &newton->start_gradient, &newton->masses, &newton->walked, &newton->move};
+    bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
     return room;
@@ -190,8 +193,9 @@ void pel_newton_destroy(pel_newton *newton)
     pel_factor_plan_destroy(newton->plan);
     pel_matrix_destroy(newton->matrix);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {newton->gradient,       newton->right,    newton->step,  newton->start, newton->masses,
-                      newton->start_gradient, newton->stresses, newton->fixed, newton->walked};
+    void *arrays[] = {newton->gradient, newton->right,          newton->step,     newton->start,
+                      newton->masses,   newton->start_gradient, newton->stresses, newton->fixed,
+                      newton->walked,   newton->move,           newton->frame};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -233,6 +237,47 @@ static double add_loads(const newton_run *run)
     return sum;
 }
 
+/* vectors of unknowns: from x, y, z to the axes of the vertices that have some, and back */
+static void turn(const newton_run *run, double *vector)
+{
+    const pel_newton_frames *frames = &run->problem->frames;
+    for (int32_t f = 0; f < frames->count; f++) {
+        double *x = vector + 3 * (size_t)frames->vertices[f], turned[3];
+        for (int k = 0; k < 3; k++)
+            turned[k] = pel_vec3_dot(frames->axes[f][k], x);
+        pel_vec3_copy(turned, x);
+    }
+}
+
+static void turn_back(const newton_run *run, double *vector)
+{
+    const pel_newton_frames *frames = &run->problem->frames;
+    for (int32_t f = 0; f < frames->count; f++) {
+        double *x = vector + 3 * (size_t)frames->vertices[f], turned[3] = {0};
+        for (int k = 0; k < 3; k++)
+            pel_vec3_along(turned, x[k], frames->axes[f][k], turned);
+        pel_vec3_copy(turned, x);
+    }
+}
+
+/* gradients of volumes lie as those of pel_tangent_evaluate */
+static void turn_rank_ones(const newton_run *run)
+{
+    const pel_newton_frames *frames = &run->problem->frames;
+    const pel_tangent_pattern *pattern = run->newton->pattern;
+    for (int32_t r = 0; r < pattern->rank_one_count; r++)
+        for (int32_t f = 0; f < frames->count; f++) {
+            const pel_rank_one *one = &pattern->rank_ones[r];
+            int32_t v = frames->vertices[f] - one->first_vertex;
+            if (v < 0 || v >= one->vertex_count)
+                continue;
+            double *x = one->gradient + 3 * (size_t)v, turned[3];
+            for (int k = 0; k < 3; k++)
+                turned[k] = pel_vec3_dot(frames->axes[f][k], x);
+            pel_vec3_copy(turned, x);
+        }
+}
+
 /* a moment as the force that it is at the end of an edge */
 static double force_of(const pel_newton *newton, int32_t u)
 {
@@ -251,7 +296,7 @@ static void measure_forces(const newton_run *run)
     run->result->held_force = sqrt(held);
 }
 
-/* energy and gradient at the unknowns */
+/* energy at the unknowns, and gradient along the axes of the vertices */
 static void evaluate(newton_run *run)
 {
     pel_newton *newton = run->newton;
@@ -272,12 +317,23 @@ static void evaluate(newton_run *run)
     run->parts = fabs(energy.membrane) + fabs(energy.fibres) + fabs(energy.bending) + fabs(energy.edges) +
                  fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) + fabs(terms);
     run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms;
+    turn(run, newton->gradient);
+    turn_rank_ones(run);
     measure_forces(run);
 }
 
 static bool is_finite(const newton_run *run)
 {
     return isfinite(run->result->energy) && isfinite(run->result->residual) && isfinite(run->result->held_force);
+}
+
+/* of a position, along the axes of its vertex */
+static double coordinate(const newton_run *run, int32_t u)
+{
+    int32_t frame = run->newton->frame[u / 3];
+    if (frame < 0)
+        return run->unknowns[u];
+    return pel_vec3_dot(run->problem->frames.axes[frame][u % 3], run->unknowns + 3 * (size_t)(u / 3));
 }
 
 /* what fixed unknowns have before them */
@@ -287,7 +343,7 @@ static double way_to_target(const newton_run *run, int32_t u)
     bool is_position = u < 3 * newton->pattern->vertex_count;
     if (run->problem->fixed == NULL || !run->problem->fixed[u])
         return 0;
-    return run->problem->target[u] - (is_position ? run->unknowns[u] : newton->walked[u]);
+    return run->problem->target[u] - (is_position ? coordinate(run, u) : newton->walked[u]);
 }
 
 /* ---- linear systems ---- */
@@ -340,6 +396,8 @@ static void assemble(newton_run *run)
         run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
     if (run->shift > 0)
         pel_matrix_add_diagonal(newton->matrix, run->shift, newton->masses);
+    if (run->problem->frames.count > 0)
+        pel_matrix_turn(newton->matrix, newton->pool, newton->frame, run->problem->frames.axes);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
         newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
         newton->right[u] = newton->fixed[u] ? 0 : -newton->gradient[u];
@@ -425,13 +483,23 @@ static double longest_move(const pel_newton *newton)
     return longest;
 }
 
+/* the step along x, y, z, times a scale */
+static const double *find_move(const newton_run *run, double scale)
+{
+    pel_newton *newton = run->newton;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        newton->move[u] = scale * newton->step[u];
+    turn_back(run, newton->move);
+    return newton->move;
+}
+
 /* goes along the step, as far as that is good for; returns the share of it */
 static double go(newton_run *run)
 {
     pel_newton *newton = run->newton;
     double longest = longest_move(newton), limit = LONGEST_SHARE * newton->size;
     double scale = longest > limit ? limit / longest : 1;
-    pel_tangent_advance(newton->tangent, run->unknowns, newton->step, scale, newton->pool);
+    pel_tangent_advance(newton->tangent, run->unknowns, find_move(run, 1), scale, newton->pool);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         newton->walked[u] += scale * newton->step[u];
     run->result->iterations++;
@@ -460,10 +528,7 @@ static void extrapolate(newton_run *run, double scale)
         .time = run->problem->time,
         .state = run->problem->state,
     };
-    for (int32_t u = 0; scale < 1 && u < newton->pattern->unknown_count; u++)
-        newton->right[u] = scale * newton->step[u];
-    pel_tangent_extrapolate(newton->tangent, &input, scale < 1 ? newton->right : newton->step, newton->pool,
-                            newton->stresses);
+    pel_tangent_extrapolate(newton->tangent, &input, find_move(run, scale), newton->pool, newton->stresses);
     run->has_stresses = true;
 }
 
@@ -579,7 +644,7 @@ static void go_to_targets(newton_run *run)
         newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
         newton->walked[u] += newton->step[u];
     }
-    pel_tangent_advance(newton->tangent, run->unknowns, newton->step, 1, newton->pool);
+    pel_tangent_advance(newton->tangent, run->unknowns, find_move(run, 1), 1, newton->pool);
 }
 
 static void go_down(newton_run *run)
@@ -620,7 +685,7 @@ static void nudge(newton_run *run)
     uint32_t random = 1;
     for (int32_t u = 0; u < 3 * newton->pattern->vertex_count; u++) {
         random = random * 1664525u + 1013904223u;
-        if (!newton->fixed[u])
+        if (!newton->fixed[u] && newton->frame[u / 3] < 0)
             run->unknowns[u] += NUDGE * newton->size * ((double)(random >> 8) / (1 << 23) - 1);
     }
 }
@@ -641,6 +706,10 @@ static void fix_unknowns(newton_run *run)
     }
     if (changed)
         newton->has_factor = false;
+    for (int32_t n = 0; n < newton->pattern->vertex_count + newton->pattern->edge_count; n++)
+        newton->frame[n] = -1;
+    for (int32_t f = 0; f < run->problem->frames.count; f++)
+        newton->frame[run->problem->frames.vertices[f]] = f;
 }
 
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
@@ -662,6 +731,7 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
         go_down(&run);
         result->unstable = !result->converged || !is_stable(&run);
     }
+    turn_back(&run, newton->gradient);
     return run.status;
 }
 

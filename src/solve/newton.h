@@ -25,6 +25,13 @@ typedef struct pel_newton_terms {
     void (*add_matrix)(void *context, pel_matrix *matrix);
 } pel_newton_terms;
 
+/* The unknowns of a vertex along axes of its own. */
+typedef struct pel_newton_frames {
+    int32_t count;
+    const int32_t *vertices;    /* (count) each once */
+    const double (*axes)[3][3]; /* (count) rows, orthonormal */
+} pel_newton_frames;
+
 typedef struct pel_newton_problem {
     double time;            /* of keyed curves */
     const pel_state *state; /* factors of keyed parameters */
@@ -34,6 +41,7 @@ typedef struct pel_newton_problem {
     const double (*points)[3];     /* (vertex_count) m */
     const uint8_t *fixed;          /* (unknown_count) 1 = goes to its target and stays there */
     const double *target;          /* (unknown_count) of positions where fixed [m]; of psi its increment in this run */
+    pel_newton_frames frames;      /* vertices for which fixed and target are along axes of their own */
     const pel_newton_terms *terms; /* null = none */
     double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
     double held_share; /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
