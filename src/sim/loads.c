@@ -43,8 +43,8 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
         if (def->weights != NULL && !isfinite(def->weights[i]))
             return refuse(error, load, "weight is not finite", "give finite weights");
     }
-    if (def->kind == PEL_LOAD_PER_LENGTH && body->detail != NULL)
-        return refuse(error, load, "load per length on a body that refines", "give the load per vertex or in total");
+    if (def->kind >= PEL_LOAD_PER_LENGTH && body->detail != NULL)
+        return refuse(error, load, "load on edges of a body that refines", "give the load per vertex or in total");
     for (int32_t k = 0; k < def->key_count; k++)
         if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
             (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))

@@ -35,6 +35,12 @@ typedef struct pel_load {
     pel_load_kind kind;
 } pel_load;
 
+/* a moment on one boundary edge (edge_load.c) */
+typedef struct pel_edge_load {
+    int32_t load, edge;
+    double along[3]; /* m, the edge at rest */
+} pel_edge_load;
+
 typedef struct pel_pose {
     double position[3];
     double rotation[4]; /* x, y, z, w */
@@ -248,6 +254,8 @@ struct pel_sim {
     pel_fingerprint fingerprint;   /* of the model and the def, in snapshots */
     pel_load *loads;
     int32_t load_count;
+    pel_edge_load *edge_loads; /* (edge_load_count) null = none */
+    int32_t edge_load_count;
     pel_tool *tools;
     int32_t tool_count;
     pel_sim_contacts *contacts;    /* (contact.h) null = none */

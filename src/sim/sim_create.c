@@ -4,6 +4,7 @@
 #include "pellicle/parallel.h"
 #include "sim/contact.h"
 #include "sim/descent.h"
+#include "sim/edge_load.h"
 #include "sim/hold.h"
 #include "sim/tool_solid.h"
 
@@ -133,6 +134,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
+        status = pel_edge_loads_create(sim, def, error);
+    if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
         status = pel_supports_create(sim, error);
@@ -189,6 +192,7 @@ void pel_sim_destroy(pel_sim *sim)
     pel_holds_destroy(sim);
     pel_supports_destroy(sim);
     pel_tools_destroy(sim);
+    pel_edge_loads_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
     pel_sim_descent_destroy(sim);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "sim/edge_load.h"
 #include "sim/hold.h"
 #include "sim/tool.h"
 
@@ -98,6 +99,9 @@ static void find_loads(pel_sim *sim, double time)
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++)
             newton->loads[3 * v + k] = (double)newton->force[v][k];
+    double *moments = newton->loads + 3 * (size_t)sim->model->vertex_count;
+    memset(moments, 0, (size_t)pel_newton_pattern(newton->newton)->edge_count * sizeof *moments);
+    pel_edge_loads_add(sim, time, moments);
 }
 
 /* ---- free bodies ---- */

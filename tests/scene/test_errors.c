@@ -58,6 +58,21 @@ static const bad_scene bad_scenes[] = {
     {"- 1\n", NULL, "a.yaml:1:1: error: the scene is a list, it must be: map"},
     {"scene\n", NULL, "a.yaml:1:1: error: the scene is 'scene', it must be: map"},
 
+    /* supports */
+    {BALL "    supports: [{fix: [x]}]\n", NULL, "a.yaml:5:16: error: bodies.0.supports.0 lacks 'at'. add"},
+    {BALL "    supports: [{at: all, fix: [w]}]\n", NULL, "a.yaml:5:32: error: unknown word 'w'. known are: x, y, z"},
+    {BALL "    supports: [{at: all, fix: [x], symmetry: y}]\n", NULL,
+     "a.yaml:5:36: error: 'fix' and 'symmetry' exclude each other"},
+    {BALL "    supports: [{at: all, fix: []}]\n", NULL, "a.yaml:5:16: error: the support holds nothing. list comp"},
+    {BALL "    supports: [{at: all, fix: [x], displacement: [0, 1, 0]}]\n", NULL,
+     "a.yaml:5:16: error: the support displaces a component that it does not hold. add the component"},
+    {BALL "    supports: [{at: all, symmetry: [0, 0, 0]}]\n", NULL,
+     "a.yaml:5:36: error: the direction has no length. give a vector"},
+    {BALL "    supports: [{at: all, frame: {x: [1, 0, 0], y: [2, 0, 0]}}]\n", NULL,
+     "a.yaml:5:51: error: y is parallel to x"},
+    {BALL "    supports: [{at: all, stiffness: 0}]\n", NULL,
+     "a.yaml:5:37: error: bodies.0.supports.0.stiffness is out of range: 0 N/m"},
+
     /* out of range */
     {BALL "    springs: {stiffness: -3}\n", NULL,
      "a.yaml:5:26: error: bodies.0.springs.stiffness is out of range: -3 N/m. it must be >= 0 N/m"},

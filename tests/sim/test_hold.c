@@ -266,6 +266,33 @@ static void cantilever_is_the_reference(void **state)
     free(s);
 }
 
+/* a strip under a moment at its end that bends it to a quarter of a circle */
+static void moment_rolls_a_strip_up(void **state)
+{
+    (void)state;
+    structure *s = malloc(sizeof *s);
+    pel_mesh *mesh = unit_grid(40, 2);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        mesh->positions[v][0] *= 10;
+    begin(s, mesh, 1.2e6, 0, 0.1);
+    support(s, 0, 0, true, true, true, true);
+    /* E I / L times the angle; it lifts the end */
+    const double angle = 0.5 * PI, normal[3] = {1, 0, 0};
+    pel_load_def *load = load_vertex(s, 0, 0, -100.0 / 10 * angle, 0);
+    load->kind = PEL_LOAD_MOMENT;
+    load->vertex_count = find(s, normal, 10, s->vertices[MOST_SUPPORTS]);
+    solve(s);
+    double way[3];
+    pel_support_reading reading;
+    moved(s, nearest(s, 10, 0.5, 0), way);
+    assert_within(10 + way[0], 10 * sin(angle) / angle, 0.01);
+    assert_within(way[2], 10 * (1 - cos(angle)) / angle, 0.01);
+    pel_sim_get_support_part(s->sim, 0, &reading);
+    assert_true(fabs(reading.force[2]) < 1e-3);
+    end(s);
+    free(s);
+}
+
 /* square plates under a pressure: Timoshenko, tables 8 and 35 */
 static double plate_deflection(bool clamped, double turn)
 {
@@ -423,6 +450,9 @@ static void bad_supports_are_refused(void **state)
     begin_bar(s);
     load_vertex(s, 0, 1, 0, 0)->kind = PEL_LOAD_PER_LENGTH;
     assert_sim_refused(s, "acts on no boundary edge");
+    begin_bar(s);
+    load_vertex(s, 0, 1, 0, 0)->kind = PEL_LOAD_MOMENT;
+    assert_sim_refused(s, "moment acts on no boundary edge");
     free(s);
 }
 
@@ -433,6 +463,7 @@ int main(void)
         cmocka_unit_test(pinched_cylinder_is_the_reference),
         cmocka_unit_test(hemisphere_is_the_reference),
         cmocka_unit_test(cantilever_is_the_reference),
+        cmocka_unit_test(moment_rolls_a_strip_up),
         cmocka_unit_test(plates_are_the_closed_forms),
         cmocka_unit_test(displacement_pulls_with_the_stiffness_of_the_bar),
         cmocka_unit_test(springs_are_in_series_with_the_bar),

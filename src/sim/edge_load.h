@@ -1,0 +1,15 @@
+/* Moments on boundary edges: loads on the rotations of mid-edge bending. */
+#ifndef PEL_SIM_EDGE_LOAD_H
+#define PEL_SIM_EDGE_LOAD_H
+
+#include "sim/sim.h"
+
+/* Lists the edges of loads of PEL_LOAD_MOMENT. PEL_BAD_ARGUMENT for a method or body without rotations of edges, or no
+   edge; PEL_OUT_OF_MEMORY. */
+pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error *error);
+void pel_edge_loads_destroy(pel_sim *sim);
+
+/* Adds the moments [N m] at a time to the loads of edges (edge_count). */
+void pel_edge_loads_add(const pel_sim *sim, double time, double *moments);
+
+#endif
