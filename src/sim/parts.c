@@ -14,7 +14,8 @@ pel_status pel_parts_create(pel_sim *sim, pel_error *error)
     parts->step_size = PEL_PART_LIMIT;
     parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
     parts->substeps = sim->solver.substeps;
-    if (!pel_sim_is_projected(sim) || sim->contacts == NULL)
+    /* a collision with a restitution of its own is told by steps */
+    if (!pel_sim_is_projected(sim) || sim->contacts == NULL || sim->collisions != NULL)
         return PEL_OK;
     parts->before_size = pel_sim_save_size(sim);
     parts->before = pel_allocate(parts->before_size, 1);

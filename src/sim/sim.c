@@ -153,6 +153,8 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     pel_status status = follow_surface(sim, error);
     if (status != PEL_OK)
         return status;
+    /* substeps go by the stiffness at this time */
+    update_factors(sim, pel_sim_time(sim));
     pel_parts_begin(sim);
     while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
         status = step_part(sim, error);
