@@ -57,8 +57,8 @@ typedef enum pel_load_kind {
     PEL_LOAD_PER_VERTEX, /* N on each of them */
     PEL_LOAD_PER_LENGTH, /* N/m at rest, on boundary edges with both ends among them; half of each edge to each end */
     PEL_LOAD_MOMENT      /* N m per metre of these edges: the part of `force` along each edge at rest turns the surface
-                            about the edge. Static and implicit, PEL_BENDING_MIDEDGE. Goes with edges that keep their
-                            direction; the moment has no part in the work of loads */
+                            about the edge. Static and implicit, PEL_BENDING_MIDEDGE. For edges that keep their
+                            direction */
 } pel_load_kind;
 
 /* A force on some vertices during some time. */

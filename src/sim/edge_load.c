@@ -70,13 +70,26 @@ void pel_edge_loads_destroy(pel_sim *sim)
     pel_free(sim->edge_loads);
 }
 
+/* N m, of an edge at a time */
+static double moment_of(const pel_sim *sim, const pel_edge_load *at, double time)
+{
+    const pel_load *load = &sim->loads[at->load];
+    if (!(time >= load->from && time < load->until))
+        return 0;
+    return pel_curve_value(load->keys, load->key_count, time) * pel_vec3_dot(load->force, at->along);
+}
+
 void pel_edge_loads_add(const pel_sim *sim, double time, double *moments)
+{
+    for (int32_t i = 0; i < sim->edge_load_count; i++)
+        moments[sim->edge_loads[i].edge] += moment_of(sim, &sim->edge_loads[i], time);
+}
+
+void pel_edge_loads_add_work(pel_sim *sim, double time, const double *turns)
 {
     for (int32_t i = 0; i < sim->edge_load_count; i++) {
         const pel_edge_load *at = &sim->edge_loads[i];
-        const pel_load *load = &sim->loads[at->load];
-        if (time >= load->from && time < load->until)
-            moments[at->edge] +=
-                pel_curve_value(load->keys, load->key_count, time) * pel_vec3_dot(load->force, at->along);
+        double mean = 0.5 * (moment_of(sim, at, time - sim->step.dt) + moment_of(sim, at, time));
+        sim->edge_load_work += mean * turns[at->edge];
     }
 }

@@ -11,5 +11,7 @@ void pel_edge_loads_destroy(pel_sim *sim);
 
 /* Adds the moments [N m] at a time to the loads of edges (edge_count). */
 void pel_edge_loads_add(const pel_sim *sim, double time, double *moments);
+/* Adds the work of moments over turns of edges (edge_count) in a step that ends at a time: means of its ends. */
+void pel_edge_loads_add_work(pel_sim *sim, double time, const double *turns);
 
 #endif

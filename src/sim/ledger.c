@@ -360,7 +360,7 @@ void pel_ledger_step(pel_sim *sim, double next)
     double time = pel_sim_time(sim);
     add_gravity(sim);
     add_dissipation(sim);
-    sim->ledger.sums.work_loads += pel_loads_work(sim, time, next);
+    sim->ledger.sums.work_loads += pel_loads_work(sim, time, next) + sim->edge_load_work;
     add_pressure(sim, time, next);
     add_material(sim, time, next);
     add_tools(sim);

@@ -256,6 +256,7 @@ struct pel_sim {
     int32_t load_count;
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
+    double edge_load_work; /* J, in the step */
     pel_tool *tools;
     int32_t tool_count;
     pel_sim_contacts *contacts;    /* (contact.h) null = none */

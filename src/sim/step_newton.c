@@ -57,6 +57,7 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
 void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->descent->newton->goes_on = false;
+    sim->edge_load_work = 0;
     sim->descent->newton->result = (pel_newton_result){0};
 }
 
@@ -309,6 +310,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .stuck = run.stuck,
     };
     add_result(&newton->result, &run);
+    pel_edge_loads_add_work(sim, context->time, pel_newton_turns(newton->newton));
     return status;
 }
 

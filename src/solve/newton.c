@@ -216,6 +216,11 @@ const double *pel_newton_gradient(const pel_newton *newton)
     return newton->gradient;
 }
 
+const double *pel_newton_turns(const pel_newton *newton)
+{
+    return newton->walked + 3 * (size_t)newton->pattern->vertex_count;
+}
+
 pel_factor_cost pel_newton_cost(const pel_newton *newton)
 {
     return pel_factor_plan_cost(newton->plan);

@@ -77,6 +77,8 @@ const pel_tangent_pattern *pel_newton_pattern(const pel_newton *newton);
 pel_tangent *pel_newton_tangent(const pel_newton *newton);
 /* (unknown_count) N, the gradient at the end of the last run: the reactions where unknowns are fixed */
 const double *pel_newton_gradient(const pel_newton *newton);
+/* (edge_count) sums of psi that the edges went through in the last run */
+const double *pel_newton_turns(const pel_newton *newton);
 pel_factor_cost pel_newton_cost(const pel_newton *newton);
 
 /* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates nothing, but once where

@@ -289,6 +289,9 @@ static void moment_rolls_a_strip_up(void **state)
     assert_within(way[2], 10 * (1 - cos(angle)) / angle, 0.01);
     pel_sim_get_support_part(s->sim, 0, &reading);
     assert_true(fabs(reading.force[2]) < 1e-3);
+    pel_sim_ledger ledger;
+    pel_sim_get_ledger(s->sim, &ledger);
+    assert_within(ledger.work_loads, 100.0 / 10 * angle * angle, 0.02);
     end(s);
     free(s);
 }
