@@ -20,10 +20,10 @@ struct pel_state {
     pel_record *position, *position_before, *position_next;
     pel_record *velocity, *velocity_next;        /* (vertex_count) explicit and position-based methods, else null */
     pel_record *older_position, *older_velocity; /* (vertex_count) one substep ago; second order methods, else null */
-    bool older_is_known;                         /* false after the start, setters and events of refinement */
-    uint8_t *contact;                            /* (vertex_count) 1 = a tool touches or holds it */
-    double (*factors)[PEL_PARAMETER_COUNT];      /* (body_count) present factor of each keyed parameter */
-    pel_bending_control *bending;                /* (body_count) */
+    bool older_is_known; /* false after the start, setters, events of refinement, and of implicit touch */
+    uint8_t *contact;    /* (vertex_count) 1 = a tool touches or holds it */
+    double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) present factor of each keyed parameter */
+    pel_bending_control *bending;           /* (body_count) */
 };
 
 static inline void pel_vertex_position(const pel_record *positions, int32_t v, double x[3])

@@ -25,7 +25,7 @@ typedef struct pel_contact_key {
     bool is_impact; /* its place is that of a conflict in this step, which says more than where the step began */
     int32_t points[4];
     double place[4]; /* weights where it was found */
-    /* in substeps (contact_refresh.c) */
+    /* in substeps and minimisations (contact_refresh.c) */
     bool is_off;          /* does not act at present */
     bool has_side;        /* the normal tells the side on which the pair touches */
     bool has_pushed;      /* in any substep of this step */
@@ -165,6 +165,9 @@ void pel_contacts_place_tools(pel_sim *sim);
 /* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
    the start of the substep. */
 void pel_contacts_refresh(pel_sim *sim, const pel_record *start);
+/* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at its
+   start. */
+void pel_contacts_look_at_start(pel_sim *sim);
 /* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);
 

@@ -39,14 +39,17 @@ void pel_contacts_place_tools(pel_sim *sim)
 
 typedef struct refresh_job {
     pel_sim *sim;
-    const pel_record *start; /* (vertex_count) positions at the start of the substep */
+    const pel_record
+        *start; /* (vertex_count) positions at the start of the substep; null = all is at that of the step */
 } refresh_job;
 
-static void load_point(const pel_sim *sim, int32_t point, double x[3])
+static void load_point(const refresh_job *job, int32_t point, double x[3])
 {
-    const pel_sim_contacts *contacts = sim->contacts;
-    if (point < contacts->place_count)
-        pel_vertex_position(sim->state->position_next, point, x);
+    const pel_sim_contacts *contacts = job->sim->contacts;
+    if (job->start == NULL)
+        pel_vec3_copy(contacts->start[point], x);
+    else if (point < contacts->place_count)
+        pel_vertex_position(job->sim->state->position_next, point, x);
     else
         pel_vec3_copy(contacts->substep_end[point - contacts->place_count], x);
 }
@@ -58,10 +61,10 @@ static bool has_point(const pel_contact_key *key, int32_t point)
 
 /* Whether a direction from an edge a, b leads away from both its triangles. A triangle that has a vertex of the pair
    makes no pair with it: where it collapses, the edge alone stops the pair. */
-static bool leads_away(const pel_sim *sim, const pel_contact_key *key, int32_t edge, const double a[3],
+static bool leads_away(const refresh_job *job, const pel_contact_key *key, int32_t edge, const double a[3],
                        const double b[3], const double direction[3])
 {
-    const pel_tree *tree = pel_collider_tree(sim->contacts->collider);
+    const pel_tree *tree = pel_collider_tree(job->sim->contacts->collider);
     double along[3], square;
     pel_vec3_subtract(b, a, along);
     square = pel_vec3_squared_length(along);
@@ -69,7 +72,7 @@ static bool leads_away(const pel_sim *sim, const pel_contact_key *key, int32_t e
         double inward[3];
         if (tree->opposite[edge][i] < 0 || !(square > 0) || has_point(key, tree->opposite[edge][i]))
             continue;
-        load_point(sim, tree->opposite[edge][i], inward);
+        load_point(job, tree->opposite[edge][i], inward);
         pel_vec3_subtract(inward, a, inward);
         pel_vec3_along(inward, -pel_vec3_dot(inward, along) / square, along, inward);
         if (pel_vec3_dot(inward, direction) > LEAN * pel_vec3_length(inward))
@@ -79,13 +82,13 @@ static bool leads_away(const pel_sim *sim, const pel_contact_key *key, int32_t e
 }
 
 /* whether the direction to a vertex before the border of a triangle leads away from the triangles across that border */
-static bool leads_away_from_border(const pel_sim *sim, const pel_contact_key *key, double x[4][3], const double w[3],
-                                   const double direction[3])
+static bool leads_away_from_border(const refresh_job *job, const pel_contact_key *key, double x[4][3],
+                                   const double w[3], const double direction[3])
 {
-    const pel_tree *tree = pel_collider_tree(sim->contacts->collider);
+    const pel_tree *tree = pel_collider_tree(job->sim->contacts->collider);
     for (int i = 0; i < 3; i++)
         if (w[(i + 2) % 3] <= INSIDE &&
-            !leads_away(sim, key, tree->triangle_edges[key->second][i], x[1 + i], x[1 + (i + 1) % 3], direction))
+            !leads_away(job, key, tree->triangle_edges[key->second][i], x[1 + i], x[1 + (i + 1) % 3], direction))
             return false;
     return true;
 }
@@ -147,7 +150,7 @@ static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pe
     }
     if (square > 0 && pel_vec3_dot(way, normal) > 0)
         pel_vec3_scale(way, 1 / sqrt(square), normal);
-    key->is_off = is_border && !leads_away_from_border(job->sim, key, x, w, normal);
+    key->is_off = is_border && !leads_away_from_border(job, key, x, w, normal);
 }
 
 /* the same for two edges */
@@ -167,8 +170,8 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
     else
         key->has_side = false;
     pel_vec3_scale(cross, -1, back);
-    key->is_off = !is_inside || !leads_away(job->sim, key, key->first, x[0], x[1], back) ||
-                  !leads_away(job->sim, key, key->second, x[2], x[3], cross);
+    key->is_off = !is_inside || !leads_away(job, key, key->first, x[0], x[1], back) ||
+                  !leads_away(job, key, key->second, x[2], x[3], cross);
     for (int i = 0; i < 4; i++)
         weights[i] = i < 2 ? w[i] : -w[i];
     for (int k = 0; k < 3; k++)
@@ -206,7 +209,7 @@ static double gap_of(double x[4][3], const double weights[4], const double norma
 }
 
 /* The place of an impact in this step stays; where its normal leans over a triangle that one is closer. */
-static void check_impact(const pel_sim *sim, double x[4][3], pel_contact_key *key, pel_contact *contact)
+static void check_impact(const refresh_job *job, double x[4][3], pel_contact_key *key, pel_contact *contact)
 {
     double normal[3], back[3], w[3];
     for (int k = 0; k < 3; k++) {
@@ -215,10 +218,10 @@ static void check_impact(const pel_sim *sim, double x[4][3], pel_contact_key *ke
         w[k] = key->edge_edge ? 0 : fabs(key->place[k + 1]);
     }
     if (key->edge_edge)
-        key->is_off = !leads_away(sim, key, key->first, x[0], x[1], back) ||
-                      !leads_away(sim, key, key->second, x[2], x[3], normal);
+        key->is_off = !leads_away(job, key, key->first, x[0], x[1], back) ||
+                      !leads_away(job, key, key->second, x[2], x[3], normal);
     else
-        key->is_off = !leads_away_from_border(sim, key, x, w, normal);
+        key->is_off = !leads_away_from_border(job, key, x, w, normal);
     if (key->is_off)
         contact->separation = (pel_real)-HUGE_VAL;
 }
@@ -243,10 +246,10 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     if (key->gap > FAR * contacts->largest && (contacts->substep + (uint32_t)c) % FAR_INTERVAL != 0)
         return;
     for (int i = 0; i < 4; i++)
-        load_point(sim, key->points[i], x[i]);
+        load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
         if (contacts->minds_sides)
-            check_impact(sim, x, key, contact);
+            check_impact(job, x, key, contact);
         if (is_far_through(contacts, x, key, contact))
             contact->separation = (pel_real)-HUGE_VAL;
         return;
@@ -276,6 +279,35 @@ void pel_contacts_refresh(pel_sim *sim, const pel_record *start)
     refresh_job job = {sim, start};
     int32_t count = sim->contacts->list.count;
     pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
+}
+
+/* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */
+static bool acts_at_start(const refresh_job *job, int32_t c)
+{
+    pel_contact_key key = job->sim->contacts->keys[c];
+    pel_contact contact = job->sim->contacts->list.contacts[c];
+    double x[4][3];
+    if (key.is_impact)
+        return true;
+    for (int i = 0; i < 4; i++)
+        load_point(job, key.points[i], x[i]);
+    check_impact(job, x, &key, &contact);
+    return !key.is_off;
+}
+
+static void look_chunk(void *context, int32_t chunk)
+{
+    const refresh_job *job = context;
+    int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
+    for (int32_t c = begin; c < end && c < job->sim->contacts->list.count; c++)
+        job->sim->contacts->keys[c].is_off = !acts_at_start(job, c);
+}
+
+void pel_contacts_look_at_start(pel_sim *sim)
+{
+    refresh_job job = {sim, NULL};
+    int32_t count = sim->contacts->list.count;
+    pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, look_chunk, &job);
 }
 
 void pel_contacts_tally(pel_sim *sim, double rate)

@@ -216,7 +216,10 @@ static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_er
         status = pel_contacts_find_on_way(sim, error);
         *again = status == PEL_OK && go_back(sim);
     }
-    return status == PEL_OK && sees ? pel_descent_contacts_add_surfaces(sim, error) : status;
+    if (status != PEL_OK || !sees)
+        return status;
+    pel_contacts_look_at_start(sim);
+    return pel_descent_contacts_add_surfaces(sim, error);
 }
 
 /* the error of what was found anew, over its tolerance */

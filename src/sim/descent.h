@@ -79,6 +79,14 @@ typedef struct pel_gap_sample {
     double weights[4], normal[3];
 } pel_gap_sample;
 
+/* Second derivatives of a constraint's part, N/m: along and across its normal, of the weighted sum of the vertices.
+   About a round tool the place where a triangle touches goes along when that turns: the sum of the squares of rows. */
+typedef struct pel_contact_stiffness {
+    double weights[4], along[3][3], across[3][3]; /* across: of the sum with the constraint's own weights */
+    int row_count;
+    double rows[2][4][3]; /* root of N/m */
+} pel_contact_stiffness;
+
 static inline bool pel_descent_sees_contacts(const pel_sim *sim)
 {
     return sim->contacts != NULL && sim->contact_in_loop;
@@ -108,11 +116,9 @@ void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *con
 pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */
 double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force);
-/* Second derivatives of a constraint's part at positions, N/m: with weights of the vertices (4) across its normal
-   (the vertices' weights are those of the constraint) and along it. False where it does not act. */
+/* Second derivatives of a constraint's part. False where it does not act. */
 bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint,
-                                   const pel_record *position, double weights[4], double along[3][3],
-                                   double across[3][3]);
+                                   const pel_record *position, pel_contact_stiffness *stiffness);
 /* Loads and drags after a minimisation that ended at position_next. Returns the largest error of a gap over its
    tolerance. */
 double pel_descent_contacts_update(pel_sim *sim);

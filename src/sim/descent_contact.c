@@ -13,6 +13,9 @@ enum { ESTIMATE_SWEEPS = 20 };
 #define SLACK_SHARE 0.2
 #define GAP_TOLERANCE 0.15
 
+/* weights of what touches inside a feature are larger */
+#define INSIDE 1e-9
+
 /* ---- one constraint ---- */
 
 static double mobility_of(const pel_sim *sim, int32_t v)
@@ -128,24 +131,94 @@ static void drag_stiffness(const pel_descent_contact *constraint, const double d
         }
 }
 
+/* The gap to a round tool is d - radius with the distance d of its middle from the nearest feature. To second order in
+   the ways y of the vertices, with weights w and the unit vectors t in the feature (none of a vertex),
+
+     d = n . sum w_i y_i - d/2 sum_t (sum_i grad w_i . t (n . y_i) + w_i t . y_i / d)^2 + |across|^2 / (2 d);
+
+   the last term would make the matrix indefinite and is left out. A capsule counts as the sphere that is nearest. */
+static void add_row(const pel_gap_sample *meeting, double load, double distance, const double gradients[3][3],
+                    const double t[3], pel_contact_stiffness *stiffness)
+{
+    double root = sqrt(load * distance);
+    double(*row)[3] = stiffness->rows[stiffness->row_count++];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            row[i][k] =
+                root * (pel_vec3_dot(gradients[i], t) * meeting->normal[k] + meeting->weights[i] * t[k] / distance);
+    pel_vec3_set(row[3], 0, 0, 0);
+}
+
+/* gradients of the weights of a triangle's corners, in its plane; its first side and what is across that */
+static bool find_gradients(double x[3][3], double gradients[3][3], double t[2][3])
+{
+    double v[3], normal[3];
+    pel_vec3_subtract(x[1], x[0], t[0]);
+    pel_vec3_subtract(x[2], x[0], v);
+    pel_vec3_cross(t[0], v, normal);
+    double area = pel_vec3_normalize(normal);
+    if (!(area > 0))
+        return false;
+    pel_vec3_normalize(t[0]);
+    pel_vec3_cross(normal, t[0], t[1]);
+    for (int i = 0; i < 3; i++) {
+        double side[3];
+        pel_vec3_subtract(x[(i + 2) % 3], x[(i + 1) % 3], side);
+        pel_vec3_cross(normal, side, gradients[i]);
+        pel_vec3_scale(gradients[i], 1 / area, gradients[i]);
+    }
+    return true;
+}
+
+/* the same for one side, from its begin to its end */
+static bool find_side_gradients(double x[3][3], int begin, int end, double gradients[3][3], double t[3])
+{
+    pel_vec3_subtract(x[end], x[begin], t);
+    double length = pel_vec3_normalize(t);
+    if (!(length > 0))
+        return false;
+    pel_vec3_scale(t, 1 / length, gradients[end]);
+    pel_vec3_scale(t, -1 / length, gradients[begin]);
+    return true;
+}
+
+static void add_turning(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+                        const pel_gap_sample *meeting, double load, pel_contact_stiffness *stiffness)
+{
+    double x[3][3], gradients[3][3] = {{0}}, t[2][3];
+    int inside[3], count = 0;
+    for (int i = 0; i < 3; i++) {
+        pel_vertex_position(position, constraint->vertices[i], x[i]);
+        if (meeting->weights[i] > INSIDE)
+            inside[count++] = i;
+    }
+    const pel_solid solid = pel_tool_press_solid(sim, &sim->tools[constraint->tool], constraint->vertices[0]);
+    double distance = solid.radius + constraint->offset + meeting->gap;
+    if (count < 2 || !(distance > 0) ||
+        !(count == 3 ? find_gradients(x, gradients, t) : find_side_gradients(x, inside[0], inside[1], gradients, t[0])))
+        return;
+    for (int i = 0; i < count - 1; i++)
+        add_row(meeting, load, distance, (const double(*)[3])gradients, t[i], stiffness);
+}
+
 bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint,
-                                   const pel_record *position, double weights[4], double along[3][3],
-                                   double across[3][3])
+                                   const pel_record *position, pel_contact_stiffness *stiffness)
 {
     pel_gap_sample meeting;
     double drag[3];
     pel_descent_contact_meet(sim, constraint, position, &meeting);
-    bool presses = constraint->load - constraint->stiffness * meeting.gap > 0;
+    double load = constraint->load - constraint->stiffness * meeting.gap;
     bool drags = find_drag(sim, constraint, position, drag);
-    memcpy(weights, meeting.weights, sizeof meeting.weights);
+    *stiffness = (pel_contact_stiffness){0};
+    memcpy(stiffness->weights, meeting.weights, sizeof meeting.weights);
     for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) {
-            along[a][b] = presses ? constraint->stiffness * meeting.normal[a] * meeting.normal[b] : 0;
-            across[a][b] = 0;
-        }
+        for (int b = 0; b < 3 && load > 0; b++)
+            stiffness->along[a][b] = constraint->stiffness * meeting.normal[a] * meeting.normal[b];
     if (drags)
-        drag_stiffness(constraint, drag, across);
-    return presses || drags;
+        drag_stiffness(constraint, drag, stiffness->across);
+    if (load > 0 && constraint->triangle >= 0)
+        add_turning(sim, constraint, position, &meeting, load, stiffness);
+    return load > 0 || drags;
 }
 
 double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force)
@@ -290,6 +363,8 @@ pel_status pel_descent_contacts_add_surfaces(pel_sim *sim, pel_error *error)
     descent->count = descent->tool_count;
     for (int32_t c = 0; status == PEL_OK && c < sim->contacts->list.count; c++) {
         pel_descent_contact constraint;
+        if (sim->contacts->keys[c].is_off)
+            continue;
         constraint_of(sim, c, &constraint);
         status = pel_descent_contact_add(sim, &constraint, error);
     }

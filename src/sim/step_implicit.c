@@ -49,7 +49,7 @@ static const scheme *choose_scheme(const pel_sim *sim)
 {
     if (sim->tool_count == 0 && !pel_holds_move(sim) && sim->contacts == NULL && !sim->descent->newton->is_damped)
         return &midpoint;
-    return sim->state->older_is_known && !touches(sim) ? &bdf2 : &euler;
+    return sim->state->older_is_known ? &bdf2 : &euler;
 }
 
 /* N s/m */
@@ -127,14 +127,15 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     return PEL_OK;
 }
 
-/* the state that was the present one is now one step before; velocities have changed places */
+/* the state that was the present one is now one step before, of no use after a step in which something touched;
+   velocities have changed places */
 static void accept(pel_sim *sim)
 {
     pel_state *state = sim->state;
     size_t count = (size_t)sim->model->vertex_count;
     memcpy(state->older_position, state->position_before, count * sizeof *state->older_position);
     memcpy(state->older_velocity, state->velocity_next, count * sizeof *state->older_velocity);
-    state->older_is_known = true;
+    state->older_is_known = !touches(sim);
     pel_sim_descent_accept(sim);
 }
 

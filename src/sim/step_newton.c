@@ -16,6 +16,12 @@ enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
+    if (sim->active != NULL) {
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "a body refines: the matrix of Newton's method belongs to a surface that stays");
+        pel_fail_remedy(error, "leave refine out, or take method descent or xpbd");
+        return PEL_BAD_ARGUMENT;
+    }
     pel_sim_newton *newton = sim->descent->newton = pel_allocate(1, sizeof *newton);
     if (newton == NULL)
         return pel_fail_memory(error);
@@ -58,6 +64,7 @@ void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->descent->newton->goes_on = false;
     sim->edge_load_work = 0;
+    pel_newton_forget(sim->descent->newton->newton);
     sim->descent->newton->result = (pel_newton_result){0};
 }
 
@@ -232,6 +239,18 @@ static void add_constraint(pel_matrix *matrix, const int32_t vertices[4], const 
         }
 }
 
+static void add_row(pel_matrix *matrix, const int32_t vertices[4], double row[4][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            double product[3][3];
+            for (int a = 0; a < 3; a++)
+                for (int b = 0; b < 3; b++)
+                    product[a][b] = row[i][a] * row[j][b];
+            add_block(matrix, vertices[i], vertices[j], 1, (const double(*)[3])product);
+        }
+}
+
 static void add_constraints(void *context, pel_matrix *matrix)
 {
     const pel_descent_context *at = context;
@@ -240,11 +259,13 @@ static void add_constraints(void *context, pel_matrix *matrix)
     pel_holds_add_matrix(sim, matrix);
     for (int32_t c = 0; at->is_constrained && c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
-        double along[3][3], across[3][3], weights[4];
-        if (pel_descent_contact_stiffness(sim, constraint, descent->newton->position, weights, along, across)) {
-            add_constraint(matrix, constraint->vertices, weights, (const double(*)[3])along);
-            add_constraint(matrix, constraint->vertices, constraint->weights, (const double(*)[3])across);
-        }
+        pel_contact_stiffness stiffness;
+        if (!pel_descent_contact_stiffness(sim, constraint, descent->newton->position, &stiffness))
+            continue;
+        add_constraint(matrix, constraint->vertices, stiffness.weights, (const double(*)[3])stiffness.along);
+        add_constraint(matrix, constraint->vertices, constraint->weights, (const double(*)[3])stiffness.across);
+        for (int r = 0; r < stiffness.row_count; r++)
+            add_row(matrix, constraint->vertices, stiffness.rows[r]);
     }
 }
 

@@ -19,11 +19,12 @@ struct pel_sim_newton {
     pel_newton_result result;     /* sum of the step */
 };
 
-/* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY, PEL_BAD_ARGUMENT. */
+/* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY; PEL_BAD_ARGUMENT for bodies that refine,
+   and as pel_newton_create. */
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error);
 void pel_sim_newton_destroy(pel_sim_newton *newton);
 
-/* before the first run of a step */
+/* Before the first run of a step, which goes the same way after a snapshot. */
 void pel_sim_newton_begin(pel_sim *sim);
 /* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,

@@ -435,7 +435,9 @@ static bool make_factor(newton_run *run)
         return true;
     if (pivot < -ROUGH_PIVOT)
         return false;
-    run->status = pel_factor_create(newton->plan, PEL_FACTOR_DOUBLE, &newton->factors[PEL_FACTOR_DOUBLE], run->error);
+    pel_factor **factor = &newton->factors[PEL_FACTOR_DOUBLE];
+    if (*factor == NULL)
+        run->status = pel_factor_create(newton->plan, PEL_FACTOR_DOUBLE, factor, run->error);
     if (run->status != PEL_OK)
         return false;
     newton->precision = PEL_FACTOR_DOUBLE;
@@ -738,6 +740,12 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
     }
     turn_back(&run, newton->gradient);
     return run.status;
+}
+
+void pel_newton_forget(pel_newton *newton)
+{
+    newton->has_factor = false;
+    newton->precision = PEL_FACTOR_FLOAT;
 }
 
 /* ---- a preconditioner ---- */

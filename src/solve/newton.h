@@ -86,6 +86,9 @@ pel_factor_cost pel_newton_cost(const pel_newton *newton);
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                           pel_newton_result *result, pel_error *error);
 
+/* Forgets the factor that is kept, so that what follows does not depend on the runs before. */
+void pel_newton_forget(pel_newton *newton);
+
 /* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
    terms, fixed as in the problem, shift on the diagonal as in pel_factor_compute: for what no energy holds. False where
    it has no factor. pel_newton_precondition multiplies a vector (3 vertex_count) by its inverse, with edges free to
