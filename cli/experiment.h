@@ -79,6 +79,6 @@ pel_status cli_experiment_draw(const cli_experiment *experiment, const cli_pictu
 /* the cases of the other files */
 extern const cli_experiment_case cli_figure_6_7, cli_figure_8, cli_figure_9, cli_table_1, cli_accuracy,
     cli_figure_11_13, cli_figure_14, cli_figure_15, cli_figure_16_18, cli_figure_19_20, cli_shell_checks, cli_table_2,
-    cli_shell_refinement;
+    cli_shell_refinement, cli_validation;
 
 #endif

@@ -7,9 +7,9 @@
 #include <sys/stat.h>
 
 static const cli_experiment_case *const cases[] = {
-    &cli_figure_6_7,   &cli_figure_8,     &cli_figure_9,         &cli_table_1,   &cli_accuracy,
-    &cli_shell_checks, &cli_figure_11_13, &cli_figure_14,        &cli_figure_15, &cli_figure_16_18,
-    &cli_figure_19_20, &cli_table_2,      &cli_shell_refinement,
+    &cli_figure_6_7,   &cli_figure_8,     &cli_figure_9,         &cli_table_1,    &cli_accuracy,
+    &cli_shell_checks, &cli_figure_11_13, &cli_figure_14,        &cli_figure_15,  &cli_figure_16_18,
+    &cli_figure_19_20, &cli_table_2,      &cli_shell_refinement, &cli_validation,
 };
 
 enum { CASE_COUNT = sizeof cases / sizeof *cases };

@@ -9,11 +9,11 @@
 extern "C" {
 #endif
 
-/* A quantity on the vertices. */
+/* A quantity on the vertices or triangles. */
 typedef struct pel_vtp_field {
     const char *name;        /* not empty, shorter than PEL_NAME_SIZE */
     int32_t component_count; /* >= 1 */
-    const double *values;    /* (vertex_count x component_count) */
+    const double *values;    /* (vertex_count or triangle_count x component_count) */
 } pel_vtp_field;
 
 /* One surface at one time. */
@@ -23,6 +23,8 @@ typedef struct pel_vtp {
     const int32_t *triangles;             /* (triangle_count x 3), each 0 .. vertex_count - 1 */
     const pel_vtp_field *fields;          /* (field_count) point data */
     int32_t field_count;
+    const pel_vtp_field *cell_fields; /* (cell_field_count) data on triangles; readers of Pellicle skip them */
+    int32_t cell_field_count;
     double time;   /* s, stored as TimeValue */
     bool compress; /* zlib; otherwise raw appended data */
     bool float64;  /* positions and fields as Float64 instead of Float32 */

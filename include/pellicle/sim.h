@@ -271,8 +271,8 @@ void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
 double pel_sim_max_speed(const pel_sim *sim);
 /* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
-/* Energies of a shell on each vertex (vertex_count) [J]: a third of membrane and fibres of each triangle, a quarter of
-   the bending of each hinge at it; zeros when the body is no shell. */
+/* Energies of a shell on each vertex (vertex_count) [J]: a third of membrane, fibres and mid-edge bending of each
+   triangle, a quarter of the bending of each hinge at it; zeros when the body is no shell. */
 void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre);
 /* Force of the body's pressure on each vertex (vertex_count x 3) [N]; zeros without pressure. */
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
@@ -281,6 +281,23 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
    [N/m], positive where it is stretched; the sum over all vertices is the derivative of the energy of springs, membrane
    and fibres by the logarithm of the body's size. */
 void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
+/* A triangle of a shell. Tensors lie in its plane and have the components xx, yy, zz, xy, yz, xz along the axes of
+   space: strain and piola_stress in the plane at rest, the others in the present one. Positive moments stretch the
+   outer side (that of the normal). Bending follows small strain theory: the moment is that of a plate on the rest
+   shape, carried along. The moments of hinges are those conjugate to their angles, so Poisson's ratio in bending is
+   that of hinges. */
+typedef struct pel_triangle_mechanics {
+    double area, rest_area; /* m2, present and at rest */
+    double thickness;       /* m, present: h J^(-nu / (1 - nu)), exact for incompressible sheets; 0 = none */
+    double strain[6];       /* Green strain */
+    double piola_stress[6]; /* Pa, second Piola-Kirchhoff, of membrane and fibres */
+    double force[6];        /* N/m, resultant N of membrane and fibres per present length */
+    double moment[6];       /* N, resultant M of bending per length */
+    double membrane_energy, fibre_energy, bending_energy; /* J/m2, per area at rest */
+} pel_triangle_mechanics;
+
+/* Reads the triangles of a body (triangle_count) in the order of pel_sim_get_triangles; zeros when it is no shell. */
+void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *triangles);
 /* Forces of contacts on each vertex (vertex_count x 3) [N], of other bodies, of the body itself and of tools, grasps
    included; a mean over the last step for methods with velocities, else at its end. Over a body the forces of the body
    itself add up to zero, over all bodies those of a tool to the force on it with the other sign, also where vertices

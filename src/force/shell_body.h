@@ -70,6 +70,8 @@ static inline int32_t pel_shell_fibre_count(const pel_shell_region *region)
 {
     return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
 }
+/* the fibres of a region in a triangle, or null: they stand by rising triangle */
+const pel_shell_fibre *pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle);
 /* rest length of a region's fibres over that of the shape */
 double pel_shell_rest_length(const pel_shell_region *region, double time);
 /* Energy of a hinge over its factor, and its gradient, which may be null. */

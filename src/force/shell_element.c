@@ -27,6 +27,20 @@ double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *re
     return pel_fibre_active_energy(rest, stiffness, pel_shell_rest_length(region, time), direction, x, gradient);
 }
 
+const pel_shell_fibre *pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle)
+{
+    int32_t low = 0, high = pel_shell_fibre_count(region);
+    while (low < high) {
+        int32_t middle = low + (high - low) / 2;
+        if (region->fibres[middle].triangle < triangle)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < pel_shell_fibre_count(region) && region->fibres[low].triangle == triangle ? &region->fibres[low]
+                                                                                           : NULL;
+}
+
 pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t)
 {
     pel_membrane_law law = own->law;

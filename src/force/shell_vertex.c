@@ -91,7 +91,7 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     const corner_sums sums = {own, position, time, false, {forces->model->mesh_vertex, output_vertex}};
     add_membrane(&sums, membrane);
     add_fibres(&sums, fibres);
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
+    for (int32_t i = 0; i < pel_shell_elastic_hinges(shell); i++) {
         const pel_shell_hinge *hinge = &shell->hinges[i];
         double x[4][3];
         pel_load_points(position, hinge->vertices, 4, x);
@@ -120,21 +120,6 @@ static void subtract_hinge(const pel_shell *shell, const pel_record *rest, const
     pel_vec3_along(force, -pel_shell_hinge_factor(shell, hinge), gradient[corner_at(hinge->vertices, place)], force);
 }
 
-/* the fibres of a region in a triangle, or null: they stand by rising triangle */
-static const pel_shell_fibre *find_fibre(const pel_shell_region *region, int32_t triangle)
-{
-    int32_t low = 0, high = pel_shell_fibre_count(region);
-    while (low < high) {
-        int32_t middle = low + (high - low) / 2;
-        if (region->fibres[middle].triangle < triangle)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < pel_shell_fibre_count(region) && region->fibres[low].triangle == triangle ? &region->fibres[low]
-                                                                                           : NULL;
-}
-
 static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_record *position, double time,
                               int32_t place, double force[3])
 {
@@ -147,7 +132,7 @@ static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_re
         pel_vec3_subtract(force, gradient[corner], force);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {
-        const pel_shell_fibre *fibre = find_fibre(&shell->regions[r], t);
+        const pel_shell_fibre *fibre = pel_shell_find_fibre(&shell->regions[r], t);
         if (fibre == NULL)
             continue;
         pel_shell_fibre_energy(shell, &shell->regions[r], fibre, time, (const double(*)[3])x, gradient);
@@ -167,7 +152,7 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
         int32_t element = own->elements[i];
         if (element < triangle_count)
             subtract_triangle(own, element, position, time, place, force);
-        else
+        else if (element - triangle_count < pel_shell_elastic_hinges(own->shell))
             subtract_hinge(own->shell, forces->model->rest, &own->shell->hinges[element - triangle_count], position,
                            place, force);
     }

@@ -1,6 +1,6 @@
 /* VTK XML PolyData with all arrays in one appended section:
 
-       <VTKFile> <PolyData> <FieldData/> <Piece> <PointData/> <Points/> <Polys/> </Piece> </PolyData>
+       <VTKFile> <PolyData> <FieldData/> <Piece> <PointData/> <CellData/> <Points/> <Polys/> </Piece> </PolyData>
        <AppendedData encoding="raw"> _ array array ... </AppendedData> </VTKFile>
 
    A raw array is a word of 8 bytes with its size, then its bytes; a packed one is what vtk_blocks.h describes. The
@@ -50,13 +50,20 @@ struct pel_vtp_writer {
 
 enum { TIME, FIELDS };
 
+/* fields of vertices, then those of triangles */
+static const pel_vtp_field *field_at(const pel_vtp *vtp, int32_t f)
+{
+    return f < vtp->field_count ? &vtp->fields[f] : &vtp->cell_fields[f - vtp->field_count];
+}
+
 static pel_status check_arguments(const pel_vtp *vtp, pel_error *error)
 {
-    if (vtp->vertex_count < 1 || vtp->triangle_count < 1 || vtp->triangle_count > INT32_MAX / 3 || vtp->field_count < 0)
+    if (vtp->vertex_count < 1 || vtp->triangle_count < 1 || vtp->triangle_count > INT32_MAX / 3 ||
+        vtp->field_count < 0 || vtp->cell_field_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "%d vertices, %d triangles and %d fields cannot be written",
                         (int)vtp->vertex_count, (int)vtp->triangle_count, (int)vtp->field_count);
-    for (int32_t f = 0; f < vtp->field_count; f++) {
-        const pel_vtp_field *field = &vtp->fields[f];
+    for (int32_t f = 0; f < vtp->field_count + vtp->cell_field_count; f++) {
+        const pel_vtp_field *field = field_at(vtp, f);
         if (field->component_count < 1 || field->name[0] == '\0' || strlen(field->name) >= PEL_NAME_SIZE)
             return pel_fail(error, PEL_BAD_ARGUMENT,
                             "field name '%s' is empty or longer than %d characters, or it has no components",
@@ -73,15 +80,16 @@ static vtp_array *arrays_of(const pel_vtp_writer *writer)
 static pel_status list_arrays(pel_vtp_writer *writer, const pel_vtp *vtp, pel_error *error)
 {
     size_t vertex_count = (size_t)vtp->vertex_count, triangle_count = (size_t)vtp->triangle_count;
-    writer->array_count = (size_t)vtp->field_count + 4;
+    int32_t field_count = vtp->field_count + vtp->cell_field_count;
+    writer->array_count = (size_t)field_count + 4;
     if (!pel_reserve(&writer->array_block, &writer->array_room, writer->array_count, sizeof(vtp_array)))
         return pel_fail_memory(error);
     vtp_array *next = arrays_of(writer);
     *next++ = (vtp_array){"TimeValue", &vtp->time, NULL, 1, 1, true, 0};
-    for (int32_t f = 0; f < vtp->field_count; f++) {
-        const pel_vtp_field *field = &vtp->fields[f];
-        *next++ = (vtp_array){
-            field->name, field->values, NULL, vertex_count, (size_t)field->component_count, vtp->float64, 0};
+    for (int32_t f = 0; f < field_count; f++) {
+        const pel_vtp_field *field = field_at(vtp, f);
+        size_t count = f < vtp->field_count ? vertex_count : triangle_count;
+        *next++ = (vtp_array){field->name, field->values, NULL, count, (size_t)field->component_count, vtp->float64, 0};
     }
     *next++ = (vtp_array){"Points", vtp->positions, NULL, vertex_count, 3, vtp->float64, 0};
     *next++ = (vtp_array){"connectivity", NULL, vtp->triangles, 3 * triangle_count, 1, false, 0};
@@ -204,7 +212,7 @@ static void write_array(pel_file_writer *writer, const vtp_array *array)
 
 static void write_head(pel_file_writer *writer, const vtp_array *arrays, const pel_vtp *vtp)
 {
-    const vtp_array *points = arrays + FIELDS + vtp->field_count;
+    const vtp_array *cells = arrays + FIELDS + vtp->field_count, *points = cells + vtp->cell_field_count;
     pel_file_writer_printf(writer,
                            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"%s\" "
                            "header_type=\"UInt64\"%s>\n<PolyData>\n<FieldData>\n",
@@ -214,9 +222,16 @@ static void write_head(pel_file_writer *writer, const vtp_array *arrays, const p
                            "</FieldData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
                            "NumberOfStrips=\"0\" NumberOfPolys=\"%d\">\n<PointData>\n",
                            (int)vtp->vertex_count, (int)vtp->triangle_count);
-    for (const vtp_array *field = arrays + FIELDS; field < points; field++)
+    for (const vtp_array *field = arrays + FIELDS; field < cells; field++)
         write_array(writer, field);
-    pel_file_writer_printf(writer, "</PointData>\n<Points>\n");
+    pel_file_writer_printf(writer, "</PointData>\n");
+    if (cells < points) {
+        pel_file_writer_printf(writer, "<CellData>\n");
+        for (const vtp_array *field = cells; field < points; field++)
+            write_array(writer, field);
+        pel_file_writer_printf(writer, "</CellData>\n");
+    }
+    pel_file_writer_printf(writer, "<Points>\n");
     write_array(writer, points);
     pel_file_writer_printf(writer, "</Points>\n<Polys>\n");
     write_array(writer, points + 1);

@@ -66,6 +66,12 @@ struct pel_shell {
     double mean_edge;          /* m, at rest */
 };
 
+/* hinges that have an energy: those of mid-edge bending only tell rest angles */
+static inline int32_t pel_shell_elastic_hinges(const pel_shell *shell)
+{
+    return shell->bending == PEL_BENDING_MIDEDGE ? 0 : shell->hinge_count;
+}
+
 /* the corners of an element, for loops in double */
 static inline void pel_load_points(const pel_record *position, const int32_t *vertices, int count, double x[][3])
 {

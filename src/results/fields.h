@@ -24,7 +24,22 @@ typedef enum pel_run_field {
     PEL_RUN_NORMAL,
     PEL_RUN_MEAN_CURVATURE,
     PEL_RUN_GAUSSIAN_CURVATURE,
+    /* up to here */
     PEL_RUN_STRESS,
+    /* those from here on are also written on triangles (results/mechanics.h) */
+    PEL_RUN_STRAIN,
+    PEL_RUN_PIOLA_STRESS,
+    PEL_RUN_CAUCHY_STRESS,
+    PEL_RUN_MEMBRANE_FORCE,
+    PEL_RUN_BENDING_MOMENT,
+    PEL_RUN_PRINCIPAL_STRAIN,
+    PEL_RUN_PRINCIPAL_STRESS,
+    PEL_RUN_PRINCIPAL_DIRECTION,
+    PEL_RUN_VON_MISES_TOP,
+    PEL_RUN_VON_MISES_BOTTOM,
+    PEL_RUN_MEMBRANE_DENSITY,
+    PEL_RUN_BENDING_DENSITY,
+    PEL_RUN_FIBRE_DENSITY,
     PEL_RUN_FIELD_COUNT
 } pel_run_field;
 

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "math/vec3.h"
 #include "pellicle/intersect.h"
 #include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
@@ -252,7 +253,7 @@ static pel_status make_buffers(const pel_sim *sim, pel_run_surface *surface, pel
 static bool is_measured(const pel_run_surface *surface)
 {
     for (int32_t f = 0; f < surface->field_count; f++)
-        if (surface->sources[f] >= PEL_RUN_AREA && surface->sources[f] < PEL_RUN_FIELD_COUNT)
+        if (surface->sources[f] >= PEL_RUN_AREA && surface->sources[f] < PEL_RUN_STRESS)
             return true;
     return false;
 }
@@ -295,6 +296,43 @@ static pel_status make_topologies(pel_run_surface *surface, const pel_sim *sim, 
     return status;
 }
 
+static void free_mechanics(pel_run_surface *surface)
+{
+    for (int32_t f = 0; f < surface->cell_field_count; f++)
+        pel_free(field_values(&surface->cell_fields[f]));
+    surface->cell_field_count = 0;
+    pel_free(surface->mechanics);
+    pel_free(surface->on_triangles);
+    pel_free(surface->on_vertices);
+    surface->mechanics = NULL;
+    surface->on_triangles = surface->on_vertices = NULL;
+}
+
+/* rooms of the fields of mechanics, when there are any: each on triangles too */
+static pel_status make_mechanics(pel_run_surface *surface, pel_error *error)
+{
+    size_t triangle_count = (size_t)surface->triangle_count;
+    free_mechanics(surface);
+    for (int32_t f = 0; f < surface->field_count; f++) {
+        if (!pel_run_field_is_mechanics(surface->sources[f]))
+            continue;
+        pel_vtp_field *field = &surface->cell_fields[surface->cell_field_count];
+        *field = surface->fields[f];
+        field->values = pel_allocate(triangle_count * (size_t)field->component_count, sizeof(double));
+        surface->cell_sources[surface->cell_field_count++] = surface->sources[f];
+        if (field->values == NULL)
+            return pel_fail_memory(error);
+    }
+    if (surface->cell_field_count == 0)
+        return PEL_OK;
+    surface->mechanics = pel_allocate(triangle_count, sizeof *surface->mechanics);
+    surface->on_triangles = pel_allocate(triangle_count, sizeof *surface->on_triangles);
+    surface->on_vertices = pel_allocate((size_t)surface->vertex_count, sizeof *surface->on_vertices);
+    if (surface->mechanics == NULL || surface->on_triangles == NULL || surface->on_vertices == NULL)
+        return pel_fail_memory(error);
+    return PEL_OK;
+}
+
 /* brings the buffers after the surface when a body has refined or coarsened */
 static pel_status refresh(pel_run_surface *surface, const pel_sim *sim, pel_error *error)
 {
@@ -308,6 +346,8 @@ static pel_status refresh(pel_run_surface *surface, const pel_sim *sim, pel_erro
         status = make_values(surface, sim, surface->sources[f], &surface->fields[f], error);
     if (status == PEL_OK)
         status = make_topologies(surface, sim, error);
+    if (status == PEL_OK)
+        status = make_mechanics(surface, error);
     if (status != PEL_OK)
         surface->revision = -1;
     return status;
@@ -321,14 +361,19 @@ pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *outp
     surface->begin = pel_allocate((size_t)surface->body_count + 1, sizeof *surface->begin);
     surface->fields = pel_allocate(field_room, sizeof *surface->fields);
     surface->sources = pel_allocate(field_room, sizeof *surface->sources);
-    if (surface->begin == NULL || surface->fields == NULL || surface->sources == NULL)
+    surface->cell_fields = pel_allocate(field_room, sizeof *surface->cell_fields);
+    surface->cell_sources = pel_allocate(field_room, sizeof *surface->cell_sources);
+    if (surface->cell_fields == NULL || surface->cell_sources == NULL || surface->begin == NULL ||
+        surface->fields == NULL || surface->sources == NULL)
         return pel_fail_memory(error);
     pel_status status = make_buffers(sim, surface, error);
     if (status == PEL_OK)
         status = pel_vtp_writer_create(&surface->writer, error);
     if (status == PEL_OK)
         status = add_fields(surface, sim, output, error);
-    return status == PEL_OK ? make_topologies(surface, sim, error) : status;
+    if (status == PEL_OK)
+        status = make_topologies(surface, sim, error);
+    return status == PEL_OK ? make_mechanics(surface, error) : status;
 }
 
 void pel_run_surface_destroy(pel_run_surface *surface)
@@ -336,6 +381,9 @@ void pel_run_surface_destroy(pel_run_surface *surface)
     for (int32_t f = 0; f < surface->field_count; f++)
         pel_free(field_values(&surface->fields[f]));
     free_topologies(surface);
+    free_mechanics(surface);
+    pel_free(surface->cell_sources);
+    pel_free(surface->cell_fields);
     pel_vtp_writer_destroy(surface->writer);
     pel_free(surface->sources);
     pel_free(surface->fields);
@@ -377,6 +425,35 @@ static void read_energies(pel_run_surface *surface, const pel_sim *sim, int32_t 
     }
 }
 
+/* triangles of a body, with the rows of the surface as corners */
+static const int32_t *triangles_of(const pel_run_surface *surface, const pel_sim *sim, int32_t body, int32_t *count)
+{
+    size_t first = 0;
+    for (int32_t b = 0; b < body; b++)
+        first += (size_t)pel_sim_triangle_count(sim, b);
+    *count = pel_sim_triangle_count(sim, body);
+    return surface->triangles + 3 * first;
+}
+
+/* the virial over twice the area that it belongs to: thirds of the triangles */
+static void read_stress(pel_run_surface *surface, const pel_sim *sim, int32_t body, double *values)
+{
+    int32_t count, first = surface->begin[body], rows = surface->begin[body + 1] - first;
+    const int32_t *triangles = triangles_of(surface, sim, body, &count);
+    double *areas = surface->scratch;
+    memset(areas, 0, (size_t)rows * sizeof *areas);
+    for (int32_t t = 0; t < count; t++) {
+        const int32_t *v = triangles + 3 * (size_t)t;
+        const double *x = surface->positions;
+        double area = pel_vec3_triangle_area(x + 3 * (size_t)v[0], x + 3 * (size_t)v[1], x + 3 * (size_t)v[2]);
+        for (int k = 0; k < 3; k++)
+            areas[v[k] - first] += area / 3;
+    }
+    pel_sim_get_spring_virials(sim, body, values);
+    for (int32_t v = 0; v < rows; v++)
+        values[v] = areas[v] > 0 ? values[v] / (2 * areas[v]) : 0;
+}
+
 static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_t body)
 {
     int source = surface->sources[f];
@@ -411,14 +488,14 @@ static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_
         pel_sim_get_pressure_forces(sim, body, values);
         break;
     case PEL_RUN_STRESS:
-        pel_sim_get_spring_virials(sim, body, values);
+        read_stress(surface, sim, body, values);
         break;
     default:
         break;
     }
 }
 
-/* one measured number or vector of vertex v; a stress holds the virial so far */
+/* one measured number or vector of vertex v */
 static void put_measure(int source, const pel_vertex_measure *measure, int32_t v, double *values)
 {
     if (source == PEL_RUN_AREA)
@@ -429,8 +506,6 @@ static void put_measure(int source, const pel_vertex_measure *measure, int32_t v
         values[v] = measure->mean_curvature;
     else if (source == PEL_RUN_GAUSSIAN_CURVATURE)
         values[v] = measure->gaussian_curvature;
-    else if (source == PEL_RUN_STRESS)
-        values[v] = measure->area > 0 ? values[v] / (2 * measure->area) : 0;
 }
 
 /* the fields that are measured on the surface, all in one pass over the vertices of each body */
@@ -445,6 +520,36 @@ static void read_measures(pel_run_surface *surface)
             for (int32_t f = 0; f < surface->field_count; f++)
                 put_measure(surface->sources[f], &measure, v, field_values(&surface->fields[f]));
         }
+    }
+}
+
+/* the fields of mechanics of all bodies, on triangles and smoothed */
+static void read_mechanics(pel_run_surface *surface, pel_sim *sim)
+{
+    size_t done = 0;
+    for (int32_t b = 0; b < surface->body_count; b++) {
+        pel_sim_get_mechanics(sim, b, surface->mechanics + done);
+        done += (size_t)pel_sim_triangle_count(sim, b);
+    }
+    pel_run_mechanics_of(surface->mechanics, surface->triangles, surface->triangle_count, surface->rest,
+                         surface->positions, surface->on_triangles);
+    pel_run_mechanics_smooth(surface->on_triangles, surface->triangles, surface->triangle_count, surface->vertex_count,
+                             surface->on_vertices);
+    for (int32_t f = 0; f < surface->field_count; f++) {
+        size_t components = (size_t)surface->fields[f].component_count;
+        double *values = field_values(&surface->fields[f]);
+        if (!pel_run_field_is_mechanics(surface->sources[f]))
+            continue;
+        for (size_t v = 0; v < (size_t)surface->vertex_count; v++)
+            pel_run_mechanics_put(&surface->on_vertices[v], (pel_run_field)surface->sources[f],
+                                  values + v * components);
+    }
+    for (int32_t f = 0; f < surface->cell_field_count; f++) {
+        size_t components = (size_t)surface->cell_fields[f].component_count;
+        double *values = field_values(&surface->cell_fields[f]);
+        for (size_t t = 0; t < (size_t)surface->triangle_count; t++)
+            pel_run_mechanics_put(&surface->on_triangles[t], (pel_run_field)surface->cell_sources[f],
+                                  values + t * components);
     }
 }
 
@@ -475,6 +580,8 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
             read_field(surface, sim, f, b);
     if (surface->topologies != NULL)
         read_measures(surface);
+    if (surface->mechanics != NULL)
+        read_mechanics(surface, sim);
     const pel_vtp vtp = {
         .vertex_count = surface->vertex_count,
         .triangle_count = surface->triangle_count,
@@ -482,6 +589,8 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
         .triangles = surface->triangles,
         .fields = surface->fields,
         .field_count = surface->field_count,
+        .cell_fields = surface->cell_fields,
+        .cell_field_count = surface->cell_field_count,
         .time = pel_sim_time(sim),
         .compress = output->compress,
         .float64 = output->float64,

@@ -5,6 +5,7 @@
 #include "pellicle/results.h"
 #include "pellicle/scene.h"
 #include "pellicle/topology.h"
+#include "results/mechanics.h"
 
 /* All buffers are made once, so that writing a frame takes no memory of its own but the file's; they are made anew
    when a body has refined or coarsened. */
@@ -19,6 +20,12 @@ typedef struct pel_run_surface {
     pel_vtp_field *fields;     /* (field_count), with values of their own */
     int *sources;              /* (field_count) a pel_run_field, or more for what changes with the surface alone */
     pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
+    /* fields of mechanics on triangles, and what they are made from; null without such fields */
+    int32_t cell_field_count;
+    pel_vtp_field *cell_fields;                    /* (cell_field_count), with values of their own */
+    int *cell_sources;                             /* (cell_field_count) */
+    pel_triangle_mechanics *mechanics;             /* (triangle_count) */
+    pel_run_mechanics *on_triangles, *on_vertices; /* (triangle_count), (vertex_count) */
     pel_vtp_writer *writer;
     int64_t revision; /* of the bodies' surfaces, summed up */
 } pel_run_surface;

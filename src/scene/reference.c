@@ -118,7 +118,7 @@ static void write_fields(FILE *file)
 {
     fputs("\n## fields\n\n"
           "What `output.fields` may name, beside the fields of the meshes, which these hide where names are equal.\n"
-          "[measures](../measures.md) says how the last five are computed.\n\n"
+          "[measures](../measures.md) says how those from `area` on are computed.\n\n"
           "| field | numbers | unit | meaning |\n|---|---|---|---|\n",
           file);
     for (int f = 0; f < PEL_RUN_FIELD_COUNT; f++) {

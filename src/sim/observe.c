@@ -34,6 +34,14 @@ void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities
         vertex_velocity(sim, pel_output_model_index(sim, body, r), velocities + 3 * (size_t)r);
 }
 
+/* J, of mid-edge bending */
+static double edge_energy(const pel_sim *sim)
+{
+    pel_tangent_input input = {.time = pel_sim_time(sim), .state = sim->state};
+    pel_tangent *tangent = pel_sim_settle_edges(sim, &input.unknowns);
+    return tangent != NULL ? pel_tangent_evaluate(tangent, &input, sim->pool, NULL).edges : 0;
+}
+
 /* forces of eq. and of shells with the loads at the present time, into sim->force; once for each state */
 void pel_sim_compute_forces(pel_sim *sim)
 {
@@ -46,8 +54,7 @@ void pel_sim_compute_forces(pel_sim *sim)
     pel_shell_forces_follow(sim->shells, state->position);
     sim->shell_energy =
         pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
-    if (sim->stepper->edge_energy != NULL)
-        sim->shell_energy.bending += sim->stepper->edge_energy(sim);
+    sim->shell_energy.bending += edge_energy(sim);
 }
 
 double pel_sim_next_energy(pel_sim *sim)

@@ -1,6 +1,7 @@
 /* Shells under the methods that go by forces, and what all methods have to look at: the volume of bodies under
    pressure. */
 #include "base/status.h"
+#include "force/mechanics.h"
 #include "force/pressure.h"
 #include "math/vec3.h"
 #include "sim/sim.h"
@@ -108,6 +109,11 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
+pel_tangent *pel_sim_settle_edges(const pel_sim *sim, const double **unknowns)
+{
+    return sim->stepper->settle_edges != NULL ? sim->stepper->settle_edges(sim, unknowns) : NULL;
+}
+
 bool pel_sim_has_shells(const pel_sim *sim)
 {
     return sim->shells != NULL;
@@ -118,6 +124,22 @@ void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membra
     pel_shell_forces_follow(sim->shells, sim->state->position);
     pel_shell_vertex_energies(sim->shells, body, pel_output_count(sim, body), pel_output_numbers(sim, body),
                               sim->state->position, pel_sim_time(sim), membrane, bending, fibre);
+    const double *unknowns;
+    pel_tangent *tangent = pel_sim_settle_edges(sim, &unknowns);
+    if (tangent != NULL)
+        pel_mechanics_share_midedge(tangent, unknowns, sim->pool, body, pel_output_numbers(sim, body), bending);
+}
+
+void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *triangles)
+{
+    const pel_record *positions = sim->state->position;
+    const double *unknowns;
+    pel_shell_forces_follow(sim->shells, positions);
+    pel_mechanics_fill(sim->shells, body, pel_sim_triangle_count(sim, body), positions, pel_sim_time(sim), triangles);
+    pel_tangent *tangent = pel_sim_settle_edges(sim, &unknowns);
+    if (tangent != NULL)
+        pel_mechanics_add_midedge(tangent, unknowns, sim->pool, body, triangles);
+    pel_mechanics_finish(sim->shells, body, positions, triangles);
 }
 
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)

@@ -458,6 +458,8 @@ void pel_shells_destroy(pel_sim *sim);
 void pel_shells_apply(pel_sim *sim, pel_gains gains);
 /* After an event of refinement: shells and constraints of the body on its new surface. */
 void pel_shells_follow(pel_sim *sim, int32_t body);
+/* the settle_edges of the stepper; null without mid-edge bending */
+pel_tangent *pel_sim_settle_edges(const pel_sim *sim, const double **unknowns);
 /* PEL_DIVERGED when a pressure turned a body inside out in this step */
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 

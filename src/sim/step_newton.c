@@ -375,18 +375,18 @@ void pel_sim_newton_precondition(void *context, double *vector)
 
 /* ---- readings ---- */
 
-double pel_sim_newton_edge_energy(const pel_sim *sim)
+pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unknowns)
 {
     pel_sim_newton *newton = sim->descent->newton;
     pel_tangent *tangent = pel_newton_tangent(newton->newton);
-    const pel_tangent_input input = {.unknowns = newton->unknowns, .time = pel_sim_time(sim), .state = sim->state};
     if (pel_newton_pattern(newton->newton)->edge_count == 0)
-        return 0;
+        return NULL;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         pel_vertex_position(sim->state->position, v, newton->unknowns + 3 * (size_t)v);
     settle_edges(sim);
     newton->goes_on = false;
-    return pel_tangent_evaluate(tangent, &input, sim->pool, NULL).edges;
+    *unknowns = newton->unknowns;
+    return tangent;
 }
 
 void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3])

@@ -37,8 +37,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
 bool pel_sim_newton_approximate(pel_descent_context *context);
 /* a pel_descent_precondition; the context is that of the minimisation */
 void pel_sim_newton_precondition(void *context, double *vector);
-/* J, of mid-edge bending at the present positions, with the edges where they bend least */
-double pel_sim_newton_edge_energy(const pel_sim *sim);
+/* the settle_edges of a stepper */
+pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unknowns);
 /* N, on a vertex that is fixed: what the bodies do to it */
 void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
 /* What tools feel: loads of constraints, and what holds grasped vertices. */

@@ -4,6 +4,7 @@
 #ifndef PEL_SIM_STEPPER_H
 #define PEL_SIM_STEPPER_H
 
+#include "force/tangent.h"
 #include "pellicle/sim.h"
 #include "solve/step.h"
 
@@ -30,8 +31,9 @@ typedef struct pel_stepper {
     void (*read_tools)(pel_sim *sim);
     /* marks what touches beyond tools and the list of contacts; nullable */
     void (*mark_contacts)(const pel_sim *sim);
-    /* J, of mid-edge bending at the present state; nullable */
-    double (*edge_energy)(const pel_sim *sim);
+    /* The tangent with its unknowns at the present positions, the edges of mid-edge bending where they bend least; null
+       without such edges; nullable */
+    pel_tangent *(*settle_edges)(const pel_sim *sim, const double **unknowns);
     /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
     void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
     /* after a step that is accepted; nullable */
