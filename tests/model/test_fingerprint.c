@@ -18,6 +18,7 @@ typedef struct all_defs {
     pel_body_def bodies[2];
     pel_load_def loads[2];
     pel_tool_def tools[2];
+    pel_support_def supports[2];
     pel_model_def model;
     pel_sim_def sim;
 } all_defs;
@@ -66,6 +67,11 @@ static all_defs *make_defs(void)
         all->tools[i].key_count = 2;
         all->tools[i].vertices = all->vertices;
         all->tools[i].vertex_count = 3;
+        all->supports[i] = pel_support_def_default();
+        all->supports[i].vertices = all->vertices;
+        all->supports[i].vertex_count = 3;
+        all->supports[i].keys = all->keys;
+        all->supports[i].key_count = 2;
     }
     all->model = pel_model_def_default();
     all->model.bodies = all->bodies;
@@ -75,6 +81,8 @@ static all_defs *make_defs(void)
     all->sim.load_count = 2;
     all->sim.tools = all->tools;
     all->sim.tool_count = 2;
+    all->sim.supports = all->supports;
+    all->sim.support_count = 2;
     return all;
 }
 

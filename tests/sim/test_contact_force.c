@@ -213,11 +213,11 @@ static void test_thickness(void **unused)
     for (int m = 0; m < 2; m++)
         for (int own = 0; own < 2; own++) {
             contact_scene scene;
-            make_press(&scene, methods[m], methods[m] == PEL_METHOD_XPBD ? 0.01 : 0.1);
+            make_press(&scene, methods[m], methods[m] == PEL_METHOD_XPBD ? 0.01 : 0.02);
             scene.bodies[1].contact_thickness = own ? 1e-3 : -1;
             scene.tools[0].thickness = own ? 3e-3 : -1;
             pel_sim *sim = scene_create(&scene);
-            run_steps(sim, methods[m] == PEL_METHOD_XPBD ? 150 : 4);
+            run_steps(sim, methods[m] == PEL_METHOD_XPBD ? 150 : 20);
             int32_t count = pel_sim_vertex_count(sim, 1);
             double *x = malloc(3 * (size_t)count * sizeof *x), low = HUGE_VAL, high = -HUGE_VAL;
             pel_sim_get_positions(sim, 1, x);
