@@ -94,7 +94,8 @@ static void test_sphere(void **unused)
         assert_near((force[0] + force[1] + force[2]) / (2 * tension), 1, 0.05);
         for (int side = 0; side < 2; side++) {
             assert_near(values_at(&made, "principal_stress", v)[side] / stress, 1, 0.06);
-            assert_near(values_at(&made, "principal_strain", v)[side] / (0.7 * stress / 1e6), 1, 0.06);
+            assert_near(values_at(&made, "principal_strain", v)[side] / (0.7 * stress / 1e6), 1,
+                        sizeof(pel_real) == 8 ? 0.06 : 0.07);
         }
         assert_near(*values_at(&made, "von_mises_top", v) / stress, 1, 0.1);
         assert_near(*values_at(&made, "membrane_energy_density", v) / (0.7 * tension * tension / 1e4), 1, 0.1);

@@ -9,6 +9,9 @@
 #include "pellicle/shape.h"
 #include "pellicle/sim.h"
 
+/* a tolerance: in float energies and momenta themselves are sums with 1e-7 */
+#define IN_FLOAT(in_double, in_float) (sizeof(pel_real) == 4 ? (in_float) : (in_double))
+
 static inline pel_mesh *make_sphere(int32_t frequency)
 {
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);

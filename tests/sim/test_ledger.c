@@ -3,9 +3,6 @@
 #include "shell_fixture.h"
 #include "sim/refine_fixture.h"
 
-/* in float the energies themselves are sums with 1e-7 */
-#define IN_FLOAT(in_double, in_float) (sizeof(pel_real) == 4 ? (in_float) : (in_double))
-
 static pel_sim_ledger ledger_of(pel_sim *sim)
 {
     pel_sim_ledger ledger;

