@@ -45,8 +45,11 @@ static bool allocate_shell(pel_shell_front *own, bool refines)
     shell->hinges = pel_allocate((size_t)shell->hinge_limit, sizeof *shell->hinges);
     bool weighted = own->given->pressure_weights != NULL;
     shell->pressure_weights = weighted ? pel_allocate(triangles, sizeof *shell->pressure_weights) : NULL;
+    /* of each triangle for mid-edge elements; hinges look them up in the given shell */
+    bool has_elements = shell->bending == PEL_BENDING_MIDEDGE;
+    shell->parts = has_elements ? pel_allocate(triangles, sizeof *shell->parts) : NULL;
     return shell->triangles != NULL && shell->hinges != NULL && (!weighted || shell->pressure_weights != NULL) &&
-           allocate_regions(own, refines);
+           (!has_elements || shell->parts != NULL) && allocate_regions(own, refines);
 }
 
 static bool allocate_scratch(pel_shell_front *own)
@@ -90,6 +93,8 @@ static void copy_shell(pel_shell_front *own)
             shell->triangles[t].vertices[k] += own->shift;
         if (shell->pressure_weights != NULL)
             shell->pressure_weights[t] = given->pressure_weights[t];
+        if (shell->parts != NULL)
+            shell->parts[t] = given->parts[t];
     }
     for (int32_t i = 0; i < given->hinge_count; i++) {
         shell->hinges[i] = given->hinges[i];
@@ -118,6 +123,7 @@ pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, i
     own->shell.hinges = NULL;
     own->shell.regions = NULL;
     own->shell.pressure_weights = NULL;
+    own->shell.parts = NULL;
     if (refines) {
         own->shell.triangle_limit = triangle_limit;
         /* each triangle has three sides, and each hinge two triangles */
@@ -149,7 +155,7 @@ void pel_shell_front_destroy(pel_shell_front *own)
                       own->fibre_of_triangle, own->hinge_of_half_edge,
                       own->surface,           own->base_of_triangle,
                       own->is_base,           own->begin,
-                      own->half_edges};
+                      own->half_edges,        own->shell.parts};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(own);
@@ -172,6 +178,8 @@ static void update_triangles(pel_shell_front *own, const pel_front *front, const
         const pel_front_triangle *face = &own->surface[t];
         int32_t level = pel_front_level(front, face->node);
         int32_t base = own->base_of_triangle[t] = (face->node - front->node_begin[level]) >> (2 * level);
+        if (own->shell.parts != NULL)
+            own->shell.parts[t] = own->given->parts[base];
         own->is_base[t] = level == 0 && front->shapes[face->node] == PEL_FRONT_WHOLE;
         pel_shell_triangle *triangle = &shell->triangles[t];
         *triangle = own->given->triangles[base];

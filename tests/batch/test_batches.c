@@ -106,7 +106,7 @@ static int32_t expect(const pel_batches *batches, const pel_batch *batch, int32_
     for (int32_t i = 0; i < total; i++) {
         int32_t t = fibres ? shell->regions[batch->region].fibres[i].triangle : i;
         const int32_t *vertices = hinges ? shell->hinges[i].vertices : shell->triangles[t].vertices;
-        bool pressed = shell->pressure_weights == NULL || shell->pressure_weights[t] != 0;
+        bool pressed = !pressure || shell->pressure_weights == NULL || shell->pressure_weights[t] != 0;
         bool moves = may_move(model, vertices, batch->arity) || !batches->is_projected;
         if (pressure ? pressed : moves)
             add_row(rows, &count, vertices, batch->arity);
