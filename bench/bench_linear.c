@@ -193,7 +193,11 @@ static void bench_pcg(const pel_matrix *m, const char *name, pel_preconditioner 
     double times[REPEATS], median;
     pel_pcg_result result = {.iterations = 0};
     for (int i = 0; i < REPEATS; i++) {
-        pel_pcg_def def = {m, precondition, context, 1e-8, 1000, false};
+        pel_pcg_def def = {.matrix = m,
+                           .precondition = precondition,
+                           .preconditioner = context,
+                           .tolerance = 1e-8,
+                           .iterations = 1000};
         double begin = seconds();
         result = pel_pcg_solve(pcg, &def, pool, b, x);
         times[i] = seconds() - begin;
