@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* runs of a step end in statics, and in a step in time, at this share of the forces that they began with */
+/* runs of a step in time end at this share of the forces that they began with */
 #define DYNAMIC_REDUCTION 1e-3
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
@@ -65,7 +65,6 @@ void pel_sim_newton_begin(pel_sim *sim)
     sim->descent->newton->goes_on = false;
     pel_newton_forget(sim->descent->newton->newton);
     sim->edge_load_work = 0;
-    sim->descent->newton->result = (pel_newton_result){0};
 }
 
 /* edges as they bend least, clamps apart; from zero: the same bits whatever was solved before */
@@ -96,8 +95,10 @@ static void take_positions(pel_sim *sim)
                 *x = (double)from[v][k];
         }
     }
-    if (!newton->goes_on)
+    if (!newton->goes_on) {
+        pel_tangent_follow(pel_newton_tangent(newton->newton), newton->unknowns);
         settle_edges(sim);
+    }
     newton->goes_on = true;
 }
 
@@ -285,15 +286,6 @@ static void add_constraints(void *context, pel_matrix *matrix)
 
 /* ---- a run ---- */
 
-static void add_result(pel_newton_result *sum, const pel_newton_result *run)
-{
-    pel_newton_result before = *sum;
-    *sum = *run;
-    sum->iterations += before.iterations;
-    sum->factors += before.factors;
-    sum->products += before.products;
-}
-
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
                                    pel_descent_result *result, pel_error *error)
 {
@@ -339,7 +331,6 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .is_near = run.is_near,
         .stuck = run.stuck,
     };
-    add_result(&newton->result, &run);
     pel_edge_loads_add_work(sim, context->time, pel_newton_turns(newton->newton));
     return status;
 }

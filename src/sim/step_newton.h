@@ -16,7 +16,6 @@ struct pel_sim_newton {
     double (*points)[3];          /* (vertex_count) m */
     bool is_damped;               /* drag, or damping of springs */
     bool goes_on;                 /* the unknowns belong to the step in progress */
-    pel_newton_result result;     /* sum of the step */
 };
 
 /* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY; PEL_BAD_ARGUMENT for bodies that refine,
@@ -25,7 +24,7 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
 void pel_sim_newton_destroy(pel_sim_newton *newton);
 
 /* Unknowns, fixed ones, targets and loads of a run, the axes of supports; with supports of three vertices for bodies
- * that nothing holds. */
+   that nothing holds. */
 pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free);
 /* Before the first run of a step, which goes the same way after a snapshot. */
 void pel_sim_newton_begin(pel_sim *sim);

@@ -4,7 +4,6 @@
 #include "base/status.h"
 #include "linear/pcg.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -43,7 +42,7 @@ struct pel_newton {
     pel_factor_plan *plan;
     pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
     pel_factor_precision precision;
-    bool has_factor, was_kept;
+    bool has_factor;
     pel_pcg *pcg;
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
     double *walked;                                           /* (unknown_count) sum of the steps of a run */
@@ -116,7 +115,7 @@ static pel_status create_plan(pel_newton *newton, pel_error *error)
     return status;
 }
 
-/* where the matrix of each element stands, masses, and lengths to compare with */
+/* masses, and lengths to compare with */
 static void measure(pel_newton *newton)
 {
     const pel_model *model = newton->model;
@@ -219,11 +218,6 @@ const double *pel_newton_gradient(const pel_newton *newton)
 const double *pel_newton_turns(const pel_newton *newton)
 {
     return newton->walked + 3 * (size_t)newton->pattern->vertex_count;
-}
-
-pel_factor_cost pel_newton_cost(const pel_newton *newton)
-{
-    return pel_factor_plan_cost(newton->plan);
 }
 
 pel_newton_system pel_newton_system_of(const pel_newton *newton)
@@ -422,7 +416,6 @@ static bool compute_factor(newton_run *run, double shift, double *pivot)
     pel_newton *newton = run->newton;
     pel_factor_result made =
         pel_factor_compute(newton->factors[newton->precision], newton->matrix, shift, newton->pool);
-    run->result->factors++;
     newton->has_factor = made.positive_definite;
     *pivot = made.pivot;
     return made.positive_definite;
@@ -450,7 +443,7 @@ static bool make_factor(newton_run *run)
     return compute_factor(run, 0, &pivot);
 }
 
-static pel_pcg_result solve(newton_run *run, int32_t products)
+static pel_pcg_end solve(newton_run *run, int32_t products)
 {
     pel_newton *newton = run->newton;
     const pel_pcg_def def = {
@@ -462,27 +455,18 @@ static pel_pcg_result solve(newton_run *run, int32_t products)
         .tolerance = SOLVE_TOLERANCE,
         .iterations = products,
     };
-    pel_pcg_result solved = pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step);
-    run->result->products += solved.iterations;
-    return solved;
+    return pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step).end;
 }
 
 /* The step of the matrix; false where that is not positive definite. */
 static bool find_step(newton_run *run)
 {
-    pel_newton *newton = run->newton;
     assemble(run);
-    if (run->problem->keeps_factor && newton->has_factor) {
-        newton->was_kept = true;
-        if (solve(run, KEPT_PRODUCTS).end == PEL_PCG_CONVERGED)
-            return true;
-        for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
-            newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
-    }
-    newton->was_kept = false;
+    if (run->problem->keeps_factor && run->newton->has_factor && solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED)
+        return true;
     if (!make_factor(run))
         return false;
-    pel_pcg_end end = solve(run, MOST_PRODUCTS).end;
+    pel_pcg_end end = solve(run, MOST_PRODUCTS);
     return end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT;
 }
 
@@ -506,17 +490,21 @@ static const double *find_move(const newton_run *run, double scale)
     return newton->move;
 }
 
-/* goes along the step, as far as that is good for; returns the share of it */
-static double go(newton_run *run)
+/* of the step, as far as it is good for */
+static double find_share(const pel_newton *newton)
+{
+    double longest = longest_move(newton), limit = LONGEST_SHARE * newton->size;
+    return longest > limit ? limit / longest : 1;
+}
+
+/* goes a share of the step */
+static void go(newton_run *run, double scale)
 {
     pel_newton *newton = run->newton;
-    double longest = longest_move(newton), limit = LONGEST_SHARE * newton->size;
-    double scale = longest > limit ? limit / longest : 1;
     pel_tangent_advance(newton->tangent, run->unknowns, find_move(run, 1), scale, newton->pool);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         newton->walked[u] += scale * newton->step[u];
     run->result->iterations++;
-    return scale;
 }
 
 static bool has_converged(newton_run *run)
@@ -571,13 +559,11 @@ static bool go_full_steps(newton_run *run)
             if (run->status != PEL_OK || !find_step(run))
                 return false;
         }
-        double longest = longest_move(run->newton);
-        double scale = fmin(1, LONGEST_SHARE * run->newton->size / fmax(longest, DBL_MIN));
-        extrapolate(run, scale);
-        go(run);
-        if (longest <= run->problem->short_move && scale == 1) {
+        double share = find_share(run->newton);
+        extrapolate(run, share);
+        go(run, share);
+        if (share == 1 && longest_move(run->newton) <= run->problem->short_move) {
             evaluate(run);
-            has_converged(run);
             result->converged = result->is_near = is_finite(run);
             return result->converged;
         }
@@ -632,7 +618,7 @@ static bool go_downhill(newton_run *run, double most)
     memcpy(newton->start_gradient, newton->gradient, bytes);
     while (find_shifted_step(run, most)) {
         double slope = slope_of(newton);
-        go(run);
+        go(run, find_share(newton));
         evaluate(run);
         double fall = energy - run->result->energy;
         if (is_finite(run) && (fall >= -DECREASE * slope - ROUNDING * parts ||
@@ -739,10 +725,8 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
         go_down(&run);
     }
     if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK) {
-        result->unstable = true;
         nudge(&run);
         go_down(&run);
-        result->unstable = !result->converged || !is_stable(&run);
     }
     turn_back(&run, newton->gradient);
     return run.status;

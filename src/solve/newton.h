@@ -54,16 +54,14 @@ typedef struct pel_newton_problem {
 } pel_newton_problem;
 
 typedef struct pel_newton_result {
-    int32_t iterations; /* linear systems solved */
-    int32_t factors, products;
+    int32_t iterations;    /* linear systems solved */
     double energy;         /* J, terms, loads and inertia included */
     double residual;       /* N, root of the sum of squares of all forces */
     double first_residual; /* N, that at the start, held vertices at their targets apart */
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
     bool converged;
-    bool is_near;  /* by short_move */
-    bool stuck;    /* no step makes the energy fall: as near as rounding allows */
-    bool unstable; /* the balance that was found is no minimum */
+    bool is_near; /* by short_move */
+    bool stuck;   /* no step makes the energy fall: as near as rounding allows */
 } pel_newton_result;
 
 typedef struct pel_newton pel_newton;
@@ -79,7 +77,6 @@ pel_tangent *pel_newton_tangent(const pel_newton *newton);
 const double *pel_newton_gradient(const pel_newton *newton);
 /* (edge_count) sums of psi that the edges went through in the last run */
 const double *pel_newton_turns(const pel_newton *newton);
-pel_factor_cost pel_newton_cost(const pel_newton *newton);
 
 /* What other solvers of the same unknowns share: between two runs they may use the matrix. */
 typedef struct pel_newton_system {

@@ -467,12 +467,12 @@ static void test_principal_fibres(void **unused)
 {
     (void)unused;
     static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC, PEL_METHOD_DESCENT,
-                                         PEL_METHOD_XPBD};
+                                         PEL_METHOD_XPBD,     PEL_METHOD_STATIC,       PEL_METHOD_IMPLICIT};
     static const double along[3] = {0, 1, 0}, across[3] = {1, 0, 0};
     pel_mesh *mesh = make_grid(3, 3, 1, 1, PEL_GRID_UNION_JACK);
     int32_t count = 3 * mesh->vertex_count;
     double *x = calloc(3 * (size_t)count, sizeof *x), *laid = x + count, *other = laid + count;
-    for (int m = 0; m < 4; m++) {
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
         draw_out(mesh, methods[m], PEL_FIBRE_PRINCIPAL, across, x);
         draw_out(mesh, methods[m], PEL_FIBRE_ALONG, along, laid);
         draw_out(mesh, methods[m], PEL_FIBRE_ALONG, across, other);
