@@ -201,6 +201,7 @@ static bool read_choices(const cli_call *call, pel_render_def *def)
     def->hide_bar = cli_has(call, "no-bar");
     def->hide_labels = cli_has(call, "no-labels");
     def->hide_tools = cli_has(call, "no-tools");
+    def->hide_ground = cli_has(call, "no-ground");
     def->frame_rate = cli_number(call, "fps");
     return read_component(call, &def->component) && read_range(call, def) && read_view(call, &def->angle) &&
            read_pair(call, "size", &def->width, &def->height) && read_pair(call, "sheet", &def->columns, &def->rows);
@@ -242,8 +243,8 @@ static const char *choose_output(const cli_call *call, char *text, size_t size)
 /* whether the name would be a folder of that name, though it is that of a file that cannot be written */
 static bool is_other_file(const char *output)
 {
-    static const char *const endings[] = {".jpg", ".jpeg", ".gif", ".bmp",  ".tif", ".tiff", ".webp", ".svg",
-                                          ".pdf", ".avi",  ".mov", ".webm", ".mkv", ".html", ".exr",  ".ppm"};
+    static const char *const endings[] = {".jpg", ".jpeg", ".bmp",  ".tif", ".tiff", ".webp", ".svg", ".pdf",
+                                          ".avi", ".mov",  ".webm", ".mkv", ".html", ".exr",  ".ppm"};
     const char *slash = strrchr(output, '/'), *dot = strrchr(slash != NULL ? slash : output, '.');
     for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
         if (strcasecmp(dot, endings[i]) == 0)
@@ -294,8 +295,9 @@ int cli_render(const cli_call *call)
     if (call->given_count > CLI_ARGUMENTS)
         return cli_complain("there are too many options");
     if (is_other_file(def.output))
-        return cli_complain("'%s' names no picture that can be written. let it end in .png or .mp4, or name a folder",
-                            def.output);
+        return cli_complain(
+            "'%s' names no picture that can be written. let it end in .png, .mp4 or .gif, or name a folder",
+            def.output);
     if (!read_choices(call, &def) || !read_frames(call, ranges, &def.frame_range_count) ||
         !read_labels(call, labels, &def))
         return CLI_BAD_INPUT;

@@ -54,7 +54,7 @@ void view_camera_begin(view_camera *camera, const pel_camera_angle *angle, int32
     static const double radians = 0.017453292519943295;
     double sa = sin(angle->azimuth * radians), ca = cos(angle->azimuth * radians);
     double se = sin(angle->elevation * radians), ce = cos(angle->elevation * radians);
-    *camera = (view_camera){.depths = {HUGE_VAL, -HUGE_VAL}, .all_depths = {HUGE_VAL, -HUGE_VAL}};
+    *camera = (view_camera){.up = up, .depths = {HUGE_VAL, -HUGE_VAL}, .all_depths = {HUGE_VAL, -HUGE_VAL}};
     set_axis(camera->axes[0], up, ca, sa, 0);
     set_axis(camera->axes[1], up, -se * sa, se * ca, ce);
     set_axis(camera->axes[2], up, ce * sa, -ce * ca, se);

@@ -6,6 +6,7 @@
 
 typedef struct view_camera {
     double axes[3][3];    /* unit vectors in the world: right, up, towards the camera */
+    int32_t up;           /* axis of the world that points up: 0 x, 1 y, 2 z */
     double center[3];     /* the point in front of the camera, along the axes */
     double distance;      /* from there to the camera */
     double near, far;     /* distances from the camera between which everything lies */

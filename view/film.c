@@ -49,12 +49,20 @@ static pel_status start(view_film *film, int32_t width, int32_t height, double f
     char size[32], rate[32], name[] = "ffmpeg";
     snprintf(size, sizeof size, "%dx%d", (int)width, (int)height);
     snprintf(rate, sizeof rate, "%.6g", frame_rate);
-    char *const arguments[] = {name, "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba",
-                               "-s", size, "-r", rate, "-i", "pipe:0", "-an",
-                               /* odd sizes do not go with yuv420p */
-                               "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-c:v", "libx264", "-preset",
-                               "medium", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags",
-                               "+bitexact", "-f", "mp4", film->temporary, NULL};
+    /* mp4: odd sizes do not go with yuv420p; gif: colors of its own for the whole film */
+    bool gif = view_ends_with(film->path, ".gif");
+    const char *filter =
+        gif ? "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"
+            : "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white";
+    const char *head[] = {name,       "-hide_banner", "-loglevel", "error",     "-y",  "-f",  "rawvideo",
+                          "-pix_fmt", "rgba",         "-s",        size,        "-r",  rate,  "-i",
+                          "pipe:0",   "-an",          "-fflags",   "+bitexact", "-vf", filter};
+    const char *mp4[] = {"-c:v",      "libx264",    "-preset", "medium", "-crf",          "18", "-pix_fmt", "yuv420p",
+                         "-movflags", "+faststart", "-f",      "mp4",    film->temporary, NULL};
+    const char *loop[] = {"-loop", "0", "-f", "gif", film->temporary, NULL};
+    char *arguments[sizeof head / sizeof *head + sizeof mp4 / sizeof *mp4];
+    memcpy(arguments, head, sizeof head);
+    memcpy(arguments + sizeof head / sizeof *head, gif ? loop : mp4, gif ? sizeof loop : sizeof mp4);
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) {
         pel_fail(error, PEL_BAD_FILE, "cannot make a pipe: %s", strerror(errno));
         pel_fail_remedy(error, "close other programs, or let the output end in .png");

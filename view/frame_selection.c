@@ -9,7 +9,9 @@ enum { MOST_CELLS = 144 };
 
 view_output view_output_kind(const char *output)
 {
-    return view_ends_with(output, ".png") ? VIEW_PICTURE : view_ends_with(output, ".mp4") ? VIEW_FILM : VIEW_FOLDER;
+    return view_ends_with(output, ".png")                                     ? VIEW_PICTURE
+           : view_ends_with(output, ".mp4") || view_ends_with(output, ".gif") ? VIEW_FILM
+                                                                              : VIEW_FOLDER;
 }
 
 void view_frame_selection_destroy(view_frame_selection *shots)

@@ -1,25 +1,36 @@
 /* One framebuffer with four samples per pixel and one without, into which it is resolved to be read. The context comes
-   from EGL's surfaceless platform (Mesa), which needs neither a display nor a window system. */
+   from EGL's surfaceless platform (Mesa), which needs neither a display nor a window system.
+
+   Light: a key light whose shadows are sharp enough to read (one depth map, sampled per pixel) and the light of the sky
+   from SKY directions around the body (one small depth map each, sampled per vertex). The share of the sky that a
+   vertex sees is its ambient occlusion; it depends on the surface alone, so it neither flickers nor has noise. */
 #include "view/gl_target.h"
 
 #include "view/support.h"
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES = 4, COLOR_STEPS = 256 };
+enum { SAMPLES = 4, COLOR_STEPS = 256, SKY = 24, SKY_SIZE = 192, KEY_SIZE = 1024 };
 
-/* one for surfaces without edges, one with: software runs both sides of a branch, and edges cost as much as the light
- */
-enum { PROGRAM_PLAIN, PROGRAM_EDGES, PROGRAM_COUNT };
+/* one for surfaces without edges, one with: software runs both sides of a branch, and edges cost as much as the light;
+   one for shadows on the ground; one for depth maps */
+enum { PROGRAM_PLAIN, PROGRAM_EDGES, PROGRAM_GROUND, PROGRAM_DEPTH, PROGRAM_COUNT };
 
 typedef struct program {
     GLuint id;
-    GLint projection, plain, colored, highlight, edge_width, edge_strength;
+    GLint projection, plain, colored, highlight, edge_width, edge_strength, occlusion;
+    GLint key_space, ground_space, sky_spaces, sky_weights, offset, size;
 } program;
+
+/* from the axes of the camera to a depth map: column by column, x, y and depth in -1 .. 1 */
+typedef struct light_space {
+    float matrix[16];
+} light_space;
 
 struct view_gl_target {
     EGLDisplay display;
@@ -27,6 +38,9 @@ struct view_gl_target {
     int32_t width, height;
     program programs[PROGRAM_COUNT];
     GLuint corners, layout, color_map;
+    GLuint light_framebuffer, key_map,
+        sky_maps; /* depth: KEY_SIZE squared; SKY + 1 layers of SKY_SIZE squared, the last from above */
+    float up[3];  /* of the world, along the axes of the camera */
     GLuint framebuffers[2], renderbuffers[3]; /* with samples, resolved; color, depth, resolved color */
     uint8_t *pixels;                          /* (height x width x 4) as OpenGL gives them, bottom row first */
     float projection[16];
@@ -37,47 +51,106 @@ struct view_gl_target {
 
 /* ---- programs ---- */
 
-static const char vertex_source[] = "layout(location = 0) in vec3 position;\n"
-                                    "layout(location = 1) in vec3 normal;\n"
-                                    "layout(location = 2) in float value;\n"
-                                    "uniform mat4 projection;\n"
-                                    "out vec3 point, direction, sides;\n"
-                                    "out float shade;\n"
-                                    "void main() {\n"
-                                    "    direction = normal;\n"
-                                    "    shade = value;\n"
-                                    "    int corner = gl_VertexID % 3;\n"
-                                    "    sides = vec3(corner == 0, corner == 1, corner == 2);\n"
-                                    "    gl_Position = projection * vec4(position, 1.0);\n"
-                                    "}\n";
+/* the directions of the sky lie on a Fibonacci spiral, those below the horizon count half */
+static const char vertex_source[] =
+    "layout(location = 0) in vec3 position;\n"
+    "layout(location = 1) in vec3 normal;\n"
+    "layout(location = 2) in float value;\n"
+    "uniform mat4 projection;\n"
+    "#ifdef DEPTH\n"
+    "void main() { gl_Position = projection * vec4(position, 1.0); }\n"
+    "#else\n"
+    "const int SKY = 24;\n"
+    "uniform mat4 key_space, ground_space, sky_spaces[SKY];\n"
+    "uniform vec4 sky_weights[SKY];\n" /* direction, weight */
+    "uniform float offset;\n"
+    "uniform sampler2DArrayShadow sky_maps;\n"
+    "out vec3 direction, sides, key_place, under;\n"
+    "out vec2 open;\n" /* share of the sky that is seen from the front and from the back */
+    "out float shade;\n"
+    "void main() {\n"
+    "    direction = normal;\n"
+    "    shade = value;\n"
+    "    int corner = gl_VertexID % 3;\n"
+    "    sides = vec3(corner == 0, corner == 1, corner == 2);\n"
+    "    gl_Position = projection * vec4(position, 1.0);\n"
+    "    key_place = (key_space * vec4(position, 1.0)).xyz;\n"
+    "#ifdef GROUND\n"
+    "    under = (ground_space * vec4(position, 1.0)).xyz;\n"
+    "#else\n"
+    "    vec3 n = normalize(normal + vec3(0.0, 0.0, 1e-20));\n"
+    "    vec4 sum = vec4(1e-6);\n"
+    "    for (int i = 0; i < SKY; ++i) {\n"
+    "        float slope = dot(n, sky_weights[i].xyz), side = slope > 0.0 ? 1.0 : -1.0;\n"
+    "        vec3 at = (sky_spaces[i] * vec4(position + offset * side * n, 1.0)).xyz;\n"
+    "        float weight = abs(slope) * sky_weights[i].w, seen = texture(sky_maps, vec4(at.xy, i, at.z));\n"
+    "        sum += weight * (slope > 0.0 ? vec4(seen, 1.0, 0.0, 0.0) : vec4(0.0, 0.0, seen, 1.0));\n"
+    "    }\n"
+    "    open = sum.xz / sum.yw;\n"
+    "#endif\n"
+    "}\n"
+    "#endif\n";
 
-/* light is added up in squares of sRGB, which is near enough to linear: a key light from the upper left, a fill light
-   from the right, light of the sky; edges, bright on dark and dark on bright colors, where the distance to a side of
-   the triangle, in pixels, is small */
+/* light is added up in squares of sRGB, which is near enough to linear: a key light from the upper left with soft
+   shadows, a fill light from the right, light of the sky where it reaches; edges, bright on dark and dark on bright
+   colors, where the distance to a side of the triangle, in pixels, is small. The ground shows shadows only: a soft one
+   from above and the one of the key light, faded out with `shade` and towards the borders of the picture. */
 static const char fragment_source[] =
-    "in vec3 direction;\n"
+    "#ifdef DEPTH\n"
+    "void main() {}\n"
+    "#else\n"
+    "in vec3 direction, key_place, under;\n"
+    "in vec2 open;\n"
     "in float shade;\n"
     "#ifdef EDGES\n"
     "in vec3 sides;\n"
     "#endif\n"
     "uniform sampler2D color_map;\n"
+    "uniform sampler2DShadow key_map;\n"
+    "uniform sampler2DArrayShadow sky_maps;\n"
+    "uniform mat4 key_space;\n"
     "uniform vec4 plain;\n"
-    "uniform float edge_width, edge_strength, highlight;\n"
+    "uniform float edge_width, edge_strength, highlight, occlusion, offset;\n"
+    "uniform vec2 size;\n" /* pixels of the picture */
     "uniform bool colored;\n"
     "out vec4 color;\n"
+    "float key_light(vec3 place, int reach, float spread) {\n"
+    "    float sum = 0.0;\n"
+    "    for (int i = -reach; i <= reach; ++i)\n"
+    "        for (int k = -reach; k <= reach; ++k)\n"
+    "            sum += texture(key_map, place + vec3(spread * vec2(i, k), 0.0));\n"
+    "    return sum / float((2 * reach + 1) * (2 * reach + 1));\n"
+    "}\n"
+    "float light_from_above() {\n"
+    "    float sum = 0.0;\n"
+    "    for (int i = -5; i <= 5; ++i)\n"
+    "        for (int k = -5; k <= 5; ++k)\n"
+    "            sum += texture(sky_maps, vec4(under.xy + 0.016 * vec2(i, k), 24.0, under.z)) *\n"
+    "                   (36.0 - float(i * i)) * (36.0 - float(k * k));\n"
+    "    return sum / 81796.0;\n" /* the square of the sum of 36 - i i */
+    "}\n"
     "void main() {\n"
     "    vec3 n = normalize(direction + vec3(0.0, 0.0, 1e-20));\n"
+    "#ifdef GROUND\n"
+    "    float missing = 0.28 * (1.0 - light_from_above()) + 0.16 * (1.0 - key_light(key_place, 3, 0.006));\n"
+    "    vec2 inside = min(gl_FragCoord.xy, size - gl_FragCoord.xy) / (0.12 * min(size.x, size.y));\n"
+    "    missing *= smoothstep(0.0, 1.0, min(inside.x, inside.y));\n"
+    "    color = vec4(0.0, 0.0, 0.0, occlusion * shade * missing);\n"
+    "#else\n"
     "    n = gl_FrontFacing ? n : -n;\n"
     "    const vec3 key = normalize(vec3(-0.45, 0.65, 0.75)), fill = normalize(vec3(0.8, -0.1, 0.5));\n"
     "    const vec3 half_way = normalize(key + vec3(0.0, 0.0, 1.0));\n"
+    "    vec3 place = key_place + mat3(key_space) * (2.0 * offset * n);\n"
+    "    float shadow = mix(1.0, key_light(place, 1, 0.003), occlusion);\n"
+    "    float sky = mix(1.0, gl_FrontFacing ? open.x : open.y, occlusion);\n"
     "    float bright_side = max(dot(n, key), 0.0);\n"
-    "    float light = 0.46 + 0.10 * n.y + 0.50 * bright_side + 0.12 * max(dot(n, fill), 0.0);\n"
-    "    light *= mix(0.70, 1.0, smoothstep(0.0, 0.5, n.z));\n"
+    "    float light = (0.50 + 0.10 * n.y) * sky + 0.48 * bright_side * mix(0.25, 1.0, shadow) +\n"
+    "                  0.14 * max(dot(n, fill), 0.0) * sky;\n"
     "    vec3 base = colored ? texture(color_map, vec2(shade * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb : plain.rgb;\n"
     "    base *= gl_FrontFacing ? base : 0.85 * base;\n"
     "    float gloss = max(dot(n, half_way), 0.0);\n"
     "    gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss;\n"
-    "    float sheen = 0.018 * bright_side * bright_side + highlight * gloss;\n"
+    "    float sheen = (0.018 * bright_side * bright_side + highlight * gloss) * shadow;\n"
     "    vec3 lit = base * light + sheen;\n"
     "    color = vec4(sqrt(min(lit, 1.0)), plain.a);\n"
     "#ifdef EDGES\n"
@@ -87,7 +160,9 @@ static const char fragment_source[] =
     "    float bright = dot(color.rgb, vec3(0.30, 0.59, 0.11));\n"
     "    color.rgb = mix(color.rgb, vec3(1.0 - smoothstep(0.25, 0.40, bright)), on * edge_strength);\n"
     "#endif\n"
-    "}\n";
+    "#endif\n"
+    "}\n"
+    "#endif\n";
 
 static bool compile(GLuint id, GLenum kind, const char *head, const char *source, char *text, int size)
 {
@@ -127,12 +202,25 @@ static pel_status make_program(program *p, const char *head, pel_error *error)
     p->highlight = glGetUniformLocation(p->id, "highlight");
     p->edge_width = glGetUniformLocation(p->id, "edge_width");
     p->edge_strength = glGetUniformLocation(p->id, "edge_strength");
+    p->occlusion = glGetUniformLocation(p->id, "occlusion");
+    p->offset = glGetUniformLocation(p->id, "offset");
+    p->size = glGetUniformLocation(p->id, "size");
+    p->key_space = glGetUniformLocation(p->id, "key_space");
+    p->ground_space = glGetUniformLocation(p->id, "ground_space");
+    p->sky_spaces = glGetUniformLocation(p->id, "sky_spaces");
+    p->sky_weights = glGetUniformLocation(p->id, "sky_weights");
+    glUseProgram(p->id);
+    glUniform1i(glGetUniformLocation(p->id, "color_map"), 0);
+    glUniform1i(glGetUniformLocation(p->id, "key_map"), 1);
+    glUniform1i(glGetUniformLocation(p->id, "sky_maps"), 2);
     return PEL_OK;
 }
 
 static pel_status make_programs(view_gl_target *canvas, pel_error *error)
 {
-    static const char *const heads[PROGRAM_COUNT] = {"#version 330 core\n", "#version 330 core\n#define EDGES\n"};
+    static const char *const heads[PROGRAM_COUNT] = {"#version 330 core\n", "#version 330 core\n#define EDGES\n",
+                                                     "#version 330 core\n#define GROUND\n",
+                                                     "#version 330 core\n#define DEPTH\n"};
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < PROGRAM_COUNT; ++i)
         status = make_program(&canvas->programs[i], heads[i], error);
@@ -205,6 +293,37 @@ static pel_status make_framebuffers(view_gl_target *canvas, pel_error *error)
     return good && canvas->pixels != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
+/* a depth map, or several, that compares when it is sampled */
+static GLuint make_depth_map(GLenum unit, GLenum kind, GLsizei size, GLsizei layers)
+{
+    GLuint map;
+    glGenTextures(1, &map);
+    glActiveTexture(unit);
+    glBindTexture(kind, map);
+    if (layers > 1)
+        glTexImage3D(kind, 0, GL_DEPTH_COMPONENT24, size, size, layers, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, NULL);
+    else
+        glTexImage2D(kind, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, NULL);
+    glTexParameteri(kind, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(kind, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(kind, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(kind, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTexParameteri(kind, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTexParameteri(kind, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    glActiveTexture(GL_TEXTURE0);
+    return map;
+}
+
+static void make_lights(view_gl_target *canvas)
+{
+    canvas->key_map = make_depth_map(GL_TEXTURE1, GL_TEXTURE_2D, KEY_SIZE, 1);
+    canvas->sky_maps = make_depth_map(GL_TEXTURE2, GL_TEXTURE_2D_ARRAY, SKY_SIZE, SKY + 1);
+    glGenFramebuffers(1, &canvas->light_framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, canvas->light_framebuffer);
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+}
+
 static void make_layout(view_gl_target *canvas)
 {
     static const GLint sizes[3] = {3, 3, 1};
@@ -247,6 +366,7 @@ pel_status view_gl_target_create(int32_t width, int32_t height, view_gl_target *
         return status;
     }
     make_layout(made);
+    make_lights(made);
     *canvas = made;
     return PEL_OK;
 }
@@ -291,7 +411,6 @@ void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, vie
     for (int i = 0; i < 4; ++i)
         part[i] = (float)background.rgba[i] / 255;
     glBindFramebuffer(GL_FRAMEBUFFER, canvas->framebuffers[0]);
-    glViewport(0, 0, canvas->width, canvas->height);
     glDisable(GL_BLEND);
     /* what is read has its alpha multiplied in */
     glClearColor(part[0] * part[3], part[1] * part[3], part[2] * part[3], part[3]);
@@ -301,20 +420,117 @@ void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, vie
     canvas->low[1] = canvas->height;
     canvas->high[0] = canvas->high[1] = 0;
     view_camera_project(camera, canvas->projection);
-    for (int i = 0; i < PROGRAM_COUNT; ++i) {
-        glUseProgram(canvas->programs[i].id);
-        glUniformMatrix4fv(canvas->programs[i].projection, 1, GL_FALSE, canvas->projection);
+    for (int i = 0; i < 3; ++i)
+        canvas->up[i] = (float)camera->axes[i][camera->up];
+}
+
+/* ---- light ---- */
+
+/* parallel light from a direction (length 1) onto a ball */
+static light_space look_from(const float direction[3], const double center[3], float radius)
+{
+    const float *d = direction;
+    /* two unit vectors across (Duff et al. 2017) */
+    float sign = d[2] < 0 ? -1 : 1, a = -1 / (sign + d[2]), b = d[0] * d[1] * a;
+    float axes[3][3] = {{1 + sign * d[0] * d[0] * a, sign * b, -sign * d[0]}, {b, sign + d[1] * d[1] * a, -d[1]}};
+    light_space space = {{0}};
+    for (int k = 0; k < 3; ++k)
+        axes[2][k] = -d[k];
+    for (int row = 0; row < 3; ++row) {
+        for (int k = 0; k < 3; ++k) {
+            space.matrix[4 * k + row] = axes[row][k] / radius;
+            space.matrix[12 + row] -= axes[row][k] / radius * (float)center[k];
+        }
+    }
+    space.matrix[15] = 1;
+    return space;
+}
+
+/* the same space with x, y and depth in 0 .. 1, as maps are sampled */
+static light_space sampled(light_space space)
+{
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 3; ++row)
+            space.matrix[4 * column + row] = 0.5f * space.matrix[4 * column + row] + (column == 3 ? 0.5f : 0);
+    }
+    return space;
+}
+
+static void draw_depth(const view_gl_target *canvas, const light_space *space, int32_t size, size_t count)
+{
+    const program *p = &canvas->programs[PROGRAM_DEPTH];
+    glViewport(0, 0, size, size);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glUseProgram(p->id);
+    glUniformMatrix4fv(p->projection, 1, GL_FALSE, space->matrix);
+    glDrawArrays(GL_TRIANGLES, 0, (GLsizei)count);
+}
+
+/* weights: directions of the sky along the axes of the camera and how bright they are */
+static void place_sky(const float up[3], float weights[SKY][4])
+{
+    for (int i = 0; i < SKY; ++i) {
+        double z = 1 - (2 * i + 1) / (double)SKY, around = 2.399963229728653 * i, across = sqrt(1 - z * z);
+        const float at[3] = {(float)(across * cos(around)), (float)(across * sin(around)), (float)z};
+        float height = 0;
+        for (int k = 0; k < 3; ++k) {
+            weights[i][k] = at[k];
+            height += at[k] * up[k];
+        }
+        weights[i][3] = 0.75f + 0.25f * height;
     }
 }
 
+void view_gl_target_load(view_gl_target *canvas, const view_triangle_list *soup, size_t occluder_count,
+                         const double center[3], double reach)
+{
+    static const float key[3] = {-0.4129483f, 0.5964809f, 0.6882472f};
+    float weights[SKY][4], radius = (float)reach;
+    light_space spaces[SKY + 1], key_space;
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(soup->count * sizeof *soup->corners), soup->corners, GL_STREAM_DRAW);
+    glBindFramebuffer(GL_FRAMEBUFFER, canvas->light_framebuffer);
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(1.5f, 4);
+    place_sky(canvas->up, weights);
+    for (int i = 0; i <= SKY; ++i) {
+        spaces[i] = look_from(i < SKY ? weights[i] : canvas->up, center, radius);
+        glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, canvas->sky_maps, 0, i);
+        draw_depth(canvas, &spaces[i], SKY_SIZE, occluder_count);
+        spaces[i] = sampled(spaces[i]);
+    }
+    key_space = look_from(key, center, radius);
+    glFramebufferTexture(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, canvas->key_map, 0);
+    draw_depth(canvas, &key_space, KEY_SIZE, occluder_count);
+    key_space = sampled(key_space);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glBindFramebuffer(GL_FRAMEBUFFER, canvas->framebuffers[0]);
+    glViewport(0, 0, canvas->width, canvas->height);
+    for (int i = 0; i < PROGRAM_DEPTH; ++i) {
+        const program *p = &canvas->programs[i];
+        glUseProgram(p->id);
+        glUniformMatrix4fv(p->projection, 1, GL_FALSE, canvas->projection);
+        glUniformMatrix4fv(p->key_space, 1, GL_FALSE, key_space.matrix);
+        glUniformMatrix4fv(p->ground_space, 1, GL_FALSE, spaces[SKY].matrix);
+        glUniformMatrix4fv(p->sky_spaces, SKY, GL_FALSE, spaces[0].matrix);
+        glUniform4fv(p->sky_weights, SKY, weights[0]);
+        /* about a pixel of a map of the sky */
+        glUniform1f(p->offset, 2 * radius / SKY_SIZE);
+        glUniform2f(p->size, (float)canvas->width, (float)canvas->height);
+    }
+}
+
+/* ---- triangles ---- */
+
 /* grows the part that was drawn on by two pixels around each corner */
-static void note_part(view_gl_target *canvas, const view_triangle_list *soup)
+static void note_part(view_gl_target *canvas, const view_corner *corners, size_t count)
 {
     const float *m = canvas->projection, size[2] = {(float)canvas->width, (float)canvas->height};
     float low[2] = {size[0], size[1]}, high[2] = {0, 0};
     bool before = true;
-    for (size_t i = 0; i < soup->count; ++i) {
-        const float *p = soup->corners[i].position;
+    for (size_t i = 0; i < count; ++i) {
+        const float *p = corners[i].position;
         float w = m[3] * p[0] + m[7] * p[1] + m[11] * p[2] + m[15];
         before = before && w > 0;
         for (int k = 0; k < 2; ++k) {
@@ -333,11 +549,15 @@ static void note_part(view_gl_target *canvas, const view_triangle_list *soup)
     }
 }
 
-void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup, const view_look *look)
+void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup, size_t first, size_t count,
+                         const view_look *look)
 {
-    if (soup->count > 0)
-        note_part(canvas, soup);
-    const program *p = &canvas->programs[look->edge_width > 0 ? PROGRAM_EDGES : PROGRAM_PLAIN];
+    if (count == 0)
+        return;
+    note_part(canvas, soup->corners + first, count);
+    const program *p = &canvas->programs[look->ground           ? PROGRAM_GROUND
+                                         : look->edge_width > 0 ? PROGRAM_EDGES
+                                                                : PROGRAM_PLAIN];
     float plain[4];
     for (int i = 0; i < 4; ++i)
         plain[i] = (float)look->plain.rgba[i] / 255;
@@ -347,7 +567,8 @@ void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup,
     glUniform1f(p->highlight, (float)look->highlight);
     glUniform1f(p->edge_width, (float)look->edge_width);
     glUniform1f(p->edge_strength, (float)look->edge_strength);
-    if (look->plain.rgba[3] < 255) {
+    glUniform1f(p->occlusion, (float)look->occlusion);
+    if (look->ground || look->plain.rgba[3] < 255) {
         glEnable(GL_BLEND);
         glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
         glEnable(GL_CULL_FACE);
@@ -355,8 +576,7 @@ void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup,
         glDisable(GL_BLEND);
         glDisable(GL_CULL_FACE);
     }
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(soup->count * sizeof *soup->corners), soup->corners, GL_STREAM_DRAW);
-    glDrawArrays(GL_TRIANGLES, 0, (GLsizei)soup->count);
+    glDrawArrays(GL_TRIANGLES, (GLint)first, (GLsizei)count);
 }
 
 /* a row of pixels with its alpha divided out again */

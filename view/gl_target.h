@@ -15,6 +15,8 @@ typedef struct view_look {
     double edge_width;    /* pixels; 0 = no edges */
     double edge_strength; /* 0 .. 1 */
     double highlight;     /* strength of the gloss */
+    double occlusion;     /* strength of shadows, 0 .. 1 */
+    bool ground;          /* draw shadows only, faded by the value of the corners */
 } view_look;
 
 /* Errors: PEL_BAD_ARGUMENT (no OpenGL; too large), PEL_OUT_OF_MEMORY. On failure *canvas is null. A canvas belongs to
@@ -27,7 +29,13 @@ void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map);
 
 /* Empties the canvas and sets the camera for what is drawn until view_gl_target_read. */
 void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, view_color background);
-void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup, const view_look *look);
+/* Takes over the triangles and lights them. The first occluder_count corners cast shadows where they lie in a ball,
+   which is the same for all pictures of a film, or shadows would flicker. */
+void view_gl_target_load(view_gl_target *canvas, const view_triangle_list *soup, size_t occluder_count,
+                         const double center[3], double radius);
+/* Draws `count` corners from `first` of the list that was loaded. */
+void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup, size_t first, size_t count,
+                         const view_look *look);
 /* Copies the canvas into the image with its upper left corner at x, y; it must fit in. */
 pel_status view_gl_target_read(view_gl_target *canvas, view_image *image, int32_t x, int32_t y, pel_error *error);
 

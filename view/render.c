@@ -387,13 +387,13 @@ static pel_status survey(job *j, pel_error *error)
 
 /* ---- second pass ---- */
 
-static pel_status draw_surface(job *j, const pel_mesh *mesh, const char *place, pel_error *error)
+/* The corners of a picture, in the order in which they are drawn. */
+typedef struct parts {
+    size_t surface, arrows, tools, ground; /* where each ends */
+} parts;
+
+static pel_status add_surface(job *j, const pel_mesh *mesh, const char *place, pel_error *error)
 {
-    view_look look = {.colored = j->field != NULL,
-                      .plain = {{217, 180, 160, 255}},
-                      .edge_width = j->def.edges ? fmax(0.9, j->page.text_size / 18.0) : 0,
-                      .edge_strength = 0.4,
-                      .highlight = j->field != NULL ? 0.015 : 0.05};
     double unused[2] = {0, 0};
     if (j->field != NULL) {
         pel_status status = view_field_take(mesh, j->field, j->def.component, place, j->values, unused, error);
@@ -402,38 +402,72 @@ static pel_status draw_surface(job *j, const pel_mesh *mesh, const char *place, 
         for (int32_t v = 0; v < mesh->vertex_count; ++v)
             j->values[v] = fmin(fmax((j->values[v] - j->range[0]) / (j->range[1] - j->range[0]), 0), 1);
     }
-    j->soup.count = 0;
-    pel_status status = view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, j->field != NULL ? j->values : NULL,
-                                                    j->def.flat, error);
-    if (status == PEL_OK)
-        view_gl_target_draw(j->canvas, &j->soup, &look);
-    return status;
+    return view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, j->field != NULL ? j->values : NULL, j->def.flat,
+                                       error);
 }
 
-static pel_status draw_arrows(job *j, const pel_mesh *mesh, pel_error *error)
+static pel_status add_tools(job *j, view_shot shot, pel_error *error)
 {
-    const view_look look = {.plain = {{196, 44, 56, 255}}, .highlight = 0.1};
-    j->soup.count = 0;
-    pel_status status = walk_arrows(j, mesh, add_arrow, error);
-    if (status == PEL_OK)
-        view_gl_target_draw(j->canvas, &j->soup, &look);
-    return status;
-}
-
-static pel_status draw_tools(job *j, view_shot shot, pel_error *error)
-{
-    const view_look look = {.plain = {{120, 132, 148, 165}}, .highlight = 0.25};
     const view_run *run = &j->runs[shot.run];
-    for (int32_t t = 0; t < view_run_tool_count(run); ++t) {
+    pel_status status = PEL_OK;
+    for (int32_t t = 0; status == PEL_OK && t < view_run_tool_count(run); ++t) {
         double position[3], rotation[4];
         const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
-        j->soup.count = 0;
-        pel_status status = view_triangle_list_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
-        if (status != PEL_OK)
-            return status;
-        view_gl_target_draw(j->canvas, &j->soup, &look);
+        status = view_triangle_list_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
     }
-    return PEL_OK;
+    return status;
+}
+
+/* under the lowest point of all frames; its shadows are seen from above only */
+static pel_status add_ground(job *j, pel_error *error)
+{
+    double center[3];
+    if (j->def.hide_ground || j->camera.axes[2][j->camera.up] < 0.05)
+        return PEL_OK;
+    for (int i = 0; i < 3; ++i)
+        center[i] = 0.5 * (j->bounds[0][i] + j->bounds[1][i]);
+    center[j->def.up] = j->bounds[0][j->def.up] - 0.002 * body_size(j);
+    return view_triangle_list_add_ground(&j->soup, &j->camera, center, 0.9 * body_size(j), error);
+}
+
+static pel_status add_parts(job *j, const pel_mesh *mesh, view_shot shot, parts *ends, pel_error *error)
+{
+    j->soup.count = 0;
+    pel_status status = add_surface(j, mesh, frame_path(j, shot), error);
+    ends->surface = j->soup.count;
+    if (status == PEL_OK && j->def.arrows != NULL)
+        status = walk_arrows(j, mesh, add_arrow, error);
+    ends->arrows = j->soup.count;
+    if (status == PEL_OK)
+        status = add_tools(j, shot, error);
+    ends->tools = j->soup.count;
+    if (status == PEL_OK)
+        status = add_ground(j, error);
+    ends->ground = j->soup.count;
+    return status;
+}
+
+/* fields keep their colors: shadows on them are weaker */
+static void draw_parts(job *j, const parts *ends)
+{
+    const view_look surface = {.colored = j->field != NULL,
+                               .plain = {{217, 180, 160, 255}},
+                               .edge_width = j->def.edges ? fmax(0.9, j->page.text_size / 18.0) : 0,
+                               .edge_strength = 0.4,
+                               .highlight = j->field != NULL ? 0.015 : 0.05,
+                               .occlusion = j->field != NULL ? 0.6 : 1};
+    const view_look arrows = {.plain = {{196, 44, 56, 255}}, .highlight = 0.1, .occlusion = 0.4};
+    const view_look tools = {.plain = {{120, 132, 148, 165}}, .highlight = 0.25};
+    const view_look ground = {.ground = true, .occlusion = j->def.background == PEL_BACKGROUND_DARK ? 1 : 0.8};
+    double middle[3], center[3];
+    for (int i = 0; i < 3; ++i)
+        middle[i] = 0.5 * (j->bounds[0][i] + j->bounds[1][i]);
+    view_camera_turn(&j->camera, middle, center);
+    view_gl_target_load(j->canvas, &j->soup, ends->tools, center, fmax(0.6 * body_size(j), 1e-30));
+    view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &surface);
+    view_gl_target_draw(j->canvas, &j->soup, ends->surface, ends->arrows - ends->surface, &arrows);
+    view_gl_target_draw(j->canvas, &j->soup, ends->tools, ends->ground - ends->tools, &ground);
+    view_gl_target_draw(j->canvas, &j->soup, ends->arrows, ends->tools - ends->arrows, &tools);
 }
 
 /* "soft, t = 0.50 s" */
@@ -467,16 +501,15 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     if (status != PEL_OK)
         return status;
     double start = view_clock();
-    view_gl_target_begin(j->canvas, &j->camera, j->page.background);
-    status = draw_surface(j, mesh, frame_path(j, shot), error);
-    if (status == PEL_OK && j->def.arrows != NULL)
-        status = draw_arrows(j, mesh, error);
-    if (status == PEL_OK)
-        status = draw_tools(j, shot, error);
+    parts ends;
     int32_t x, y;
     view_sheet_cell(&j->page, cell, &x, &y);
-    if (status == PEL_OK)
+    view_gl_target_begin(j->canvas, &j->camera, j->page.background);
+    status = add_parts(j, mesh, shot, &ends, error);
+    if (status == PEL_OK) {
+        draw_parts(j, &ends);
         status = view_gl_target_read(j->canvas, &j->image, x, y, error);
+    }
     if (status == PEL_OK && !j->def.hide_labels)
         draw_label(j, shot, cell);
     j->summary.draw_s += view_clock() - start;

@@ -298,3 +298,28 @@ pel_status view_triangle_list_add_arrow(view_triangle_list *soup, const view_cam
                                   {rim, neck, 0.92, 0.39}, {0, length, 0.92, 0.39}};
     return add_revolved(soup, &f, profile, 8, 12, error);
 }
+
+/* ---- ground ---- */
+
+pel_status view_triangle_list_add_ground(view_triangle_list *soup, const view_camera *camera, const double center[3],
+                                         double radius, pel_error *error)
+{
+    enum { CELLS = 24 };
+    static const int at[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+    const int32_t up = camera->up, x = (up + 1) % 3, y = (up + 2) % 3;
+    double normal[3] = {up == 0, up == 1, up == 2};
+    view_corner *corner = add_corners(soup, (size_t)CELLS * CELLS * 6, error);
+    if (corner == NULL)
+        return PEL_OUT_OF_MEMORY;
+    for (int cell = 0; cell < CELLS * CELLS; ++cell) {
+        for (int i = 0; i < 6; ++i) {
+            double u = 2.0 * (cell % CELLS + at[i][0]) / CELLS - 1, v = 2.0 * (cell / CELLS + at[i][1]) / CELLS - 1;
+            double position[3] = {center[0], center[1], center[2]};
+            position[x] += radius * u;
+            position[y] += radius * v;
+            double fade = fmax(1 - (u * u + v * v), 0);
+            set_corner(camera, position, normal, fade * fade * (3 - 2 * fade), corner++);
+        }
+    }
+    return PEL_OK;
+}

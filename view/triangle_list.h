@@ -34,6 +34,10 @@ pel_status view_triangle_list_add_tool(view_triangle_list *soup, const view_came
 pel_status view_triangle_list_add_arrow(view_triangle_list *soup, const view_camera *camera, const double tail[3],
                                         const double head[3], double width, pel_error *error);
 
+/* a disc of that radius across the camera's up axis, values 1 in its middle to 0 at its rim */
+pel_status view_triangle_list_add_ground(view_triangle_list *soup, const view_camera *camera, const double center[3],
+                                         double radius, pel_error *error);
+
 /* area-weighted normals of the vertices (vertex_count x 3), not of length 1; free with `free`; null = out of memory */
 double (*view_mesh_normals(const pel_mesh *mesh))[3];
 

@@ -58,7 +58,7 @@ typedef struct pel_render_def {
     int32_t input_count;
     const char *const *labels; /* (input_count) what stands beside each input; null = names of the folders */
     /* a folder (one picture for each frame), FILE.png (one picture; a contact sheet when there are several frames or
-       inputs) or FILE.mp4 */
+       inputs) or FILE.mp4 or FILE.gif (a film) */
     const char *output;
     const pel_frame_range *frames; /* (frame_range_count); null = all; for a .png the last, or as many as
                                       columns x rows hold, evenly spaced */
@@ -80,6 +80,7 @@ typedef struct pel_render_def {
     bool edges;                /* draw the edges of the triangles */
     bool hide_tools, hide_bar; /* leave out tools, the colour bar */
     bool hide_labels;          /* leave out times and names */
+    bool hide_ground;          /* leave out the shadow on the ground */
     pel_background background;
     const char *title;   /* above the picture; null or empty = none */
     double frame_rate;   /* pictures per second of a film; 0 = real time, between 10 and 60 */

@@ -322,14 +322,45 @@ static void test_film(void **unused)
     assert_non_null(fgets(line, sizeof line, probe));
     pclose(probe);
     assert_string_equal(line, "162,120,10/1,3\n");
+    def.output = "render-film.gif";
+    draw(&def);
+    char head[6] = "";
+    FILE *gif = fopen("render-film.gif", "rb");
+    assert_int_equal(fread(head, 1, sizeof head, gif), sizeof head);
+    fclose(gif);
+    assert_memory_equal(head, "GIF89a", sizeof head);
+}
+
+/* the shadow of the ball darkens the ground, and only when there is one */
+static void test_ground(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *ball = "render-ball.ply";
+    pel_render_def def = make_def(&ball, 1, "render-ground.png");
+    int dark[2] = {0};
+    for (int hidden = 0; hidden < 2; ++hidden) {
+        size_t size;
+        def.hide_ground = hidden != 0;
+        draw(&def);
+        uint8_t *pixels = read_png("render-ground.png", &size);
+        /* in the lowest tenth and the right quarter, where the ball is not */
+        for (int y = HEIGHT - HEIGHT / 10; y < HEIGHT; ++y)
+            for (int x = WIDTH / 2 + HEIGHT / 3; x < WIDTH; ++x)
+                dark[hidden] += pixels[4 * (y * WIDTH + x)] < 250;
+        free(pixels);
+    }
+    assert_true(dark[0] > 50);
+    assert_int_equal(dark[1], 0);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),       cmocka_unit_test(test_deterministic),
-                                       cmocka_unit_test(test_folder),       cmocka_unit_test(test_bad_defs),
-                                       cmocka_unit_test(test_film),         cmocka_unit_test(test_not_finite),
-                                       cmocka_unit_test(test_out_of_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),     cmocka_unit_test(test_deterministic),
+                                       cmocka_unit_test(test_folder),     cmocka_unit_test(test_bad_defs),
+                                       cmocka_unit_test(test_film),       cmocka_unit_test(test_ground),
+                                       cmocka_unit_test(test_not_finite), cmocka_unit_test(test_out_of_memory)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");
