@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly demo bench bench-peers web format docs pictures install packages clean
+.PHONY: help build program test nightly demo bench bench-peers web format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -53,6 +53,12 @@ pictures: program ## draw docs/pictures from scenes/
 install: program ## install library, headers and program (PREFIX=/usr/local)
 	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log
 	@echo "installed into $(PREFIX); build/$(PRESET)/install_manifest.txt lists the files"
+
+deb: packages ## make a Debian package of program, library and headers: build/deb/pellicle_*.deb
+	@cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DPELLICLE_NATIVE=OFF -DPELLICLE_TESTS=OFF >/dev/null
+	@cmake --build build/deb $(QUIET)
+	@cd build/deb && cpack -G DEB >cpack.log || { cat cpack.log; exit 1; }
+	@ls build/deb/*.deb
 
 clean: ## remove everything that was built (results/ stays)
 	rm -rf build

@@ -3,9 +3,11 @@
 
 #include <pellicle/import.h>
 
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 int cli_report(const pel_error *error)
 {
@@ -139,4 +141,32 @@ int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mes
     if (!quiet)
         printf("%s: %d vertices, %d triangles\n", path, (int)mesh->vertex_count, (int)mesh->triangle_count);
     return CLI_DONE;
+}
+
+const char *cli_share_path(char *path, size_t size, const char *name)
+{
+    static const char *const places[] = {"../share/pellicle", "../web", "../.."};
+    char program[4096];
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length < 0)
+        return NULL;
+    program[length] = '\0';
+    char *slash = strrchr(program, '/');
+    *slash = '\0';
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        int written = snprintf(path, size, "%s/%s/%s", program, places[i], name);
+        if (written > 0 && (size_t)written < size && access(path, R_OK) == 0)
+            return path;
+    }
+    return NULL;
+}
+
+const char *cli_scene_path(char *path, size_t size, const char *name)
+{
+    char file[256];
+    if (strpbrk(name, "/.") != NULL || access(name, F_OK) == 0 ||
+        snprintf(file, sizeof file, "scenes/%s.yaml", name) >= (int)sizeof file)
+        return name;
+    const char *found = cli_share_path(path, size, file);
+    return found != NULL ? found : name;
 }

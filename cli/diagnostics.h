@@ -17,9 +17,12 @@ int cli_report_to(const pel_error *error, cli_json *json);
 /* names the file of an error that names none */
 void cli_name_file(pel_error *error, const char *path);
 
-/* Finds a file that is installed in share/pellicle, beside the program or, before it is installed, in the build folder.
-   Returns path (size bytes), or null when it is in neither place. */
+/* Finds a file that is installed in share/pellicle, beside the program or, before it is installed, in the build folder
+   or the source tree. Returns path (size bytes), or null when it is in none of these places. */
 const char *cli_share_path(char *path, size_t size, const char *name);
+/* The scene's file: a name without slash and dot, where no such file is, means an installed scene. Returns path (size
+   bytes) or name. */
+const char *cli_scene_path(char *path, size_t size, const char *name);
 
 /* seconds of a steady clock */
 double cli_clock(void);

@@ -1,4 +1,4 @@
-/* Help pages and the bash completion, written from the table of commands. */
+/* Help pages and the manual page, written from the table of commands. */
 #ifndef PELLICLE_CLI_HELP_H
 #define PELLICLE_CLI_HELP_H
 
@@ -6,7 +6,8 @@
 
 void cli_print_overview(FILE *file);
 void cli_print_help(FILE *file, const cli_command *command);
-void cli_print_completion(FILE *file);
+/* the manual page pellicle(1), in the man macros of roff */
+void cli_print_manual(FILE *file);
 
 /* words of text from the cursor's column on, wrapped to lines that begin with `indent` blanks; ends with a newline */
 void cli_print_wrapped(FILE *file, const char *text, int column, int indent);

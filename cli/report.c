@@ -5,27 +5,8 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { PATH_SIZE = 4096 };
-
-const char *cli_share_path(char *path, size_t size, const char *name)
-{
-    static const char *const places[] = {"../share/pellicle", "../web"};
-    char program[PATH_SIZE];
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length < 0)
-        return NULL;
-    program[length] = '\0';
-    char *slash = strrchr(program, '/');
-    *slash = '\0';
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        int written = snprintf(path, size, "%s/%s/%s", program, places[i], name);
-        if (written > 0 && (size_t)written < size && access(path, R_OK) == 0)
-            return path;
-    }
-    return NULL;
-}
 
 static int write_report(const cli_call *call, const pel_report_def *def)
 {

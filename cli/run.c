@@ -226,10 +226,12 @@ static int load_and_run(const cli_call *call, const char *const *settings, int s
     return status;
 }
 
-int cli_run(const cli_call *call)
+int cli_run(const cli_call *given)
 {
-    char folder[PEL_RUN_PATH_SIZE];
-    const char *path = call->arguments[0];
+    char folder[PEL_RUN_PATH_SIZE], scene[PEL_RUN_PATH_SIZE];
+    cli_call named = *given;
+    const cli_call *call = &named;
+    const char *path = named.arguments[0] = cli_scene_path(scene, sizeof scene, given->arguments[0]);
     if (pel_mesh_format_of_path(path) != PEL_FORMAT_AUTO)
         return cli_complain("'%s' is a mesh, a run needs a scene. write one that names it: mesh: { file: %s }", path,
                             path);

@@ -29,7 +29,8 @@ static const cli_command commands[] = {
     {
         .name = "run",
         .summary = "simulate a scene and write its results",
-        .text = "Reads the scene file SCENE (YAML or JSON), simulates it and leaves a folder of results: frames.pvd "
+        .text = "Reads the scene file SCENE (YAML or JSON; a name such as balloon means an installed scene), simulates "
+                "it and leaves a folder of results: frames.pvd "
                 "with frames/*.vtp for ParaView, series.csv with the measures over time, summary.json, final.ply and "
                 "scene.yaml, the scene with every default filled in.\n\n"
                 "Ctrl-C stops after the current step with everything written so far whole, and leaves a checkpoint "
@@ -406,7 +407,9 @@ static const cli_command commands[] = {
         .summary = "print the completion script of a shell",
         .text = "Prints a script that makes the shell complete commands, options, shapes and scene keys.",
         .slots = {{.name = "SHELL", .kind = CLI_WORD, .noun = "shell", .words = cli_shell_names}},
-        .examples = "source <(pellicle completion bash)",
+        .examples = "source <(pellicle completion bash)\n"
+                    "source <(pellicle completion zsh)\n"
+                    "pellicle completion fish | source",
         .run = cli_completion,
     },
     {
@@ -415,7 +418,9 @@ static const cli_command commands[] = {
         .text = "Prints the page of a command, or the list of commands.",
         .slots =
             {{.name = "COMMAND", .kind = CLI_WORD, .optional = true, .noun = "command", .words = cli_command_names}},
-        .examples = "pellicle help run",
+        .options = {{.name = "man", .kind = CLI_FLAG, .doc = "print the manual page pellicle(1) of all commands"}},
+        .examples = "pellicle help run\n"
+                    "pellicle help --man | man -l -",
         .run = cli_help,
     },
 };
@@ -443,21 +448,11 @@ const char *cli_command_names(int index)
 
 int cli_help(const cli_call *call)
 {
-    if (call->arguments[0] == NULL)
+    if (cli_has(call, "man"))
+        cli_print_manual(stdout);
+    else if (call->arguments[0] == NULL)
         cli_print_overview(stdout);
     else
         cli_print_help(stdout, cli_command_find(call->arguments[0]));
-    return CLI_DONE;
-}
-
-const char *cli_shell_names(int index)
-{
-    return index == 0 ? "bash" : NULL;
-}
-
-int cli_completion(const cli_call *call)
-{
-    (void)call;
-    cli_print_completion(stdout);
     return CLI_DONE;
 }

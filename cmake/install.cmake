@@ -46,14 +46,21 @@ if(TARGET pellicle_program)
     install(TARGETS pellicle_program)
 endif()
 
-# what the program prints about itself: completion for bash, schema for editors
+# what the program prints about itself: completion for shells, the manual page, the schema for editors
 if(TARGET pellicle_program AND NOT CMAKE_CROSSCOMPILING)
     set(PRINTED ${PROJECT_BINARY_DIR}/printed)
-    install(CODE "file(MAKE_DIRECTORY \"${PRINTED}\")
-        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" completion bash OUTPUT_FILE \"${PRINTED}/pellicle\"
-                        COMMAND_ERROR_IS_FATAL ANY)
-        execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" schema OUTPUT_FILE \"${PRINTED}/scene.schema.json\"
-                        COMMAND_ERROR_IS_FATAL ANY)")
+    install(CODE "
+        file(MAKE_DIRECTORY \"${PRINTED}\")
+        foreach(PAIR \"pellicle=completion bash\" \"_pellicle=completion zsh\" \"pellicle.fish=completion fish\"
+                     \"pellicle.1=help --man\" \"scene.schema.json=schema\")
+            string(REGEX MATCH \"^([^=]*)=(.*)\" MATCHED \"\${PAIR}\")
+            separate_arguments(WORDS UNIX_COMMAND \"\${CMAKE_MATCH_2}\")
+            execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" \${WORDS} OUTPUT_FILE \"${PRINTED}/\${CMAKE_MATCH_1}\"
+                            COMMAND_ERROR_IS_FATAL ANY)
+        endforeach()")
     install(FILES ${PRINTED}/pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${PRINTED}/_pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+    install(FILES ${PRINTED}/pellicle.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+    install(FILES ${PRINTED}/pellicle.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
     install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle)
 endif()
