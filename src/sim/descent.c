@@ -387,7 +387,8 @@ static pel_status minimise_alone(pel_descent_context *context, double loads, pel
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_state *state = sim->state;
-    pel_descent_context context = {.sim = sim, .state = *state, .time = (double)(state->step + 1) * sim->step.dt};
+    pel_descent_context context = {
+        .sim = sim, .state = *state, .time = ((double)state->step + sim->descent->force_time) * sim->step.dt};
     pel_shell_forces_follow(sim->shells, state->position);
     double loads = find_external(sim, context.time);
     pel_status status =
@@ -446,6 +447,7 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, 
         return pel_fail_memory(error);
     size_t count = (size_t)sim->model->vertex_count;
     descent->minimise = minimise;
+    descent->force_time = 1;
     descent->external = pel_allocate_aligned(count, sizeof *descent->external);
     descent->constraint_of_vertex = pel_allocate(count, sizeof *descent->constraint_of_vertex);
     descent->shares = pel_allocate(count, sizeof *descent->shares);

@@ -54,6 +54,7 @@ struct pel_sim_descent {
     double acted;                /* N, largest force that has acted since the start */
     double stiffness;            /* 1/s2, bound of that of the bodies over mass */
     double penalty;              /* stiffness of constraints over that bound */
+    double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
     pel_descent_result result;   /* of the step at work */
     pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 

@@ -9,6 +9,7 @@
      BDF2             rate 3/(2 dt),   anchor (4 x - x') / 3,    carried (4 v - v') / 3,    x_1 = y,       v_1 = u
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
 
+   Forces that change in time act at the time of y: in the middle of the step under the midpoint rule, else at its end.
    The midpoint rule keeps the energy where nothing takes it away; BDF2 damps what a step cannot follow; Euler begins,
    and follows what touches. */
 #include "base/status.h"
@@ -45,9 +46,21 @@ static bool touches(const pel_sim *sim)
     return false;
 }
 
+/* The midpoint rule meets a volume that is driven in the middle of each step only: its pressure would ring. */
+static bool volume_moves(const pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        if (shell != NULL && shell->pressure.kind == PEL_PRESSURE_VOLUME && shell->pressure.target.key_count > 0)
+            return true;
+    }
+    return false;
+}
+
 static const scheme *choose_scheme(const pel_sim *sim)
 {
-    if (sim->tool_count == 0 && !pel_holds_move(sim) && sim->contacts == NULL && !sim->descent->newton->is_damped)
+    if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
+        !sim->descent->newton->is_damped)
         return &midpoint;
     return sim->state->older_is_known ? &bdf2 : &euler;
 }
@@ -118,6 +131,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     const scheme *s = choose_scheme(sim);
     set_points(sim, s);
+    sim->descent->force_time = 1 / s->end;
     pel_sim_newton_begin(sim);
     pel_status status = pel_sim_descent_step(sim, result, error);
     if (status != PEL_OK)

@@ -144,6 +144,64 @@ static void test_momentum(void **unused)
     }
 }
 
+/* A load that grows with time gives a speed of f t^2 / 2 m, exactly so under the midpoint rule. */
+static void test_load_in_time(void **unused)
+{
+    (void)unused;
+    const pel_key keys[] = {{0, 0}, {1, 1}};
+    stage s;
+    pel_body_def body;
+    pel_sim_def def;
+    double v[300], momentum = 0, force = 0.5;
+    pel_load_def load = pel_load_def_default();
+    make_shell(&s, &body, 0, 0.02, &def);
+    pel_sim_destroy(s.sim);
+    load.force[1] = force;
+    load.keys = keys;
+    load.key_count = 2;
+    def.loads = &load;
+    def.load_count = 1;
+    s.sim = make_sim(&def);
+    run_steps(s.sim, 20);
+    pel_sim_get_velocities(s.sim, 0, v);
+    for (int k = 0; k < s.mesh->vertex_count; k++)
+        momentum += v[3 * k + 1] * mass_of(&s, k);
+    /* 100 kg/m2, and the force is that on all vertices together */
+    assert_near(100 * momentum / (0.5 * force * 0.4 * 0.4), 1, sizeof(pel_real) == 4 ? 1e-4 : 1e-6);
+    end_stage(&s);
+}
+
+/* A target volume that grows: the volume follows, and the ledger closes. */
+static void test_driven_volume(void **unused)
+{
+    (void)unused;
+    const pel_key keys[] = {{0, 1}, {0.4, 1.4}};
+    stage s;
+    pel_body_def body;
+    pel_sim_def def;
+    pel_sim_ledger ledger;
+    pel_sim_measures measures;
+    make_shell(&s, &body, 0, 0.02, &def);
+    end_stage(&s);
+    s.mesh = make_sphere(2);
+    body.mesh = s.mesh;
+    body.shell.pressure.kind = PEL_PRESSURE_VOLUME;
+    body.shell.pressure.target = (pel_quantity){.value = 1, .keys = keys, .key_count = 2};
+    body.shell.pressure.bulk = 1e6;
+    s.model = make_model(&body);
+    def.model = s.model;
+    s.sim = make_sim(&def);
+    for (int n = 1; n <= 20; n++) {
+        run_steps(s.sim, 1);
+        pel_sim_measure(s.sim, &measures);
+        assert_near(measures.volume_ratio, 1 + 0.02 * n, 0.002);
+    }
+    pel_sim_get_ledger(s.sim, &ledger);
+    assert_true(ledger.work_pressure > 100);
+    assert_near((ledger.energy_error + ledger.dissipated_solver) / ledger.supplied, 0, 0.02);
+    end_stage(&s);
+}
+
 /* ---- what touches ---- */
 
 /* A sheet on a slope, across the edges of a flat mesh: g (sin - mu cos) t^2 / 2. */
@@ -254,9 +312,9 @@ static void test_refusal(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order),   cmocka_unit_test(test_energy),     cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_slide),   cmocka_unit_test(test_round_tool), cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_refusal),
+        cmocka_unit_test(test_order),        cmocka_unit_test(test_energy),        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_load_in_time), cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_slide),
+        cmocka_unit_test(test_round_tool),   cmocka_unit_test(test_bits),          cmocka_unit_test(test_refusal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
