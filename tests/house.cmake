@@ -35,6 +35,11 @@ if(NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
                                         ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
 endif()
 
+# links and commands of the pages
+if(TARGET pellicle_program)
+    add_test(NAME house/docs COMMAND ${PYTHON3} ${HOUSE}/docs.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_program>)
+endif()
+
 # docs/reference is what the program says (make docs writes it)
 if(TARGET pellicle_program)
     add_test(NAME house/reference COMMAND bash -c "\
