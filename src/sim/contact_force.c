@@ -45,9 +45,28 @@ void pel_contact_forces_begin(pel_sim *sim)
     memset(forces->pair_next, 0, pair_count(sim) * sizeof *forces->pair_next);
 }
 
+/* forces of a step in parts are means over its parts */
+static void add_part(pel_sim *sim, double share)
+{
+    pel_contact_forces *forces = &sim->contact_forces;
+    bool is_first = sim->parts.at == 0;
+    double *sum = (double *)forces->pair;
+    const double *own = (const double *)forces->pair_next;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        pel_record before = is_first ? (pel_record){0} : forces->vertex[v];
+        forces->vertex[v] = before + (pel_real)share * forces->vertex_next[v];
+    }
+    for (size_t i = 0; i < pair_count(sim) * sizeof *forces->pair / sizeof *sum; i++)
+        sum[i] = (is_first ? 0 : sum[i]) + share * own[i];
+}
+
 void pel_contact_forces_accept(pel_sim *sim)
 {
     pel_contact_forces *forces = &sim->contact_forces;
+    if (forces->vertex != NULL && sim->parts.step_size < PEL_PART_LIMIT) {
+        add_part(sim, pel_part_share(sim));
+        return;
+    }
     pel_record *vertex = forces->vertex;
     pel_pair_force *pair = forces->pair;
     forces->vertex = forces->vertex_next;

@@ -74,7 +74,7 @@ void pel_parts_halve(pel_sim *sim)
 /* readings of the step are means of its parts */
 static void sum_readings(pel_sim *sim)
 {
-    double share = (double)sim->parts.step_size / PEL_PART_LIMIT;
+    double share = pel_part_share(sim);
     for (int32_t t = 0; t < sim->tool_count; t++) {
         pel_tool *tool = &sim->tools[t];
         pel_vec3_along(tool->force_sum, share, tool->force, tool->force_sum);

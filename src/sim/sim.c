@@ -71,7 +71,6 @@ static pel_status follow_surface(pel_sim *sim, pel_error *error)
         sim->tool_search->is_fitted = false;
     if (sim->active != NULL)
         pel_refine_step(sim);
-    pel_contact_forces_begin(sim);
     return sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : PEL_OK;
 }
 
@@ -133,6 +132,7 @@ static void accept_part(pel_sim *sim, double next)
 static pel_status step_part(pel_sim *sim, pel_error *error)
 {
     double next = pel_sim_next_time(sim), longest = 0;
+    pel_contact_forces_begin(sim);
     pel_status status = solve(sim, next, &longest, error);
     if (status == PEL_OK)
         status = keep_apart(sim, next, longest, error);

@@ -368,6 +368,12 @@ static inline bool pel_parts_can_halve(const pel_sim *sim)
 {
     return sim->parts.before != NULL && sim->parts.step_size > 1;
 }
+/* of the present part in its step */
+static inline double pel_part_share(const pel_sim *sim)
+{
+    return (double)sim->parts.step_size / PEL_PART_LIMIT;
+}
+
 static inline bool pel_parts_are_last(const pel_sim *sim)
 {
     return sim->parts.at + sim->parts.step_size == PEL_PART_LIMIT;
@@ -408,9 +414,9 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body);
 /* After tools, before contacts. PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_forces_create(pel_sim *sim, pel_error *error);
 void pel_contact_forces_destroy(pel_sim *sim);
-/* Before a step, or before its substeps are done anew. */
+/* Before a step or a part of it, or before its substeps are done anew. */
 void pel_contact_forces_begin(pel_sim *sim);
-/* The forces of the step become the present ones. */
+/* The forces of the step become the present ones; those of a part are added to the mean. */
 void pel_contact_forces_accept(pel_sim *sim);
 
 /* ---- restitution.c ---- */

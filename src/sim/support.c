@@ -78,6 +78,16 @@ static void read_balance(pel_sim *sim, int32_t body, pel_support_reading *readin
     }
 }
 
+/* the force of the substeps of a part; that of a step in parts is the mean */
+static void read_substeps(pel_sim *sim, int32_t body, pel_support_reading *reading)
+{
+    const pel_support_reading before = sim->parts.at > 0 ? *reading : (pel_support_reading){0};
+    sum_pins(sim, body, sim->state->position_next, sim->projector->reaction, 1.0 / sim->solver.substeps,
+             sim->contact_forces.vertex_next, reading);
+    pel_vec3_along(before.force, pel_part_share(sim), reading->force, reading->force);
+    pel_vec3_along(before.torque, pel_part_share(sim), reading->torque, reading->torque);
+}
+
 void pel_supports_read(pel_sim *sim, double time)
 {
     pel_holds_read(sim, time);
@@ -85,8 +95,7 @@ void pel_supports_read(pel_sim *sim, double time)
         if (sim->projector == NULL)
             read_balance(sim, b, &sim->supports[b]);
         else
-            sum_pins(sim, b, sim->state->position_next, sim->projector->reaction, 1.0 / sim->solver.substeps,
-                     sim->contact_forces.vertex_next, &sim->supports[b]);
+            read_substeps(sim, b, &sim->supports[b]);
 }
 
 static int32_t count_pins(const pel_sim *sim, int32_t body)

@@ -80,6 +80,17 @@ static void add_damping(const pel_sim *sim, int32_t v, const double *factors, do
     pel_vec3_along(force, -along, offset, force);
 }
 
+/* Where the mean force of the substeps on a held vertex acts: by the mean of its arms at both ends of the step. By the
+   last one alone, what pulls a turning rim inward would turn it on. */
+static void find_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3])
+{
+    for (int k = 0; k < 3; k++) {
+        double before = (double)sim->state->position[v][k] - tool->pose_before.position[k];
+        double after = (double)sim->state->position_next[v][k] - tool->pose.position[k];
+        point[k] = tool->pose.position[k] + 0.5 * (before + after);
+    }
+}
+
 /* what the substeps recorded on held vertices, what draws them to their rest places, damping and inertia */
 static void read_grip(pel_sim *sim, pel_tool *tool)
 {
@@ -88,7 +99,7 @@ static void read_grip(pel_sim *sim, pel_tool *tool)
     for (int32_t i = 0; i < tool->held_count; i++) {
         int32_t v = tool->held[i];
         const double *factors = state->factors[model->body_of_slice[v / PEL_WIDTH]];
-        double spring = factors[PEL_VOLUMETRIC_STIFFNESS] * (double)model->rest[v][3], force[3], x[3];
+        double spring = factors[PEL_VOLUMETRIC_STIFFNESS] * (double)model->rest[v][3], force[3], x[3], point[3];
         for (int k = 0; k < 3; k++) {
             x[k] = (double)state->position_next[v][k];
             force[k] =
@@ -97,7 +108,8 @@ static void read_grip(pel_sim *sim, pel_tool *tool)
                 (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
         }
         add_damping(sim, v, factors, force);
-        pel_tool_add_grip(sim, tool, v, x, force);
+        find_mean_point(sim, tool, v, point);
+        pel_tool_add_grip(sim, tool, v, point, force);
         pel_tool_touch(tool, v);
     }
 }
@@ -109,12 +121,12 @@ static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->held_count; i++) {
         int32_t v = tool->held[i];
-        double force[3], x[3];
+        double force[3], point[3];
         /* the grip itself is among the forces of the step */
         pel_vertex_position(sim->contact_forces.vertex_next, v, force);
         pel_vec3_add(force, sim->grip_forces[v], force);
-        pel_vertex_position(sim->state->position_next, v, x);
-        pel_tool_add_grip(sim, tool, v, x, force);
+        find_mean_point(sim, tool, v, point);
+        pel_tool_add_grip(sim, tool, v, point, force);
         if (sim->projector == NULL)
             sim->state->position_next[v][3] = sim->model->inverse_mass[v];
     }

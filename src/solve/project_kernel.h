@@ -519,27 +519,88 @@ PEL_INLINE void move_points(const pel_batch *batch, int32_t block, int32_t lane,
                           ways[k]);
 }
 
-/* Force on what holds the fixed vertices of one constraint: its impulses sum to zero, so that the free vertices tell
-   it. Several fixed vertices share it evenly. */
+/* The force of one constraint on what holds its fixed vertices. */
+typedef struct held_share {
+    double point[4][3]; /* m, of the fixed vertices, from their mean */
+    int32_t step[4];
+    int count;
+    double force[3], torque[3]; /* of all of them, the torque about their mean */
+} held_share;
+
+/* Its impulses, and their moments, sum to zero, so that the free vertices tell both sums. False = none is fixed or all
+   are. */
+static bool find_held_share(const pel_batch *batch, const pel_record *positions, const int32_t *steps, int32_t lane,
+                            pel_record (*ways)[PEL_BLOCK], held_share *share)
+{
+    double mean[3] = {0, 0, 0}, x[4][3];
+    *share = (held_share){0};
+    for (int k = 0; k < batch->arity; k++) {
+        pel_record own = pel_record_get(positions, steps[k * PEL_BLOCK + lane]);
+        pel_vec3_set(x[k], (double)own[0], (double)own[1], (double)own[2]);
+        if (own[3] > 0)
+            continue;
+        share->step[share->count] = steps[k * PEL_BLOCK + lane];
+        pel_vec3_copy(x[k], share->point[share->count++]);
+        pel_vec3_add(mean, x[k], mean);
+    }
+    if (share->count == 0 || share->count == batch->arity)
+        return false;
+    pel_vec3_scale(mean, 1.0 / share->count, mean);
+    for (int i = 0; i < share->count; i++)
+        pel_vec3_subtract(share->point[i], mean, share->point[i]);
+    for (int k = 0; k < batch->arity; k++) {
+        double w = (double)pel_record_get(positions, steps[k * PEL_BLOCK + lane])[3], force[3], arm[3], torque[3];
+        for (int i = 0; i < 3 && w > 0; i++)
+            force[i] = -(double)batch->law.force_rate / w * (double)ways[k][lane][i];
+        if (!(w > 0))
+            continue;
+        pel_vec3_subtract(x[k], mean, arm);
+        pel_vec3_cross(arm, force, torque);
+        pel_vec3_add(share->force, force, share->force);
+        pel_vec3_add(share->torque, torque, share->torque);
+    }
+    return true;
+}
+
+/* the turn w of the fixed vertices about their mean with sum r x (w x r) = torque, as if each had the mass 1; none
+   about a line on which all lie, about which there is no torque */
+static void find_turn(const held_share *share, double turn[3])
+{
+    double m[3][3] = {{0}}, square = 0, inverse[3][3];
+    for (int i = 0; i < share->count; i++)
+        square += pel_vec3_squared_length(share->point[i]);
+    pel_vec3_set(turn, 0, 0, 0);
+    if (!(square > 0))
+        return;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            m[a][b] = a == b ? (1 + 1e-9) * square : 0;
+            for (int i = 0; i < share->count; i++)
+                m[a][b] -= share->point[i][a] * share->point[i][b];
+        }
+    pel_vec3_cross(m[1], m[2], inverse[0]);
+    pel_vec3_cross(m[2], m[0], inverse[1]);
+    pel_vec3_cross(m[0], m[1], inverse[2]);
+    double determinant = pel_vec3_dot(m[0], inverse[0]);
+    for (int a = 0; a < 3 && determinant > 0; a++)
+        turn[a] = pel_vec3_dot(inverse[a], share->torque) / determinant;
+}
+
+/* Fixed vertices share the force evenly, and the torque as a turn about their mean: what is left open has neither. */
 static void record_lane(const pel_batch *batch, const pel_record *positions, const int32_t *steps, int32_t lane,
                         pel_record (*ways)[PEL_BLOCK])
 {
-    pel_record sum = {0};
-    int fixed = 0;
-    for (int k = 0; k < batch->arity; k++) {
-        pel_real w = pel_record_get(positions, steps[k * PEL_BLOCK + lane])[3];
-        if (w > 0)
-            sum -= (batch->law.force_rate / w) * ways[k][lane];
-        else
-            fixed++;
-    }
-    if (fixed == 0 || fixed == batch->arity)
+    held_share share;
+    double turn[3];
+    if (!find_held_share(batch, positions, steps, lane, ways, &share))
         return;
-    sum = ((pel_real)1 / (pel_real)fixed) * sum;
-    for (int k = 0; k < batch->arity; k++) {
-        int32_t step = steps[k * PEL_BLOCK + lane];
-        if (!(pel_record_get(positions, step)[3] > 0))
-            pel_record_set(batch->reaction, step, pel_record_get(batch->reaction, step) + sum);
+    find_turn(&share, turn);
+    for (int i = 0; i < share.count; i++) {
+        double force[3];
+        pel_vec3_cross(turn, share.point[i], force);
+        pel_vec3_along(force, 1.0 / share.count, share.force, force);
+        pel_record sum = {(pel_real)force[0], (pel_real)force[1], (pel_real)force[2], 0};
+        pel_record_set(batch->reaction, share.step[i], pel_record_get(batch->reaction, share.step[i]) + sum);
     }
 }
 
