@@ -24,8 +24,8 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh, SCEN
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
 
-nightly: build ## run the long tests: all scenes to their ends, stopped and continued
-	@PELLICLE_LONG=1 ctest --test-dir build/$(PRESET) --output-on-failure --timeout 7200 -R '^run/resume$$'
+nightly: build ## run the long tests: all scenes to their ends, stopped and continued, and three turns of a tube
+	@PELLICLE_LONG=1 ctest --test-dir build/$(PRESET) --output-on-failure --timeout 7200 -R '^(run/resume|sim/twist)$$'
 
 bench: program ## run the benchmarks
 	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)

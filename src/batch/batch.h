@@ -60,12 +60,13 @@ typedef struct pel_batch_law {
     double modulus;                    /* membrane: shear modulus of the law over young */
     pel_real poisson;                  /* membrane: Poisson's ratio at small strain */
     pel_real weight;                   /* bending of pbd: k_B */
-    pel_real least_strain;             /* limit: Green strain of the least principal stretch */
-    pel_real most_strain;              /* limit: of the largest one */
-    pel_real rest_length;              /* fibres: factor on the length at rest, now */
-    pel_real square_time;              /* s2, of the substep, times the factor of a keyed stiffness */
-    pel_real inverse_square;           /* its inverse */
-    pel_real force_rate;               /* 1/s2: from displacements times masses to forces */
+    pel_real share;          /* pbd: of a correction, below 1 in substeps shorter than those of a whole step */
+    pel_real least_strain;   /* limit: Green strain of the least principal stretch */
+    pel_real most_strain;    /* limit: of the largest one */
+    pel_real rest_length;    /* fibres: factor on the length at rest, now */
+    pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
+    pel_real inverse_square; /* its inverse */
+    pel_real force_rate;     /* 1/s2: from displacements times masses to forces */
 } pel_batch_law;
 
 typedef struct pel_batch {

@@ -566,7 +566,7 @@ static void correct(pel_sim *sim, int32_t sweeps)
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].pose_substep = sim->tools[i].pose_before;
     pel_contacts_place_tools(sim);
-    pel_contacts_refresh(sim, state->position);
+    pel_contacts_refresh(sim, state->position, HUGE_VAL);
     for (int32_t c = 0; c < contacts->list.count; c++)
         if (!contacts->keys[c].is_impact)
             contacts->list.contacts[c].separation -= (pel_real)contacts->keys[c].depth;

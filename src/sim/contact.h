@@ -163,8 +163,9 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
 /* At the start of a substep, after pel_tools_place. */
 void pel_contacts_place_tools(pel_sim *sim);
 /* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
-   the start of the substep. */
-void pel_contacts_refresh(pel_sim *sim, const pel_record *start);
+   the start of the substep. reach: pairs that were farther apart than this at the last refresh, or off, stay as they
+   were [m]; HUGE_VAL = all are looked at. */
+void pel_contacts_refresh(pel_sim *sim, const pel_record *start, double reach);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at its
    start. */
 void pel_contacts_look_at_start(pel_sim *sim);

@@ -40,7 +40,8 @@ void pel_contacts_place_tools(pel_sim *sim)
 typedef struct refresh_job {
     pel_sim *sim;
     const pel_record
-        *start; /* (vertex_count) positions at the start of the substep; null = all is at that of the step */
+        *start;   /* (vertex_count) positions at the start of the substep; null = all is at that of the step */
+    double reach; /* m, pairs with a larger gap when they were looked at last are left out, and those that were off */
 } refresh_job;
 
 static void load_point(const refresh_job *job, int32_t point, double x[3])
@@ -245,6 +246,8 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     double x[4][3], weights[4], normal[3];
     if (key->gap > FAR * contacts->largest && (contacts->substep + (uint32_t)c) % FAR_INTERVAL != 0)
         return;
+    if (job->reach < HUGE_VAL && !key->is_impact && (key->gap > job->reach || key->is_off))
+        return;
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
@@ -274,9 +277,9 @@ static void refresh_chunk(void *context, int32_t chunk)
         refresh_pair(job, c);
 }
 
-void pel_contacts_refresh(pel_sim *sim, const pel_record *start)
+void pel_contacts_refresh(pel_sim *sim, const pel_record *start, double reach)
 {
-    refresh_job job = {sim, start};
+    refresh_job job = {sim, start, reach};
     int32_t count = sim->contacts->list.count;
     pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
 }
@@ -305,7 +308,7 @@ static void look_chunk(void *context, int32_t chunk)
 
 void pel_contacts_look_at_start(pel_sim *sim)
 {
-    refresh_job job = {sim, NULL};
+    refresh_job job = {sim, NULL, HUGE_VAL};
     int32_t count = sim->contacts->list.count;
     pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, look_chunk, &job);
 }

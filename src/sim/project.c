@@ -13,6 +13,8 @@ enum { REPEAT_LIMIT = 2 };
 /* sweeps over pairs after one over elements, and the depth at which they may end, of the thickness */
 enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.02
+/* how far a sweep brings a pair together, in the largest depth that it met */
+#define CORRECTION_REACH 4.0
 /* depth that a pair had before a substep and that is taken back in it, of the thickness: all at once would turn depth
    into speed */
 #define RECOVERY_SHARE 0.05
@@ -44,6 +46,21 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
     return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
 }
 
+/* Sweeps over the pairs until none is deep. After the first one only what the corrections can have brought together is
+   looked at: most pairs of a wad are farther apart. */
+static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record *start)
+{
+    const pel_sim_contacts *contacts = sim->contacts;
+    double reach = HUGE_VAL;
+    for (int i = 0; i < SWEEP_LIMIT; i++) {
+        pel_contacts_refresh(sim, start, reach);
+        double deepest = pel_contacts_project(pairs, sim->state->position_next, start);
+        if (!(deepest > SWEEP_TOLERANCE * contacts->thickness))
+            break;
+        reach = contacts->largest + CORRECTION_REACH * deepest;
+    }
+}
+
 /* one sweep over the elements, then over what touches */
 static void sweep(pel_sim *sim, const pel_record *start)
 {
@@ -51,13 +68,7 @@ static void sweep(pel_sim *sim, const pel_record *start)
     pel_contact_list *pairs = loop_contacts(sim);
     pel_project_sweep(sim->projector, positions);
     if (pairs != NULL) {
-        pel_contacts_refresh(sim, start);
-        for (int i = 1; pel_contacts_project(pairs, positions, start) > SWEEP_TOLERANCE * sim->contacts->thickness;
-             i++) {
-            if (i == SWEEP_LIMIT)
-                break;
-            pel_contacts_refresh(sim, start);
-        }
+        sweep_pairs(sim, pairs, start);
         pel_contact_heights_refresh(sim);
         pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }

@@ -55,7 +55,7 @@ pel_status pel_projector_create(pel_batches *batches, const pel_solver_def *solv
     made->model = batches->model;
     made->batches = batches;
     made->solver = *solver;
-    made->substep = solver->dt / solver->substeps;
+    made->substep = made->whole_substep = solver->dt / solver->substeps;
     pel_status status = build(made, error);
     if (status == PEL_OK)
         *projector = made;
@@ -321,9 +321,10 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
 
 static void set_time(pel_projector *projector, const pel_state *state, double tau)
 {
+    double ratio = fmin(projector->substep / projector->whole_substep, 1);
     projector->tau = tau;
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], tau);
+        pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], tau, ratio * ratio);
 }
 
 static vertex_job make_job(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,

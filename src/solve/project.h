@@ -35,6 +35,7 @@ typedef struct pel_projector {
     bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
     bool is_held;                                /* a vertex has drag or a volumetric spring of its own */
     double substep, tau;                         /* s; tau of the present substep */
+    double whole_substep;                        /* s, of a step that is not in parts */
     pel_record *base;                            /* (vertex_count) y of the substep */
     pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
     uint8_t *touches;                            /* (body_count) second order: scratch */
@@ -52,7 +53,9 @@ void pel_projector_destroy(pel_projector *projector);
 /* Changes the substeps of the steps to come, between two steps. state: its history (second order) is brought to the new
    substep by the parabola through it; null leaves it alone. */
 void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int32_t substeps);
-/* The same with another length of the step [s]. */
+/* The same with another length of the step [s], for a part of one: there corrections of pbd are smaller by the square
+   of the ratio of its substep to the whole one, for they act as a stiffness of mass / substep^2. So a body is as stiff
+   in parts as in whole steps, and what holds it feels the same force. */
 void pel_projector_set_time(pel_projector *projector, pel_state *state, double dt, int32_t substeps);
 
 /* From now on substeps record the force [N] that the body exerts on what holds each vertex that is pinned or held: the
@@ -96,8 +99,8 @@ void pel_projector_accept(pel_projector *projector, pel_state *state);
 /* Before the substeps of a step: numbers of its batches at a time. */
 void pel_project_body_begin(pel_batches *batches, int32_t body, const pel_solver_def *solver, const pel_state *state,
                             double time);
-/* the time that compliances are over */
-void pel_project_body_set_time(pel_body_batches *own, const double *factors, double tau);
+/* the time that compliances are over; share: of each correction of pbd */
+void pel_project_body_set_time(pel_body_batches *own, const double *factors, double tau, double share);
 /* Marks the blocks with a vertex that is fixed: there reactions are recorded. */
 void pel_project_body_mark_fixed(pel_body_batches *own, const uint8_t *is_fixed);
 

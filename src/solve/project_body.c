@@ -36,7 +36,7 @@ void pel_project_body_begin(pel_batches *batches, int32_t body, const pel_solver
     }
 }
 
-void pel_project_body_set_time(pel_body_batches *own, const double *factors, double tau)
+void pel_project_body_set_time(pel_body_batches *own, const double *factors, double tau, double share)
 {
     for (int32_t i = 0; i < own->batch_count; i++) {
         pel_batch_law *law = &own->batches[i].law;
@@ -44,6 +44,7 @@ void pel_project_body_set_time(pel_body_batches *own, const double *factors, dou
         law->square_time = (pel_real)(tau * tau * factor);
         law->inverse_square = (pel_real)(1 / (tau * tau * factor));
         law->force_rate = (pel_real)(1 / (tau * tau));
+        law->share = (pel_real)share;
     }
 }
 

@@ -93,7 +93,7 @@ PEL_INLINE void project_edge(const pel_batch *batch, int32_t block, int32_t lane
         add_multiplier(batch, block, 1, 0, lane, multiplier, -change);
         change = pel_lane_quotient(change, l.length);
     } else {
-        change = pel_lane_quotient(stretch, mobility * l.length);
+        change = pel_lane_splat(batch->law.share) * pel_lane_quotient(stretch, mobility * l.length);
     }
     ways[0] = pel_lane3_scale(l.d, a.fourth * change);
     ways[1] = pel_lane3_scale(l.d, -(b.fourth * change));
@@ -163,7 +163,8 @@ PEL_INLINE void project_membrane(const pel_batch *batch, int32_t block, int32_t 
     pel_lane energy = pel_membrane_stress(kind, numbers, &t.f, stress);
     pel_lane bottom = sum_of_squares(&t, stress[0], stress[1]);
     bottom = pel_lane_max(bottom, energy * energy * (t.pp + t.qq));
-    move_triangle(&t, -pel_lane_quotient(energy, bottom), stress[0], stress[1], ways);
+    move_triangle(&t, -pel_lane_splat(batch->law.share) * pel_lane_quotient(energy, bottom), stress[0], stress[1],
+                  ways);
 }
 
 /* Strain limit: the constraint is the distance of the Green strain E from those whose principal values e_i are within
@@ -387,7 +388,7 @@ PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t
     } else {
         pel_lane square = pel_lane3_dot(u, u);
         pel_lane bottom = pel_lane_max(square, number * pel_lane_splat((pel_real)0.25)) * mobility;
-        pel_lane top = pel_lane_splat((pel_real)-0.5 * batch->law.weight) * (square - number);
+        pel_lane top = pel_lane_splat((pel_real)-0.5 * batch->law.weight * batch->law.share) * (square - number);
         change = pel_lane3_scale(u, pel_lane_quotient(top, bottom));
     }
     for (int a = 0; a < 4; a++)
@@ -417,7 +418,8 @@ PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lan
         change = inverse * (h.difference + softness * old);
         add_multiplier(batch, block, 1, 0, lane, old, -change);
     } else {
-        change = pel_lane_quotient(pel_lane_splat((pel_real)0.5 * batch->law.weight) * h.difference, mobility);
+        pel_lane weight = pel_lane_splat((pel_real)0.5 * batch->law.weight * batch->law.share);
+        change = pel_lane_quotient(weight * h.difference, mobility);
     }
     change = h.length * change;
     pel_lane3 g2 = pel_lane3_scale(h.n2, h.r2 * change), g3 = pel_lane3_scale(h.n3, h.r3 * change);
@@ -471,7 +473,7 @@ PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lan
         change = -((r.strain + softness * old) / (mobility + softness));
         add_multiplier(batch, block, 1, 0, lane, old, change);
     } else {
-        change = pel_lane_quotient(-(half * f.number * r.strain), mobility);
+        change = pel_lane_splat(batch->law.share) * pel_lane_quotient(-(half * f.number * r.strain), mobility);
     }
     pel_lane3 way = pel_lane3_scale(f.fibre.image, r.slope * change);
     const pel_particle *p = f.point;

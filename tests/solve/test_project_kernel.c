@@ -54,6 +54,7 @@ static void make_batch(sample *s, pel_constraint kind, int arity, int number_cou
 {
     s->batch = (pel_batch){
         .kind = kind,
+        .law.share = 1,
         .arity = arity,
         .number_count = number_count,
         .multiplier_count = multiplier_count,
