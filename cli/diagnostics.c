@@ -13,7 +13,8 @@ int cli_report(const pel_error *error)
 {
     char text[1200];
     fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    return error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED ? CLI_FAILED : CLI_BAD_INPUT;
+    bool failed = error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED || error->status == PEL_STOPPED;
+    return failed ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
 void cli_write_error(cli_json *json, const pel_error *error)

@@ -107,6 +107,9 @@ static const char *frame_path(const job *j, view_shot shot)
 static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *error)
 {
     double start = view_clock();
+    *mesh = NULL;
+    if (j->def.progress != NULL && !j->def.progress(j->def.user))
+        return pel_fail(error, PEL_STOPPED, "stopped while drawing");
     pel_status status = view_run_read(&j->runs[shot.run], shot.frame, mesh, error);
     if (status == PEL_OK && (*mesh)->vertex_count > j->value_count) {
         double *grown = realloc(j->values, (size_t)(*mesh)->vertex_count * sizeof *grown);

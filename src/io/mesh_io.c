@@ -48,6 +48,26 @@ static void skip_byte_order_mark(pel_text_cursor *scan)
         scan->at += 3;
 }
 
+/* text of two bytes a letter: with a byte order mark, or letters of ASCII */
+static bool is_wide_text(const pel_text_cursor *scan)
+{
+    const unsigned char *b = (const unsigned char *)scan->begin;
+    if (scan->end - scan->begin < 4 || pel_stl_size_fits(scan))
+        return false;
+    bool marked = (b[0] == 0xff && b[1] == 0xfe) || (b[0] == 0xfe && b[1] == 0xff);
+    bool low = b[1] == 0 && b[3] == 0 && b[0] >= '\t' && b[0] < 0x7f && b[2] >= '\t' && b[2] < 0x7f;
+    bool high = b[0] == 0 && b[2] == 0 && b[1] >= '\t' && b[1] < 0x7f && b[3] >= '\t' && b[3] < 0x7f;
+    return marked || low || high;
+}
+
+static pel_status fail_wide(const char *name, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FORMAT, "the file is UTF-16 text, which mesh files are not");
+    pel_fail_remedy(error, "save it as UTF-8 or ASCII, for example: iconv -f UTF-16 -t UTF-8 FILE > NEW");
+    pel_fail_place(error, name, 0, 0);
+    return PEL_BAD_FORMAT;
+}
+
 static pel_status fail_unknown(const char *name, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FORMAT, "neither the extension nor the content tells the format of this file");
@@ -67,6 +87,8 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
         return PEL_BAD_FORMAT;
     }
     pel_text_cursor scan = {.name = name, .begin = bytes, .at = bytes, .end = (const char *)bytes + size};
+    if (is_wide_text(&scan))
+        return fail_wide(name, error);
     skip_byte_order_mark(&scan);
     switch (format == PEL_FORMAT_AUTO ? detect_format(&scan) : format) {
     case PEL_FORMAT_OBJ:

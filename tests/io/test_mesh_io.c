@@ -178,8 +178,11 @@ static void test_read_failures(void **unused)
     (void)unused;
     check_read_failure("not/there.obj", PEL_BAD_FILE, "No such file");
     check_read_failure(".", PEL_BAD_FILE, "directory");
-    check_read_failure("/dev/null", PEL_BAD_FORMAT, "empty");
+    check_read_failure("/dev/null", PEL_BAD_FILE, "it is a device");
     FILE *stream = fopen(scratch_file, "wb");
+    fclose(stream);
+    check_read_failure(scratch_file, PEL_BAD_FORMAT, "empty");
+    stream = fopen(scratch_file, "wb");
     fputs("what is this", stream);
     fclose(stream);
     check_read_failure(scratch_file, PEL_BAD_FORMAT, "neither the extension nor the content");
