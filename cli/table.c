@@ -12,15 +12,15 @@
 #define FORMAT_OPTION                                                                                                  \
     {                                                                                                                  \
         .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_format_names,                              \
-        .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii or "    \
-               "off; left out, the file's ending decides"                                                              \
+        .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, "      \
+               "off or vtp (VTK PolyData); left out, the file's ending decides"                                        \
     }
 
 #define EXPORT_OPTION                                                                                                  \
     {                                                                                                                  \
         .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_export_names,                              \
         .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, off, " \
-               "glb or, of a run, pc2; left out, the file's ending decides"                                            \
+               "vtp (VTK PolyData), glb or, of a run, pc2; left out, the file's ending decides"                        \
     }
 
 const cli_option cli_help_option = {.name = "help", .letter = 'h', .kind = CLI_FLAG, .doc = "print this page"};

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "io/formats.h"
+#include "pellicle/results.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,7 +13,11 @@ pel_mesh_format pel_mesh_format_of_path(const char *path)
     static const struct {
         const char *extension;
         pel_mesh_format format;
-    } formats[] = {{"obj", PEL_FORMAT_OBJ}, {"ply", PEL_FORMAT_PLY}, {"stl", PEL_FORMAT_STL}, {"off", PEL_FORMAT_OFF}};
+    } formats[] = {{"obj", PEL_FORMAT_OBJ},
+                   {"ply", PEL_FORMAT_PLY},
+                   {"stl", PEL_FORMAT_STL},
+                   {"off", PEL_FORMAT_OFF},
+                   {"vtp", PEL_FORMAT_VTP}};
     const char *dot = strrchr(path, '.');
     if (dot == NULL)
         return PEL_FORMAT_AUTO;
@@ -34,6 +39,8 @@ static pel_mesh_format detect_format(const pel_text_cursor *scan)
         return PEL_FORMAT_STL;
     if (pel_off_matches(scan))
         return PEL_FORMAT_OFF;
+    if (pel_vtp_matches(scan))
+        return PEL_FORMAT_VTP;
     pel_mesh_format by_name = pel_mesh_format_of_path(scan->name);
     if (by_name != PEL_FORMAT_AUTO)
         return by_name;
@@ -71,7 +78,7 @@ static pel_status fail_wide(const char *name, pel_error *error)
 static pel_status fail_unknown(const char *name, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FORMAT, "neither the extension nor the content tells the format of this file");
-    pel_fail_remedy(error, "give it the extension .obj, .ply, .stl or .off, or convert it to one of these");
+    pel_fail_remedy(error, "give it the extension .obj, .ply, .stl, .off or .vtp, or convert it to one of these");
     pel_fail_place(error, name, 0, 0);
     return PEL_BAD_FORMAT;
 }
@@ -102,6 +109,8 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
         return pel_stl_read(&scan, log, mesh, error);
     case PEL_FORMAT_OFF:
         return pel_off_read(&scan, log, mesh, error);
+    case PEL_FORMAT_VTP:
+        return pel_vtp_read_mesh(&scan, log, mesh, error);
     default:
         return fail_unknown(name, error);
     }
@@ -135,7 +144,8 @@ void pel_write_numbers(pel_file_writer *writer, const char *before, const double
 
 static bool holds_fields(pel_mesh_format format)
 {
-    return format == PEL_FORMAT_PLY || format == PEL_FORMAT_PLY_ASCII || format == PEL_FORMAT_PLY_BIG;
+    return format == PEL_FORMAT_VTP || format == PEL_FORMAT_PLY || format == PEL_FORMAT_PLY_ASCII ||
+           format == PEL_FORMAT_PLY_BIG;
 }
 
 static pel_status check_values(const double *values, int32_t vertex_count, int32_t component_count, const char *name,
@@ -186,6 +196,26 @@ static pel_status write_format(pel_file_writer *writer, pel_mesh_format format, 
     }
 }
 
+static pel_status write_vtp(const char *path, const pel_mesh *mesh, pel_error *error)
+{
+    pel_vtp_field *fields = pel_allocate((size_t)mesh->field_count, sizeof *fields);
+    if (fields == NULL)
+        return pel_fail_memory(error);
+    for (int32_t f = 0; f < mesh->field_count; f++)
+        fields[f] = (pel_vtp_field){mesh->fields[f].name, mesh->fields[f].component_count, mesh->fields[f].values};
+    const pel_vtp vtp = {.vertex_count = mesh->vertex_count,
+                         .triangle_count = mesh->triangle_count,
+                         .positions = mesh->positions[0],
+                         .triangles = mesh->triangles[0],
+                         .fields = fields,
+                         .field_count = mesh->field_count,
+                         .compress = true,
+                         .float64 = true};
+    pel_status status = pel_vtp_write(path, &vtp, error);
+    pel_free(fields);
+    return status;
+}
+
 pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
                           pel_error *error)
 {
@@ -193,11 +223,13 @@ pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_me
         format = pel_mesh_format_of_path(path);
     if (format <= PEL_FORMAT_AUTO || format >= PEL_FORMAT_COUNT) {
         pel_fail(error, PEL_BAD_ARGUMENT, "the extension does not tell the format to write");
-        pel_fail_remedy(error, "use the extension .obj, .ply, .stl or .off");
+        pel_fail_remedy(error, "use the extension .obj, .ply, .stl, .off or .vtp");
         pel_fail_place(error, path, 0, 0);
         return PEL_BAD_ARGUMENT;
     }
     pel_status status = check_mesh(mesh, format, error);
+    if (format == PEL_FORMAT_VTP)
+        return status == PEL_OK ? write_vtp(path, mesh, error) : status;
     pel_file_writer writer;
     if (status == PEL_OK)
         status = pel_file_writer_open(&writer, path, error);
@@ -209,7 +241,7 @@ pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_me
         return status;
     }
     if (mesh->field_count > 0 && !holds_fields(format))
-        pel_log_line(log, "%d vertex %s dropped: only PLY holds them", (int)mesh->field_count,
+        pel_log_line(log, "%d vertex %s dropped: only PLY and VTP hold them", (int)mesh->field_count,
                      mesh->field_count == 1 ? "field" : "fields");
     return pel_file_writer_commit(&writer, error);
 }

@@ -375,7 +375,7 @@ static const pel_scene_row rows[] = {
     {"<mesh>", MAP, .doc = "a surface, in metres once scaled: a shape or a file"},
     {"<mesh>.shape", .forms = PEL_FORM_WORD, ALTERNATIVE, .doc = "a generated surface; its parameters stand beside it"},
     {"<mesh>.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
-    {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
+    {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off", "vtp"), .needs = "file", .preset = "auto",
      .doc = "format of the file; auto looks at extension and content, and knows glTF, FBX, 3MF and more"},
     {"<mesh>.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
      .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); done first"},
