@@ -16,6 +16,10 @@ if(TARGET pellicle_program)
     add_test(NAME cli/vtk_formats COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/io/vtk_formats.py
                                           $<TARGET_FILE:pellicle_program>)
     set_tests_properties(cli/vtk_frames cli/vtk_formats PROPERTIES SKIP_RETURN_CODE 77)
+    # scenes against the schema for editors; skipped without Debian's python3-jsonschema
+    add_test(NAME scene/json_schema COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/scene/schema.py
+                                            $<TARGET_FILE:pellicle_program> ${PROJECT_SOURCE_DIR})
+    set_tests_properties(scene/json_schema PROPERTIES SKIP_RETURN_CODE 77)
     # Mesa leaks a little where it draws; view/render counts what is ours by itself
     foreach(name render reproduce)
         if(TEST cli/${name})
