@@ -4,4 +4,11 @@
 
 #include "pellicle/error.h"
 
+/* refuses an argument of the calling function that is null */
+#define PEL_REFUSE_NULL(pointer, error)                                                                                \
+    do {                                                                                                               \
+        if ((pointer) == NULL)                                                                                         \
+            return pel_fail((error), PEL_BAD_ARGUMENT, "%s is null", #pointer);                                        \
+    } while (0)
+
 #endif

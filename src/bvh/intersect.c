@@ -179,6 +179,8 @@ static void clear(certificate *it)
 pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit, int64_t *count,
                                        pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(count, error);
     *count = 0;
     if (mesh->vertex_count < 0 || mesh->triangle_count < 0 || pair_limit < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");

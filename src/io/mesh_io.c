@@ -10,6 +10,8 @@
 
 pel_mesh_format pel_mesh_format_of_path(const char *path)
 {
+    if (path == NULL)
+        return PEL_FORMAT_AUTO;
     static const struct {
         const char *extension;
         pel_mesh_format format;
@@ -86,6 +88,9 @@ static pel_status fail_unknown(const char *name, pel_error *error)
 pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format, const pel_log *log,
                           pel_mesh **mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(name, error);
+    PEL_REFUSE_NULL(bytes, error);
+    PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     if (size == 0) {
         pel_fail(error, PEL_BAD_FORMAT, "the file is empty");
@@ -119,6 +124,8 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
 pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log *log, pel_mesh **mesh,
                          pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
     char *bytes;
     size_t size;
     *mesh = NULL;
@@ -219,6 +226,8 @@ static pel_status write_vtp(const char *path, const pel_mesh *mesh, pel_error *e
 pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
                           pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
     if (format == PEL_FORMAT_AUTO)
         format = pel_mesh_format_of_path(path);
     if (format <= PEL_FORMAT_AUTO || format >= PEL_FORMAT_COUNT) {

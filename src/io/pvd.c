@@ -8,6 +8,9 @@
 pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times, int32_t frame_count,
                          pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(file_names, error);
+    PEL_REFUSE_NULL(times, error);
     pel_file_writer writer;
     pel_status status = pel_file_writer_open(&writer, path, error);
     if (status != PEL_OK)

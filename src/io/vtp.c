@@ -254,6 +254,7 @@ static pel_status write_file(const pel_vtp_writer *made, const char *path, const
 
 pel_status pel_vtp_writer_create(pel_vtp_writer **writer, pel_error *error)
 {
+    PEL_REFUSE_NULL(writer, error);
     *writer = pel_allocate(1, sizeof **writer);
     return *writer != NULL ? PEL_OK : pel_fail_memory(error);
 }
@@ -272,6 +273,9 @@ void pel_vtp_writer_destroy(pel_vtp_writer *writer)
 
 pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error)
 {
+    PEL_REFUSE_NULL(writer, error);
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(vtp, error);
     pel_status status = check_arguments(vtp, error);
     if (status == PEL_OK)
         status = lay_out(writer, vtp, error);
@@ -280,6 +284,8 @@ pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const 
 
 pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(vtp, error);
     pel_vtp_writer *writer;
     pel_status status = pel_vtp_writer_create(&writer, error);
     if (status == PEL_OK)

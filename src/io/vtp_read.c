@@ -681,6 +681,9 @@ static pel_status parse(vtp_reader *reader, pel_mesh **mesh, double *time)
 pel_status pel_vtp_parse(const char *name, const void *bytes, size_t size, pel_mesh **mesh, double *time,
                          pel_error *error)
 {
+    PEL_REFUSE_NULL(name, error);
+    PEL_REFUSE_NULL(bytes, error);
+    PEL_REFUSE_NULL(mesh, error);
     vtp_reader reader = {.path = name, .error = error, .start = bytes, .end = (const char *)bytes + size};
     return parse(&reader, mesh, time);
 }
@@ -702,6 +705,8 @@ bool pel_vtp_matches(const pel_text_cursor *scan)
 
 pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
     char *bytes;
     size_t size;
     *mesh = NULL;

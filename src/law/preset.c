@@ -75,6 +75,8 @@ const pel_material_preset *pel_material_presets(int32_t *count)
 
 const pel_material_preset *pel_material_preset_find(const char *name)
 {
+    if (name == NULL)
+        return NULL;
     for (size_t i = 0; i < sizeof presets / sizeof presets[0]; i++)
         if (strcmp(presets[i].name, name) == 0)
             return &presets[i];

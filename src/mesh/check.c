@@ -401,6 +401,8 @@ static pel_status inspect(inspection *it)
 
 pel_status pel_mesh_check(const pel_mesh *mesh, pel_mesh_report **report, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(report, error);
     *report = NULL;
     if (mesh->vertex_count < 0 || mesh->triangle_count < 0 || mesh->triangle_count > INT32_MAX / 3)
         return pel_fail(error, PEL_BAD_ARGUMENT,

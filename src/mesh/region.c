@@ -271,6 +271,9 @@ static pel_status collect(const pel_mesh *mesh, const double *weights, int32_t c
 
 pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_selection **selection, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(region, error);
+    PEL_REFUSE_NULL(selection, error);
     *selection = NULL;
     pel_status status = check_region(region, mesh, error);
     if (status != PEL_OK)

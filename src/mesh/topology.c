@@ -304,6 +304,8 @@ static pel_status fill_topology(pel_topology *topology, pel_error *error)
 
 pel_status pel_topology_create(const pel_mesh *mesh, pel_topology **topology, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(topology, error);
     *topology = NULL;
     pel_status status = check_triangles(mesh, error);
     if (status != PEL_OK)

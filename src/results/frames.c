@@ -152,6 +152,8 @@ static pel_status read_list(pel_frames *frames, pel_error *error)
 
 pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *error)
 {
+    PEL_REFUSE_NULL(folder, error);
+    PEL_REFUSE_NULL(frames, error);
     *frames = NULL;
     pel_status status = check_folder(folder, error);
     if (status != PEL_OK)
@@ -211,6 +213,8 @@ static pel_status check_fields(const pel_mesh *mesh, const char *path, pel_error
 
 pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(frames, error);
+    PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     if (frame < 0 || frame >= frames->frame_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "there is no frame %d among %d", (int)frame, (int)frames->frame_count);
@@ -246,6 +250,8 @@ static void grow_box(const pel_mesh *mesh, pel_frames_outline *outline)
 
 pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error)
 {
+    PEL_REFUSE_NULL(frames, error);
+    PEL_REFUSE_NULL(outline, error);
     pel_mesh *first, *mesh;
     *outline = (pel_frames_outline){.changed_frame = -1};
     pel_status status = pel_frames_read(frames, 0, &first, error);

@@ -122,6 +122,8 @@ static pel_status write_file(const char *path, const char *page, size_t page_siz
 
 pel_status pel_report_write(const char *path, const pel_report_def *def, pel_report_summary *summary, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(def, error);
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
         return status;

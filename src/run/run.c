@@ -488,6 +488,9 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
 
 pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error)
 {
+    PEL_REFUSE_NULL(scene, error);
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(summary, error);
     pel_error own;
     pel_error *cause = error != NULL ? error : &own;
     *summary = (pel_run_summary){.status = ""};

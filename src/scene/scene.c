@@ -157,6 +157,9 @@ static pel_status create(const scene_source *source, const pel_log *log, pel_sce
 pel_status pel_scene_parse(const char *path, const char *text, size_t size, const char *const *overrides,
                            int32_t override_count, const pel_log *log, pel_scene **scene, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(text, error);
+    PEL_REFUSE_NULL(scene, error);
     scene_source source = {path, text, size, overrides, override_count};
     return create(&source, log, scene, error);
 }
@@ -164,6 +167,8 @@ pel_status pel_scene_parse(const char *path, const char *text, size_t size, cons
 pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count, const pel_log *log,
                           pel_scene **scene, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(scene, error);
     char *text;
     size_t size;
     *scene = NULL;
@@ -178,6 +183,8 @@ pel_status pel_scene_load(const char *path, const char *const *overrides, int32_
 
 const char *pel_scene_text(const pel_scene *scene)
 {
+    if (scene == NULL)
+        return "";
     return ((const scene_storage *)scene->inner)->text;
 }
 
@@ -216,6 +223,8 @@ static void name_element(const pel_scene *scene, pel_error *error)
 
 void pel_scene_locate(const pel_scene *scene, pel_error *error)
 {
+    if (scene == NULL || error == NULL)
+        return;
     name_element(scene, error);
     if (error->file[0] != '\0')
         return;

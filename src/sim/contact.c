@@ -724,5 +724,7 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
 
 void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics)
 {
+    if (sim == NULL || statistics == NULL)
+        return;
     *statistics = sim->contacts != NULL ? sim->contacts->statistics : (pel_contact_statistics){0};
 }

@@ -556,15 +556,21 @@ void pel_holds_add_readings(const pel_sim *sim, int32_t body, pel_support_readin
 
 int32_t pel_sim_support_count(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->holds != NULL ? sim->holds->hold_count : 0;
 }
 
 const char *pel_sim_support_name(const pel_sim *sim, int32_t support)
 {
+    if (support < 0 || support >= pel_sim_support_count(sim))
+        return "";
     return sim->holds->holds[support].name;
 }
 
 void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading)
 {
+    if (reading == NULL || support < 0 || support >= pel_sim_support_count(sim))
+        return;
     *reading = sim->holds->holds[support].reading;
 }

@@ -169,6 +169,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 
 pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(sim, error);
     *sim = NULL;
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
@@ -218,6 +220,8 @@ void pel_sim_destroy(pel_sim *sim)
 
 pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(count, error);
     pel_status status = check_def(def, error);
     *count = 0;
     if (status != PEL_OK)
