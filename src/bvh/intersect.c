@@ -182,6 +182,8 @@ pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, in
     PEL_REFUSE_NULL(mesh, error);
     PEL_REFUSE_NULL(count, error);
     *count = 0;
+    if (pair_limit > 0)
+        PEL_REFUSE_NULL(pairs, error);
     if (mesh->vertex_count < 0 || mesh->triangle_count < 0 || pair_limit < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     certificate it = {.mesh = mesh, .pair_limit = pair_limit};

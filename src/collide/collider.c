@@ -252,8 +252,10 @@ const pel_tree *pel_collider_tree(const pel_collider *collider)
 
 static pel_status check_query(const pel_collision_query *query, pel_error *error)
 {
-    if (query->start == NULL || query->end == NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "the positions of a collision query are missing");
+    PEL_REFUSE_NULL(query->start, error);
+    PEL_REFUSE_NULL(query->end, error);
+    if (PEL_IS_NO_CHOICE(query->method, PEL_CCD_BRIDSON + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "method %d of the collision query is unknown", (int)query->method);
     if (!(query->min_separation >= 0 && isfinite(query->min_separation)))
         return pel_fail(error, PEL_BAD_ARGUMENT, "min_separation must be at least 0, not %g", query->min_separation);
     if (!(query->tolerance >= 0 && isfinite(query->tolerance)))

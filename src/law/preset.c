@@ -69,7 +69,8 @@ static const pel_material_preset presets[] = {
 
 const pel_material_preset *pel_material_presets(int32_t *count)
 {
-    *count = (int32_t)(sizeof presets / sizeof presets[0]);
+    if (count != NULL)
+        *count = (int32_t)(sizeof presets / sizeof presets[0]);
     return presets;
 }
 

@@ -89,7 +89,6 @@ pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t componen
 {
     PEL_REFUSE_NULL(mesh, error);
     PEL_REFUSE_NULL(name, error);
-    PEL_REFUSE_NULL(values, error);
     if (component_count < 1 || name[0] == '\0' || strlen(name) >= PEL_NAME_SIZE)
         return pel_fail(error, PEL_BAD_ARGUMENT,
                         "field name '%s' is empty or longer than %d characters, or it has no components", name,

@@ -71,6 +71,10 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         return status;
     if (b->mesh == NULL)
         return pel_body_refuse(error, body, "mesh", 0, "give each body a mesh");
+    if (PEL_IS_NO_CHOICE(b->mass_kind, PEL_MASS_DENSITY + 1))
+        return pel_body_refuse(error, body, "mass_kind", (double)b->mass_kind, "give one of pel_mass_kind");
+    if (b->pinned_count < 0 || (b->pinned_count > 0 && b->pinned == NULL))
+        return pel_body_refuse(error, body, "pinned_count", b->pinned_count, "give the pinned vertices with it");
     if (!(b->mass > 0 && isfinite(b->mass)))
         return pel_body_refuse(error, body, "mass", b->mass, "give a finite mass above 0");
     if (!isfinite(b->friction))
@@ -112,7 +116,7 @@ static pel_status check_def(const pel_model_def *def, pel_error *error)
     if (def->cookie != MODEL_COOKIE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "model def was not made by pel_model_def_default()");
     if (def->body_count < 1 || def->bodies == NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "model has no body");
+        return pel_fail(error, PEL_BAD_ARGUMENT, "model has no body: bodies is null or body_count below 1");
     int64_t vertex_count = 0, triangle_count = 0;
     for (int32_t b = 0; b < def->body_count; b++) {
         pel_status status = check_body(def, b, error);

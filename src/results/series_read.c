@@ -98,7 +98,10 @@ pel_status pel_series_read(const char *path, const char *const *names, int32_t n
     size_t size;
     *series = NULL;
     if (names == NULL || name_count < 1)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "no column of the series is asked for");
+        return pel_fail(error, PEL_BAD_ARGUMENT, "names: no column of the series is asked for");
+    for (int32_t i = 0; i < name_count; i++)
+        if (names[i] == NULL)
+            return pel_fail(error, PEL_BAD_ARGUMENT, "names[%d] is null", (int)i);
     pel_status status = pel_file_read(path, &text, &size, error);
     if (status != PEL_OK)
         return status;

@@ -99,11 +99,12 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
     PEL_REFUSE_NULL(position, error);
     if (tool < 0 || tool >= sim->tool_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "tool %d does not exist", (int)tool);
+    PEL_REFUSE_NULL(rotation, error);
     double square = 0;
     for (int i = 0; i < 4; i++)
         square += rotation[i] * rotation[i];
     if (!isfinite(position[0]) || !isfinite(position[1]) || !isfinite(position[2]) || !(fabs(square - 1) < 1e-6)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "pose of tool '%s' is not finite or its rotation is no unit quaternion",
+        pel_fail(error, PEL_BAD_ARGUMENT, "position of tool '%s' is not finite or its rotation is no unit quaternion",
                  sim->tools[tool].name);
         return PEL_BAD_ARGUMENT;
     }
