@@ -22,7 +22,7 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh, SCEN
 	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)"
 
 test: build ## run the tests
-	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2
+	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET); exit $$status
 
 nightly: build ## run the long tests: all scenes to their ends, stopped and continued, and three turns of a tube
 	@PELLICLE_LONG=1 ctest --test-dir build/$(PRESET) --output-on-failure --timeout 7200 -R '^(run/resume|sim/twist)$$'

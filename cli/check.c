@@ -202,6 +202,44 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
         printf("%s: nothing to repair\n", out);
 }
 
+static void tell_fill(cli_json *json, const char *out, const pel_fill_summary *summary)
+{
+    if (json != NULL) {
+        cli_json_open(json, "fill", '{');
+        cli_json_integer(json, "filled_holes", summary->filled_holes);
+        cli_json_integer(json, "left_holes", summary->left_holes);
+        cli_json_integer(json, "triangles", summary->triangles);
+        cli_json_number(json, "quality_min", summary->quality_min);
+        cli_json_close(json, '}');
+        return;
+    }
+    if (summary->filled_holes > 0)
+        printf("%s: holes closed: %d, with %d triangles of quality %.2g at worst\n", out, (int)summary->filled_holes,
+               (int)summary->triangles, summary->quality_min);
+    if (summary->left_holes > 0)
+        printf("%s: holes left open: %d\n", out, (int)summary->left_holes);
+}
+
+/* replaces a repaired mesh by one without holes, turned outward */
+static pel_status fill_holes(const cli_call *call, pel_mesh **mesh, cli_json *json, pel_error *error)
+{
+    pel_mesh *filled = NULL, *turned = NULL;
+    pel_fill_summary summary;
+    pel_status status = pel_mesh_fill_holes(*mesh, cli_count(call, "fill-holes"), &filled, &summary, error);
+    /* nothing is welded again that was cut apart */
+    pel_repair_options options = pel_repair_options_default();
+    options.weld = options.cut = false;
+    if (status == PEL_OK)
+        status = pel_mesh_repair(filled, &options, &turned, NULL, error);
+    pel_mesh_destroy(filled);
+    if (status != PEL_OK)
+        return status;
+    tell_fill(json, cli_value(call, "fix"), &summary);
+    pel_mesh_destroy(*mesh);
+    *mesh = turned;
+    return PEL_OK;
+}
+
 /* writes the repaired mesh unless it still has errors */
 static int write_repaired(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh,
                           const pel_repair_summary *summary, cli_json *json)
@@ -240,7 +278,13 @@ static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh
     if (pel_mesh_repair(mesh, &options, &repaired, &summary, &error) != PEL_OK)
         return cli_report(&error);
     tell_repair(json, out, &summary);
-    int status = write_repaired(call, format, repaired, &summary, json);
+    int status = CLI_DONE;
+    if (cli_has(call, "fill-holes") && fill_holes(call, &repaired, json, &error) != PEL_OK) {
+        cli_name_file(&error, call->arguments[0]);
+        status = cli_report(&error);
+    }
+    if (status == CLI_DONE)
+        status = write_repaired(call, format, repaired, &summary, json);
     pel_mesh_destroy(repaired);
     return status;
 }
@@ -353,9 +397,15 @@ int cli_check(const cli_call *call)
     pel_mesh_format format = PEL_FORMAT_AUTO;
     if (is_scene && out != NULL)
         return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as 'pellicle check' says", path);
-    if (out == NULL && (cli_has(call, "tolerance") || cli_has(call, "format")))
-        return cli_complain("option '--%s' is about the mesh that is written. add '--fix OUT.ply'",
-                            cli_has(call, "tolerance") ? "tolerance" : "format");
+    const char *const about_output[] = {"tolerance", "fill-holes", "format"};
+    for (size_t i = 0; out == NULL && i < sizeof about_output / sizeof *about_output; ++i)
+        if (cli_has(call, about_output[i]))
+            return cli_complain("option '--%s' is about the mesh that is written. add '--fix OUT.ply'",
+                                about_output[i]);
+    if (cli_has(call, "fill-holes") && cli_count(call, "fill-holes") < 3)
+        return cli_complain("option '--fill-holes' is %d, but a hole has 3 edges at least. write how many the largest "
+                            "hole may have, such as --fill-holes 100",
+                            (int)cli_count(call, "fill-holes"));
     if (out != NULL && !cli_output_format(call, out, &format))
         return CLI_BAD_INPUT;
     if (!cli_has(call, "json"))

@@ -37,6 +37,7 @@ cli_words cli_component_names;
 cli_words cli_background_names;
 cli_words cli_axis_names;
 cli_words cli_shell_names;
+cli_words cli_progress_names;
 
 /* keys for CLI_SETTING values, one a line */
 void cli_print_shape_keys(FILE *file);

@@ -34,9 +34,10 @@ static int output_format(const cli_call *call, const char *out)
         return FORMAT_PC2;
     pel_mesh_format format = pel_mesh_format_of_path(out);
     if (name == NULL && format == PEL_FORMAT_AUTO) {
-        cli_complain("'%s' names no format that can be written. let it end in .obj, .ply, .stl, .off, .glb or, for a "
-                     "run, .pc2",
-                     out);
+        cli_complain(
+            "'%s' names no format that can be written. let it end in .obj, .ply, .stl, .off, .vtp, .glb or, for a "
+            "run, .pc2",
+            out);
         return -1;
     }
     return cli_output_format(call, out, &format) ? (int)format : -1;

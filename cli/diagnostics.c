@@ -13,7 +13,8 @@ int cli_report(const pel_error *error)
 {
     char text[1200];
     fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    return error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED ? CLI_FAILED : CLI_BAD_INPUT;
+    bool failed = error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED || error->status == PEL_STOPPED;
+    return failed ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
 void cli_write_error(cli_json *json, const pel_error *error)
@@ -109,7 +110,7 @@ static const struct {
 } formats[] = {
     {"obj", PEL_FORMAT_OBJ},         {"ply", PEL_FORMAT_PLY}, {"ply-ascii", PEL_FORMAT_PLY_ASCII},
     {"ply-big", PEL_FORMAT_PLY_BIG}, {"stl", PEL_FORMAT_STL}, {"stl-ascii", PEL_FORMAT_STL_ASCII},
-    {"off", PEL_FORMAT_OFF},
+    {"off", PEL_FORMAT_OFF},         {"vtp", PEL_FORMAT_VTP},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
@@ -129,7 +130,7 @@ bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *
     }
     if (*format != PEL_FORMAT_AUTO)
         return true;
-    cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl or .off", path);
+    cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl, .off or .vtp", path);
     return false;
 }
 

@@ -20,21 +20,28 @@ pel_status cli_find_intersections(const pel_mesh *mesh, const pel_mesh_report *r
     pel_status status = PEL_OK;
     found->looked = false;
     found->count = found->listed_count = 0;
+    found->failure = (pel_error){.status = PEL_OK};
     if (report->error_count > 0)
         return PEL_OK;
     if (report->issues[PEL_ISSUE_DUPLICATE_VERTEX].count > 0)
         status = weld(mesh, &welded, error);
     if (status == PEL_OK)
         status = pel_mesh_self_intersections(welded != NULL ? welded : mesh, found->pairs, PEL_ISSUE_LIST_LIMIT,
-                                             &found->count, error);
+                                             &found->count, &found->failure);
     pel_mesh_destroy(welded);
     found->looked = status == PEL_OK;
+    if (status != PEL_OK && status != PEL_BAD_MESH && found->failure.status == status)
+        *error = found->failure;
+    status = status == PEL_BAD_MESH ? PEL_OK : status;
     found->listed_count = (int32_t)(found->count < PEL_ISSUE_LIST_LIMIT ? found->count : PEL_ISSUE_LIST_LIMIT);
     return status;
 }
 
 void cli_print_intersections(const char *path, const pel_mesh *mesh, const cli_intersections *found, int shown_max)
 {
+    if (found->failure.status == PEL_BAD_MESH)
+        fprintf(stderr, "%s: note: self-intersections are not counted: %s. %s\n", path, found->failure.what,
+                found->failure.remedy);
     int32_t shown = found->listed_count < shown_max ? found->listed_count : shown_max;
     for (int32_t i = 0; i < shown; ++i) {
         const double *x = mesh->positions[mesh->triangles[found->pairs[i].first][0]];

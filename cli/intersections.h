@@ -12,9 +12,11 @@ typedef struct cli_intersections {
     int64_t count; /* pairs of triangles */
     int32_t listed_count;
     pel_pair pairs[PEL_ISSUE_LIST_LIMIT];
+    pel_error failure; /* too much work: why they are not counted; status PEL_OK otherwise */
 } cli_intersections;
 
-/* Looks for them in a mesh whose report has no errors; vertices at one place count as one, as after `--fix`. */
+/* Looks for them in a mesh whose report has no errors; vertices at one place count as one, as after `--fix`. Too much
+   work is no failure: `failure` says it and nothing is counted. */
 pel_status cli_find_intersections(const pel_mesh *mesh, const pel_mesh_report *report, cli_intersections *found,
                                   pel_error *error);
 

@@ -4,6 +4,7 @@
 #include <pellicle/base.h>
 
 #include <errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,6 +49,8 @@ static int unknown_command(const char *name)
 int main(int argc, char **argv)
 {
     const char *first = argc > 1 ? argv[1] : "";
+    /* a file beyond `ulimit -f` is a failed write with a message, as on a full disk */
+    signal(SIGXFSZ, SIG_IGN);
     if (*first == '\0') {
         cli_print_overview(stderr);
         return CLI_BAD_INPUT;

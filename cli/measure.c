@@ -4,7 +4,6 @@
 
 #include <pellicle/measure.h>
 #include <pellicle/mesh_check.h>
-#include <pellicle/results.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,12 +26,6 @@ static bool has_volume(const measured *m)
 static double expected_total(const measured *m)
 {
     return 2 * 3.14159265358979323846 * m->report->euler_characteristic;
-}
-
-static bool is_vtp(const char *path)
-{
-    size_t length = strlen(path);
-    return length > 4 && strcmp(path + length - 4, ".vtp") == 0;
 }
 
 static void print_measures(const char *path, const measured *m)
@@ -120,26 +113,6 @@ static pel_status add_pressure(const measured *m, double pressure, double *value
     return status == PEL_OK ? pel_mesh_add_field(m->mesh, "pressure_direction", 1, values, error) : status;
 }
 
-static pel_status write_vtp(const char *path, const pel_mesh *mesh, pel_error *error)
-{
-    pel_vtp_field *fields = calloc((size_t)mesh->field_count, sizeof *fields);
-    if (fields == NULL)
-        return pel_fail_memory(error);
-    for (int32_t f = 0; f < mesh->field_count; ++f)
-        fields[f] = (pel_vtp_field){mesh->fields[f].name, mesh->fields[f].component_count, mesh->fields[f].values};
-    const pel_vtp vtp = {.vertex_count = mesh->vertex_count,
-                         .triangle_count = mesh->triangle_count,
-                         .positions = mesh->positions[0],
-                         .triangles = mesh->triangles[0],
-                         .fields = fields,
-                         .field_count = mesh->field_count,
-                         .compress = true,
-                         .float64 = true};
-    pel_status status = pel_vtp_write(path, &vtp, error);
-    free(fields);
-    return status;
-}
-
 static int write_fields(const cli_call *call, const measured *m, const char *path)
 {
     pel_error error;
@@ -149,8 +122,7 @@ static int write_fields(const cli_call *call, const measured *m, const char *pat
         status = add_pressure(m, cli_number(call, "pressure"), values, &error);
     free(values);
     if (status == PEL_OK)
-        status = is_vtp(path) ? write_vtp(path, m->mesh, &error)
-                              : pel_mesh_write(path, PEL_FORMAT_PLY, m->mesh, &cli_notes, &error);
+        status = pel_mesh_write(path, PEL_FORMAT_AUTO, m->mesh, &cli_notes, &error);
     return status == PEL_OK ? CLI_DONE : cli_report(&error);
 }
 
@@ -184,7 +156,8 @@ static int measure(const cli_call *call, measured *m)
 int cli_measure(const cli_call *call)
 {
     const char *out = cli_value(call, "output");
-    if (out != NULL && !is_vtp(out) && pel_mesh_format_of_path(out) != PEL_FORMAT_PLY)
+    pel_mesh_format format = out != NULL ? pel_mesh_format_of_path(out) : PEL_FORMAT_VTP;
+    if (format != PEL_FORMAT_VTP && format != PEL_FORMAT_PLY)
         return cli_complain("'%s' cannot hold vertex fields. let it end in .vtp or .ply", out);
     if (out == NULL && cli_has(call, "pressure"))
         return cli_complain("option '--pressure' is about the file that is written. add '-o OUT.vtp'");

@@ -1,6 +1,7 @@
 /* pellicle render: the options become a pel_render_def. */
 #include "commands.h"
 #include "diagnostics.h"
+#include "stop.h"
 
 #include <pellicle/render.h>
 
@@ -282,6 +283,13 @@ static void print_summary(const char *output, const pel_render_summary *summary)
     putchar('\n');
 }
 
+static bool go_on(void *unused)
+{
+    (void)unused;
+    cli_catch_stop("stopping; the same again ends at once\n");
+    return !cli_stop_asked();
+}
+
 int cli_render(const cli_call *call)
 {
     pel_render_def def = pel_render_def_default();
@@ -292,6 +300,7 @@ int cli_render(const cli_call *call)
     def.input_count = call->argument_count;
     def.output = choose_output(call, output, sizeof output);
     def.frames = ranges;
+    def.progress = go_on;
     if (call->given_count > CLI_ARGUMENTS)
         return cli_complain("there are too many options");
     if (is_other_file(def.output))

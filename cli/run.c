@@ -1,53 +1,44 @@
 #include "commands.h"
 #include "diagnostics.h"
+#include "stop.h"
 
 #include <pellicle/frames.h>
 #include <pellicle/run.h>
 
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* set by the first Ctrl-C; the second one finds the default handler and ends the program */
-static volatile sig_atomic_t stop_asked, on_terminal;
+typedef enum progress_form { PROGRESS_NONE, PROGRESS_BAR, PROGRESS_PLAIN } progress_form;
 
-static void ask_to_stop(int number)
+const char *cli_progress_names(int index)
 {
-    static const char text[] = "\r\033[Kstopping after this step; the same again ends at once\n";
-    (void)number;
-    stop_asked = 1;
-    /* a message that does not get through changes nothing */
-    if (on_terminal != 0 && write(STDERR_FILENO, text, sizeof text - 1) < 0)
-        on_terminal = 0;
+    static const char *const names[] = {"none", "bar", "plain", NULL};
+    return names[index];
 }
 
-static void catch_signal(int number)
-{
-    struct sigaction action, old;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = ask_to_stop;
-    action.sa_flags = (int)SA_RESETHAND;
-    /* what the caller told us to ignore stays ignored */
-    if (sigaction(number, NULL, &old) == 0 && old.sa_handler != SIG_IGN)
-        sigaction(number, &action, NULL);
-}
-
-/* the progress line on a terminal */
+/* the progress line of a terminal, or lines of a log */
 typedef struct display {
-    bool shown;
-    double last; /* s, when it was written */
+    progress_form form;
+    bool quiet;
+    double last; /* s, when it was written; 0 = never */
 } display;
 
-static void print_progress(const pel_run_progress *p)
+/* s between two of them */
+static double progress_interval(const display *d)
 {
-    fprintf(stderr, "\r\033[Kstep %lld/%lld  %.4g s  %.0f steps/s", (long long)p->step, (long long)p->step_total,
-            p->time, p->steps_per_second);
+    return d->form == PROGRESS_BAR ? 0.1 : 1;
+}
+
+static void print_progress(const display *d, const pel_run_progress *p)
+{
+    fprintf(stderr, "%sstep %lld/%lld  %.4g s  %.0f steps/s", d->form == PROGRESS_BAR ? "\r\033[K" : "",
+            (long long)p->step, (long long)p->step_total, p->time, p->steps_per_second);
     if (p->remaining >= 0.0) {
         long left = (long)(p->remaining + 0.5);
         fprintf(stderr, "  ETA %ld:%02ld", left / 60, left % 60);
     }
-    fprintf(stderr, "  residual %.3g N", p->max_force);
+    fprintf(stderr, "  residual %.3g N%s", p->max_force, d->form == PROGRESS_BAR ? "" : "\n");
     fflush(stderr);
 }
 
@@ -55,18 +46,34 @@ static bool show_progress(void *user, const pel_run_progress *progress)
 {
     display *d = user;
     double now = cli_clock();
-    if (d->shown && now - d->last > 0.1) {
-        print_progress(progress);
+    /* until now nothing is lost by ending at once */
+    cli_catch_stop(d->quiet                  ? ""
+                   : d->form == PROGRESS_BAR ? "\r\033[Kstopping after this step; the same again ends at once\n"
+                                             : "stopping after this step; the same again ends at once\n");
+    bool first_or_last = progress->step == 0 || progress->step == progress->step_total;
+    if (d->form != PROGRESS_NONE &&
+        (now - d->last > progress_interval(d) || (d->form == PROGRESS_PLAIN && first_or_last))) {
+        print_progress(d, progress);
         d->last = now;
     }
-    return stop_asked == 0;
+    return !cli_stop_asked();
+}
+
+/* --progress, or what suits standard error */
+static progress_form choose_progress(const cli_call *call, bool quiet)
+{
+    const char *name = cli_value(call, "progress");
+    for (int i = 0; name != NULL && cli_progress_names(i) != NULL; ++i)
+        if (strcmp(name, cli_progress_names(i)) == 0)
+            return (progress_form)i;
+    return !quiet && isatty(STDERR_FILENO) != 0 ? PROGRESS_BAR : PROGRESS_NONE;
 }
 
 /* warnings come before and after the steps; the progress line gives way to them */
 static void write_warning(void *user, const char *text)
 {
     const display *d = user;
-    fprintf(stderr, "%swarning: %s\n", d->shown && d->last > 0.0 ? "\r\033[K" : "", text);
+    fprintf(stderr, "%swarning: %s\n", d->form == PROGRESS_BAR && d->last > 0.0 ? "\r\033[K" : "", text);
 }
 
 /* -o, else the folder of the checkpoint to go on from, else results/ and the scene's name */
@@ -175,7 +182,7 @@ static void write_refusal(const pel_error *error)
 static int run_scene(const cli_call *call, const pel_scene *scene, const char *folder)
 {
     bool as_json = cli_has(call, "json"), quiet = as_json || cli_has(call, "quiet");
-    display d = {.shown = !quiet && isatty(STDERR_FILENO) != 0};
+    display d = {.form = choose_progress(call, quiet), .quiet = quiet};
     const pel_log warnings = {.write = write_warning, .user = &d};
     pel_run_def def = pel_run_def_default();
     def.folder = folder;
@@ -186,13 +193,10 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
     def.user = &d;
     def.log = quiet ? NULL : &cli_notes;
     def.warnings = &warnings;
-    on_terminal = d.shown;
-    catch_signal(SIGINT);
-    catch_signal(SIGTERM);
     pel_run_summary summary;
     pel_error error;
     pel_status status = pel_run(scene, &def, &summary, &error);
-    if (d.shown && d.last > 0.0)
+    if (d.form == PROGRESS_BAR && d.last > 0.0)
         fputs("\r\033[K", stderr);
     bool started = summary.status[0] != '\0';
     if (status != PEL_OK) {

@@ -12,15 +12,15 @@
 #define FORMAT_OPTION                                                                                                  \
     {                                                                                                                  \
         .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_format_names,                              \
-        .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii or "    \
-               "off; left out, the file's ending decides"                                                              \
+        .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, "      \
+               "off or vtp (VTK PolyData); left out, the file's ending decides"                                        \
     }
 
 #define EXPORT_OPTION                                                                                                  \
     {                                                                                                                  \
         .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_export_names,                              \
         .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, off, " \
-               "glb or, of a run, pc2; left out, the file's ending decides"                                            \
+               "vtp (VTK PolyData), glb or, of a run, pc2; left out, the file's ending decides"                        \
     }
 
 const cli_option cli_help_option = {.name = "help", .letter = 'h', .kind = CLI_FLAG, .doc = "print this page"};
@@ -33,8 +33,9 @@ static const cli_command commands[] = {
                 "it and leaves a folder of results: frames.pvd "
                 "with frames/*.vtp for ParaView, series.csv with the measures over time, summary.json, final.ply and "
                 "scene.yaml, the scene with every default filled in.\n\n"
-                "Ctrl-C stops after the current step with everything written so far whole, and leaves a checkpoint "
-                "from which --resume continues with the same bits. A second Ctrl-C ends at once; what is in the folder "
+                "Ctrl-C (SIGINT), SIGTERM and SIGHUP stop after the current step with everything written so far whole, "
+                "and leave a checkpoint from which --resume continues with the same bits. A second one ends at once; "
+                "what is in the folder "
                 "is whole then too, and so is the state that a run keeps every 10 s in its file `checkpoint`. A run "
                 "that diverges says where, keeps its last good checkpoint and exits with status 1.\n\n"
                 "What makes the numbers doubtful is a line 'warning: ...' on standard error, and stands with its code "
@@ -67,6 +68,12 @@ static const cli_command commands[] = {
                      .kind = CLI_FILE,
                      .value = "FILE",
                      .doc = "continue from this checkpoint of an earlier run of the same scene"},
+                    {.name = "progress",
+                     .kind = CLI_WORD,
+                     .value = "FORM",
+                     .words = cli_progress_names,
+                     .doc = "show progress on standard error: bar (one line that is written over), plain (a line a "
+                            "second, for logs and pipes) or none; left out: bar on a terminal, else none"},
                     {.name = "strict",
                      .kind = CLI_FLAG,
                      .doc = "exit with status 1 when the run ends with any warning; the results stay"},
@@ -90,7 +97,7 @@ static const cli_command commands[] = {
             "that no slit stays; cuts pieces apart that hang together in a vertex or in an edge of more than two "
             "triangles, by vertices of their own at the same place (a later check warns of these; write .obj, .ply or "
             ".off, as reading .stl welds them again); and turns triangles the same way and outward. Nothing moves "
-            "but what is welded, and no hole is filled.",
+            "but what is welded. Holes stay, unless --fill-holes closes them.",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .kind = CLI_FILE,
@@ -102,6 +109,11 @@ static const cli_command commands[] = {
                      .value = "LENGTH",
                      .doc = "with --fix: weld vertices up to this far apart [units of the file]; left out: 0, only "
                             "those at exactly the same place"},
+                    {.name = "fill-holes",
+                     .kind = CLI_COUNT,
+                     .value = "N",
+                     .doc = "with --fix: close holes of at most N edges with triangles between their edges, bent as "
+                            "little as can be; says the quality of the worst one. 'pellicle info' tells the holes"},
                     {.name = "no-intersections",
                      .doc = "do not look for triangles that cut each other: saves time on huge meshes"},
                     FORMAT_OPTION,

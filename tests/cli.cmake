@@ -12,7 +12,18 @@ if(TARGET pellicle_program)
     # frames before VTK, as ParaView reads them; skipped without Debian's python3-vtk9
     add_test(NAME cli/vtk_frames COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/io/vtk_frames.py
                                          $<TARGET_FILE:pellicle_program>)
-    set_tests_properties(cli/vtk_frames PROPERTIES SKIP_RETURN_CODE 77)
+    # what VTK writes, in every encoding
+    add_test(NAME cli/vtk_formats COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/io/vtk_formats.py
+                                          $<TARGET_FILE:pellicle_program>)
+    set_tests_properties(cli/vtk_frames cli/vtk_formats PROPERTIES SKIP_RETURN_CODE 77)
+    # killed, hung up, out of disk or memory, not alone, led astray
+    add_test(NAME cli/faults COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/faults.py
+                                     $<TARGET_FILE:pellicle_program>)
+    set_tests_properties(cli/faults PROPERTIES ENVIRONMENT "PELLICLE_SANITIZE=${PELLICLE_SANITIZE};LSAN_OPTIONS=detect_leaks=0")
+    # scenes against the schema for editors; skipped without Debian's python3-jsonschema
+    add_test(NAME scene/json_schema COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/scene/schema.py
+                                            $<TARGET_FILE:pellicle_program> ${PROJECT_SOURCE_DIR})
+    set_tests_properties(scene/json_schema PROPERTIES SKIP_RETURN_CODE 77)
     # Mesa leaks a little where it draws; view/render counts what is ours by itself
     foreach(name render reproduce)
         if(TEST cli/${name})

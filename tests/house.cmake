@@ -8,6 +8,7 @@ add_test(NAME house/links COMMAND ${PYTHON3} ${HOUSE}/links.py ${PROJECT_SOURCE_
 add_test(NAME house/links_self_test COMMAND ${PYTHON3} ${HOUSE}/links.py --self-test)
 add_test(NAME house/text COMMAND ${PYTHON3} ${HOUSE}/text.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/allocations COMMAND ${PYTHON3} ${HOUSE}/allocations.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house/misuse COMMAND ${PYTHON3} ${HOUSE}/misuse.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/fingerprint COMMAND ${PYTHON3} ${HOUSE}/fingerprint.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/flags COMMAND ${PYTHON3} ${HOUSE}/flags.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
 

@@ -28,6 +28,8 @@ const char *pel_camera_preset_name(int index)
 
 bool pel_camera_preset_find(const char *name, pel_camera_angle *angle)
 {
+    if (name == NULL || angle == NULL)
+        return false;
     for (int i = 0; i < PRESET_COUNT; ++i) {
         if (strcmp(presets[i].name, name) == 0) {
             *angle = (pel_camera_angle){presets[i].azimuth, presets[i].elevation, 1};

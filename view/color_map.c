@@ -19,6 +19,8 @@ const char *pel_color_map_name(int index)
 
 bool pel_color_map_find(const char *name, pel_color_map *map)
 {
+    if (name == NULL || map == NULL)
+        return false;
     for (int i = 0; i < PEL_COLORS_COUNT; ++i) {
         if (strcmp(names[i], name) == 0) {
             *map = (pel_color_map)i;

@@ -1,5 +1,6 @@
 /* ffmpeg reads raw pictures from its standard input and writes to a temporary name. The pipe is a pair of sockets,
    because writing to one whose other end is gone can be told not to raise a signal. */
+#define _XOPEN_SOURCE 700 /* fseeko */
 #include "view/film.h"
 
 #include "view/support.h"
@@ -54,9 +55,9 @@ static pel_status start(view_film *film, int32_t width, int32_t height, double f
     const char *filter =
         gif ? "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"
             : "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white";
-    const char *head[] = {name,       "-hide_banner", "-loglevel", "error",     "-y",  "-f",  "rawvideo",
-                          "-pix_fmt", "rgba",         "-s",        size,        "-r",  rate,  "-i",
-                          "pipe:0",   "-an",          "-fflags",   "+bitexact", "-vf", filter};
+    const char *head[] = {name,       "-hide_banner", "-loglevel", "error",   "-xerror",   "-y",  "-f",
+                          "rawvideo", "-pix_fmt",     "rgba",      "-s",      size,        "-r",  rate,
+                          "-i",       "pipe:0",       "-an",       "-fflags", "+bitexact", "-vf", filter};
     const char *mp4[] = {"-c:v",      "libx264",    "-preset", "medium", "-crf",          "18", "-pix_fmt", "yuv420p",
                          "-movflags", "+faststart", "-f",      "mp4",    film->temporary, NULL};
     const char *loop[] = {"-loop", "0", "-f", "gif", film->temporary, NULL};
@@ -131,6 +132,56 @@ pel_status view_film_add(view_film *film, const view_image *image, pel_error *er
     return PEL_OK;
 }
 
+/* Whether the boxes of an MP4 file fill it, one after the other, and the index is among them: ffmpeg may end well
+   though the disk was full. */
+static bool is_whole_mp4(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    if (file == NULL)
+        return false;
+    bool index = false, media = false, whole = false;
+    for (;;) {
+        unsigned char head[16];
+        size_t count = fread(head, 1, 8, file);
+        whole = count == 0 && feof(file);
+        if (count != 8)
+            break;
+        uint64_t size = 0, used = 8;
+        for (int i = 0; i < 4; i++)
+            size = size << 8 | head[i];
+        if (size == 1) {
+            used = 16;
+            if (fread(head + 8, 1, 8, file) != 8)
+                break;
+            for (int i = 8; i < 16; i++)
+                size = size << 8 | head[i];
+        }
+        index = index || memcmp(head + 4, "moov", 4) == 0;
+        media = media || memcmp(head + 4, "mdat", 4) == 0;
+        /* the last byte must be there, not only its place */
+        if (size < used ||
+            (size > used && (fseeko(file, (off_t)(size - used - 1), SEEK_CUR) != 0 || fgetc(file) == EOF)))
+            break;
+    }
+    fclose(file);
+    return whole && index && media;
+}
+
+/* whether a GIF file ends with its last mark */
+static bool is_whole_gif(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    bool whole = file != NULL && fseeko(file, -1, SEEK_END) == 0 && fgetc(file) == ';';
+    if (file != NULL)
+        fclose(file);
+    return whole;
+}
+
+static bool is_whole(const view_film *film)
+{
+    return view_ends_with(film->path, ".gif") ? is_whole_gif(film->temporary) : is_whole_mp4(film->temporary);
+}
+
 pel_status view_film_close(view_film *film, bool keep, pel_error *error)
 {
     if (film == NULL)
@@ -144,6 +195,8 @@ pel_status view_film_close(view_film *film, bool keep, pel_error *error)
     keep = keep && !film->broken && film->child > 0;
     if (keep && (!WIFEXITED(result) || WEXITSTATUS(result) != 0))
         status = fail_film(film, "ffmpeg failed", error);
+    else if (keep && !is_whole(film))
+        status = fail_film(film, "ffmpeg left it incomplete", error);
     else if (keep && rename(film->temporary, film->path) != 0)
         status = fail_film(film, strerror(errno), error);
     if (!keep || status != PEL_OK)

@@ -88,7 +88,12 @@ static pel_status check_def(const pel_render_def *def, pel_error *error)
     if (def == NULL || def->cookie != cookie)
         return refuse("the def was not made by pel_render_def_default", "begin with that function", error);
     if (def->inputs == NULL || def->input_count < 1 || def->input_count > MOST_INPUTS)
-        return refuse("the number of runs is out of range", "draw 1 to 64 at a time", error);
+        return refuse("the number of runs is out of range, or inputs is null", "draw 1 to 64 at a time", error);
+    for (int32_t i = 0; i < def->input_count; ++i)
+        if (def->inputs[i] == NULL)
+            return refuse("one of the inputs is null", "name each run", error);
+    if (def->frame_range_count < 0 || (def->frame_range_count > 0 && def->frames == NULL))
+        return refuse("frames is null, or frame_range_count below 0", "give the ranges with their count", error);
     if (def->output == NULL || def->output[0] == '\0' || strlen(def->output) > PATH_SIZE - 64)
         return refuse("the output has no name or a very long one", "name a folder, a .png or an .mp4 file", error);
     if (view_output_kind(def->output) == VIEW_FILM && def->background == PEL_BACKGROUND_TRANSPARENT)
@@ -107,6 +112,9 @@ static const char *frame_path(const job *j, view_shot shot)
 static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *error)
 {
     double start = view_clock();
+    *mesh = NULL;
+    if (j->def.progress != NULL && !j->def.progress(j->def.user))
+        return pel_fail(error, PEL_STOPPED, "stopped while drawing");
     pel_status status = view_run_read(&j->runs[shot.run], shot.frame, mesh, error);
     if (status == PEL_OK && (*mesh)->vertex_count > j->value_count) {
         double *grown = realloc(j->values, (size_t)(*mesh)->vertex_count * sizeof *grown);

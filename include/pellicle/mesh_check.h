@@ -155,6 +155,23 @@ typedef struct pel_repair_summary {
 pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
                            pel_repair_summary *summary, pel_error *error);
 
+/* What filling did. */
+typedef struct pel_fill_summary {
+    int32_t filled_holes;
+    int32_t left_holes; /* longer than the limit, or such that no triangles close them */
+    int32_t triangles;  /* added */
+    double quality_min; /* of the added triangles: 1 = equilateral, 0 = flat; 1 when there are none */
+} pel_fill_summary;
+
+/* Closes the holes of an oriented manifold whose rims have at most edge_limit (>= 3) edges, without new vertices: of
+   all ways to cut a rim of up to 160 edges into triangles the one with the least bend between neighbours, then the
+   least area (Liepa 2003, "Filling holes in meshes"); longer rims are divided along short chords first. The triangles
+   of the mesh stay first; fields are carried along. The rim of an open surface is a hole like any other.
+   pel_mesh_repair afterwards turns what is closed now outward. Errors: PEL_BAD_ARGUMENT, PEL_BAD_MESH as
+   pel_topology_create, PEL_OUT_OF_MEMORY; *filled is null then. summary is nullable. */
+pel_status pel_mesh_fill_holes(const pel_mesh *mesh, int32_t edge_limit, pel_mesh **filled, pel_fill_summary *summary,
+                               pel_error *error);
+
 #ifdef __cplusplus
 }
 #endif

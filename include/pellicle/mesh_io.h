@@ -1,4 +1,5 @@
-/* Pellicle: reading and writing mesh files: OBJ, PLY (ASCII, binary little and big endian), STL (ASCII, binary), OFF.
+/* Pellicle: reading and writing mesh files: OBJ, PLY (ASCII, binary little and big endian), STL (ASCII, binary), OFF,
+   VTK PolyData (.vtp).
    Vertex order and connectivity survive. Faces of more than three corners are cut into triangles that keep their
    winding. Numbers are read exactly, whatever the locale; NaN, infinity and indices that do not exist are refused.
    - OBJ: v and f with all kinds of indices; colours, weights, normals, texture coordinates, points, lines ignored.
@@ -6,6 +7,7 @@
      properties of vertices and elements other than vertex and face ignored.
    - STL: corners at exactly equal positions are welded in the order of their first appearance; triangles with two equal
      corners are dropped.
+   - VTP: see pel_vtp_read; point data become fields.
    - OFF: also COFF, NOFF, ... whose colours and normals are ignored; not the binary kind. */
 #ifndef PELLICLE_MESH_IO_H
 #define PELLICLE_MESH_IO_H
@@ -25,6 +27,7 @@ typedef enum pel_mesh_format {
     PEL_FORMAT_STL,       /* reading: any; writing: binary */
     PEL_FORMAT_STL_ASCII, /* writing */
     PEL_FORMAT_OFF,
+    PEL_FORMAT_VTP, /* reading: any encoding; writing: zlib, doubles */
     PEL_FORMAT_COUNT
 } pel_mesh_format;
 
@@ -42,11 +45,12 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
                           pel_mesh **mesh, pel_error *error);
 
 /* Writes a mesh. Coordinates survive a round trip bit for bit in all formats but binary STL, which holds floats.
-   Fields go into PLY (as vertex properties, `name` or `name_0`, `name_1`, ... for vectors, doubles; red, green, blue
-   and alpha as bytes when they fit); other formats drop them, and PLY those whose name it cannot hold, with a note in
-   log (nullable). Written to a temporary file that is renamed at the end, so a failure leaves no half file and an older
-   file as it was. format AUTO: by extension, PLY and STL binary. Errors: PEL_BAD_ARGUMENT (unknown extension, a value
-   that is not finite or too large for binary STL), PEL_BAD_FILE (not writable, disk full), PEL_OUT_OF_MEMORY. */
+   Fields go into VTP as they are and into PLY (as vertex properties, `name` or `name_0`, `name_1`, ... for vectors,
+   doubles; red, green, blue and alpha as bytes when they fit); other formats drop them, and PLY those whose name it
+   cannot hold, with a note in log (nullable). Written to a temporary file that is renamed at the end, so a failure
+   leaves no half file and an older file as it was. format AUTO: by extension, PLY and STL binary. Errors:
+   PEL_BAD_ARGUMENT (unknown extension, a value that is not finite or too large for binary STL), PEL_BAD_FILE (not
+   writable, disk full), PEL_OUT_OF_MEMORY. */
 pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
                           pel_error *error);
 

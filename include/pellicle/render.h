@@ -82,10 +82,12 @@ typedef struct pel_render_def {
     bool hide_labels;          /* leave out times and names */
     bool hide_ground;          /* leave out the shadow on the ground */
     pel_background background;
-    const char *title;   /* above the picture; null or empty = none */
-    double frame_rate;   /* pictures per second of a film; 0 = real time, between 10 and 60 */
-    const char *program; /* the ffmpeg to use; null = the one of the search path */
-    uint32_t cookie;     /* set by pel_render_def_default */
+    const char *title;            /* above the picture; null or empty = none */
+    double frame_rate;            /* pictures per second of a film; 0 = real time, between 10 and 60 */
+    const char *program;          /* the ffmpeg to use; null = the one of the search path */
+    bool (*progress)(void *user); /* asked before each frame is read; false stops with PEL_STOPPED; nullable */
+    void *user;
+    uint32_t cookie; /* set by pel_render_def_default */
 } pel_render_def;
 
 pel_render_def pel_render_def_default(void);
@@ -108,7 +110,8 @@ typedef struct pel_render_summary {
    surface have their head, all others their tail at the vertex.
    Errors: PEL_BAD_ARGUMENT (a number out of range, an unknown field with the nearest name, a frame that does not exist,
    no OpenGL, no font, no ffmpeg), PEL_BAD_FILE and PEL_BAD_FORMAT (missing or damaged frames, NaN in a field with frame
-   and vertex, output that cannot be written), PEL_OUT_OF_MEMORY. A picture or film is written whole or not at all. */
+   and vertex, output that cannot be written), PEL_OUT_OF_MEMORY, PEL_STOPPED. A picture or film is written whole or not
+   at all. */
 pel_status pel_render(const pel_render_def *def, const pel_log *log, pel_render_summary *summary, pel_error *error);
 
 #ifdef __cplusplus

@@ -44,10 +44,12 @@ void pel_vtp_writer_destroy(pel_vtp_writer *writer);
 /* Errors as above; after one the writer can be used again. */
 pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error);
 
-/* Reads a .vtp file of one piece with triangles and raw appended data, packed by zlib or not, as pel_vtp_write and
-   ParaView write them. Point data become the fields of the mesh; time (nullable) gets TimeValue, 0 when there is none.
-   Memory use is bounded by the file's size whatever its head claims. On failure *mesh is null. Free with
-   pel_mesh_destroy. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT with the byte offset or element, PEL_OUT_OF_MEMORY. */
+/* Reads a .vtp file of one piece as VTK and ParaView write it: arrays as text, in base64 or in the appended section,
+   raw or in base64, packed by zlib or not, in either byte order. Polygons are cut into triangles, strips taken apart,
+   vertices and lines left out. Point data become the fields of the mesh; time (nullable) gets TimeValue, 0 when there
+   is none. Memory use is bounded by a multiple of the file's size whatever its head claims. On failure *mesh is null.
+   Free with pel_mesh_destroy. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT with the byte offset or element, PEL_OUT_OF_MEMORY.
+ */
 pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error);
 
 /* The same from memory; `name` stands for the file in messages. */

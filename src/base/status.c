@@ -86,6 +86,8 @@ static void append(char *text, size_t size, size_t *length, const char *format, 
 
 const char *pel_error_text(const pel_error *error, char *text, size_t size)
 {
+    if (text == NULL || size == 0)
+        return "";
     size_t length = 0;
     if (size > 0)
         text[0] = '\0';

@@ -4,4 +4,14 @@
 
 #include "pellicle/error.h"
 
+/* refuses an argument of the calling function that is null */
+#define PEL_REFUSE_NULL(pointer, error)                                                                                \
+    do {                                                                                                               \
+        if ((pointer) == NULL)                                                                                         \
+            return pel_fail((error), PEL_BAD_ARGUMENT, "%s is null", #pointer);                                        \
+    } while (0)
+
+/* whether the value of an enum is none of the first `count` */
+#define PEL_IS_NO_CHOICE(value, count) ((int64_t)(value) < 0 || (int64_t)(value) >= (int64_t)(count))
+
 #endif

@@ -46,6 +46,8 @@ size_t pel_edit_distance(const char *a, const char *b)
 
 const char *pel_nearest_name(const char *name, const char *const *names, size_t count)
 {
+    if (name == NULL || names == NULL)
+        return NULL;
     size_t length = cut_length(name);
     size_t allowed = length / 3 > 2 ? length / 3 : 2;
     const char *nearest = NULL;

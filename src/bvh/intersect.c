@@ -98,6 +98,35 @@ static bool keep_pair(void *context, int32_t chunk, pel_pair pair)
     return triangles_intersect(it, pair) && ++it->counts[chunk] <= it->pair_limit;
 }
 
+/* pairs of overlapping boxes that are tested at most: some for each triangle, and so many in any case. Surfaces have 10
+   to 30 a triangle; a vertex of n triangles adds n^2 / 2 */
+static int64_t test_limit(const certificate *it)
+{
+    const int64_t for_each = 100, at_least = 4000000;
+    return for_each * it->usable_count + at_least;
+}
+
+/* names the vertex of the most triangles: that it has so many is why there are too many pairs, as a rule */
+static pel_status fail_limit(const certificate *it, pel_error *error)
+{
+    int32_t *valence = pel_allocate((size_t)it->mesh->vertex_count, sizeof *valence), worst = 0;
+    if (valence == NULL)
+        return pel_fail_memory(error);
+    for (int32_t t = 0; t < it->usable_count; t++)
+        for (int i = 0; i < 3; i++)
+            valence[it->triangles[t][i]]++;
+    for (int32_t v = 1; v < it->mesh->vertex_count; v++)
+        worst = valence[v] > valence[worst] ? v : worst;
+    pel_fail(error, PEL_BAD_MESH,
+             "more than %lld pairs of triangles overlap: too many to look for those that intersect; vertex %d has %d "
+             "triangles",
+             (long long)test_limit(it), (int)worst, (int)valence[worst]);
+    pel_fail_remedy(error, "divide the triangles around that vertex, or leave self-intersections out");
+    pel_fail_element(error, "vertex", worst);
+    pel_free(valence);
+    return PEL_BAD_MESH;
+}
+
 static pel_status find_pairs(certificate *it, pel_error *error)
 {
     const double(*positions)[3] = (const double(*)[3])it->positions;
@@ -111,7 +140,8 @@ static pel_status find_pairs(certificate *it, pel_error *error)
     pel_tree_refit(it->tree, it->boxes, NULL);
     it->search.keep = keep_pair;
     it->search.context = it;
-    return pel_find_pairs(it->tree, it->tree, 1u << PEL_PAIR_FACE_FACE, NULL, &it->search, error);
+    status = pel_find_pairs(it->tree, it->tree, 1u << PEL_PAIR_FACE_FACE, NULL, &it->search, error);
+    return status == PEL_BAD_ARGUMENT ? fail_limit(it, error) : status;
 }
 
 static int compare_pairs(const void *a, const void *b)
@@ -149,14 +179,18 @@ static void clear(certificate *it)
 pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit, int64_t *count,
                                        pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(count, error);
     *count = 0;
+    if (pair_limit > 0)
+        PEL_REFUSE_NULL(pairs, error);
     if (mesh->vertex_count < 0 || mesh->triangle_count < 0 || pair_limit < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     certificate it = {.mesh = mesh, .pair_limit = pair_limit};
-    pel_pair_search_begin(&it.search, INT64_MAX);
     pel_status status = collect_triangles(&it);
     if (status != PEL_OK)
         pel_fail_memory(error);
+    pel_pair_search_begin(&it.search, test_limit(&it));
     if (status == PEL_OK && it.usable_count > 1)
         status = find_pairs(&it, error);
     if (status == PEL_OK)

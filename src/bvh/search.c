@@ -38,6 +38,7 @@ typedef struct search_plan {
 typedef struct walk {
     search_plan *plan;
     pel_pair_chunk *chunk;
+    size_t dropped;  /* pairs of this chunk that search->keep turned down */
     size_t reported; /* pairs of this chunk that are in plan->found */
 } walk;
 
@@ -75,7 +76,7 @@ static pel_pair *make_room(pel_pair_list *list, size_t count)
 /* adds what the chunk found since the last time to the common count; false beyond the limit */
 static bool report(walk *w, size_t interval)
 {
-    size_t count = 0;
+    size_t count = w->dropped;
     for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
         count += w->chunk->lists[kind].count;
     if (count - w->reported < interval)
@@ -196,7 +197,7 @@ static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q
     return true;
 }
 
-static bool faces_with_faces(const walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
+static bool faces_with_faces(walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
 {
     const pel_pair_search *search = w->plan->search;
     int32_t chunk = (int32_t)(w->chunk - search->chunks);
@@ -213,8 +214,10 @@ static bool faces_with_faces(const walk *w, const pel_leaf *p, const pel_leaf *q
         while (others != 0) {
             int32_t t = b->members[q->group].element[next_lane(&others)];
             pel_pair pair = within ? ordered(face.element, t) : (pel_pair){face.element, t};
+            bool kept = search->keep == NULL || search->keep(search->context, chunk, pair);
             *pairs = pair;
-            pairs += search->keep == NULL || search->keep(search->context, chunk, pair);
+            pairs += kept;
+            w->dropped += !kept;
         }
     }
     list->count = (size_t)(pairs - list->pairs);
@@ -387,7 +390,7 @@ static bool cut_tasks(search_plan *plan)
 static void search_chunk(void *context, int32_t chunk)
 {
     search_plan *plan = context;
-    walk w = {plan, &plan->search->chunks[chunk], 0};
+    walk w = {plan, &plan->search->chunks[chunk], 0, 0};
     for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
         w.chunk->lists[kind].count = plan->growth != NULL ? w.chunk->lists[kind].count : 0;
     w.chunk->status = PEL_OK;

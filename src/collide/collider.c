@@ -200,20 +200,22 @@ static pel_status fill_collider(pel_collider *collider, const pel_collider_def *
     return status;
 }
 
-pel_status pel_collider_create(const pel_collider_def *def, pel_collider **result, pel_error *error)
+pel_status pel_collider_create(const pel_collider_def *def, pel_collider **collider, pel_error *error)
 {
-    *result = NULL;
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(collider, error);
+    *collider = NULL;
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
         return status;
-    pel_collider *collider = pel_allocate(1, sizeof *collider);
-    if (collider == NULL)
+    pel_collider *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
         return pel_fail_memory(error);
-    status = fill_collider(collider, def, error);
+    status = fill_collider(made, def, error);
     if (status == PEL_OK)
-        *result = collider;
+        *collider = made;
     else
-        pel_collider_destroy(collider);
+        pel_collider_destroy(made);
     return status;
 }
 
@@ -250,8 +252,10 @@ const pel_tree *pel_collider_tree(const pel_collider *collider)
 
 static pel_status check_query(const pel_collision_query *query, pel_error *error)
 {
-    if (query->start == NULL || query->end == NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "the positions of a collision query are missing");
+    PEL_REFUSE_NULL(query->start, error);
+    PEL_REFUSE_NULL(query->end, error);
+    if (PEL_IS_NO_CHOICE(query->method, PEL_CCD_BRIDSON + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "method %d of the collision query is unknown", (int)query->method);
     if (!(query->min_separation >= 0 && isfinite(query->min_separation)))
         return pel_fail(error, PEL_BAD_ARGUMENT, "min_separation must be at least 0, not %g", query->min_separation);
     if (!(query->tolerance >= 0 && isfinite(query->tolerance)))
@@ -270,6 +274,9 @@ static pel_status update(pel_collider *collider, const pel_collision_query *quer
 pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_query *query,
                                    pel_collision_candidates *candidates, pel_error *error)
 {
+    PEL_REFUSE_NULL(collider, error);
+    PEL_REFUSE_NULL(query, error);
+    PEL_REFUSE_NULL(candidates, error);
     const pel_candidates *c = collider->candidates;
     *candidates = (pel_collision_candidates){0};
     pel_status status = check_query(query, error);
@@ -421,6 +428,9 @@ static pel_status find_pairs(pel_collider *collider, const pel_collision_query *
 pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query, pel_collision_result *result,
                                pel_error *error)
 {
+    PEL_REFUSE_NULL(collider, error);
+    PEL_REFUSE_NULL(query, error);
+    PEL_REFUSE_NULL(result, error);
     *result = (pel_collision_result){0};
     collider->collisions.count = 0;
     pel_pair_list vertex_face, edge_edge;

@@ -16,6 +16,8 @@ static double angle_defect(const pel_topology *topology, int32_t v, double angle
 void pel_vertex_measure_fill(const pel_topology *topology, const double *positions, int32_t v,
                              pel_vertex_measure *measure)
 {
+    if (topology == NULL || positions == NULL || measure == NULL || v < 0 || v >= topology->vertex_count)
+        return;
     *measure = (pel_vertex_measure){.boundary = pel_vertex_is_boundary(topology, v)};
     double *gradient = measure->mean_curvature_normal, angles = 0;
     for (int32_t h = pel_corner_first(topology, v); h >= 0; h = pel_corner_next(topology, v, h)) {
@@ -37,6 +39,8 @@ void pel_vertex_measure_fill(const pel_topology *topology, const double *positio
 
 void pel_surface_vertex_areas(const pel_topology *topology, const double *positions, double *areas)
 {
+    if (topology == NULL || positions == NULL || areas == NULL)
+        return;
     for (int32_t v = 0; v < topology->vertex_count; v++) {
         areas[v] = 0;
         for (int32_t h = pel_corner_first(topology, v); h >= 0; h = pel_corner_next(topology, v, h)) {
@@ -49,6 +53,8 @@ void pel_surface_vertex_areas(const pel_topology *topology, const double *positi
 void pel_surface_normals(const pel_topology *topology, const double *positions, pel_normal_weight weight,
                          double *normals)
 {
+    if (topology == NULL || positions == NULL || normals == NULL)
+        return;
     pel_vertex_measure measure;
     for (int32_t v = 0; v < topology->vertex_count; v++) {
         double *normal = weight == PEL_NORMAL_AREA ? measure.area_vector : measure.normal;
@@ -61,6 +67,8 @@ void pel_surface_normals(const pel_topology *topology, const double *positions, 
 void pel_surface_mean_curvature(const pel_topology *topology, const double *positions, double *curvature,
                                 double *normals)
 {
+    if (topology == NULL || positions == NULL)
+        return;
     pel_vertex_measure measure;
     for (int32_t v = 0; v < topology->vertex_count; v++) {
         pel_vertex_measure_fill(topology, positions, v, &measure);
@@ -74,6 +82,8 @@ void pel_surface_mean_curvature(const pel_topology *topology, const double *posi
 double pel_surface_gaussian_curvature(const pel_topology *topology, const double *positions, double *curvature,
                                       double *defects)
 {
+    if (topology == NULL || positions == NULL)
+        return 0;
     double total = 0;
     pel_vertex_measure measure;
     for (int32_t v = 0; v < topology->vertex_count; v++) {
@@ -98,6 +108,8 @@ static void include_value(double value, double area, bool first, double *least, 
 void pel_surface_curvature_summary(const pel_topology *topology, const double *positions,
                                    pel_curvature_summary *summary)
 {
+    if (topology == NULL || positions == NULL || summary == NULL)
+        return;
     double inner_area = 0, gaussian_integral = 0;
     pel_vertex_measure measure;
     *summary = (pel_curvature_summary){0};
@@ -136,6 +148,8 @@ static double third_area(const pel_topology *topology, const double *positions, 
 void pel_surface_pressure(const pel_topology *topology, const double *positions, double outside_pressure,
                           pel_pressure_form form, double *forces, double *magnitudes, double *direction_cosines)
 {
+    if (topology == NULL || positions == NULL)
+        return;
     for (int32_t v = 0; v < topology->vertex_count; v++) {
         double force[3], area = third_area(topology, positions, v, force);
         if (form == PEL_PRESSURE_VERTEX_NORMAL) {

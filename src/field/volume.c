@@ -9,6 +9,8 @@ static const double *corner_of(const double *positions, const int32_t *triangles
 
 double pel_surface_area(const double *positions, const int32_t *triangles, int32_t triangle_count)
 {
+    if (positions == NULL || triangles == NULL)
+        return 0;
     double area = 0;
     for (int32_t t = 0; t < triangle_count; t++)
         area += pel_vec3_triangle_area(corner_of(positions, triangles, t, 0), corner_of(positions, triangles, t, 1),
@@ -19,6 +21,8 @@ double pel_surface_area(const double *positions, const int32_t *triangles, int32
 double pel_surface_volume(const double *positions, const int32_t *triangles, int32_t triangle_count,
                           const double origin[3])
 {
+    if (positions == NULL || triangles == NULL)
+        return 0;
     double volume = 0;
     for (int32_t t = 0; t < triangle_count; t++)
         volume += pel_vec3_cone_volume(origin != NULL ? origin : corner_of(positions, triangles, 0, 0),
@@ -30,6 +34,8 @@ double pel_surface_volume(const double *positions, const int32_t *triangles, int
 double pel_surface_volume_gradient(const double *positions, int32_t vertex_count, const int32_t *triangles,
                                    int32_t triangle_count, const double origin[3], double *gradient)
 {
+    if (positions == NULL || triangles == NULL || gradient == NULL || vertex_count < 0)
+        return 0;
     for (size_t i = 0; i < 3 * (size_t)vertex_count; i++)
         gradient[i] = 0;
     for (int32_t t = 0; t < triangle_count; t++) {

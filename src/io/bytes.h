@@ -35,6 +35,16 @@ static inline uint64_t pel_load_bytes(const char *bytes, size_t size, bool big_e
     }
 }
 
+/* turns `size` bytes around */
+static inline void pel_swap_bytes(unsigned char *bytes, size_t size)
+{
+    for (size_t i = 0; i < size / 2; i++) {
+        unsigned char first = bytes[i];
+        bytes[i] = bytes[size - 1 - i];
+        bytes[size - 1 - i] = first;
+    }
+}
+
 static inline void pel_store_bytes(char *bytes, size_t size, bool big_endian, uint64_t value)
 {
     for (size_t i = 0; i < size; i++)

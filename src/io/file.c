@@ -1,4 +1,4 @@
-#define _XOPEN_SOURCE 700 /* realpath */
+#define _GNU_SOURCE /* O_TMPFILE */
 #include "io/file.h"
 
 #include "base/memory.h"
@@ -17,6 +17,12 @@ static pel_status fail_path(pel_error *error, const char *path, const char *what
     pel_fail_remedy(error, "%s", remedy);
     pel_fail_place(error, path, 0, 0);
     return PEL_BAD_FILE;
+}
+
+const char *pel_file_write_remedy(int number)
+{
+    return number == EFBIG ? "raise the limit on the size of files: ulimit -f unlimited"
+                           : "free some disk space or choose another folder";
 }
 
 /* reads until the end, growing the block; the first guess of the size is usually right */
@@ -48,18 +54,34 @@ static pel_status read_all(int descriptor, const char *path, size_t guess, size_
     return PEL_OK;
 }
 
-/* a descriptor of anything that can be read but a folder, or -1 with the error filled */
+/* refuses what is no regular file: a pipe may never end and a device may wait for ever */
+static int fail_kind(const char *path, mode_t mode, pel_error *error)
+{
+    const char *kind = S_ISFIFO(mode) || S_ISSOCK(mode) ? "a pipe" : "a device";
+    if (S_ISDIR(mode)) {
+        fail_path(error, path, "cannot read the file", EISDIR, "name a file that can be read");
+        return -1;
+    }
+    pel_fail(error, PEL_BAD_FILE, "cannot read the file: it is %s", kind);
+    pel_fail_remedy(error, "save its content to a file and name that");
+    pel_fail_place(error, path, 0, 0);
+    return -1;
+}
+
+/* A descriptor of a regular file, or -1 with the error filled. Opening a pipe must not wait for its writer. */
 static int open_readable(const char *path, struct stat *information, pel_error *error)
 {
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0) {
         fail_path(error, path, "cannot open the file", errno, "check the path and its permissions");
         return -1;
     }
-    const bool known = fstat(descriptor, information) == 0;
-    if (known && !S_ISDIR(information->st_mode))
+    if (fstat(descriptor, information) != 0)
+        fail_path(error, path, "cannot read the file", errno, "check the path and its permissions");
+    else if (S_ISREG(information->st_mode))
         return descriptor;
-    fail_path(error, path, "cannot read the file", known ? EISDIR : errno, "name a file that can be read");
+    else
+        fail_kind(path, information->st_mode, error);
     close(descriptor);
     return -1;
 }
@@ -76,7 +98,7 @@ pel_status pel_file_check(const char *path, pel_error *error)
 
 pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error *error)
 {
-    /* pipes and devices have no size: stop before memory is gone */
+    /* files of /proc tell no size: stop before memory is gone */
     const size_t limit_without_size = (size_t)1 << 30;
     *bytes = NULL;
     *size = 0;
@@ -84,32 +106,93 @@ pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error
     int descriptor = open_readable(path, &information, error);
     if (descriptor < 0)
         return PEL_BAD_FILE;
-    const bool regular = S_ISREG(information.st_mode);
-    pel_status status = read_all(descriptor, path, regular ? (size_t)information.st_size : 0,
-                                 regular ? SIZE_MAX : limit_without_size, bytes, size, error);
+    const size_t known = (size_t)information.st_size;
+    pel_status status =
+        read_all(descriptor, path, known, known > 0 ? SIZE_MAX : limit_without_size, bytes, size, error);
     close(descriptor);
     return status;
 }
 
-/* a new file beside the target, or -1 with errno */
-static int open_temporary(pel_file_writer *writer)
+pel_status pel_file_check_inside(const char *folder, const char *path, pel_error *error)
+{
+    char *outer = realpath(folder, NULL), *inner = realpath(path, NULL);
+    /* the reader says it of what is not there */
+    bool inside = outer == NULL || inner == NULL;
+    size_t length = outer != NULL ? strlen(outer) : 0;
+    if (!inside && strcmp(outer, "/") != 0)
+        inside = strncmp(inner, outer, length) == 0 && inner[length] == '/';
+    free(outer);
+    free(inner);
+    if (inside)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_FORMAT, "the file lies outside the run's folder, in which a link or a name leads to it");
+    pel_fail_remedy(error, "copy the file into the folder in place of the link");
+    pel_fail_place(error, path, 0, 0);
+    return PEL_BAD_FORMAT;
+}
+
+enum { TEMPORARY_ROOM = 64, ATTEMPTS = 1000 };
+
+/* bytes of the target's path up to its last slash, which is one of them */
+static int folder_length(const pel_file_writer *writer)
 {
     const char *slash = strrchr(writer->target, '/');
-    int folder_length = slash == NULL ? 0 : (int)(slash - writer->target) + 1;
-    size_t size = (size_t)folder_length + 64;
-    writer->temporary = pel_allocate(size, 1);
+    return slash == NULL ? 0 : (int)(slash - writer->target) + 1;
+}
+
+static void name_temporary(pel_file_writer *writer, int attempt)
+{
+    int length = folder_length(writer);
+    snprintf(writer->temporary, (size_t)length + TEMPORARY_ROOM, "%.*s.pellicle-%ld-%d.tmp", length, writer->target,
+             (long)getpid(), attempt);
+}
+
+/* A new file beside the target, or -1 with errno. It has no name until it is whole, where the file system can do that:
+   a program that is killed leaves nothing. */
+static int open_temporary(pel_file_writer *writer)
+{
+    writer->temporary = pel_allocate((size_t)folder_length(writer) + TEMPORARY_ROOM, 1);
     if (writer->temporary == NULL) {
         errno = ENOMEM;
         return -1;
     }
-    for (int attempt = 0; attempt < 1000; attempt++) {
-        snprintf(writer->temporary, size, "%.*s.pellicle-%ld-%d.tmp", folder_length, writer->target, (long)getpid(),
-                 attempt);
-        int descriptor = open(writer->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor >= 0 || errno != EEXIST)
-            return descriptor;
+    snprintf(writer->temporary, (size_t)folder_length(writer) + TEMPORARY_ROOM, "%.*s.", folder_length(writer),
+             writer->target);
+    /* the way to a name later */
+    int descriptor = -1;
+    if (access("/proc/self/fd", X_OK) == 0)
+        descriptor = open(writer->temporary, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+    writer->nameless = descriptor >= 0;
+    for (int attempt = 0; descriptor < 0 && attempt < ATTEMPTS; attempt++) {
+        name_temporary(writer, attempt);
+        descriptor = open(writer->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor < 0 && errno != EEXIST)
+            return -1;
     }
-    return -1;
+    return descriptor;
+}
+
+/* gives a nameless file its temporary name; false with errno */
+static bool link_temporary(pel_file_writer *writer)
+{
+    char source[TEMPORARY_ROOM];
+    snprintf(source, sizeof source, "/proc/self/fd/%d", fileno(writer->stream));
+    for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+        name_temporary(writer, attempt);
+        if (linkat(AT_FDCWD, source, AT_FDCWD, writer->temporary, AT_SYMLINK_FOLLOW) == 0) {
+            writer->nameless = false;
+            return true;
+        }
+        if (errno != EEXIST)
+            return false;
+    }
+    return false;
+}
+
+static void remove_temporary(const pel_file_writer *writer)
+{
+    if (writer->temporary != NULL && !writer->nameless)
+        unlink(writer->temporary);
 }
 
 /* opens the temporary file, or the target itself when it is a device or a pipe */
@@ -129,7 +212,7 @@ static int open_target(pel_file_writer *writer)
     if (descriptor >= 0 && exists && fchmod(descriptor, information.st_mode & 0777) != 0) {
         int number = errno;
         close(descriptor);
-        unlink(writer->temporary);
+        remove_temporary(writer);
         errno = number;
         return -1;
     }
@@ -169,8 +252,7 @@ pel_status pel_file_writer_open(pel_file_writer *writer, const char *path, pel_e
     int number = errno;
     if (descriptor >= 0) {
         close(descriptor);
-        if (writer->temporary != NULL)
-            unlink(writer->temporary);
+        remove_temporary(writer);
     }
     free_names(writer);
     if (number == ENOMEM)
@@ -199,16 +281,18 @@ void pel_file_writer_printf(pel_file_writer *writer, const char *format, ...)
 pel_status pel_file_writer_commit(pel_file_writer *writer, pel_error *error)
 {
     int number = writer->failure;
+    if (number == 0 && writer->stream != NULL && fflush(writer->stream) != 0)
+        number = errno;
+    if (number == 0 && writer->nameless && !link_temporary(writer))
+        number = errno;
     if (!close_writer(writer) && number == 0)
         number = errno;
     if (number == 0 && writer->temporary != NULL && rename(writer->temporary, writer->target) != 0)
         number = errno;
     pel_status status = PEL_OK;
     if (number != 0) {
-        if (writer->temporary != NULL)
-            unlink(writer->temporary);
-        status = fail_path(error, writer->path, "cannot write the file", number,
-                           "free some disk space or choose another folder");
+        remove_temporary(writer);
+        status = fail_path(error, writer->path, "cannot write the file", number, pel_file_write_remedy(number));
     }
     free_names(writer);
     return status;
@@ -219,7 +303,6 @@ void pel_file_writer_abandon(pel_file_writer *writer)
     if (writer->stream == NULL)
         return;
     close_writer(writer);
-    if (writer->temporary != NULL)
-        unlink(writer->temporary);
+    remove_temporary(writer);
     free_names(writer);
 }

@@ -6,15 +6,20 @@
 
 #include <stdio.h>
 
-/* Reads a whole file (or pipe) into a new block of *size bytes, to be freed with pel_free. One zero byte follows the
-   last byte. Errors: PEL_BAD_FILE with the path (missing, a folder, unreadable, endless), PEL_OUT_OF_MEMORY; *bytes is
-   null then. An empty file is no error. */
+/* Reads a whole regular file into a new block of *size bytes, to be freed with pel_free. One zero byte follows the
+   last byte. Errors: PEL_BAD_FILE with the path (missing, a folder, a pipe or a device, unreadable), PEL_OUT_OF_MEMORY;
+   *bytes is null then. An empty file is no error. */
 pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error *error);
 
-/* Whether a file is there and can be opened for reading; PEL_BAD_FILE otherwise. */
+/* Whether a regular file is there and can be opened for reading; PEL_BAD_FILE otherwise. */
 pel_status pel_file_check(const char *path, pel_error *error);
 
-/* Writes to a temporary file in the folder of the path; commit renames it over the path, abandon removes it. A path
+/* Refuses (PEL_BAD_FORMAT) a file that is not below the folder once links are resolved. One that is not there passes.
+ */
+pel_status pel_file_check_inside(const char *folder, const char *path, pel_error *error);
+
+/* Writes to a temporary file in the folder of the path, without a name until it is whole where the file system has such
+   files; commit renames it over the path, abandon removes it. A path
    that is a device or a pipe is written directly, a symbolic link is followed, and the mode of a replaced file is kept.
        pel_file_writer writer;
        pel_status status = pel_file_writer_open(&writer, path, error);
@@ -28,6 +33,7 @@ typedef struct pel_file_writer {
     char *path;      /* what the user named, for messages */
     char *target;    /* the same with links resolved */
     char *temporary; /* null when written directly */
+    bool nameless;   /* the temporary file has no name yet */
     int failure;     /* errno of the first failure, 0 = none */
 } pel_file_writer;
 
@@ -39,6 +45,8 @@ void pel_file_writer_printf(pel_file_writer *writer, const char *format, ...) PE
 /* Flushes, closes and renames. On failure (disk full, ...) the temporary file is removed and an older file under the
    path stays as it was. Closes the writer either way. */
 pel_status pel_file_writer_commit(pel_file_writer *writer, pel_error *error);
+/* What to do about a write that failed with this errno. Lives forever. */
+const char *pel_file_write_remedy(int number);
 /* Closes and removes what was written; fine on a closed writer. */
 void pel_file_writer_abandon(pel_file_writer *writer);
 

@@ -9,6 +9,7 @@
 pel_status pel_obj_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
 pel_status pel_ply_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
 pel_status pel_stl_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
+pel_status pel_vtp_read_mesh(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
 pel_status pel_off_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
 
 /* whether a file begins like this format (ASCII STL) */
@@ -16,6 +17,7 @@ bool pel_obj_matches(const pel_text_cursor *scan);
 bool pel_ply_matches(const pel_text_cursor *scan);
 bool pel_stl_matches(const pel_text_cursor *scan);
 bool pel_off_matches(const pel_text_cursor *scan);
+bool pel_vtp_matches(const pel_text_cursor *scan);
 /* whether a file is as long as it must be to be binary STL, which no other file is by chance */
 bool pel_stl_size_fits(const pel_text_cursor *scan);
 

@@ -3,16 +3,23 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "io/formats.h"
+#include "pellicle/results.h"
 
 #include <math.h>
 #include <string.h>
 
 pel_mesh_format pel_mesh_format_of_path(const char *path)
 {
+    if (path == NULL)
+        return PEL_FORMAT_AUTO;
     static const struct {
         const char *extension;
         pel_mesh_format format;
-    } formats[] = {{"obj", PEL_FORMAT_OBJ}, {"ply", PEL_FORMAT_PLY}, {"stl", PEL_FORMAT_STL}, {"off", PEL_FORMAT_OFF}};
+    } formats[] = {{"obj", PEL_FORMAT_OBJ},
+                   {"ply", PEL_FORMAT_PLY},
+                   {"stl", PEL_FORMAT_STL},
+                   {"off", PEL_FORMAT_OFF},
+                   {"vtp", PEL_FORMAT_VTP}};
     const char *dot = strrchr(path, '.');
     if (dot == NULL)
         return PEL_FORMAT_AUTO;
@@ -34,6 +41,8 @@ static pel_mesh_format detect_format(const pel_text_cursor *scan)
         return PEL_FORMAT_STL;
     if (pel_off_matches(scan))
         return PEL_FORMAT_OFF;
+    if (pel_vtp_matches(scan))
+        return PEL_FORMAT_VTP;
     pel_mesh_format by_name = pel_mesh_format_of_path(scan->name);
     if (by_name != PEL_FORMAT_AUTO)
         return by_name;
@@ -48,10 +57,30 @@ static void skip_byte_order_mark(pel_text_cursor *scan)
         scan->at += 3;
 }
 
+/* text of two bytes a letter: with a byte order mark, or letters of ASCII */
+static bool is_wide_text(const pel_text_cursor *scan)
+{
+    const unsigned char *b = (const unsigned char *)scan->begin;
+    if (scan->end - scan->begin < 4 || pel_stl_size_fits(scan))
+        return false;
+    bool marked = (b[0] == 0xff && b[1] == 0xfe) || (b[0] == 0xfe && b[1] == 0xff);
+    bool low = b[1] == 0 && b[3] == 0 && b[0] >= '\t' && b[0] < 0x7f && b[2] >= '\t' && b[2] < 0x7f;
+    bool high = b[0] == 0 && b[2] == 0 && b[1] >= '\t' && b[1] < 0x7f && b[3] >= '\t' && b[3] < 0x7f;
+    return marked || low || high;
+}
+
+static pel_status fail_wide(const char *name, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FORMAT, "the file is UTF-16 text, which mesh files are not");
+    pel_fail_remedy(error, "save it as UTF-8 or ASCII, for example: iconv -f UTF-16 -t UTF-8 FILE > NEW");
+    pel_fail_place(error, name, 0, 0);
+    return PEL_BAD_FORMAT;
+}
+
 static pel_status fail_unknown(const char *name, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FORMAT, "neither the extension nor the content tells the format of this file");
-    pel_fail_remedy(error, "give it the extension .obj, .ply, .stl or .off, or convert it to one of these");
+    pel_fail_remedy(error, "give it the extension .obj, .ply, .stl, .off or .vtp, or convert it to one of these");
     pel_fail_place(error, name, 0, 0);
     return PEL_BAD_FORMAT;
 }
@@ -59,6 +88,9 @@ static pel_status fail_unknown(const char *name, pel_error *error)
 pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format, const pel_log *log,
                           pel_mesh **mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(name, error);
+    PEL_REFUSE_NULL(bytes, error);
+    PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     if (size == 0) {
         pel_fail(error, PEL_BAD_FORMAT, "the file is empty");
@@ -67,6 +99,8 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
         return PEL_BAD_FORMAT;
     }
     pel_text_cursor scan = {.name = name, .begin = bytes, .at = bytes, .end = (const char *)bytes + size};
+    if (is_wide_text(&scan))
+        return fail_wide(name, error);
     skip_byte_order_mark(&scan);
     switch (format == PEL_FORMAT_AUTO ? detect_format(&scan) : format) {
     case PEL_FORMAT_OBJ:
@@ -80,6 +114,8 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
         return pel_stl_read(&scan, log, mesh, error);
     case PEL_FORMAT_OFF:
         return pel_off_read(&scan, log, mesh, error);
+    case PEL_FORMAT_VTP:
+        return pel_vtp_read_mesh(&scan, log, mesh, error);
     default:
         return fail_unknown(name, error);
     }
@@ -88,6 +124,8 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
 pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log *log, pel_mesh **mesh,
                          pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
     char *bytes;
     size_t size;
     *mesh = NULL;
@@ -113,7 +151,8 @@ void pel_write_numbers(pel_file_writer *writer, const char *before, const double
 
 static bool holds_fields(pel_mesh_format format)
 {
-    return format == PEL_FORMAT_PLY || format == PEL_FORMAT_PLY_ASCII || format == PEL_FORMAT_PLY_BIG;
+    return format == PEL_FORMAT_VTP || format == PEL_FORMAT_PLY || format == PEL_FORMAT_PLY_ASCII ||
+           format == PEL_FORMAT_PLY_BIG;
 }
 
 static pel_status check_values(const double *values, int32_t vertex_count, int32_t component_count, const char *name,
@@ -164,18 +203,42 @@ static pel_status write_format(pel_file_writer *writer, pel_mesh_format format, 
     }
 }
 
+static pel_status write_vtp(const char *path, const pel_mesh *mesh, pel_error *error)
+{
+    pel_vtp_field *fields = pel_allocate((size_t)mesh->field_count, sizeof *fields);
+    if (fields == NULL)
+        return pel_fail_memory(error);
+    for (int32_t f = 0; f < mesh->field_count; f++)
+        fields[f] = (pel_vtp_field){mesh->fields[f].name, mesh->fields[f].component_count, mesh->fields[f].values};
+    const pel_vtp vtp = {.vertex_count = mesh->vertex_count,
+                         .triangle_count = mesh->triangle_count,
+                         .positions = mesh->positions[0],
+                         .triangles = mesh->triangles[0],
+                         .fields = fields,
+                         .field_count = mesh->field_count,
+                         .compress = true,
+                         .float64 = true};
+    pel_status status = pel_vtp_write(path, &vtp, error);
+    pel_free(fields);
+    return status;
+}
+
 pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
                           pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
     if (format == PEL_FORMAT_AUTO)
         format = pel_mesh_format_of_path(path);
     if (format <= PEL_FORMAT_AUTO || format >= PEL_FORMAT_COUNT) {
         pel_fail(error, PEL_BAD_ARGUMENT, "the extension does not tell the format to write");
-        pel_fail_remedy(error, "use the extension .obj, .ply, .stl or .off");
+        pel_fail_remedy(error, "use the extension .obj, .ply, .stl, .off or .vtp");
         pel_fail_place(error, path, 0, 0);
         return PEL_BAD_ARGUMENT;
     }
     pel_status status = check_mesh(mesh, format, error);
+    if (format == PEL_FORMAT_VTP)
+        return status == PEL_OK ? write_vtp(path, mesh, error) : status;
     pel_file_writer writer;
     if (status == PEL_OK)
         status = pel_file_writer_open(&writer, path, error);
@@ -187,7 +250,7 @@ pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_me
         return status;
     }
     if (mesh->field_count > 0 && !holds_fields(format))
-        pel_log_line(log, "%d vertex %s dropped: only PLY holds them", (int)mesh->field_count,
+        pel_log_line(log, "%d vertex %s dropped: only PLY and VTP hold them", (int)mesh->field_count,
                      mesh->field_count == 1 ? "field" : "fields");
     return pel_file_writer_commit(&writer, error);
 }

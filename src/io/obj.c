@@ -58,7 +58,7 @@ static pel_status read_vertex(obj_reader *reader, pel_error *error)
     skip_blanks(scan);
     bool more = !at_statement_end(scan);
     while (!at_statement_end(scan)) {
-        if (!pel_text_cursor_number(scan, &rest))
+        if (!pel_text_cursor_any_number(scan, &rest))
             return pel_text_cursor_fail_number(scan, error, "a number");
         skip_blanks(scan);
     }

@@ -20,8 +20,9 @@ typedef struct ply_reader {
     pel_polygon_soup builder;
     pel_field *fields; /* vertex properties other than x, y, z */
     int32_t field_count;
-    sink sinks[PEL_PLY_PROPERTY_LIMIT]; /* of the vertex properties */
-    size_t ignored_list_count;          /* list properties of vertices */
+    int64_t first_bad[PEL_PLY_PROPERTY_LIMIT]; /* (field_count) vertex whose value is not finite; -1 = none */
+    sink sinks[PEL_PLY_PROPERTY_LIMIT];        /* of the vertex properties */
+    size_t ignored_list_count;                 /* list properties of vertices */
 } ply_reader;
 
 static double load_binary(const char *bytes, pel_ply_type type, bool big)
@@ -172,7 +173,7 @@ static int32_t add_field(ply_reader *reader, const pel_ply_element *element, int
     const char *name = reader->header.properties[element->first_property + first].name;
     snprintf(field->name, sizeof field->name, "%.*s", (int)(stem > 0 ? stem : strlen(name)), name);
     field->component_count = component_count;
-    reader->field_count++;
+    reader->first_bad[reader->field_count++] = -1;
     for (int32_t i = 0; i < component_count; i++)
         reader->sinks[first + i] = (sink){field->values + i, component_count};
     return component_count;
@@ -212,6 +213,33 @@ static pel_status prepare_vertices(ply_reader *reader, const pel_ply_element *el
     return PEL_OK;
 }
 
+/* the field that is written through this sink is of no use, from its first value that is none */
+static void note_bad(ply_reader *reader, const double *base, int64_t v)
+{
+    for (int32_t f = 0; f < reader->field_count; f++) {
+        const pel_field *field = &reader->fields[f];
+        if (base >= field->values && base < field->values + field->component_count && reader->first_bad[f] < 0)
+            reader->first_bad[f] = v;
+    }
+}
+
+/* fields with NaN or infinities serve nobody, and their mesh may serve without them */
+static void drop_bad_fields(ply_reader *reader, const pel_log *log)
+{
+    int32_t kept = 0;
+    for (int32_t f = 0; f < reader->field_count; f++) {
+        pel_field *field = &reader->fields[f];
+        if (reader->first_bad[f] < 0) {
+            reader->fields[kept++] = *field;
+            continue;
+        }
+        pel_log_line(log, "field '%s' is left out: it is not finite at vertex %lld", field->name,
+                     (long long)reader->first_bad[f]);
+        pel_free(field->values);
+    }
+    reader->field_count = kept;
+}
+
 static pel_status read_vertex(ply_reader *reader, const pel_ply_element *element, int64_t v, pel_error *error)
 {
     const pel_ply_property *properties = &reader->header.properties[element->first_property];
@@ -227,6 +255,10 @@ static pel_status read_vertex(ply_reader *reader, const pel_ply_element *element
         double value;
         if (!read_value(reader, properties[i].type, &value))
             return fail_value(reader, &properties[i], error);
+        if (!isfinite(value) && axis_of(properties[i].name) < 0) {
+            note_bad(reader, to->base, v);
+            continue;
+        }
         if (!isfinite(value))
             return pel_text_cursor_fail(reader->scan, place, error, "repair the mesh in the program that wrote it",
                                         "property '%s' of vertex %lld is %g", properties[i].name, (long long)v, value);
@@ -344,6 +376,7 @@ static pel_status finish(ply_reader *reader, const pel_log *log, pel_mesh **mesh
 {
     if (reader->ignored_list_count > 0)
         pel_log_line(log, "%zu list properties of vertices ignored", reader->ignored_list_count);
+    drop_bad_fields(reader, log);
     pel_status status = pel_polygon_soup_finish(&reader->builder, reader->scan, log, mesh, error);
     if (status != PEL_OK || reader->field_count == 0)
         return status;

@@ -1,6 +1,7 @@
 #include "pellicle/results.h"
 
 #include "base/number.h"
+#include "base/status.h"
 #include "io/byte_order.h"
 #include "io/file.h"
 #include "io/xml.h"
@@ -8,6 +9,14 @@
 pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times, int32_t frame_count,
                          pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(file_names, error);
+    PEL_REFUSE_NULL(times, error);
+    if (frame_count < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "frame_count is %d", (int)frame_count);
+    for (int32_t i = 0; i < frame_count; i++)
+        if (file_names[i] == NULL)
+            return pel_fail(error, PEL_BAD_ARGUMENT, "file_names[%d] is null", (int)i);
     pel_file_writer writer;
     pel_status status = pel_file_writer_open(&writer, path, error);
     if (status != PEL_OK)

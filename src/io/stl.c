@@ -41,11 +41,14 @@ bool pel_stl_size_fits(const pel_text_cursor *scan)
     return claimed_size(scan) == (uint64_t)(scan->end - scan->begin);
 }
 
+/* binary files may begin with "solid" too, but their counts and numbers have zero bytes */
 bool pel_stl_matches(const pel_text_cursor *scan)
 {
+    enum { LOOK = 1000 };
     pel_text_cursor ahead = *scan;
     pel_text_cursor_skip_spaces(&ahead);
-    return pel_text_cursor_accept(&ahead, "solid");
+    size_t size = (size_t)(ahead.end - ahead.at);
+    return pel_text_cursor_accept(&ahead, "solid") && memchr(scan->at, '\0', size < LOOK ? size : LOOK) == NULL;
 }
 
 static pel_status check_binary_size(const pel_text_cursor *scan, const pel_log *log, pel_error *error)

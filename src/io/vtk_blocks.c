@@ -7,7 +7,7 @@
 
 /* bytes of a whole block; and the level: 6 packs a frame a tenth better but takes 20 times as long on triangles, and
    Huffman codes alone or run lengths are not faster than level 1 */
-enum { BLOCK_SIZE = 1 << 16, LEVEL = 1, HEAD_WORDS = 3 };
+enum { BLOCK_SIZE = 1 << 16, LEVEL = 1, HEAD_WORDS = PEL_VTK_BLOCKS_WORDS };
 
 static size_t count_blocks(size_t size)
 {

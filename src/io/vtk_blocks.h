@@ -6,6 +6,9 @@
 
 #include "base/status.h"
 
+/* words before the packed sizes */
+enum { PEL_VTK_BLOCKS_WORDS = 3 };
+
 /* the most bytes that packing `size` bytes can give */
 size_t pel_vtk_blocks_bound(size_t size);
 

@@ -62,8 +62,23 @@ static pel_status check_arguments(const pel_vtp *vtp, pel_error *error)
         vtp->field_count < 0 || vtp->cell_field_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "%d vertices, %d triangles and %d fields cannot be written",
                         (int)vtp->vertex_count, (int)vtp->triangle_count, (int)vtp->field_count);
+    PEL_REFUSE_NULL(vtp->positions, error);
+    PEL_REFUSE_NULL(vtp->triangles, error);
+    if (vtp->field_count > 0)
+        PEL_REFUSE_NULL(vtp->fields, error);
+    if (vtp->cell_field_count > 0)
+        PEL_REFUSE_NULL(vtp->cell_fields, error);
+    for (size_t i = 0; i < 3 * (size_t)vtp->triangle_count; i++)
+        if (vtp->triangles[i] < 0 || vtp->triangles[i] >= vtp->vertex_count) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "vertex index %d is outside 0..%d", (int)vtp->triangles[i],
+                     (int)vtp->vertex_count - 1);
+            pel_fail_element(error, "triangle", (int64_t)(i / 3));
+            return PEL_BAD_ARGUMENT;
+        }
     for (int32_t f = 0; f < vtp->field_count + vtp->cell_field_count; f++) {
         const pel_vtp_field *field = field_at(vtp, f);
+        PEL_REFUSE_NULL(field->name, error);
+        PEL_REFUSE_NULL(field->values, error);
         if (field->component_count < 1 || field->name[0] == '\0' || strlen(field->name) >= PEL_NAME_SIZE)
             return pel_fail(error, PEL_BAD_ARGUMENT,
                             "field name '%s' is empty or longer than %d characters, or it has no components",
@@ -254,6 +269,7 @@ static pel_status write_file(const pel_vtp_writer *made, const char *path, const
 
 pel_status pel_vtp_writer_create(pel_vtp_writer **writer, pel_error *error)
 {
+    PEL_REFUSE_NULL(writer, error);
     *writer = pel_allocate(1, sizeof **writer);
     return *writer != NULL ? PEL_OK : pel_fail_memory(error);
 }
@@ -272,6 +288,9 @@ void pel_vtp_writer_destroy(pel_vtp_writer *writer)
 
 pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error)
 {
+    PEL_REFUSE_NULL(writer, error);
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(vtp, error);
     pel_status status = check_arguments(vtp, error);
     if (status == PEL_OK)
         status = lay_out(writer, vtp, error);
@@ -280,6 +299,8 @@ pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const 
 
 pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(vtp, error);
     pel_vtp_writer *writer;
     pel_status status = pel_vtp_writer_create(&writer, error);
     if (status == PEL_OK)

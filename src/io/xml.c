@@ -30,7 +30,16 @@ bool pel_xml_next(const char **at, const char *end, pel_xml_tag *tag)
     if (start == NULL)
         return false;
     char quote = '\0';
-    for (const char *p = ++start; p < end; p++) {
+    ++start;
+    bool comment = end - start >= 3 && memcmp(start, "!--", 3) == 0;
+    for (const char *p = comment ? start + 3 : start; p < end; p++) {
+        if (comment) {
+            if (*p != '>' || p - start < 5 || memcmp(p - 2, "--", 2) != 0)
+                continue;
+            *tag = (pel_xml_tag){start, p};
+            *at = p + 1;
+            return true;
+        }
         if (quote != '\0') {
             quote = *p == quote ? '\0' : quote;
         } else if (*p == '"' || *p == '\'') {

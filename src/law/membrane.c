@@ -52,6 +52,7 @@ static pel_status refuse(pel_error *error, const char *member, double value, con
 
 pel_status pel_membrane_material_check(const pel_membrane_material *material, pel_error *error)
 {
+    PEL_REFUSE_NULL(material, error);
     if (!is_known(material->kind))
         return pel_fail(error, PEL_BAD_ARGUMENT, "membrane material: kind %d is unknown", (int)material->kind);
     if (!(material->young > 0) || !isfinite(material->young))

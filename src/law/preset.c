@@ -69,12 +69,15 @@ static const pel_material_preset presets[] = {
 
 const pel_material_preset *pel_material_presets(int32_t *count)
 {
-    *count = (int32_t)(sizeof presets / sizeof presets[0]);
+    if (count != NULL)
+        *count = (int32_t)(sizeof presets / sizeof presets[0]);
     return presets;
 }
 
 const pel_material_preset *pel_material_preset_find(const char *name)
 {
+    if (name == NULL)
+        return NULL;
     for (size_t i = 0; i < sizeof presets / sizeof presets[0]; i++)
         if (strcmp(presets[i].name, name) == 0)
             return &presets[i];

@@ -26,6 +26,7 @@ typedef struct inspection {
     uint8_t *not_finite; /* (vertex_count) */
     uint8_t *skip;       /* (triangle_count) bad index or repeated vertex: no part in the topology */
     pel_edge_table edges;
+    pel_patches patches;
     int32_t *fan_of_corner;         /* (3 triangle_count) disjoint sets of corners */
     int32_t *component_of_triangle; /* (triangle_count) -1 = skipped */
     int32_t *scratch;               /* (max of vertex_count and triangle_count) */
@@ -131,6 +132,12 @@ static int32_t next(int32_t h)
     return h % 3 == 2 ? h - 2 : h + 1;
 }
 
+/* part of a surface that no winding makes consistent: turning triangles would only move its seam */
+static bool is_one_sided(const inspection *it, int32_t t)
+{
+    return it->patches.non_orientable[it->patches.patch_of_triangle[t]] != 0;
+}
+
 static pel_status classify_edges(inspection *it)
 {
     pel_status status = PEL_OK;
@@ -141,7 +148,7 @@ static pel_status classify_edges(inspection *it)
             status = pel_issue_add(it->report, PEL_ISSUE_BOUNDARY_EDGE, e, a, b);
         else if (it->edges.next_in_edge[other] >= 0)
             status = pel_issue_add(it->report, PEL_ISSUE_NON_MANIFOLD_EDGE, e, a, b);
-        else if (origin(it, other) == a)
+        else if (origin(it, other) == a && !is_one_sided(it, h / 3))
             status = pel_issue_add(it->report, PEL_ISSUE_INCONSISTENT_WINDING, e, a, b);
     }
     return status;
@@ -261,13 +268,9 @@ static pel_status count_boundary_loops(inspection *it)
 
 static pel_status find_non_orientable(inspection *it)
 {
-    pel_patches patches;
-    if (pel_patches_build(it->triangles, it->mesh->triangle_count, &it->edges, &patches) != PEL_OK)
-        return PEL_OUT_OF_MEMORY;
     for (int32_t t = 0; t < it->mesh->triangle_count; t++)
-        if (!it->skip[t] && patches.non_orientable[patches.patch_of_triangle[t]])
+        if (!it->skip[t] && is_one_sided(it, t))
             it->report->components[it->component_of_triangle[t]].orientable = false;
-    pel_patches_clear(&patches);
     pel_status status = PEL_OK;
     for (int32_t c = 0; c < it->report->component_count && status == PEL_OK; c++)
         if (!it->report->components[c].orientable)
@@ -311,7 +314,7 @@ static void fill_flags(pel_mesh_report *report)
     report->manifold = issues[PEL_ISSUE_BAD_INDEX].count == 0 && issues[PEL_ISSUE_REPEATED_VERTEX].count == 0 &&
                        issues[PEL_ISSUE_NON_MANIFOLD_EDGE].count == 0 &&
                        issues[PEL_ISSUE_NON_MANIFOLD_VERTEX].count == 0;
-    report->oriented = issues[PEL_ISSUE_INCONSISTENT_WINDING].count == 0;
+    report->oriented = issues[PEL_ISSUE_INCONSISTENT_WINDING].count == 0 && issues[PEL_ISSUE_NON_ORIENTABLE].count == 0;
     pel_issue_sum(report);
 }
 
@@ -332,6 +335,7 @@ static pel_status allocate_scratch(inspection *it)
 static void free_scratch(inspection *it)
 {
     pel_edge_table_clear(&it->edges);
+    pel_patches_clear(&it->patches);
     pel_free(it->not_finite);
     pel_free(it->skip);
     pel_free(it->fan_of_corner);
@@ -364,7 +368,9 @@ static pel_status inspect_topology(inspection *it)
         return status;
     it->report->edge_count = it->edges.edge_count;
     join_fans(it);
-    status = classify_edges(it);
+    status = pel_patches_build(it->triangles, mesh->triangle_count, &it->edges, &it->patches);
+    if (status == PEL_OK)
+        status = classify_edges(it);
     if (status == PEL_OK)
         status = find_non_manifold_vertices(it);
     if (status == PEL_OK)
@@ -395,6 +401,8 @@ static pel_status inspect(inspection *it)
 
 pel_status pel_mesh_check(const pel_mesh *mesh, pel_mesh_report **report, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(report, error);
     *report = NULL;
     if (mesh->vertex_count < 0 || mesh->triangle_count < 0 || mesh->triangle_count > INT32_MAX / 3)
         return pel_fail(error, PEL_BAD_ARGUMENT,

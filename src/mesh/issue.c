@@ -24,7 +24,8 @@ static const pel_issue_info infos[PEL_ISSUE_COUNT] = {
     {PEL_ISSUE_INCONSISTENT_WINDING, "inconsistent-winding", "edge", PEL_SEVERITY_ERROR,
      "edge between triangles that face opposite sides", FIX " to turn triangles around", true},
     {PEL_ISSUE_NON_ORIENTABLE, "non-orientable", "component", PEL_SEVERITY_ERROR,
-     "surface with one side only, like a Moebius strip", "cut it open along a row of edges in a mesh editor", false},
+     "surface with one side only, like a Moebius strip or a Klein bottle",
+     "cut it open along a row of edges in a mesh editor", false},
     {PEL_ISSUE_INSIDE_OUT, "inside-out", "component", PEL_SEVERITY_WARNING,
      "closed surface whose triangles face inward",
      FIX " to turn it outward, unless it is the inner wall of a hollow body", true},
@@ -33,7 +34,7 @@ static const pel_issue_info infos[PEL_ISSUE_COUNT] = {
     {PEL_ISSUE_ISOLATED_VERTEX, "isolated-vertex", "vertex", PEL_SEVERITY_WARNING, "vertex in no triangle",
      FIX " to drop it", true},
     {PEL_ISSUE_BOUNDARY_EDGE, "boundary-edge", "edge", PEL_SEVERITY_NOTE, "edge on the rim of an open surface",
-     "close the hole in a mesh editor if the surface is meant to be closed", false},
+     "if the surface is meant to be closed, run `pellicle check FILE --fix OUT --fill-holes 1000`", false},
 };
 
 const pel_issue_info *pel_issue_info_of(pel_issue_kind kind)

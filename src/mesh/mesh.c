@@ -56,6 +56,9 @@ pel_mesh *pel_mesh_allocate(int32_t vertex_count, int32_t triangle_count)
 pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
                            int32_t triangle_count, pel_mesh **mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(positions, error);
+    PEL_REFUSE_NULL(triangles, error);
+    PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     pel_status status = check_arrays(positions, vertex_count, triangles, triangle_count, error);
     if (status != PEL_OK)
@@ -84,6 +87,8 @@ void pel_mesh_destroy(pel_mesh *mesh)
 pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,
                               pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(name, error);
     if (component_count < 1 || name[0] == '\0' || strlen(name) >= PEL_NAME_SIZE)
         return pel_fail(error, PEL_BAD_ARGUMENT,
                         "field name '%s' is empty or longer than %d characters, or it has no components", name,
@@ -117,6 +122,8 @@ pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t componen
 
 const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name)
 {
+    if (mesh == NULL || name == NULL)
+        return NULL;
     for (int32_t f = 0; f < mesh->field_count; f++)
         if (strcmp(mesh->fields[f].name, name) == 0)
             return &mesh->fields[f];
@@ -167,6 +174,8 @@ static void turn_around(pel_mesh *mesh)
 
 pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(transform, error);
     double matrix[3][3], moved[3];
     if (!linear_part(transform, matrix)) {
         pel_fail(error, PEL_BAD_ARGUMENT, "transform has a number that is not finite, or a zero scale or rotation");

@@ -55,6 +55,8 @@ static pel_status check_box(const pel_region *region, pel_error *error)
 
 static pel_status check_vertices(const pel_region *region, const pel_mesh *mesh, pel_error *error)
 {
+    if (region->vertex_count > 0)
+        PEL_REFUSE_NULL(region->vertices, error);
     for (int32_t i = 0; i < region->vertex_count; i++) {
         int32_t v = region->vertices[i];
         if (v >= 0 && v < mesh->vertex_count)
@@ -271,6 +273,9 @@ static pel_status collect(const pel_mesh *mesh, const double *weights, int32_t c
 
 pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_selection **selection, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(region, error);
+    PEL_REFUSE_NULL(selection, error);
     *selection = NULL;
     pel_status status = check_region(region, mesh, error);
     if (status != PEL_OK)

@@ -453,6 +453,8 @@ static bool same_mesh(const pel_mesh *a, const pel_mesh *b)
 pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
                            pel_repair_summary *summary, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(repaired, error);
     work w = {.mesh = mesh, .options = options != NULL ? *options : pel_repair_options_default()};
     *repaired = NULL;
     if (mesh->vertex_count < 1 || mesh->triangle_count < 1 || mesh->triangle_count > INT32_MAX / 3)

@@ -158,6 +158,8 @@ static void suggest(const char *name, const char *const *names, size_t count, pe
 
 pel_status pel_shape_def_of_name(const char *name, pel_shape_def *def, pel_error *error)
 {
+    PEL_REFUSE_NULL(name, error);
+    PEL_REFUSE_NULL(def, error);
     const char *names[PEL_SHAPE_COUNT];
     for (int32_t i = 0; i < PEL_SHAPE_COUNT; i++) {
         names[i] = infos[i].name;
@@ -209,6 +211,8 @@ static pel_status check_value(const pel_shape_info *info, const pel_shape_parame
 
 pel_status pel_shape_set_number(pel_shape_def *def, const char *key, double value, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(key, error);
     const pel_shape_parameter *parameter;
     pel_status status = find_parameter(def, key, &parameter, error);
     if (status == PEL_OK)
@@ -240,6 +244,9 @@ static double parse_value(const pel_shape_parameter *parameter, const char *text
 
 pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(key, error);
+    PEL_REFUSE_NULL(text, error);
     const pel_shape_parameter *parameter;
     pel_status status = find_parameter(def, key, &parameter, error);
     if (status != PEL_OK)
@@ -259,6 +266,8 @@ pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, 
 
 const char *pel_shape_get(const pel_shape_def *def, const pel_shape_parameter *parameter, char *text, size_t size)
 {
+    if (def == NULL || parameter == NULL || text == NULL || size == 0)
+        return "";
     double value = value_of(def, parameter);
     char number[PEL_NUMBER_SIZE];
     pel_number_print(number, value);
@@ -282,6 +291,8 @@ pel_status pel_shape_check_size(int64_t vertex_count, int64_t triangle_count, pe
 
 pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     const pel_shape_info *info = pel_shape_info_of(def->kind);
     if (def->cookie != COOKIE || info == NULL) {

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "mesh/edge_table.h"
+#include "mesh/patch.h"
 
 #include <string.h>
 
@@ -42,6 +43,29 @@ static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
     return PEL_OK;
 }
 
+/* whether no winding makes the surface around a triangle consistent; false also when memory is out */
+static bool is_one_sided(const pel_topology *topology, int32_t triangle)
+{
+    const int32_t(*triangles)[3] = (const int32_t(*)[3])topology->triangles;
+    pel_edge_table edges;
+    pel_patches patches;
+    if (pel_edge_table_build(triangles, topology->triangle_count, topology->vertex_count, NULL, &edges) != PEL_OK)
+        return false;
+    bool built = pel_patches_build(triangles, topology->triangle_count, &edges, &patches) == PEL_OK;
+    bool one_sided = built && patches.non_orientable[patches.patch_of_triangle[triangle]] != 0;
+    pel_patches_clear(&patches);
+    pel_edge_table_clear(&edges);
+    return one_sided;
+}
+
+/* the place of the error stays */
+static pel_status refuse_one_sided(pel_error *error)
+{
+    pel_fail_remedy(error, "the surface has one side only, like a Moebius strip: cut it open along a row of edges in a "
+                           "mesh editor");
+    return PEL_BAD_MESH;
+}
+
 /* turns the chain of each edge into a pair of twins, in place */
 static pel_status pair_twins(pel_topology *topology, pel_error *error)
 {
@@ -63,7 +87,8 @@ static pel_status pair_twins(pel_topology *topology, pel_error *error)
             pel_fail(error, PEL_BAD_MESH,
                      "triangles %d and %d have opposite winding at the edge between vertices %d and %d", (int)h / 3,
                      (int)other / 3, (int)a, (int)b);
-            return refuse(error, "edge", e);
+            refuse(error, "edge", e);
+            return is_one_sided(topology, h / 3) ? refuse_one_sided(error) : PEL_BAD_MESH;
         }
         topology->twin[other] = h;
     }
@@ -279,6 +304,8 @@ static pel_status fill_topology(pel_topology *topology, pel_error *error)
 
 pel_status pel_topology_create(const pel_mesh *mesh, pel_topology **topology, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(topology, error);
     *topology = NULL;
     pel_status status = check_triangles(mesh, error);
     if (status != PEL_OK)

@@ -47,6 +47,8 @@ pel_status pel_refine_check(const pel_refine_def *def, int32_t body, int32_t ver
         return refuse(error, body, "levels", def->levels, "give 0 (no refinement) to 12 levels; 1 to 3 are usual");
     if (def->levels == 0)
         return PEL_OK;
+    if (PEL_IS_NO_CHOICE(def->springs, PEL_REFINE_UNCHANGED + 1))
+        return refuse(error, body, "springs", (double)def->springs, "give one of pel_refine_springs");
     pel_status status = check_thresholds(body, "above", def->above, "below", def->below, error);
     if (status == PEL_OK)
         status = check_thresholds(body, "curvature_above", def->curvature_above, "curvature_below",

@@ -71,6 +71,10 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         return status;
     if (b->mesh == NULL)
         return pel_body_refuse(error, body, "mesh", 0, "give each body a mesh");
+    if (PEL_IS_NO_CHOICE(b->mass_kind, PEL_MASS_DENSITY + 1))
+        return pel_body_refuse(error, body, "mass_kind", (double)b->mass_kind, "give one of pel_mass_kind");
+    if (b->pinned_count < 0 || (b->pinned_count > 0 && b->pinned == NULL))
+        return pel_body_refuse(error, body, "pinned_count", b->pinned_count, "give the pinned vertices with it");
     if (!(b->mass > 0 && isfinite(b->mass)))
         return pel_body_refuse(error, body, "mass", b->mass, "give a finite mass above 0");
     if (!isfinite(b->friction))
@@ -112,7 +116,7 @@ static pel_status check_def(const pel_model_def *def, pel_error *error)
     if (def->cookie != MODEL_COOKIE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "model def was not made by pel_model_def_default()");
     if (def->body_count < 1 || def->bodies == NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "model has no body");
+        return pel_fail(error, PEL_BAD_ARGUMENT, "model has no body: bodies is null or body_count below 1");
     int64_t vertex_count = 0, triangle_count = 0;
     for (int32_t b = 0; b < def->body_count; b++) {
         pel_status status = check_body(def, b, error);
@@ -487,6 +491,8 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
 
 pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(model, error);
     *model = NULL;
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
@@ -532,13 +538,23 @@ void pel_model_destroy(pel_model *model)
     pel_free(model);
 }
 
+/* whether there is such a body, for functions that are given any number */
+static bool has_body(const pel_model *model, int32_t body)
+{
+    return model != NULL && body >= 0 && body < model->body_count;
+}
+
 int32_t pel_model_body_count(const pel_model *model)
 {
+    if (model == NULL)
+        return 0;
     return model->body_count;
 }
 
 int32_t pel_model_find_body(const pel_model *model, const char *name)
 {
+    if (model == NULL || name == NULL)
+        return -1;
     for (int32_t b = 0; b < model->body_count; b++)
         if (strcmp(model->bodies[b].name, name) == 0)
             return b;
@@ -547,21 +563,29 @@ int32_t pel_model_find_body(const pel_model *model, const char *name)
 
 const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body)
 {
+    if (!has_body(model, body))
+        return NULL;
     return model->bodies[body].mesh;
 }
 
 int32_t pel_model_turned_count(const pel_model *model, int32_t body)
 {
+    if (!has_body(model, body))
+        return 0;
     return model->bodies[body].turned_count;
 }
 
 bool pel_model_is_closed(const pel_model *model, int32_t body)
 {
+    if (!has_body(model, body))
+        return false;
     return model->bodies[body].closed;
 }
 
 int32_t pel_model_pinned_count(const pel_model *model, int32_t body)
 {
+    if (!has_body(model, body))
+        return 0;
     const pel_body *own = &model->bodies[body];
     int32_t count = 0;
     for (int32_t v = 0; v < own->mesh->vertex_count; v++)
@@ -571,5 +595,7 @@ int32_t pel_model_pinned_count(const pel_model *model, int32_t body)
 
 const char *pel_model_body_name(const pel_model *model, int32_t body)
 {
+    if (!has_body(model, body))
+        return "";
     return model->bodies[body].name;
 }

@@ -51,6 +51,12 @@ static pel_status check(const pel_quantity *quantity, int32_t vertex_count, int3
         return pel_body_refuse(error, body, name, quantity->value, "this number cannot vary over time");
     if (quantity->field == NULL && quantity->key_count == 0 && !is_allowed(quantity->value, is_signed))
         return pel_body_refuse(error, body, name, quantity->value, rule);
+    if (quantity->key_count < 0 || (quantity->key_count > 0 && quantity->keys == NULL)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "%s has %d keys, but `keys` is null or the count below 0", name,
+                 (int)quantity->key_count);
+        pel_fail_element(error, "body", body);
+        return PEL_BAD_ARGUMENT;
+    }
     for (int32_t v = 0; quantity->field != NULL && v < vertex_count; v++)
         if (!is_allowed(quantity->field[v], is_signed))
             return pel_body_refuse(error, body, name, quantity->field[v], rule);

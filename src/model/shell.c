@@ -84,6 +84,17 @@ static pel_membrane_material material_at(const pel_membrane_def *def, int32_t v)
                                    .stiffening = def->stiffening};
 }
 
+/* refuses the value of an enum that is none of the first `count` */
+static pel_status check_choice(int value, int count, int32_t body, const char *name, pel_error *error)
+{
+    if (!PEL_IS_NO_CHOICE(value, count))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %d, which is none", name, value);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "give one of the choices of the header");
+    return PEL_BAD_ARGUMENT;
+}
+
 static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_membrane_def *membrane = &def->shell.membrane;
@@ -111,10 +122,11 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
 static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_bending_def *bending = &def->shell.bending;
-    if (bending->model == PEL_BENDING_OFF)
-        return PEL_OK;
+    pel_status status = check_choice((int)bending->model, PEL_BENDING_MIDEDGE + 1, body, "bending model", error);
+    if (status != PEL_OK || bending->model == PEL_BENDING_OFF)
+        return status;
     if (!(bending->weight < 0)) {
-        pel_status status = check_number(bending->weight, 0, 1, body, "bending weight", error);
+        status = check_number(bending->weight, 0, 1, body, "bending weight", error);
         if (status != PEL_OK)
             return status;
     }
@@ -127,8 +139,12 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
                                    pel_error *error)
 {
     bool fibres = def->mode != PEL_FIBRE_CURL;
-    pel_status status = PEL_OK;
-    if (fibres && !(def->stiffness > 0))
+    pel_status status = check_choice((int)def->mode, PEL_FIBRE_CURL + 1, body, "anisotropy mode", error);
+    if (status == PEL_OK)
+        status = check_choice((int)def->kind, PEL_FIBRE_SQRT + 1, body, "fibre kind", error);
+    if (status == PEL_OK)
+        status = check_choice((int)def->direction, PEL_FIBRE_PRINCIPAL + 1, body, "fibre direction", error);
+    if (status == PEL_OK && fibres && !(def->stiffness > 0))
         status = check_number(def->stiffness, 1e-300, HUGE_VAL, body, "fibre stiffness", error);
     if (status == PEL_OK && def->mode == PEL_FIBRE_CAVE && !(def->strength > 0 && isfinite(def->strength)))
         status = check_number(def->strength, 1e-300, HUGE_VAL, body, "anisotropy strength", error);
@@ -158,7 +174,11 @@ static pel_status check_pressure(const pel_body_def *body_def, int32_t body, pel
 {
     const pel_pressure_def *def = &body_def->shell.pressure;
     int32_t vertex_count = body_def->mesh->vertex_count;
-    pel_status status = PEL_OK;
+    pel_status status = check_choice((int)def->kind, PEL_PRESSURE_VOLUME + 1, body, "pressure kind", error);
+    if (status == PEL_OK)
+        status = check_choice((int)def->form, PEL_PRESSURE_VERTEX_NORMAL + 1, body, "pressure form", error);
+    if (status != PEL_OK)
+        return status;
     if (def->kind == PEL_PRESSURE_GIVEN)
         status = pel_quantity_check_signed(&def->outside, vertex_count, body, "outside pressure", true, error);
     if (def->kind == PEL_PRESSURE_GAS)
@@ -181,6 +201,12 @@ pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *err
         status = check_bending(def, body, error);
     if (status == PEL_OK)
         status = check_pressure(def, body, error);
+    int32_t count = def->shell.anisotropy_count;
+    if (status == PEL_OK && (count < 0 || (count > 0 && def->shell.anisotropies == NULL))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "anisotropies is null or anisotropy_count below 0: %d", (int)count);
+        pel_fail_element(error, "body", body);
+        return PEL_BAD_ARGUMENT;
+    }
     for (int32_t i = 0; status == PEL_OK && i < def->shell.anisotropy_count; i++)
         status = check_anisotropy(def, &def->shell.anisotropies[i], body, error);
     return status;

@@ -29,6 +29,8 @@ static pel_status write_frame(const char *path, pel_mesh_format format, const pe
 pel_status pel_export_sequence(const char *path, pel_mesh_format format, const pel_frames *frames, const pel_log *log,
                                pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(frames, error);
     pel_export_source source;
     if (strlen(path) + 16 > PEL_EXPORT_PATH_SIZE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the path has %zu characters, more than can be numbered",

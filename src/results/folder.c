@@ -1,4 +1,4 @@
-#define _XOPEN_SOURCE 700 /* realpath */
+#define _DEFAULT_SOURCE /* realpath, flock */
 #include "results/folder.h"
 
 #include "base/status.h"
@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -75,6 +76,70 @@ pel_status pel_run_folder_open(const char *folder, pel_error *error)
     if (!make_folder(path) || access(path, W_OK | X_OK) != 0)
         return fail_folder(path, "cannot write into the folder", errno, error);
     return PEL_OK;
+}
+
+/* the file that is locked; it holds who does */
+static const char lock_name[] = ".pellicle-lock";
+
+static pel_status fail_locked(const char *folder, int descriptor, pel_error *error)
+{
+    char holder[160];
+    ssize_t length = read(descriptor, holder, sizeof holder - 1);
+    holder[length > 0 ? length : 0] = '\0';
+    pel_fail(error, PEL_BAD_FILE, "another run is writing into this folder: %s",
+             length > 0 ? holder : "it does not say which");
+    pel_fail_remedy(error, "wait until it has ended, or choose another output folder");
+    pel_fail_place(error, folder, 0, 0);
+    return PEL_BAD_FILE;
+}
+
+/* the file may have been removed, and made again, between opening and locking it */
+static bool is_there(int descriptor, const char *path)
+{
+    struct stat opened, named;
+    return fstat(descriptor, &opened) == 0 && stat(path, &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino;
+}
+
+static void write_holder(int descriptor)
+{
+    char host[80] = "", text[160];
+    gethostname(host, sizeof host - 1);
+    int length = snprintf(text, sizeof text, "process %ld on %s", (long)getpid(), host);
+    /* who it is serves the message alone */
+    if (ftruncate(descriptor, 0) != 0 || write(descriptor, text, (size_t)length) != length)
+        errno = 0;
+}
+
+pel_status pel_run_folder_lock(const char *folder, int *lock, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    join(path, folder, lock_name);
+    for (;;) {
+        *lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+        if (*lock < 0)
+            return fail_folder(path, "cannot lock the output folder", errno, error);
+        bool locked = flock(*lock, LOCK_EX | LOCK_NB) == 0;
+        if (locked && is_there(*lock, path)) {
+            write_holder(*lock);
+            return PEL_OK;
+        }
+        int number = errno;
+        pel_status status = !locked && number == EWOULDBLOCK ? fail_locked(folder, *lock, error) : PEL_OK;
+        close(*lock);
+        *lock = -1;
+        if (!locked)
+            return status;
+    }
+}
+
+void pel_run_folder_unlock(const char *folder, int lock)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    if (lock < 0)
+        return;
+    unlink(join(path, folder, lock_name));
+    close(lock);
 }
 
 /* the number between two texts, such as f00012.vtp; -1 when the name is not of that kind */

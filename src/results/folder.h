@@ -19,6 +19,11 @@ const char *pel_run_checkpoint_path(char path[PEL_RUN_FILE_SIZE], const char *fo
  */
 pel_status pel_run_folder_open(const char *folder, pel_error *error);
 
+/* Keeps other runs out of the folder until it is unlocked or the program ends, however it ends. *lock receives what
+   unlocking takes, -1 where the file system has no locks. PEL_BAD_FILE, with who it is, when another run holds it. */
+pel_status pel_run_folder_lock(const char *folder, int *lock, pel_error *error);
+void pel_run_folder_unlock(const char *folder, int lock);
+
 /* Removes the files of an older run: frames from first_frame on, what is left of interrupted writing, and the other
    files of a run; of these only summary.json and final.ply with `resume`. *removed tells whether there were any. */
 pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool resume, bool *removed, pel_error *error);

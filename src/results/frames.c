@@ -47,7 +47,9 @@ static pel_status check_version(const char *folder, pel_run_file file, const cha
     int version[3];
     if (path == NULL)
         return pel_fail_memory(error);
-    pel_status status = pel_file_read(path, &text, &size, error);
+    pel_status status = pel_file_check_inside(folder, path, error);
+    if (status == PEL_OK)
+        status = pel_file_read(path, &text, &size, error);
     if (status == PEL_BAD_FILE) {
         status = PEL_OK;
     } else if (status == PEL_OK && find_version(text, mark, version) && is_newer(version)) {
@@ -98,7 +100,7 @@ static pel_status append_frame(pel_frames *frames, const pel_xml_tag *tag, const
     if (frames->paths[f] == NULL)
         return pel_fail_memory(error);
     frames->frame_count++;
-    return PEL_OK;
+    return pel_file_check_inside(frames->folder, frames->paths[f], error);
 }
 
 static size_t count_data_sets(const char *at, const char *end)
@@ -136,7 +138,9 @@ static pel_status read_list(pel_frames *frames, pel_error *error)
     size_t size;
     if (path == NULL)
         return pel_fail_memory(error);
-    pel_status status = pel_file_read(path, &text, &size, error);
+    pel_status status = pel_file_check_inside(frames->folder, path, error);
+    if (status == PEL_OK)
+        status = pel_file_read(path, &text, &size, error);
     if (status == PEL_BAD_FILE)
         pel_fail_remedy(error, "name the folder that a run wrote; it holds frames.pvd");
     if (status == PEL_OK)
@@ -148,6 +152,8 @@ static pel_status read_list(pel_frames *frames, pel_error *error)
 
 pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *error)
 {
+    PEL_REFUSE_NULL(folder, error);
+    PEL_REFUSE_NULL(frames, error);
     *frames = NULL;
     pel_status status = check_folder(folder, error);
     if (status != PEL_OK)
@@ -207,6 +213,8 @@ static pel_status check_fields(const pel_mesh *mesh, const char *path, pel_error
 
 pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(frames, error);
+    PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     if (frame < 0 || frame >= frames->frame_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "there is no frame %d among %d", (int)frame, (int)frames->frame_count);
@@ -242,6 +250,8 @@ static void grow_box(const pel_mesh *mesh, pel_frames_outline *outline)
 
 pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error)
 {
+    PEL_REFUSE_NULL(frames, error);
+    PEL_REFUSE_NULL(outline, error);
     pel_mesh *first, *mesh;
     *outline = (pel_frames_outline){.changed_frame = -1};
     pel_status status = pel_frames_read(frames, 0, &first, error);

@@ -339,11 +339,15 @@ static pel_status export_all(const char *path, const pel_export_source *source, 
 
 pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
     return export_all(path, NULL, mesh, error);
 }
 
 pel_status pel_export_glb(const char *path, const pel_frames *frames, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(frames, error);
     pel_export_source source;
     pel_mesh *first = NULL;
     pel_status status = pel_export_open(&source, frames, error);

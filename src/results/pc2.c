@@ -64,6 +64,8 @@ static pel_status write_file(const char *path, const pel_export_source *source, 
 
 pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(frames, error);
     pel_export_source source;
     pel_status status = pel_export_open(&source, frames, error);
     if (status == PEL_OK)

@@ -30,6 +30,13 @@ static pel_status check_def(const pel_report_def *def, pel_error *error)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the report def was not made by pel_report_def_default");
     if (def->page == NULL || def->folder_count < 1 || def->field_count < 0 || def->size_limit < 1)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the page, a folder or the size limit is missing");
+    PEL_REFUSE_NULL(def->folders, error);
+    if (def->field_count > 0)
+        PEL_REFUSE_NULL(def->fields, error);
+    for (int32_t i = 0; i < def->folder_count; i++)
+        PEL_REFUSE_NULL(def->folders[i], error);
+    for (int32_t i = 0; i < def->field_count; i++)
+        PEL_REFUSE_NULL(def->fields[i], error);
     return PEL_OK;
 }
 
@@ -122,6 +129,8 @@ static pel_status write_file(const char *path, const char *page, size_t page_siz
 
 pel_status pel_report_write(const char *path, const pel_report_def *def, pel_report_summary *summary, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(def, error);
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
         return status;

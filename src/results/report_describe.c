@@ -69,7 +69,9 @@ static pel_status read_text(const pel_report_run *run, const char *name, char **
     if (path == NULL)
         return pel_fail_memory(error);
     snprintf(path, room, "%s/%s", run->folder, name);
-    pel_status status = pel_file_read(path, text, size, error);
+    pel_status status = pel_file_check_inside(run->folder, path, error);
+    if (status == PEL_OK)
+        status = pel_file_read(path, text, size, error);
     pel_free(path);
     return status == PEL_BAD_FILE ? PEL_OK : status;
 }

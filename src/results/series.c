@@ -23,7 +23,7 @@ enum { TOOL_COLUMN_COUNT = sizeof tool_columns / sizeof tool_columns[0], LONGEST
 static pel_status fail_series(const pel_run_series *series, int number, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FILE, "cannot write the file: %s", strerror(number));
-    pel_fail_remedy(error, "free some disk space or choose another folder");
+    pel_fail_remedy(error, "%s", pel_file_write_remedy(number));
     pel_fail_place(error, series->path, 0, 0);
     return PEL_BAD_FILE;
 }

@@ -91,11 +91,17 @@ static pel_status take_rows(char *text, const char *const *names, pel_series *se
 pel_status pel_series_read(const char *path, const char *const *names, int32_t name_count, pel_series **series,
                            pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(names, error);
+    PEL_REFUSE_NULL(series, error);
     char *text;
     size_t size;
     *series = NULL;
     if (names == NULL || name_count < 1)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "no column of the series is asked for");
+        return pel_fail(error, PEL_BAD_ARGUMENT, "names: no column of the series is asked for");
+    for (int32_t i = 0; i < name_count; i++)
+        if (names[i] == NULL)
+            return pel_fail(error, PEL_BAD_ARGUMENT, "names[%d] is null", (int)i);
     pel_status status = pel_file_read(path, &text, &size, error);
     if (status != PEL_OK)
         return status;
@@ -121,6 +127,8 @@ void pel_series_destroy(pel_series *series)
 
 double pel_series_value(const pel_series *series, int32_t column, int64_t row)
 {
+    if (series == NULL)
+        return (double)NAN;
     if (column < 0 || column >= series->column_count || row < 0 || row >= series->row_count)
         return (double)NAN;
     return series->values[column * series->row_count + row];

@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/file.h"
 #include "pellicle/parallel.h"
 #include "results/files.h"
 #include "run/state.h"
@@ -117,7 +118,8 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
     if (any)
         return PEL_OK;
     pel_fail(error, PEL_BAD_SCENE, "stop.volume_ratio_below needs a volume, but no body is closed");
-    pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or stop by frames or time");
+    pel_fail_remedy(error,
+                    "close the mesh with `pellicle check FILE --fix OUT --fill-holes 1000`, or stop by frames or time");
     return PEL_BAD_SCENE;
 }
 
@@ -181,6 +183,7 @@ static pel_status prepare(pel_run_state *run, pel_error *error)
 static void release(pel_run_state *run)
 {
     pel_run_frames_destroy(&run->frames);
+    pel_run_folder_unlock(run->def->folder, run->lock);
     pel_free(run->checkpoint);
     pel_free(run->tool_force);
     pel_sim_destroy(run->sim);
@@ -208,6 +211,12 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
     const char *folder = run->def->folder;
     bool resume = run->def->resume != NULL, removed = false;
     pel_status status = pel_run_folder_open(folder, error);
+    if (status == PEL_OK)
+        status = pel_run_folder_lock(folder, &run->lock, error);
+    /* it is cut back: not a file elsewhere that a link leads to */
+    char series[PEL_RUN_FILE_SIZE];
+    if (status == PEL_OK && resume)
+        status = pel_file_check_inside(folder, pel_run_path(series, folder, PEL_RUN_SERIES), error);
     /* the list first: it must not name frames that are gone */
     if (status == PEL_OK && resume)
         status = pel_run_frames_begin(&run->frames, run->sim, run->totals.frame_count, true, error);
@@ -433,6 +442,21 @@ static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *er
     return PEL_OK;
 }
 
+/* Counts the triangles that intersect at the end: -1 where that is too much work, which is a warning, or would keep a
+   run waiting that was asked to stop. */
+static pel_status count_intersections(pel_run_state *run, bool stopped, pel_error *error)
+{
+    enum { QUICK_TRIANGLES = 100000 };
+    run->intersection_count = -1;
+    if (stopped && run->frames.surface.triangle_count > QUICK_TRIANGLES)
+        return PEL_OK;
+    int64_t count;
+    pel_status status = pel_run_surface_intersections(&run->frames.surface, run->sim, &count, error);
+    if (status == PEL_OK)
+        run->intersection_count = count;
+    return status;
+}
+
 /* error holds what ended the run when status is a failure; a later failure does not replace an earlier one, and that of
    a frame is the earliest */
 static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary *summary, pel_error *error)
@@ -444,15 +468,16 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     pel_sim_get_ledger(run->sim, &run->ledger);
     later = write_results(run, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;
-    later = pel_run_surface_intersections(&run->frames.surface, run->sim, &run->intersection_count,
-                                          status == PEL_OK ? error : NULL);
-    run->intersection_count = later == PEL_OK ? run->intersection_count : -1;
-    status = status == PEL_OK ? later : status;
+    later = count_intersections(run, status == PEL_STOPPED, status == PEL_OK ? error : NULL);
+    bool uncounted = later == PEL_BAD_MESH;
+    status = status == PEL_OK && !uncounted ? later : status;
     bool over = run->settled || pel_sim_step_count(run->sim) >= run->plan.step_total;
     later = settle_checkpoint(run, status == PEL_OK && over, status == PEL_OK ? error : NULL);
     status = status == PEL_OK ? later : status;
     if (status != PEL_OK)
         name_checkpoint(run, error);
+    if (uncounted)
+        pel_warn(&run->totals.warnings, PEL_WARN_UNCOUNTED, run->totals.frame_count - 1, 0);
     pel_run_summary_fill(run, status, summary);
     pel_warnings_tell(run, true);
     later = pel_run_summary_write(run, summary, status != PEL_OK ? error : NULL, status == PEL_OK ? error : NULL);
@@ -463,6 +488,9 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
 
 pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error)
 {
+    PEL_REFUSE_NULL(scene, error);
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(summary, error);
     pel_error own;
     pel_error *cause = error != NULL ? error : &own;
     *summary = (pel_run_summary){.status = ""};
@@ -471,7 +499,7 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         status = check_inputs(scene, def, cause);
     if (status != PEL_OK)
         return status;
-    pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock()};
+    pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock(), .lock = -1};
     run.keep_at = run.start + def->keep_seconds;
     run.plan = pel_run_plan_make(scene, def->max_frames);
     run.frames = (pel_run_frames){.scene = scene, .folder = def->folder, .plan = &run.plan};

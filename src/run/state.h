@@ -22,6 +22,7 @@ typedef struct pel_run_state {
     int64_t checkpoint_step;
     double start;                          /* wall clock at the beginning of this call */
     double keep_at;                        /* wall clock at which the state is kept again */
+    int lock;                              /* of the folder; -1 = none */
     int64_t start_step;                    /* step at the beginning of this call */
     bool settled;                          /* a rule of the scene's `stop` ended the run */
     const char *stop_reason;               /* which one; null = none */

@@ -35,7 +35,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
     [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
     [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
-    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -452,6 +452,13 @@ static void tell_empty_grasp(const text_context *at)
              t < def->tool_count ? def->tools[t].name : "", at->tally->count);
 }
 
+static void tell_uncounted(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "self-intersections at the end are not counted: too many triangles overlap, as around a vertex of "
+             "thousands of triangles. divide the triangles around it in a mesh editor");
+}
+
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
@@ -464,6 +471,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_TOOL_HELD] = tell_tool,
     [PEL_WARN_GRASP_LOST] = tell_grasp,
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
+    [PEL_WARN_UNCOUNTED] = tell_uncounted,
 };
 
 /* energy that appears is measured against all that the run supplied in the end */

@@ -16,6 +16,7 @@ typedef enum pel_warning_kind {
     PEL_WARN_TOOL_HELD,
     PEL_WARN_GRASP_LOST,
     PEL_WARN_GRASP_EMPTY,
+    PEL_WARN_UNCOUNTED,
     PEL_WARN_COUNT
 } pel_warning_kind;
 

@@ -155,6 +155,8 @@ static bool is_foreign(const char *path)
 
 pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     if (!is_foreign(path))
         return pel_mesh_read(path, PEL_FORMAT_AUTO, log, mesh, error);

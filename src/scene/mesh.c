@@ -54,8 +54,8 @@ static pel_status resolve_path(pel_scene_reader *reader, pel_scene_value *file, 
 static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh)
 {
     /* in the order of the words in the table */
-    static const pel_mesh_format formats[] = {PEL_FORMAT_AUTO, PEL_FORMAT_OBJ, PEL_FORMAT_PLY, PEL_FORMAT_STL,
-                                              PEL_FORMAT_OFF};
+    static const pel_mesh_format formats[] = {PEL_FORMAT_AUTO, PEL_FORMAT_OBJ, PEL_FORMAT_PLY,
+                                              PEL_FORMAT_STL,  PEL_FORMAT_OFF, PEL_FORMAT_VTP};
     pel_scene_value *file = pel_scene_value_entry(value, "file");
     pel_status status = resolve_path(reader, file, folder);
     if (status != PEL_OK)

@@ -154,9 +154,27 @@ static pel_status create(const scene_source *source, const pel_log *log, pel_sce
     return status;
 }
 
+static pel_status check_overrides(const char *const *overrides, int32_t count, pel_error *error)
+{
+    if (count < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "override_count is %d", (int)count);
+    if (count > 0)
+        PEL_REFUSE_NULL(overrides, error);
+    for (int32_t i = 0; i < count; i++)
+        if (overrides[i] == NULL)
+            return pel_fail(error, PEL_BAD_ARGUMENT, "overrides[%d] is null", (int)i);
+    return PEL_OK;
+}
+
 pel_status pel_scene_parse(const char *path, const char *text, size_t size, const char *const *overrides,
                            int32_t override_count, const pel_log *log, pel_scene **scene, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(text, error);
+    PEL_REFUSE_NULL(scene, error);
+    pel_status checked = check_overrides(overrides, override_count, error);
+    if (checked != PEL_OK)
+        return checked;
     scene_source source = {path, text, size, overrides, override_count};
     return create(&source, log, scene, error);
 }
@@ -164,6 +182,11 @@ pel_status pel_scene_parse(const char *path, const char *text, size_t size, cons
 pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count, const pel_log *log,
                           pel_scene **scene, pel_error *error)
 {
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(scene, error);
+    pel_status checked = check_overrides(overrides, override_count, error);
+    if (checked != PEL_OK)
+        return checked;
     char *text;
     size_t size;
     *scene = NULL;
@@ -178,6 +201,8 @@ pel_status pel_scene_load(const char *path, const char *const *overrides, int32_
 
 const char *pel_scene_text(const pel_scene *scene)
 {
+    if (scene == NULL)
+        return "";
     return ((const scene_storage *)scene->inner)->text;
 }
 
@@ -216,6 +241,8 @@ static void name_element(const pel_scene *scene, pel_error *error)
 
 void pel_scene_locate(const pel_scene *scene, pel_error *error)
 {
+    if (scene == NULL || error == NULL)
+        return;
     name_element(scene, error);
     if (error->file[0] != '\0')
         return;

@@ -148,6 +148,24 @@ static void write_dependencies(schema_writer *out, const char *prefix)
     fputs(after, out->file);
 }
 
+/* keys that are required, or another one that fills them in */
+static void write_supplied(schema_writer *out, const char *prefix, const schema_variant *variant)
+{
+    const char *before = ",\"allOf\":[", *after = "";
+    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+        if (row->supplied == NULL || row->supplied[0] == '\0' || !belongs(out, row, prefix, variant))
+            continue;
+        fprintf(out->file, "%s{\"anyOf\":[{\"required\":[", before);
+        write_text(out, pel_scene_row_name(row, prefix));
+        fputs("]},{\"required\":[", out->file);
+        write_text(out, row->supplied);
+        fputs("]}]}", out->file);
+        before = ",";
+        after = "]";
+    }
+    fputs(after, out->file);
+}
+
 static void write_object(schema_writer *out, const char *prefix, const pel_scene_row *limits,
                          const schema_variant *variant)
 {
@@ -165,13 +183,15 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     comma = "";
     fputs("},\"required\":[", out->file);
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        if (!belongs(out, row, prefix, variant) || !(row->required || (row->alternative && !variant->implied)))
+        bool is_needed = (row->required && row->supplied == NULL) || (row->alternative && !variant->implied);
+        if (!belongs(out, row, prefix, variant) || !is_needed)
             continue;
         fputs(comma, out->file);
         write_text(out, pel_scene_row_name(row, prefix));
         comma = ",";
     }
     fputs("]", out->file);
+    write_supplied(out, prefix, variant);
     write_dependencies(out, prefix);
     fputs("}", out->file);
 }

@@ -22,15 +22,18 @@ static pel_status write_document(FILE *file, put_document *put, pel_error *error
 
 pel_status pel_scene_write_schema(FILE *file, pel_error *error)
 {
+    PEL_REFUSE_NULL(file, error);
     return write_document(file, pel_scene_put_schema, error);
 }
 
 pel_status pel_scene_write_reference(FILE *file, pel_error *error)
 {
+    PEL_REFUSE_NULL(file, error);
     return write_document(file, pel_scene_put_reference, error);
 }
 
 pel_status pel_scene_write_parameters(FILE *file, pel_error *error)
 {
+    PEL_REFUSE_NULL(file, error);
     return write_document(file, pel_scene_put_parameters, error);
 }

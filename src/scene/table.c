@@ -129,12 +129,13 @@ static const pel_scene_row rows[] = {
      .doc = "a material of `pellicle presets`; keys that stand beside it override its numbers"},
     {"bodies[].membrane.material", .forms = PEL_FORM_WORD, .words = law_names, .preset = "stvk",
      .doc = "law of the material"},
-    {"bodies[].membrane.young", FIELD, .unit = "Pa", POSITIVE, REQUIRED, .doc = "Young's modulus"},
+    {"bodies[].membrane.young", FIELD, .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset",
+     .doc = "Young's modulus"},
     {"bodies[].membrane.poisson", NUMBER, .range = {true, true, -1, 1}, .preset = "0.3",
      .doc =
          "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and do not "
          "read it"},
-    {"bodies[].membrane.thickness", FIELD, .unit = "m", POSITIVE, REQUIRED,
+    {"bodies[].membrane.thickness", FIELD, .unit = "m", POSITIVE, REQUIRED, .supplied = "",
      .doc = "thickness of the sheet; left out: that of the mass"},
     {"bodies[].membrane.mooney_ratio", NUMBER, AT_LEAST(0), .preset = "0.2", .doc = "mooney-rivlin: c2 over c1"},
     {"bodies[].membrane.extension_limit", NUMBER, POSITIVE, .preset = "50",
@@ -345,7 +346,7 @@ static const pel_scene_row rows[] = {
          "threads of a step, 0 for as many as the machine has; unless it is 1, a further thread writes the frames; the "
          "results do not depend on it"},
 
-    {"duration", NUMBER, .unit = "s", POSITIVE, REQUIRED,
+    {"duration", NUMBER, .unit = "s", POSITIVE, REQUIRED, .supplied = "",
      .doc =
          "simulated time; left out: that of stop.time or stop.frames; method static needs none: the time of the last "
          "key, with steps and frames at the keys, or one step"},
@@ -375,7 +376,7 @@ static const pel_scene_row rows[] = {
     {"<mesh>", MAP, .doc = "a surface, in metres once scaled: a shape or a file"},
     {"<mesh>.shape", .forms = PEL_FORM_WORD, ALTERNATIVE, .doc = "a generated surface; its parameters stand beside it"},
     {"<mesh>.file", TEXT, ALTERNATIVE, .doc = "a mesh file, its path relative to the scene"},
-    {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off"), .needs = "file", .preset = "auto",
+    {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off", "vtp"), .needs = "file", .preset = "auto",
      .doc = "format of the file; auto looks at extension and content, and knows glTF, FBX, 3MF and more"},
     {"<mesh>.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
      .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); done first"},

@@ -31,13 +31,14 @@ typedef struct pel_scene_row {
     unsigned forms;
     const char *unit; /* null = none */
     pel_scene_range range;
-    const char *preset;       /* value when left out, as YAML; # is the element's number from 1; null = nothing */
-    bool required;            /* an error when left out */
-    bool alternative;         /* exactly one of the alternatives of a map is given */
-    bool scoped;              /* unit and range are those of the row that is `like` this group */
-    const char *needs;        /* allowed (and required, filled in) only beside this key or one of these, "a, b" ... */
-    const char *needs_word;   /* ... with this value; null = any */
-    const char *like;         /* the entries are those of this group, "<region>" */
+    const char *preset;     /* value when left out, as YAML; # is the element's number from 1; null = nothing */
+    bool required;          /* an error when left out */
+    const char *supplied;   /* required, but for this key of the same map, which fills it in; "" = keys elsewhere do */
+    bool alternative;       /* exactly one of the alternatives of a map is given */
+    bool scoped;            /* unit and range are those of the row that is `like` this group */
+    const char *needs;      /* allowed (and required, filled in) only beside this key or one of these, "a, b" ... */
+    const char *needs_word; /* ... with this value; null = any */
+    const char *like;       /* the entries are those of this group, "<region>" */
     const char *const *words; /* null-terminated */
     const char *doc;          /* one sentence without full stop */
 } pel_scene_row;

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "scene/scalar.h"
 
+#include <errno.h>
 #include <libfyaml.h>
 #include <string.h>
 
@@ -26,16 +27,22 @@ typedef struct yaml_parser {
     int32_t value_count, depth;
 } yaml_parser;
 
-/* tells the first message of libfyaml, or that the memory ran out when it has none */
+/* tells the first message of libfyaml, or what is wrong as a rule when it has none */
 static void fail_syntax(yaml_parser *parser)
 {
     void *position = NULL;
     const struct fy_diag_error *message = fy_diag_errors_iterate(parser->diagnostics, &position);
-    if (message == NULL) {
+    pel_scene_place place = parser->place;
+    if (message == NULL && errno == ENOMEM) {
         pel_fail_memory(parser->reader->error);
         return;
     }
-    pel_scene_place place = parser->place;
+    /* it says nothing of a directive that it does not know */
+    if (message == NULL) {
+        pel_scene_fail(parser->reader, &place, "this is not YAML 1.2");
+        pel_fail_remedy(parser->reader->error, "remove lines that begin with %%, such as %%YAML 1.1");
+        return;
+    }
     if (parser->with_lines && message->line > 0) {
         place.line = message->line;
         place.column = message->column;
@@ -71,6 +78,7 @@ static void set_place(yaml_parser *parser, struct fy_event *event)
 
 static struct fy_event *next_event(yaml_parser *parser)
 {
+    errno = 0;
     struct fy_event *event = fy_parser_parse(parser->inner);
     if (event != NULL)
         set_place(parser, event);

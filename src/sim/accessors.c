@@ -5,6 +5,8 @@
 
 double pel_sim_time(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return ((double)sim->state->step + (double)sim->parts.at / PEL_PART_LIMIT) * sim->solver.dt;
 }
 
@@ -16,11 +18,15 @@ double pel_sim_next_time(const pel_sim *sim)
 
 int64_t pel_sim_step_count(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->state->step;
 }
 
 size_t pel_sim_step_bytes(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     const pel_model *model = sim->model;
     size_t slots = 0, slices = 0, with_stiffness = 0;
     for (int32_t b = 0; b < model->body_count; b++) {
@@ -46,31 +52,43 @@ size_t pel_sim_step_bytes(const pel_sim *sim)
 
 const pel_model *pel_sim_model(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return NULL;
     return sim->given;
 }
 
 double pel_sim_alpha(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return pel_sim_has_velocity(sim) ? 0 : sim->step.alpha;
 }
 
 double pel_sim_alpha_limit(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->alpha_limit;
 }
 
 int32_t pel_sim_tool_count(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->tool_count;
 }
 
 const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool)
 {
+    if (sim == NULL || tool < 0 || tool >= sim->tool_count)
+        return "";
     return sim->tools[tool].name;
 }
 
 void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading)
 {
+    if (sim == NULL || reading == NULL || tool < 0 || tool >= sim->tool_count)
+        return;
     const pel_tool *t = &sim->tools[tool];
     memcpy(reading->position, t->pose.position, sizeof reading->position);
     memcpy(reading->rotation, t->pose.rotation, sizeof reading->rotation);

@@ -37,6 +37,9 @@ enum {
 
 /* ---- creation ---- */
 
+/* sweeps over the contacts of a step beyond which it would seem to hang */
+enum { MOST_SWEEPS = 1000000 };
+
 static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
 {
     const double numbers[] = {def->thickness, def->relative_thickness, def->friction};
@@ -52,8 +55,15 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
         pel_fail_remedy(error, "give a thickness above 0, such as 1e-4 of the size of the bodies");
         return PEL_BAD_ARGUMENT;
     }
-    if (def->sweeps < 0 || def->limit < 0 || def->memory_limit < 0)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "a count of contact is below 0");
+    if (PEL_IS_NO_CHOICE(def->method, PEL_CCD_BRIDSON + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "contact method %d is unknown", (int)def->method);
+    if (PEL_IS_NO_CHOICE(def->response, PEL_CONTACT_AFTER + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "contact response %d is unknown", (int)def->response);
+    const int64_t counts[] = {def->sweeps, def->limit, def->memory_limit}, most[] = {MOST_SWEEPS, INT32_MAX, INT64_MAX};
+    static const char *const count_names[] = {"sweeps", "limit", "memory_limit"};
+    for (int i = 0; i < 3; i++)
+        if (counts[i] < 0 || counts[i] > most[i])
+            return pel_fail(error, PEL_BAD_ARGUMENT, "contact %s is %lld", count_names[i], (long long)counts[i]);
     return PEL_OK;
 }
 
@@ -724,5 +734,7 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
 
 void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics)
 {
+    if (sim == NULL || statistics == NULL)
+        return;
     *statistics = sim->contacts != NULL ? sim->contacts->statistics : (pel_contact_statistics){0};
 }

@@ -224,6 +224,8 @@ void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contac
 
 void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces)
 {
+    if (!pel_sim_has_body(sim, body) || forces == NULL)
+        return;
     int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++) {
         double force[3] = {0, 0, 0};
@@ -235,6 +237,8 @@ void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces
 
 void pel_sim_get_body_contact(const pel_sim *sim, int32_t body, double force[3])
 {
+    if (!pel_sim_has_body(sim, body) || force == NULL)
+        return;
     const pel_contact_forces *forces = &sim->contact_forces;
     pel_vec3_set(force, 0, 0, 0);
     for (int32_t other = 0; forces->pair != NULL && other < sim->model->body_count; other++) {

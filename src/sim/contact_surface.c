@@ -327,5 +327,7 @@ void pel_contact_count_search(pel_sim_contacts *contacts, const pel_collision_re
 
 double pel_sim_contact_thickness(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->contacts != NULL ? sim->contacts->thickness : 0;
 }

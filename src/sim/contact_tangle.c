@@ -182,6 +182,8 @@ pel_status pel_tangles_refuse(const pel_sim *sim, pel_error *error)
 
 pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(count, error);
     *count = 0;
     if (sim->contacts == NULL)
         return pel_fail(error, PEL_BAD_ARGUMENT, "contact is not enabled");

@@ -44,10 +44,14 @@ static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int3
     if (body->detail != NULL)
         return refuse(error, support, "support of a body that refines", "remove `refine`, or use pinned vertices");
     if (def->vertices == NULL || def->vertex_count < 1)
-        return refuse(error, support, "support holds no vertex", "choose a region with at least one vertex");
+        return refuse(error, support, "support holds no vertex: vertices is null or empty",
+                      "choose a region with at least one vertex");
     for (int32_t i = 0; i < def->vertex_count; i++)
         if (def->vertices[i] < 0 || def->vertices[i] >= body->mesh->vertex_count)
             return refuse(error, support, "support names a vertex that does not exist", "give vertices of the mesh");
+    if (def->key_count < 0 || (def->key_count > 0 && def->keys == NULL))
+        return refuse(error, support, "keys of the support is null, or key_count below 0",
+                      "give the keys with their count");
     if (!are_orthonormal(def->axes))
         return refuse(error, support, "axes of the support are not orthonormal", "give three unit vectors, orthogonal");
     for (int k = 0; k < 3; k++)
@@ -556,15 +560,21 @@ void pel_holds_add_readings(const pel_sim *sim, int32_t body, pel_support_readin
 
 int32_t pel_sim_support_count(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->holds != NULL ? sim->holds->hold_count : 0;
 }
 
 const char *pel_sim_support_name(const pel_sim *sim, int32_t support)
 {
+    if (support < 0 || support >= pel_sim_support_count(sim))
+        return "";
     return sim->holds->holds[support].name;
 }
 
 void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading)
 {
+    if (reading == NULL || support < 0 || support >= pel_sim_support_count(sim))
+        return;
     *reading = sim->holds->holds[support].reading;
 }

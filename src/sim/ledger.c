@@ -409,6 +409,8 @@ void pel_ledger_book_change(pel_sim *sim, double energy_before)
 
 void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
 {
+    if (sim == NULL || ledger == NULL)
+        return;
     pel_sim_measures now = {0};
     *ledger = sim->ledger.sums;
     pel_sim_sum_energies(sim, &now);

@@ -30,10 +30,16 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
 {
     if (def->body < 0 || def->body >= sim->model->body_count)
         return refuse(error, load, "load names a body that does not exist", "give the number of a body of the model");
+    if (PEL_IS_NO_CHOICE(def->kind, PEL_LOAD_MOMENT + 1))
+        return refuse(error, load, "kind of the load is unknown", "give one of pel_load_kind");
+    if (def->vertex_count < 0 || def->key_count < 0 || (def->key_count > 0 && def->keys == NULL))
+        return refuse(error, load, "keys is null, or vertex_count or key_count is below 0",
+                      "give counts of the arrays");
     if (!is_finite3(def->force))
         return refuse(error, load, "force is not finite", "give three finite numbers");
     if (isnan(def->from) || isnan(def->until) || !(def->until > def->from))
-        return refuse(error, load, "load ends before it begins", "give `from` less than `until`");
+        return refuse(error, load, "load ends before it begins: from is not less than until",
+                      "give `from` less than `until`");
     const pel_body *body = &sim->model->bodies[def->body];
     if (def->vertices != NULL && def->vertex_count < 1)
         return refuse(error, load, "load acts on no vertex", "choose a region that holds at least one vertex");

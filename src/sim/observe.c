@@ -24,11 +24,15 @@ static void copy_out(const pel_sim *sim, int32_t body, const pel_record *records
 
 void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions)
 {
+    if (!pel_sim_has_body(sim, body) || positions == NULL)
+        return;
     copy_out(sim, body, sim->state->position, positions);
 }
 
 void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities)
 {
+    if (!pel_sim_has_body(sim, body) || velocities == NULL)
+        return;
     int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++)
         vertex_velocity(sim, pel_output_model_index(sim, body, r), velocities + 3 * (size_t)r);
@@ -74,12 +78,16 @@ double pel_sim_next_energy(pel_sim *sim)
 
 void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces)
 {
+    if (!pel_sim_has_body(sim, body) || forces == NULL)
+        return;
     pel_sim_compute_forces(sim);
     copy_out(sim, body, sim->force, forces);
 }
 
 double pel_sim_max_speed(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     double largest = 0;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         int32_t count = pel_output_count(sim, b);
@@ -94,6 +102,8 @@ double pel_sim_max_speed(const pel_sim *sim)
 
 void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric)
 {
+    if (!pel_sim_has_body(sim, body) || spring == NULL || volumetric == NULL)
+        return;
     const pel_body *b = &sim->model->bodies[body];
     for (int32_t slice = b->slice_begin; slice < b->slice_end; slice++) {
         pel_wide s, w;
@@ -111,6 +121,8 @@ void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, doub
 
 void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact)
 {
+    if (!pel_sim_has_body(sim, body) || contact == NULL)
+        return;
     int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++)
         contact[r] = sim->state->contact[pel_output_model_index(sim, body, r)];
@@ -176,6 +188,8 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
 
 double pel_sim_volume_ratio(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     pel_sim_measures measures = {0};
     measure_surfaces(sim, &measures);
     return measures.volume_ratio;
@@ -249,6 +263,8 @@ static void measure_vertices(const pel_sim *sim, pel_sim_measures *measures)
 
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
 {
+    if (sim == NULL || measures == NULL)
+        return;
     *measures = (pel_sim_measures){0};
     measure_surfaces(sim, measures);
     pel_sim_sum_energies(sim, measures);
@@ -259,6 +275,8 @@ void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
 
 void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 {
+    if (sim == NULL || reading == NULL)
+        return;
     *reading = (pel_solver_reading){0};
     pel_substeps_read(sim, reading);
     if (sim->descent == NULL)

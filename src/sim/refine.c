@@ -460,6 +460,7 @@ static void ask_to_level(pel_sim *sim, int32_t body, int32_t vertex, int32_t lev
 
 pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t level, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
     if (body < 0 || body >= sim->model->body_count || sim->model->bodies[body].detail == NULL)
         return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist or does not refine", (int)body);
     const pel_body *b = &sim->model->bodies[body];

@@ -27,6 +27,8 @@ static pel_status check_body(const pel_sim *sim, int32_t body, pel_error *error)
 
 pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *positions, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(positions, error);
     pel_status status = check_body(sim, body, error);
     if (status == PEL_OK)
         status = check_values(positions, pel_output_count(sim, body), "position", error);
@@ -53,6 +55,8 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
 
 pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velocities, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(velocities, error);
     pel_status status = check_body(sim, body, error);
     if (status == PEL_OK)
         status = check_values(velocities, pel_output_count(sim, body), "velocity", error);
@@ -77,6 +81,8 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
 
 pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force[3], pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(force, error);
     if (load < 0 || load >= sim->load_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "load %d does not exist", (int)load);
     if (!isfinite(force[0]) || !isfinite(force[1]) || !isfinite(force[2]))
@@ -89,13 +95,16 @@ pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force
 pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double position[3], const double rotation[4],
                                  pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(position, error);
     if (tool < 0 || tool >= sim->tool_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "tool %d does not exist", (int)tool);
+    PEL_REFUSE_NULL(rotation, error);
     double square = 0;
     for (int i = 0; i < 4; i++)
         square += rotation[i] * rotation[i];
     if (!isfinite(position[0]) || !isfinite(position[1]) || !isfinite(position[2]) || !(fabs(square - 1) < 1e-6)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "pose of tool '%s' is not finite or its rotation is no unit quaternion",
+        pel_fail(error, PEL_BAD_ARGUMENT, "position of tool '%s' is not finite or its rotation is no unit quaternion",
                  sim->tools[tool].name);
         return PEL_BAD_ARGUMENT;
     }

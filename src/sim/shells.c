@@ -116,11 +116,15 @@ pel_tangent *pel_sim_settle_edges(const pel_sim *sim, const double **unknowns)
 
 bool pel_sim_has_shells(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return false;
     return sim->shells != NULL;
 }
 
 void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre)
 {
+    if (!pel_sim_has_body(sim, body) || membrane == NULL || bending == NULL || fibre == NULL)
+        return;
     pel_shell_forces_follow(sim->shells, sim->state->position);
     pel_shell_vertex_energies(sim->shells, body, pel_output_count(sim, body), pel_output_numbers(sim, body),
                               sim->state->position, pel_sim_time(sim), membrane, bending, fibre);
@@ -132,6 +136,8 @@ void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membra
 
 void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *triangles)
 {
+    if (!pel_sim_has_body(sim, body) || triangles == NULL)
+        return;
     const pel_record *positions = sim->state->position;
     const double *unknowns;
     pel_shell_forces_follow(sim->shells, positions);
@@ -144,6 +150,8 @@ void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *t
 
 void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
 {
+    if (!pel_sim_has_body(sim, body) || forces == NULL)
+        return;
     int32_t count = pel_output_count(sim, body);
     sim->force_is_present = false;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);

@@ -149,6 +149,7 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
 
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
     pel_ledger_start(sim);
     pel_status status = follow_surface(sim, error);
     if (status != PEL_OK)

@@ -550,4 +550,10 @@ void pel_tools_update(pel_sim *sim, int32_t body);
 /* true when a point lies inside a closed body */
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 
+/* whether there is such a body, for public functions that are given any number */
+static inline bool pel_sim_has_body(const pel_sim *sim, int32_t body)
+{
+    return sim != NULL && body >= 0 && body < sim->model->body_count;
+}
+
 #endif

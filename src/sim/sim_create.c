@@ -27,6 +27,9 @@ pel_sim_def pel_sim_def_default(void)
 
 /* ---- creation ---- */
 
+/* iterations and substeps beyond which a step would seem to hang */
+enum { MOST_SWEEPS = 1000000 };
+
 static pel_status check_def(const pel_sim_def *def, pel_error *error)
 {
     if (def->cookie != SIM_COOKIE)
@@ -44,25 +47,44 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
         return PEL_BAD_ARGUMENT;
     }
-    if (solver->method > PEL_METHOD_IMPLICIT)
+    if (PEL_IS_NO_CHOICE(solver->method, PEL_METHOD_IMPLICIT + 1))
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
     if (solver->analysis != PEL_ANALYSIS_NONE && solver->method != PEL_METHOD_STATIC) {
         pel_fail(error, PEL_BAD_ARGUMENT, "only the method static has an analysis");
         pel_fail_remedy(error, "use method static, or no analysis");
         return PEL_BAD_ARGUMENT;
     }
-    if (solver->iterations < 0 || solver->substeps < 0 || solver->max_substeps < 0) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "solver iterations or substeps are below 0");
-        pel_fail_remedy(error, "give at least 1, or 0 for the usual number of the method");
-        return PEL_BAD_ARGUMENT;
-    }
+    const struct {
+        const char *name;
+        int32_t count;
+    } counts[] = {
+        {"iterations", solver->iterations}, {"substeps", solver->substeps}, {"max_substeps", solver->max_substeps}};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        if (counts[i].count < 0 || counts[i].count > MOST_SWEEPS) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "solver %s is %d", counts[i].name, (int)counts[i].count);
+            pel_fail_remedy(error, "give 1 to %d, or 0 for the usual number of the method", (int)MOST_SWEEPS);
+            return PEL_BAD_ARGUMENT;
+        }
+    if (PEL_IS_NO_CHOICE((int)solver->second_order - PEL_AUTO, PEL_YES - PEL_AUTO + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "solver second_order is %d", (int)solver->second_order);
     if (!(solver->drag >= 0 && isfinite(solver->drag))) {
         pel_fail(error, PEL_BAD_ARGUMENT, "solver drag is %g", solver->drag);
         pel_fail_remedy(error, "give a finite number of at least 0");
         return PEL_BAD_ARGUMENT;
     }
-    if (def->thread_count < 0 || def->load_count < 0 || def->tool_count < 0 || def->support_count < 0)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
+    if (def->thread_count < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "thread_count is %d", (int)def->thread_count);
+    const struct {
+        const char *name;
+        int32_t count;
+        const void *array;
+    } arrays[] = {{"load", def->load_count, def->loads},
+                  {"tool", def->tool_count, def->tools},
+                  {"support", def->support_count, def->supports}};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        if (arrays[i].count < 0 || (arrays[i].count > 0 && arrays[i].array == NULL))
+            return pel_fail(error, PEL_BAD_ARGUMENT, "%s_count is %d, and %ss is null or the count below 0",
+                            arrays[i].name, (int)arrays[i].count, arrays[i].name);
     return PEL_OK;
 }
 
@@ -169,6 +191,8 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 
 pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(sim, error);
     *sim = NULL;
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
@@ -218,6 +242,8 @@ void pel_sim_destroy(pel_sim *sim)
 
 pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error)
 {
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(count, error);
     pel_status status = check_def(def, error);
     *count = 0;
     if (status != PEL_OK)

@@ -42,6 +42,8 @@ static uint64_t hash_records(uint64_t hash, const pel_sim *sim, int32_t body, co
 
 uint64_t pel_sim_hash(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)sim->state->step);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_state *state = sim->state;
@@ -280,6 +282,8 @@ static void transfer_fronts(cursor *at, const pel_sim *sim)
 
 size_t pel_sim_save_size(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     cursor place = {.at = sizeof(header)};
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
@@ -303,6 +307,8 @@ void pel_snapshot_seal(void *bytes, size_t size)
 
 void pel_sim_save(const pel_sim *sim, void *bytes)
 {
+    if (sim == NULL || bytes == NULL)
+        return;
     header head = {
         .magic = "PELSNAP",
         .version = SNAPSHOT_VERSION,
@@ -372,6 +378,8 @@ static void rest_unused_places(pel_sim *sim)
 
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(bytes, error);
     header head;
     pel_status status = check_snapshot(sim, bytes, size, &head, error);
     if (status != PEL_OK)

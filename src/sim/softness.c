@@ -189,6 +189,8 @@ pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error)
 
 double pel_sim_softness(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     if (!sim->stepper->is_compliant)
         return 0;
     double tau = sim->step.dt / sim->solver.substeps * (sim->solver.second_order ? 2.0 / 3 : 1);

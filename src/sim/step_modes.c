@@ -124,11 +124,15 @@ pel_status pel_sim_modes_step(pel_sim *sim, pel_step_result *result, pel_error *
 
 pel_analysis pel_sim_analysis(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return PEL_ANALYSIS_NONE;
     return sim->solver.analysis;
 }
 
 int32_t pel_sim_get_modes(const pel_sim *sim, double *values)
 {
+    if (sim == NULL)
+        return 0;
     if (sim->modes == NULL)
         return 0;
     if (values != NULL)
@@ -138,6 +142,8 @@ int32_t pel_sim_get_modes(const pel_sim *sim, double *values)
 
 double pel_sim_mode_value(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     if (sim->modes == NULL || sim->state->step == 0 || sim->modes->count == 0)
         return 0;
     return sim->modes->values[(sim->state->step - 1) % sim->modes->count];

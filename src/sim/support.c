@@ -108,6 +108,8 @@ static int32_t count_pins(const pel_sim *sim, int32_t body)
 
 void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *reading)
 {
+    if (!pel_sim_has_body(sim, body) || reading == NULL)
+        return;
     *reading = (pel_support_reading){0};
     if (sim->supports != NULL)
         *reading = sim->supports[body];

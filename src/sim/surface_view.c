@@ -68,26 +68,36 @@ const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
 
 int32_t pel_sim_vertex_count(const pel_sim *sim, int32_t body)
 {
+    if (!pel_sim_has_body(sim, body))
+        return 0;
     return pel_output_count(sim, body);
 }
 
 int32_t pel_sim_triangle_count(const pel_sim *sim, int32_t body)
 {
+    if (!pel_sim_has_body(sim, body))
+        return 0;
     return pel_surface_count(sim->model, body);
 }
 
 bool pel_sim_refines(const pel_sim *sim, int32_t body)
 {
+    if (!pel_sim_has_body(sim, body))
+        return false;
     return sim->model->bodies[body].detail != NULL;
 }
 
 int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body)
 {
+    if (!pel_sim_has_body(sim, body))
+        return 0;
     return sim->refine != NULL ? sim->refine[body].revision : 0;
 }
 
 void pel_sim_get_triangles(const pel_sim *sim, int32_t body, int32_t *triangles)
 {
+    if (!pel_sim_has_body(sim, body) || triangles == NULL)
+        return;
     const pel_refine_body *rows = output_of(sim, body);
     const pel_mesh *mesh = sim->model->bodies[body].mesh;
     int32_t count = pel_sim_triangle_count(sim, body);
@@ -99,6 +109,8 @@ void pel_sim_get_triangles(const pel_sim *sim, int32_t body, int32_t *triangles)
 
 void pel_sim_get_rest_positions(const pel_sim *sim, int32_t body, double *positions)
 {
+    if (!pel_sim_has_body(sim, body) || positions == NULL)
+        return;
     const pel_body *b = &sim->model->bodies[body];
     const double(*rest)[3] =
         (const double(*)[3])(b->detail != NULL ? b->detail->forest->rest_positions : b->mesh->positions);
@@ -109,6 +121,8 @@ void pel_sim_get_rest_positions(const pel_sim *sim, int32_t body, double *positi
 
 void pel_sim_get_levels(const pel_sim *sim, int32_t body, int32_t *levels)
 {
+    if (!pel_sim_has_body(sim, body) || levels == NULL)
+        return;
     const pel_body_levels *detail = sim->model->bodies[body].detail;
     int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++)
@@ -117,6 +131,8 @@ void pel_sim_get_levels(const pel_sim *sim, int32_t body, int32_t *levels)
 
 void pel_sim_get_masses(const pel_sim *sim, int32_t body, double *masses)
 {
+    if (!pel_sim_has_body(sim, body) || masses == NULL)
+        return;
     int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++)
         masses[r] = (double)sim->model->mass[pel_output_model_index(sim, body, r)];
@@ -152,6 +168,8 @@ static int32_t place_in_mesh(const pel_lod_forest *forest, int32_t v, double w[3
 
 void pel_sim_get_mesh_places(const pel_sim *sim, int32_t body, int32_t *triangles, double *weights)
 {
+    if (!pel_sim_has_body(sim, body) || triangles == NULL || weights == NULL)
+        return;
     const pel_body *b = &sim->model->bodies[body];
     int32_t count = pel_output_count(sim, body);
     if (b->detail != NULL) {

@@ -76,13 +76,17 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
             return refuse(error, tool, "two tools have the same name", "give each tool a name of its own");
     if (def->body < -1 || def->body >= sim->model->body_count)
         return refuse(error, tool, "tool names a body that does not exist", "give a body of the model, or -1 for all");
+    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SUPPORT + 1))
+        return refuse(error, tool, "shape of the tool is unknown", "give one of pel_tool_shape");
     if (def->key_count < 1 || def->keys == NULL)
-        return refuse(error, tool, "tool has no pose", "give at least one key");
+        return refuse(error, tool, "tool has no pose: no keys", "give at least one key");
     for (int32_t k = 0; k < def->key_count; k++) {
         const pel_pose_key *key = &def->keys[k];
         if (!pel_tool_is_key(key))
-            return refuse(error, tool, "a key is not finite, turns too often, or its rotation is no unit quaternion",
-                          "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns");
+            return refuse(
+                error, tool,
+                "a key has a position that is not finite, turns too often, or its rotation is no unit quaternion",
+                "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns");
         if (k > 0 && !(key->time > key[-1].time))
             return refuse(error, tool, "keys are not in order", "give keys with increasing times");
     }

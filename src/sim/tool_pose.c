@@ -83,6 +83,8 @@ void pel_tool_sum_spins(pel_tool *tool)
 
 void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4])
 {
+    if (def == NULL || position == NULL || rotation == NULL)
+        return;
     pel_pose pose = pose_of_keys(def->keys, def->key_count, time);
     memcpy(position, pose.position, sizeof pose.position);
     memcpy(rotation, pose.rotation, sizeof pose.rotation);

@@ -25,6 +25,8 @@ static pel_wide slice_virial(const pel_sim *sim, const pel_body_force *body, int
 
 void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials)
 {
+    if (!pel_sim_has_body(sim, body) || virials == NULL)
+        return;
     const pel_body *b = &sim->model->bodies[body];
     pel_body_force force = pel_body_force_of(sim->model, sim->state, body);
     for (int32_t slice = b->slice_begin; slice < b->slice_end; slice++) {

@@ -126,6 +126,9 @@ static pel_status fill_levels(pel_topology *base, const pel_subdivide_def *def, 
 pel_status pel_mesh_subdivide_with(const pel_mesh *mesh, const pel_subdivide_def *def, pel_mesh **fine,
                                    pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(fine, error);
     *fine = NULL;
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
@@ -153,6 +156,8 @@ pel_status pel_mesh_subdivide_with(const pel_mesh *mesh, const pel_subdivide_def
 
 pel_status pel_mesh_subdivide(const pel_mesh *mesh, int32_t levels, pel_mesh **fine, pel_error *error)
 {
+    PEL_REFUSE_NULL(mesh, error);
+    PEL_REFUSE_NULL(fine, error);
     pel_subdivide_def def = pel_subdivide_def_default();
     def.levels = levels;
     return pel_mesh_subdivide_with(mesh, &def, fine, error);

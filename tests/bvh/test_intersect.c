@@ -134,7 +134,7 @@ static void test_bad_triangles(void **unused)
 static void check_file(const char *name)
 {
     char path[1024];
-    snprintf(path, sizeof path, PEL_SOURCE_DIR "/../shared/data/%s", name);
+    snprintf(path, sizeof path, PEL_SOURCE_DIR "/%s", name);
     FILE *file = fopen(path, "r");
     if (file == NULL)
         return;
@@ -159,8 +159,15 @@ static void check_file(const char *name)
 static void test_files(void **unused)
 {
     (void)unused;
-    const char *const names[] = {"cat.obj",   "gallbladder.obj",    "goat-head.obj",  "koala.obj",  "liver-coarse.obj",
-                                 "liver.obj", "nefertiti-head.obj", "sphere-252.obj", "spleen.obj", "spot.obj"};
+    /* those of the tree, then larger ones where they are at hand */
+    const char *const names[] = {"tests/data/bean.obj", "tests/data/sac.obj", "tests/data/flap.obj"};
+    const char *const shared[] = {"cat",   "gallbladder",    "goat-head",  "koala",  "liver-coarse",
+                                  "liver", "nefertiti-head", "sphere-252", "spleen", "spot"};
+    for (size_t i = 0; i < sizeof shared / sizeof *shared; i++) {
+        char path[100];
+        snprintf(path, sizeof path, "../shared/data/%s.obj", shared[i]);
+        check_file(path);
+    }
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         check_file(names[i]);
 }

@@ -5,8 +5,10 @@
 #include "io/file.h"
 
 #include <dirent.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static char folder[64];
@@ -91,14 +93,75 @@ static void test_read_failures(void **unused)
     assert_non_null(strstr(error.what, "directory"));
 }
 
-static void test_read_device(void **unused)
+/* what may never end is refused, without waiting for a writer */
+static void test_read_pipe_or_device(void **unused)
 {
     (void)unused;
-    char *bytes;
+    char *bytes, path[128];
     size_t size;
-    assert_int_equal(pel_file_read("/dev/null", &bytes, &size, NULL), PEL_OK);
-    assert_int_equal(size, 0);
-    pel_free(bytes);
+    pel_error error;
+    assert_int_equal(pel_file_read("/dev/zero", &bytes, &size, &error), PEL_BAD_FILE);
+    assert_null(bytes);
+    assert_non_null(strstr(error.what, "device"));
+    path_in_folder(path, sizeof path, "pipe");
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(pel_file_read(path, &bytes, &size, &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.what, "pipe"));
+    assert_int_equal(pel_file_check(path, &error), PEL_BAD_FILE);
+    unlink(path);
+}
+
+/* links and names that lead out of a folder are refused, those that stay in it are not */
+static void test_inside(void **unused)
+{
+    (void)unused;
+    char path[128], link[128], out[128], up[200];
+    pel_error error;
+    path_in_folder(path, sizeof path, "inside.txt");
+    path_in_folder(link, sizeof link, "inside-link");
+    path_in_folder(out, sizeof out, "outside-link");
+    snprintf(up, sizeof up, "%s/../%s/inside.txt", folder, folder);
+    write_text(path, "text");
+    assert_int_equal(symlink("inside.txt", link), 0);
+    assert_int_equal(symlink("/etc/passwd", out), 0);
+    assert_int_equal(pel_file_check_inside(folder, path, &error), PEL_OK);
+    assert_int_equal(pel_file_check_inside(folder, link, &error), PEL_OK);
+    assert_int_equal(pel_file_check_inside(folder, up, &error), PEL_OK);
+    assert_int_equal(pel_file_check_inside(folder, out, &error), PEL_BAD_FORMAT);
+    assert_string_equal(error.file, out);
+    snprintf(up, sizeof up, "%s/..", folder);
+    assert_int_equal(pel_file_check_inside(folder, up, &error), PEL_BAD_FORMAT);
+    assert_int_equal(pel_file_check_inside(folder, "/etc/passwd", &error), PEL_BAD_FORMAT);
+    /* a folder that is not there says so when it is read */
+    assert_int_equal(pel_file_check_inside("does/not/exist", "/etc/passwd", &error), PEL_OK);
+    unlink(link);
+    unlink(out);
+}
+
+/* a program that ends in the middle leaves no file behind */
+static void test_killed_writer(void **unused)
+{
+    (void)unused;
+    char path[128];
+    path_in_folder(path, sizeof path, "killed.txt");
+    int before = file_count();
+    pel_file_writer probe;
+    assert_int_equal(pel_file_writer_open(&probe, path, NULL), PEL_OK);
+    bool nameless = probe.nameless;
+    pel_file_writer_abandon(&probe);
+    if (!nameless)
+        skip();
+    pid_t child = fork();
+    if (child == 0) {
+        pel_file_writer writer;
+        if (pel_file_writer_open(&writer, path, NULL) == PEL_OK)
+            pel_file_writer_printf(&writer, "half");
+        kill(getpid(), SIGKILL);
+    }
+    int result;
+    assert_int_equal(waitpid(child, &result, 0), child);
+    assert_true(WIFSIGNALED(result));
+    assert_int_equal(file_count(), before);
 }
 
 /* reading fails on the way: nothing is left behind */
@@ -241,7 +304,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),          cmocka_unit_test(test_read_failures),
-        cmocka_unit_test(test_read_device),         cmocka_unit_test(test_abandon_keeps_old),
+        cmocka_unit_test(test_read_pipe_or_device), cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_killed_writer),       cmocka_unit_test(test_abandon_keeps_old),
         cmocka_unit_test(test_mode_and_links_kept), cmocka_unit_test(test_write_failures),
         cmocka_unit_test(test_disk_full),           cmocka_unit_test(test_read_error),
         cmocka_unit_test(test_taken_temporary),     cmocka_unit_test(test_descriptors),

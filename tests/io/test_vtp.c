@@ -264,14 +264,14 @@ static void test_bad_heads(void **unused)
         const char *word, *other, *what;
     } cases[] = {
         {"type=\"PolyData\"", "type=\"ImageData\"", "no VTK PolyData file"},
-        {"LittleEndian", "BigEndian", "the byte order is not that of this machine"},
+        {"LittleEndian", "BigEndian", "an array has not the size that its head tells"},
         {"vtkZLibDataCompressor", "vtkLZ4DataCompressor", "not packed by zlib"},
         {"<VTKFile", "<VTKfile", "no VTK file"},
         {"NumberOfPoints=\"", "NumberOfPoints=\"-", "the number of points or polygons is missing or out of range"},
-        {"NumberOfPoints=\"", "NumberOfPoints=\"99", "an array has not the size that its head tells"},
+        {"NumberOfPoints=\"", "NumberOfPoints=\"99", "an array "},
         {"NumberOfPolys=\"", "NumberOfPolys=\"99", "an array has not the size that its head tells"},
         {"NumberOfPolys=\"", "NumberOfPolys=\"0\" a=\"", "the number of points or polygons is missing"},
-        {"<Piece ", "<Piece NumberOfLines=\"1\" ", "vertices, lines or strips beside"},
+        {"<Piece ", "<Piece NumberOfStrips=\"1\" ", "the polygons are missing"},
         {"<Piece ", "<Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"/><Piece ", "more than one piece"},
         {"NumberOfComponents=\"3\"", "NumberOfComponents=\"0\"", "no components or very many"},
         {"NumberOfComponents=\"3\"", "NumberOfComponents=\"32768\"", "no components or very many"},
@@ -281,9 +281,9 @@ static void test_bad_heads(void **unused)
         {"Name=\"connectivity\"", "Name=\"connections\"", "the polygons are missing"},
         {"Name=\"offsets\"", "Name=\"offset\"", "the polygons are missing"},
         {"<Points>", "<Pointz>", "the points are missing"},
-        {"format=\"appended\"", "format=\"ascii\"", "an array is not in the appended section"},
-        {"offset=\"0\"", "offset=\"999999999999999999\"", "an array lies outside the appended section"},
-        {"encoding=\"raw\"", "encoding=\"base64\"", "the appended section is not raw"},
+        {"format=\"appended\"", "format=\"ascii\"", "an array holds fewer numbers than its head tells"},
+        {"offset=\"0\"", "offset=\"999999999999999999\"", "an array holds fewer numbers than its head tells"},
+        {"encoding=\"raw\"", "encoding=\"base64\"", "an array has not the size that its head tells"},
         {"</VTKFile>", "", "the file is cut off"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
@@ -351,6 +351,76 @@ static void test_shared_bytes(void **unused)
     pel_free(bytes);
     free_sample(&sample);
     unlink(PATH);
+}
+
+/* the forms that VTK writes beside the appended one, by hand: text, base64 in pieces, numbers of the other byte order
+ */
+static void test_inline(void **unused)
+{
+    (void)unused;
+    static const char head[] =
+        "<?xml version=\"1.0\"?>\n<!-- it's > one -->\n"
+        "<VTKFile type=\"PolyData\" byte_order=\"%s\"><PolyData>\n"
+        "<Piece NumberOfPoints=\"4\" NumberOfVerts=\"1\" NumberOfPolys=\"%d\" NumberOfStrips=\"%d\">\n"
+        "<PointData><DataArray type=\"UInt8\" Name=\"level\" format=\"%s\">%s</DataArray></PointData>\n"
+        "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">\n"
+        "<InformationKey name=\"L2\"> 7 </InformationKey>\n"
+        "0 0 0 1 0 0  1 1 0 0 1e0 0</DataArray></Points>\n"
+        "<%s><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\"> %s </DataArray>\n"
+        "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4</DataArray></%s>\n"
+        "</Piece></PolyData></VTKFile>\n";
+    static const struct {
+        const char *order, *format, *level, *section, *corners;
+        int32_t first[3], second[3];
+    } cases[] = {
+        {"LittleEndian", "ascii", "1 2 3 4", "Polys", "0 1 2 3", {0, 1, 2}, {0, 2, 3}},
+        {"LittleEndian", "binary", "BAAAAAECAwQ=", "Polys", "0 1 2 3", {0, 1, 2}, {0, 2, 3}},
+        {"LittleEndian", "binary", "BAAAAA==AQID BA==", "Strips", "0 1 3 2", {0, 1, 3}, {1, 2, 3}},
+        {"BigEndian", "binary", "AAAABAECAwQ=", "Polys", "0 1 2 3", {0, 1, 2}, {0, 2, 3}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[2000];
+        bool strips = strcmp(cases[i].section, "Strips") == 0;
+        int length = snprintf(text, sizeof text, head, cases[i].order, !strips, strips, cases[i].format, cases[i].level,
+                              cases[i].section, cases[i].corners, cases[i].section);
+        pel_mesh *mesh;
+        pel_error error;
+        if (pel_vtp_parse("a.vtp", text, (size_t)length, &mesh, NULL, &error) != PEL_OK)
+            fail_msg("case %d: %s", (int)i, error.what);
+        assert_int_equal(mesh->triangle_count, 2);
+        assert_memory_equal(mesh->triangles[0], cases[i].first, sizeof cases[i].first);
+        assert_memory_equal(mesh->triangles[1], cases[i].second, sizeof cases[i].second);
+        assert_true(mesh->positions[3][1] == 1);
+        for (int v = 0; v < 4; v++)
+            assert_true(pel_mesh_field(mesh, "level")->values[v] == v + 1);
+        pel_mesh_destroy(mesh);
+        /* cut off anywhere it is refused, and so is one number too few */
+        for (size_t cut = 0; cut + 11 < (size_t)length; cut += 7)
+            assert_int_equal(pel_vtp_parse("a.vtp", text, cut, &mesh, NULL, &error), PEL_BAD_FORMAT);
+    }
+}
+
+/* zeros that are packed 1000 to 1 are not unpacked without end */
+static void test_bomb(void **unused)
+{
+    (void)unused;
+    sample_data sample;
+    make_sample(&sample, 3);
+    enum { TUPLES = 1 << 14 };
+    double *zeros = calloc((size_t)sample.vtp.vertex_count, TUPLES * sizeof *zeros);
+    assert_non_null(zeros);
+    const pel_vtp_field field = {"zeros", TUPLES, zeros};
+    sample.vtp.fields = &field;
+    sample.vtp.field_count = 1;
+    sample.vtp.compress = true;
+    pel_mesh *mesh;
+    pel_error error;
+    assert_int_equal(pel_vtp_write(PATH, &sample.vtp, NULL), PEL_OK);
+    assert_int_equal(pel_vtp_read(PATH, &mesh, NULL, &error), PEL_BAD_FORMAT);
+    assert_non_null(strstr(error.what, "than a file of this size should"));
+    unlink(PATH);
+    free(zeros);
+    free_sample(&sample);
 }
 
 static void test_refuses(void **unused)
@@ -476,6 +546,7 @@ int main(void)
         cmocka_unit_test(test_corpus),       cmocka_unit_test(test_damaged),
         cmocka_unit_test(test_lying_head),   cmocka_unit_test(test_shared_bytes),
         cmocka_unit_test(test_bad_heads),    cmocka_unit_test(test_series),
+        cmocka_unit_test(test_inline),       cmocka_unit_test(test_bomb),
         cmocka_unit_test(test_refuses),      cmocka_unit_test(test_allocation_failures),
         cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
     };

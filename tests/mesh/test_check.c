@@ -30,8 +30,9 @@ static void test_table(void **unused)
         assert_int_equal(info->kind, kind);
         assert_true(strlen(info->name) > 0 && strlen(info->doc) > 0 && strlen(info->remedy) > 0);
         assert_true(strchr("vtec", info->element_kind[0]) != NULL);
-        /* what can be repaired says how, and nothing else does */
-        assert_int_equal(info->repairable, strstr(info->remedy, "--fix") != NULL);
+        /* what can be repaired says how, and nothing else does; rims are closed only when it is asked for */
+        bool advised = strstr(info->remedy, "--fix") != NULL && strstr(info->remedy, "--fill-holes") == NULL;
+        assert_int_equal(info->repairable, advised);
     }
     assert_null(pel_issue_info_of(PEL_ISSUE_COUNT));
     assert_int_equal(pel_issue_info_of(PEL_ISSUE_BOUNDARY_EDGE)->severity, PEL_SEVERITY_NOTE);
@@ -500,6 +501,11 @@ static void test_random_against_oracle(void **unused)
         pel_mesh_report *report = check(&mesh);
         it.counts[PEL_ISSUE_INSIDE_OUT] = report->issues[PEL_ISSUE_INSIDE_OUT].count;
         for (int32_t kind = 0; kind < PEL_ISSUE_COUNT; kind++) {
+            /* the seam of a one-sided surface is not listed: turning triangles would only move it */
+            if (kind == PEL_ISSUE_INCONSISTENT_WINDING && it.counts[PEL_ISSUE_NON_ORIENTABLE] > 0) {
+                assert_true(report->issues[kind].count <= it.counts[kind]);
+                continue;
+            }
             if (report->issues[kind].count != it.counts[kind])
                 print_error("round %d: %s\n", round, pel_issue_info_of((pel_issue_kind)kind)->name);
             assert_int_equal(report->issues[kind].count, it.counts[kind]);

@@ -343,7 +343,7 @@ static void test_full_disk(void **unused)
         }
         assert_int_equal(status, PEL_BAD_FILE);
         assert_non_null(strstr(test.error.file, "full/"));
-        assert_non_null(strstr(test.error.remedy, "disk space"));
+        assert_non_null(strstr(test.error.remedy, "ulimit -f"));
         for (int k = 0; k < KIND_COUNT; k++)
             seen[k] += strstr(test.error.file, kinds[k]) != NULL;
         check_after_failure(scene, &test);

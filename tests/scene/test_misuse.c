@@ -1,0 +1,972 @@
+#include "misuse.h"
+
+#include <pellicle/pellicle.h>
+
+#include <pellicle/collide.h>
+#include <pellicle/element.h>
+#include <pellicle/export.h>
+#include <pellicle/frames.h>
+#include <pellicle/import.h>
+#include <pellicle/intersect.h>
+#include <pellicle/measure.h>
+#include <pellicle/mesh_check.h>
+#include <pellicle/mesh_io.h>
+#include <pellicle/parallel.h>
+#include <pellicle/preset.h>
+#include <pellicle/region.h>
+#include <pellicle/report.h>
+#include <pellicle/results.h>
+#include <pellicle/run.h>
+#include <pellicle/shape.h>
+#include <pellicle/subdivide.h>
+
+#include <math.h>
+#include <stddef.h>
+
+static const char scene_text[] = "version: 1\n"
+                                 "bodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 2 } }]\n"
+                                 "duration: 0.02\n";
+static const double nan_value = (double)NAN, zero3[3], zero43[4][3], zero33[3][3];
+
+/* what most cases start from */
+static pel_mesh *mesh;
+static pel_topology *topology;
+static pel_model *model;
+static pel_sim *sim;
+static pel_scene *scene;
+static const pel_pose_key still = {.position = {0, 0, 2}, .rotation = {0, 0, 0, 1}};
+
+static pel_body_def make_body(void)
+{
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    return body;
+}
+
+static pel_tool_def make_tool(void)
+{
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "probe";
+    tool.radius = 0.1;
+    tool.keys = &still;
+    tool.key_count = 1;
+    tool.body = 0;
+    return tool;
+}
+
+static int set_up(void **unused)
+{
+    (void)unused;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = 2;
+    if (pel_shape_create(&shape, &mesh, NULL) != PEL_OK || pel_topology_create(mesh, &topology, NULL) != PEL_OK)
+        return -1;
+    pel_body_def body = make_body();
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    if (pel_model_create(&def, &model, NULL) != PEL_OK)
+        return -1;
+    pel_tool_def tool = make_tool();
+    pel_sim_def sim_def = pel_sim_def_default();
+    sim_def.model = model;
+    sim_def.tools = &tool;
+    sim_def.tool_count = 1;
+    return pel_sim_create(&sim_def, &sim, NULL) == PEL_OK &&
+                   pel_scene_parse("a.yaml", scene_text, strlen(scene_text), NULL, 0, NULL, &scene, NULL) == PEL_OK
+               ? 0
+               : -1;
+}
+
+static int tear_down(void **unused)
+{
+    (void)unused;
+    pel_scene_destroy(scene);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_topology_destroy(topology);
+    pel_mesh_destroy(mesh);
+    return 0;
+}
+
+/* all cases of this test were refused; the next one counts anew */
+static void finish(void)
+{
+    int failures = misuse_failures;
+    misuse_failures = 0;
+    assert_int_equal(failures, 0);
+}
+
+/* ---- pure functions: numbers out of range, enums that do not exist ---- */
+
+static void test_numbers(void **unused)
+{
+    (void)unused;
+    char text[64], letter[7];
+    double out[16], gradient4[4][3], gradient3[3][3], nan43[4][3], nan33[3][3], flat[6] = {0};
+    for (int i = 0; i < 12; i++)
+        nan43[i / 3][i % 3] = nan33[(i / 3) % 3][i % 3] = nan_value;
+    const double(*bad4)[3] = (const double(*)[3])nan43, (*bad3)[3] = (const double(*)[3])nan33;
+    const double *nan3 = nan43[0];
+    GIVES(strlen(pel_status_text((pel_status)-1)) > 0 && strlen(pel_status_text((pel_status)1000)) > 0);
+    SURVIVES(pel_error_text(&(pel_error){.what = "x"}, NULL, 0));
+    SURVIVES(pel_error_text(&(pel_error){.what = "x"}, text, 1));
+    GIVES(pel_nearest_name(NULL, NULL, 3) == NULL);
+    GIVES(pel_nearest_name("x", NULL, 3) == NULL);
+    SURVIVES(pel_json_letter("\xff", letter));
+    SURVIVES(pel_bending_stiffness(nan_value, 1, -1));
+    pel_bending_isometric stencil;
+    pel_hinge hinge;
+    GIVES(!pel_bending_isometric_setup(zero43, &stencil));
+    SURVIVES(pel_bending_isometric_setup(bad4, &stencil));
+    memset(&stencil, 0, sizeof stencil);
+    SURVIVES(pel_bending_isometric_energy(&stencil, (pel_bending_form)77, bad4, gradient4));
+    SURVIVES(pel_dihedral_angle(bad4, NULL));
+    GIVES(!pel_hinge_setup(zero43, &hinge));
+    memset(&hinge, 0, sizeof hinge);
+    SURVIVES(pel_hinge_energy(&hinge, bad4, gradient4));
+    pel_rest_triangle triangle = {.area = 0};
+    GIVES(!pel_rest_triangle_setup(zero33, &triangle));
+    GIVES(!pel_rest_triangle_direction(zero33, zero3, out));
+    SURVIVES(pel_deformation_gradient(&triangle, bad3, out));
+    SURVIVES(pel_stress_gradient(&triangle, flat, gradient3));
+    const pel_membrane_material odd = {.kind = (pel_membrane_kind)99, .young = nan_value};
+    SURVIVES(pel_membrane_energy(&triangle, &odd, bad3, gradient3));
+    SURVIVES(pel_fibre_energy(&triangle, (pel_fibre_kind)-7, nan_value, flat, bad3, gradient3));
+    SURVIVES(pel_fibre_active_energy(&triangle, nan_value, -1, flat, bad3, gradient3));
+    SURVIVES(pel_triangle_volume(bad3, NULL));
+    SURVIVES(pel_triangle_pressure_force(bad3, nan_value, out));
+    GIVES(pel_membrane_kind_name((pel_membrane_kind)-1) == NULL ||
+          strlen(pel_membrane_kind_name((pel_membrane_kind)-1)));
+    SURVIVES(pel_membrane_kind_name((pel_membrane_kind)1000));
+    REFUSED("material", pel_membrane_material_check(NULL, &error));
+    FAILS(pel_membrane_material_check(&odd, &error));
+    SURVIVES(pel_plane_stress_lame(nan_value, 1, 0, &out[0], &out[1]));
+    SURVIVES(pel_membrane_density(&odd, flat, out));
+    SURVIVES(pel_fibre_density((pel_fibre_kind)55, 1, flat, flat, out));
+    SURVIVES(pel_fibre_active_density(1, nan_value, flat, flat, out));
+    SURVIVES(pel_closest_point_segment(nan3, zero3, zero3, out));
+    SURVIVES(pel_closest_point_triangle(nan3, zero3, zero3, zero3, out));
+    SURVIVES(pel_closest_segment_segment(zero3, zero3, zero3, nan3, out));
+    SURVIVES(pel_closest_segment_triangle(zero3, zero3, zero3, zero3, nan3, out));
+    pel_ccd_hit hit;
+    SURVIVES(pel_ccd_vertex_face(bad4, bad4, nan_value, nan_value, &hit));
+    SURVIVES(pel_ccd_vertex_face(zero43, zero43, 0, 0, NULL));
+    SURVIVES(pel_ccd_edge_edge(bad4, zero43, -1, -1, &hit));
+    SURVIVES(pel_ccd_filter(bad4, bad4, true, nan_value));
+    SURVIVES(pel_ccd_bridson(bad4, bad4, false, nan_value, nan_value, &hit));
+    const pel_ccd_batch nothing = {.query_count = 0}, negative = {.query_count = -5};
+    GIVES(pel_ccd_filter_batch(&nothing, NULL) == 0);
+    GIVES(pel_ccd_filter_batch(&negative, NULL) == 0);
+    GIVES(pel_ccd_solve_batch(&nothing, NULL, NULL, NULL) == 0);
+    GIVES(pel_ccd_solve_batch(&negative, NULL, NULL, NULL) == 0);
+    SURVIVES(pel_orient2d(nan3, zero3, zero3));
+    SURVIVES(pel_orient3d(nan3, zero3, zero3, zero3));
+    SURVIVES(pel_triangles_intersect(bad3, zero33));
+    SURVIVES(pel_triangles_intersect_beyond(bad3, zero33, 99));
+    SURVIVES(pel_triangles_intersect_beyond(zero33, zero33, -99));
+    GIVES(pel_thread_limit() >= 1);
+    finish();
+}
+
+/* ---- errors and logs ---- */
+
+static void test_errors(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    GIVES(pel_fail(NULL, PEL_BAD_ARGUMENT, "x") == PEL_BAD_ARGUMENT);
+    GIVES(pel_fail_memory(NULL) == PEL_OUT_OF_MEMORY);
+    SURVIVES(pel_fail_remedy(NULL, "x"));
+    SURVIVES(pel_fail_element(NULL, "vertex", 1));
+    SURVIVES(pel_fail_element(&error, NULL, -1));
+    SURVIVES(pel_fail_place(NULL, "x", 1, 1));
+    SURVIVES(pel_fail_place(&error, NULL, -1, -1));
+    SURVIVES(pel_fail_offset(NULL, "x", -1));
+    SURVIVES(pel_fail_offset(&error, NULL, -1));
+    SURVIVES(pel_log_line(NULL, "x"));
+    SURVIVES(pel_log_line(&(pel_log){.write = NULL}, "x"));
+    finish();
+}
+
+/* ---- meshes and their files ---- */
+
+static void test_meshes(void **unused)
+{
+    (void)unused;
+    pel_mesh *made;
+    double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, bad[9] = {nan_value};
+    int32_t triangle[3] = {0, 1, 2}, beyond[3] = {0, 1, 3};
+    REFUSED("positions", pel_mesh_create(NULL, 3, triangle, 1, &made, &error));
+    REFUSED("triangles", pel_mesh_create(positions, 3, NULL, 1, &made, &error));
+    REFUSED("mesh", pel_mesh_create(positions, 3, triangle, 1, NULL, &error));
+    REFUSED("vertices", pel_mesh_create(positions, -3, triangle, 1, &made, &error));
+    REFUSED("triangles", pel_mesh_create(positions, 3, triangle, -1, &made, &error));
+    REFUSED("index", pel_mesh_create(positions, 3, beyond, 1, &made, &error));
+    REFUSED("position", pel_mesh_create(bad, 3, triangle, 1, &made, &error));
+    SURVIVES(pel_mesh_destroy(NULL));
+    REFUSED("mesh", pel_mesh_add_field(NULL, "x", 1, NULL, &error));
+    REFUSED("name", pel_mesh_add_field(mesh, NULL, 1, NULL, &error));
+    FAILS(pel_mesh_add_field(mesh, "", 1, NULL, &error));
+    FAILS(pel_mesh_add_field(mesh, "x", 0, NULL, &error));
+    FAILS(pel_mesh_add_field(mesh, "x", -3, NULL, &error));
+    FAILS(pel_mesh_add_field(mesh, "x", INT32_MAX, NULL, &error));
+    GIVES(pel_mesh_field(NULL, "x") == NULL);
+    GIVES(pel_mesh_field(mesh, NULL) == NULL);
+    pel_transform transform = pel_transform_default();
+    REFUSED("mesh", pel_mesh_transform(NULL, &transform, &error));
+    REFUSED("transform", pel_mesh_transform(mesh, NULL, &error));
+    transform.scale[1] = nan_value;
+    REFUSED("scale", pel_mesh_transform(mesh, &transform, &error));
+    GIVES(pel_issue_info_of((pel_issue_kind)-1) == NULL && pel_issue_info_of((pel_issue_kind)99) == NULL);
+    pel_mesh_report *report;
+    REFUSED("mesh", pel_mesh_check(NULL, &report, &error));
+    REFUSED("report", pel_mesh_check(mesh, NULL, &error));
+    SURVIVES(pel_mesh_report_destroy(NULL));
+    pel_repair_options options = pel_repair_options_default();
+    REFUSED("mesh", pel_mesh_repair(NULL, &options, &made, NULL, &error));
+    REFUSED("repaired", pel_mesh_repair(mesh, NULL, NULL, NULL, &error));
+    options.weld_tolerance = nan_value;
+    REFUSED("tolerance", pel_mesh_repair(mesh, &options, &made, NULL, &error));
+    REFUSED("mesh", pel_mesh_fill_holes(NULL, 10, &made, NULL, &error));
+    REFUSED("filled", pel_mesh_fill_holes(mesh, 10, NULL, NULL, &error));
+    REFUSED("edge_limit", pel_mesh_fill_holes(mesh, -1, &made, NULL, &error));
+    int64_t count;
+    pel_pair pairs[1];
+    REFUSED("mesh", pel_mesh_self_intersections(NULL, NULL, 0, &count, &error));
+    REFUSED("count", pel_mesh_self_intersections(mesh, NULL, 0, NULL, &error));
+    REFUSED("count", pel_mesh_self_intersections(mesh, pairs, -1, &count, &error));
+    REFUSED("pairs", pel_mesh_self_intersections(mesh, NULL, 7, &count, &error));
+    pel_topology *table;
+    REFUSED("mesh", pel_topology_create(NULL, &table, &error));
+    REFUSED("topology", pel_topology_create(mesh, NULL, &error));
+    SURVIVES(pel_topology_destroy(NULL));
+    pel_subdivide_def finer = pel_subdivide_def_default();
+    REFUSED("mesh", pel_mesh_subdivide(NULL, 1, &made, &error));
+    REFUSED("fine", pel_mesh_subdivide(mesh, 1, NULL, &error));
+    REFUSED("subdivide", pel_mesh_subdivide(mesh, -1, &made, &error));
+    FAILS(pel_mesh_subdivide(mesh, INT32_MAX, &made, &error));
+    REFUSED("def", pel_mesh_subdivide_with(mesh, NULL, &made, &error));
+    REFUSED("fine", pel_mesh_subdivide_with(mesh, &finer, NULL, &error));
+    finer.levels = INT32_MIN;
+    REFUSED("subdivide", pel_mesh_subdivide_with(mesh, &finer, &made, &error));
+    FAILS(pel_mesh_subdivide_with(mesh, &(pel_subdivide_def){.levels = 1}, &made, &error));
+    finish();
+}
+
+static void test_files(void **unused)
+{
+    (void)unused;
+    pel_mesh *made;
+    GIVES(pel_mesh_format_of_path(NULL) == PEL_FORMAT_AUTO);
+    REFUSED("path", pel_mesh_read(NULL, PEL_FORMAT_AUTO, NULL, &made, &error));
+    REFUSED("mesh", pel_mesh_read("a.obj", PEL_FORMAT_AUTO, NULL, NULL, &error));
+    REFUSED("name", pel_mesh_parse(NULL, "x", 1, PEL_FORMAT_AUTO, NULL, &made, &error));
+    REFUSED("bytes", pel_mesh_parse("a.obj", NULL, 1, PEL_FORMAT_AUTO, NULL, &made, &error));
+    REFUSED("mesh", pel_mesh_parse("a.obj", "x", 1, PEL_FORMAT_AUTO, NULL, NULL, &error));
+    FAILS(pel_mesh_parse("a.obj", "v 0 0 0", 7, (pel_mesh_format)99, NULL, &made, &error));
+    REFUSED("path", pel_mesh_write(NULL, PEL_FORMAT_OBJ, mesh, NULL, &error));
+    REFUSED("mesh", pel_mesh_write("misuse.obj", PEL_FORMAT_OBJ, NULL, NULL, &error));
+    REFUSED("format", pel_mesh_write("misuse.obj", (pel_mesh_format)-1, mesh, NULL, &error));
+    REFUSED("format", pel_mesh_write("misuse.obj", (pel_mesh_format)99, mesh, NULL, &error));
+    REFUSED("path", pel_mesh_import(NULL, NULL, &made, &error));
+    REFUSED("mesh", pel_mesh_import("a.obj", NULL, NULL, &error));
+    pel_vtp vtp = {.vertex_count = mesh->vertex_count,
+                   .triangle_count = mesh->triangle_count,
+                   .positions = mesh->positions[0],
+                   .triangles = mesh->triangles[0]};
+    pel_vtp_field field = {"x", 1, mesh->positions[0]};
+    REFUSED("path", pel_vtp_write(NULL, &vtp, &error));
+    REFUSED("vtp", pel_vtp_write("misuse.vtp", NULL, &error));
+    pel_vtp wrong = vtp;
+    wrong.positions = NULL;
+    REFUSED("positions", pel_vtp_write("misuse.vtp", &wrong, &error));
+    wrong = vtp, wrong.triangles = NULL;
+    REFUSED("triangles", pel_vtp_write("misuse.vtp", &wrong, &error));
+    wrong = vtp, wrong.field_count = 1;
+    REFUSED("fields", pel_vtp_write("misuse.vtp", &wrong, &error));
+    wrong.fields = &field, wrong.field_count = -1;
+    REFUSED("fields", pel_vtp_write("misuse.vtp", &wrong, &error));
+    wrong.field_count = 1, field.values = NULL;
+    REFUSED("values", pel_vtp_write("misuse.vtp", &wrong, &error));
+    field = (pel_vtp_field){NULL, 1, mesh->positions[0]};
+    REFUSED("name", pel_vtp_write("misuse.vtp", &wrong, &error));
+    wrong = vtp, wrong.cell_field_count = 2;
+    REFUSED("cell_fields", pel_vtp_write("misuse.vtp", &wrong, &error));
+    int32_t beyond[3] = {0, 1, mesh->vertex_count};
+    wrong = vtp, wrong.triangles = beyond, wrong.triangle_count = 1;
+    REFUSED("index", pel_vtp_write("misuse.vtp", &wrong, &error));
+    pel_vtp_writer *writer;
+    REFUSED("writer", pel_vtp_writer_create(NULL, &error));
+    SURVIVES(pel_vtp_writer_destroy(NULL));
+    REFUSED("writer", pel_vtp_writer_write(NULL, "misuse.vtp", &vtp, &error));
+    assert_int_equal(pel_vtp_writer_create(&writer, NULL), PEL_OK);
+    REFUSED("path", pel_vtp_writer_write(writer, NULL, &vtp, &error));
+    REFUSED("vtp", pel_vtp_writer_write(writer, "misuse.vtp", NULL, &error));
+    pel_vtp_writer_destroy(writer);
+    REFUSED("path", pel_vtp_read(NULL, &made, NULL, &error));
+    REFUSED("mesh", pel_vtp_read("a.vtp", NULL, NULL, &error));
+    REFUSED("name", pel_vtp_parse(NULL, "x", 1, &made, NULL, &error));
+    REFUSED("bytes", pel_vtp_parse("a.vtp", NULL, 1, &made, NULL, &error));
+    REFUSED("mesh", pel_vtp_parse("a.vtp", "x", 1, NULL, NULL, &error));
+    const char *names[1] = {NULL};
+    REFUSED("path", pel_pvd_write(NULL, names, zero3, 1, &error));
+    REFUSED("file_names", pel_pvd_write("misuse.pvd", NULL, zero3, 1, &error));
+    REFUSED("file_names", pel_pvd_write("misuse.pvd", names, zero3, 1, &error));
+    REFUSED("times", pel_pvd_write("misuse.pvd", names, NULL, 1, &error));
+    REFUSED("frame_count", pel_pvd_write("misuse.pvd", names, zero3, -1, &error));
+    finish();
+}
+
+/* ---- runs, read back ---- */
+
+static void test_results(void **unused)
+{
+    (void)unused;
+    pel_frames *frames, none = {.folder = NULL};
+    pel_frames_outline outline;
+    pel_mesh *made;
+    char text[PEL_EXPORT_PATH_SIZE];
+    GIVES(pel_run_file_name((pel_run_file)-1) == NULL && pel_run_file_name((pel_run_file)99) == NULL);
+    REFUSED("folder", pel_frames_open(NULL, &frames, &error));
+    REFUSED("frames", pel_frames_open(".", NULL, &error));
+    SURVIVES(pel_frames_close(NULL));
+    REFUSED("frames", pel_frames_read(NULL, 0, &made, &error));
+    REFUSED("frame", pel_frames_read(&none, 0, &made, &error));
+    REFUSED("frame", pel_frames_read(&none, -1, &made, &error));
+    REFUSED("mesh", pel_frames_read(&none, 0, NULL, &error));
+    REFUSED("frames", pel_frames_check(NULL, &outline, &error));
+    REFUSED("outline", pel_frames_check(&none, NULL, &error));
+    REFUSED("frame", pel_frames_check(&none, &outline, &error));
+    pel_series *series;
+    const char *names[2] = {"time", NULL};
+    REFUSED("path", pel_series_read(NULL, names, 1, &series, &error));
+    REFUSED("names", pel_series_read("a.csv", NULL, 1, &series, &error));
+    REFUSED("names", pel_series_read("a.csv", names, 2, &series, &error));
+    REFUSED("names", pel_series_read("a.csv", names, -1, &series, &error));
+    REFUSED("series", pel_series_read("a.csv", names, 1, NULL, &error));
+    SURVIVES(pel_series_destroy(NULL));
+    GIVES(isnan(pel_series_value(NULL, 0, 0)));
+    GIVES(isnan(pel_series_value(&(pel_series){.column_count = 0}, -1, INT64_MIN)));
+    REFUSED("path", pel_export_pc2(NULL, &none, &error));
+    REFUSED("frames", pel_export_pc2("misuse.pc2", NULL, &error));
+    REFUSED("frame", pel_export_pc2("misuse.pc2", &none, &error));
+    REFUSED("path", pel_export_glb(NULL, &none, &error));
+    REFUSED("frames", pel_export_glb("misuse.glb", NULL, &error));
+    REFUSED("frame", pel_export_glb("misuse.glb", &none, &error));
+    REFUSED("path", pel_export_glb_mesh(NULL, mesh, &error));
+    REFUSED("mesh", pel_export_glb_mesh("misuse.glb", NULL, &error));
+    REFUSED("path", pel_export_sequence(NULL, PEL_FORMAT_OBJ, &none, NULL, &error));
+    REFUSED("frames", pel_export_sequence("misuse.obj", PEL_FORMAT_OBJ, NULL, NULL, &error));
+    FAILS(pel_export_sequence("misuse.obj", (pel_mesh_format)77, &none, NULL, &error));
+    SURVIVES(pel_export_numbered_path(text, "", -1));
+    pel_report_def report = pel_report_def_default();
+    REFUSED("path", pel_report_write(NULL, &report, NULL, &error));
+    REFUSED("def", pel_report_write("misuse.html", NULL, NULL, &error));
+    FAILS(pel_report_write("misuse.html", &(pel_report_def){.page = "x"}, NULL, &error));
+    report.page = "x", report.folder_count = 1;
+    REFUSED("folder", pel_report_write("misuse.html", &report, NULL, &error));
+    report.folder_count = -1;
+    REFUSED("folder", pel_report_write("misuse.html", &report, NULL, &error));
+    report.folders = names, report.folder_count = 1, report.field_count = 3;
+    REFUSED("fields", pel_report_write("misuse.html", &report, NULL, &error));
+    finish();
+}
+
+/* ---- shapes, regions, presets ---- */
+
+static void test_shapes(void **unused)
+{
+    (void)unused;
+    pel_mesh *made;
+    char text[32];
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GRID);
+    const pel_shape_parameter *parameter = pel_shape_info_of(PEL_SHAPE_GRID)->parameters;
+    GIVES(pel_shape_info_of((pel_shape_kind)-1) == NULL && pel_shape_info_of(PEL_SHAPE_COUNT) == NULL);
+    SURVIVES(pel_shape_def_default((pel_shape_kind)-1));
+    SURVIVES(pel_shape_def_default((pel_shape_kind)999));
+    REFUSED("name", pel_shape_def_of_name(NULL, &def, &error));
+    REFUSED("def", pel_shape_def_of_name("grid", NULL, &error));
+    REFUSED("blob", pel_shape_def_of_name("blob", &def, &error));
+    REFUSED("def", pel_shape_set(NULL, "nx", "3", &error));
+    REFUSED("key", pel_shape_set(&def, NULL, "3", &error));
+    REFUSED("text", pel_shape_set(&def, "nx", NULL, &error));
+    REFUSED("nx", pel_shape_set(&def, "nx", "nan", &error));
+    REFUSED("def", pel_shape_set_number(NULL, "nx", 3, &error));
+    REFUSED("key", pel_shape_set_number(&def, NULL, 3, &error));
+    REFUSED("nx", pel_shape_set_number(&def, "nx", nan_value, &error));
+    REFUSED("diagonals", pel_shape_set_number(&def, "diagonals", 77, &error));
+    SURVIVES(pel_shape_get(NULL, parameter, text, sizeof text));
+    SURVIVES(pel_shape_get(&def, NULL, text, sizeof text));
+    SURVIVES(pel_shape_get(&def, parameter, NULL, 0));
+    REFUSED("def", pel_shape_create(NULL, &made, &error));
+    REFUSED("mesh", pel_shape_create(&def, NULL, &error));
+    pel_shape_def wrong = def;
+    wrong.kind = (pel_shape_kind)50;
+    FAILS(pel_shape_create(&wrong, &made, &error));
+    wrong = def, wrong.diagonals = (pel_grid_diagonals)-4;
+    REFUSED("diagonals", pel_shape_create(&wrong, &made, &error));
+    wrong = def, wrong.nx = INT32_MIN;
+    REFUSED("nx", pel_shape_create(&wrong, &made, &error));
+    wrong = def, wrong.nx = wrong.ny = INT32_MAX;
+    FAILS(pel_shape_create(&wrong, &made, &error));
+    wrong = def, wrong.size_x = nan_value;
+    REFUSED("size_x", pel_shape_create(&wrong, &made, &error));
+    pel_region region = pel_region_default();
+    pel_selection *selection;
+    REFUSED("mesh", pel_mesh_select(NULL, &region, &selection, &error));
+    REFUSED("region", pel_mesh_select(mesh, NULL, &selection, &error));
+    REFUSED("selection", pel_mesh_select(mesh, &region, NULL, &error));
+    region.kind = (pel_region_kind)42;
+    FAILS(pel_mesh_select(mesh, &region, &selection, &error));
+    region.kind = PEL_REGION_VERTICES, region.vertex_count = 3;
+    REFUSED("vertices", pel_mesh_select(mesh, &region, &selection, &error));
+    region.vertex_count = -3;
+    FAILS(pel_mesh_select(mesh, &region, &selection, &error));
+    region.kind = PEL_REGION_FIELD;
+    REFUSED("field", pel_mesh_select(mesh, &region, &selection, &error));
+    region.kind = PEL_REGION_SPHERE, region.radius = nan_value;
+    REFUSED("radius", pel_mesh_select(mesh, &region, &selection, &error));
+    region = pel_region_default(), region.kind = PEL_REGION_BOX, region.falloff = nan_value;
+    REFUSED("falloff", pel_mesh_select(mesh, &region, &selection, &error));
+    SURVIVES(pel_selection_destroy(NULL));
+    SURVIVES(pel_material_presets(NULL));
+    GIVES(pel_material_preset_find(NULL) == NULL);
+    SURVIVES(pel_shell_def_default());
+    SURVIVES(pel_anisotropy_def_default());
+    finish();
+}
+
+/* ---- measures: no array, no work ---- */
+
+static void test_measures(void **unused)
+{
+    (void)unused;
+    const double *x = mesh->positions[0];
+    const int32_t *t = mesh->triangles[0];
+    double out[3];
+    pel_vertex_measure measure;
+    pel_curvature_summary summary;
+    SURVIVES(pel_vertex_measure_fill(NULL, x, 0, &measure));
+    SURVIVES(pel_vertex_measure_fill(topology, x, -1, &measure));
+    SURVIVES(pel_vertex_measure_fill(topology, x, INT32_MAX, &measure));
+    SURVIVES(pel_surface_vertex_areas(topology, NULL, out));
+    SURVIVES(pel_surface_vertex_areas(topology, x, NULL));
+    SURVIVES(pel_surface_normals(NULL, x, PEL_NORMAL_ANGLE, out));
+    SURVIVES(pel_surface_normals(topology, x, PEL_NORMAL_ANGLE, NULL));
+    SURVIVES(pel_surface_mean_curvature(topology, NULL, NULL, NULL));
+    SURVIVES(pel_surface_mean_curvature(topology, x, NULL, NULL));
+    SURVIVES(pel_surface_gaussian_curvature(NULL, x, NULL, NULL));
+    SURVIVES(pel_surface_curvature_summary(topology, x, NULL));
+    SURVIVES(pel_surface_curvature_summary(NULL, x, &summary));
+    GIVES(pel_surface_area(NULL, t, 4) == 0 && pel_surface_area(x, t, -4) == 0);
+    GIVES(pel_surface_volume(x, NULL, 4, NULL) == 0 && pel_surface_volume(x, t, -4, NULL) == 0);
+    GIVES(pel_surface_volume_gradient(x, 3, NULL, 1, NULL, out) == 0);
+    SURVIVES(pel_surface_volume_gradient(x, -3, t, -1, NULL, out));
+    SURVIVES(pel_surface_pressure(NULL, x, 1, PEL_PRESSURE_CONSISTENT, out, NULL, NULL));
+    SURVIVES(pel_surface_pressure(topology, x, nan_value, PEL_PRESSURE_CONSISTENT, NULL, NULL, NULL));
+    finish();
+}
+
+/* ---- collider ---- */
+
+static void test_collider(void **unused)
+{
+    (void)unused;
+    pel_collider_def def = pel_collider_def_default();
+    pel_collider *made, *collider;
+    REFUSED("def", pel_collider_create(NULL, &made, &error));
+    REFUSED("collider", pel_collider_create(&def, NULL, &error));
+    REFUSED("mesh", pel_collider_create(&def, &made, &error));
+    def.mesh = mesh;
+    pel_collider_def wrong = def;
+    wrong.margin = nan_value;
+    REFUSED("margin", pel_collider_create(&wrong, &made, &error));
+    wrong = def, wrong.memory_limit = -1;
+    FAILS(pel_collider_create(&wrong, &made, &error));
+    wrong = def, wrong.thread_count = -1;
+    FAILS(pel_collider_create(&wrong, &made, &error));
+    wrong = def, wrong.thread_count = INT32_MAX;
+    SURVIVES((void)pel_collider_create(&wrong, &made, NULL));
+    SURVIVES(pel_collider_destroy(NULL));
+    assert_int_equal(pel_collider_create(&def, &collider, NULL), PEL_OK);
+    pel_collision_query query = pel_collision_query_default();
+    pel_collision_candidates candidates;
+    pel_collision_result result;
+    REFUSED("start", pel_collider_candidates(collider, &query, &candidates, &error));
+    REFUSED("start", pel_collider_detect(collider, &query, &result, &error));
+    query.start = mesh->positions[0];
+    REFUSED("end", pel_collider_detect(collider, &query, &result, &error));
+    query.end = query.start;
+    REFUSED("collider", pel_collider_candidates(NULL, &query, &candidates, &error));
+    REFUSED("query", pel_collider_candidates(collider, NULL, &candidates, &error));
+    REFUSED("candidates", pel_collider_candidates(collider, &query, NULL, &error));
+    REFUSED("collider", pel_collider_detect(NULL, &query, &result, &error));
+    REFUSED("query", pel_collider_detect(collider, NULL, &result, &error));
+    REFUSED("result", pel_collider_detect(collider, &query, NULL, &error));
+    query.min_separation = nan_value;
+    FAILS(pel_collider_detect(collider, &query, &result, &error));
+    query.min_separation = 0, query.method = (pel_ccd_method)9;
+    REFUSED("method", pel_collider_detect(collider, &query, &result, &error));
+    pel_collider_destroy(collider);
+    finish();
+}
+
+/* ---- model: every member of the defs ---- */
+
+static pel_status try_body(const pel_body_def *body, pel_error *error)
+{
+    pel_model *made;
+    pel_model_def def = pel_model_def_default();
+    def.bodies = body;
+    def.body_count = 1;
+    return pel_model_create(&def, &made, error);
+}
+
+static void test_model(void **unused)
+{
+    (void)unused;
+    pel_model *made;
+    pel_model_def def = pel_model_def_default();
+    REFUSED("def", pel_model_create(NULL, &made, &error));
+    REFUSED("model", pel_model_create(&def, NULL, &error));
+    def.body_count = 1;
+    REFUSED("bodies", pel_model_create(&def, &made, &error));
+    def.body_count = -1;
+    FAILS(pel_model_create(&def, &made, &error));
+    pel_body_def body = make_body(), wrong;
+    def.bodies = &body, def.body_count = 1, def.gravity[1] = nan_value;
+    REFUSED("gravity", pel_model_create(&def, &made, &error));
+    wrong = body, wrong.name = NULL;
+    REFUSED("name", try_body(&wrong, &error));
+    wrong = body, wrong.mesh = NULL;
+    REFUSED("mesh", try_body(&wrong, &error));
+    wrong = body, wrong.mass_kind = (pel_mass_kind)9;
+    REFUSED("mass", try_body(&wrong, &error));
+    wrong = body, wrong.mass = nan_value;
+    REFUSED("mass", try_body(&wrong, &error));
+    wrong = body, wrong.spring_stiffness.value = nan_value;
+    REFUSED("stiffness", try_body(&wrong, &error));
+    wrong = body, wrong.spring_stiffness.key_count = 3;
+    REFUSED("keys", try_body(&wrong, &error));
+    wrong = body, wrong.spring_damping.value = -1;
+    REFUSED("damping", try_body(&wrong, &error));
+    wrong = body, wrong.volumetric_stiffness.value = nan_value;
+    REFUSED("volumetric", try_body(&wrong, &error));
+    wrong = body, wrong.pinned_count = 2;
+    REFUSED("pinned", try_body(&wrong, &error));
+    wrong = body, wrong.pinned = (const int32_t[]){-1}, wrong.pinned_count = 1;
+    REFUSED("pinned", try_body(&wrong, &error));
+    wrong = body, wrong.pinned = (const int32_t[]){INT32_MAX}, wrong.pinned_count = 1;
+    REFUSED("pinned", try_body(&wrong, &error));
+    wrong = body, wrong.pinned = (const int32_t[]){1}, wrong.pinned_count = -1;
+    REFUSED("pinned", try_body(&wrong, &error));
+    wrong = body, wrong.friction = nan_value;
+    REFUSED("friction", try_body(&wrong, &error));
+    wrong = body, wrong.restitution = nan_value;
+    REFUSED("restitution", try_body(&wrong, &error));
+    wrong = body, wrong.contact_thickness = nan_value;
+    REFUSED("thickness", try_body(&wrong, &error));
+    wrong = body, wrong.reference_count = -1, wrong.volumetric_by_area = true;
+    REFUSED("reference", try_body(&wrong, &error));
+    wrong = body, wrong.refine.levels = INT32_MAX;
+    FAILS(try_body(&wrong, &error));
+    wrong = body, wrong.refine.levels = -1;
+    REFUSED("levels", try_body(&wrong, &error));
+    body.refine.levels = 1;
+    wrong = body, wrong.refine.above = nan_value;
+    REFUSED("above", try_body(&wrong, &error));
+    wrong = body, wrong.refine.region_count = 2;
+    REFUSED("region", try_body(&wrong, &error));
+    wrong = body, wrong.refine.region = (const int32_t[]){9999}, wrong.refine.region_count = 1;
+    REFUSED("region", try_body(&wrong, &error));
+    wrong = body, wrong.refine.rings = 99;
+    REFUSED("rings", try_body(&wrong, &error));
+    wrong = body, wrong.refine.springs = (pel_refine_springs)9;
+    REFUSED("springs", try_body(&wrong, &error));
+    wrong = body, wrong.refine.near_tools = nan_value;
+    REFUSED("near_tools", try_body(&wrong, &error));
+    wrong = body, wrong.refine.budget = -1;
+    REFUSED("budget", try_body(&wrong, &error));
+    wrong = body, wrong.refine.dwell = -1;
+    REFUSED("dwell", try_body(&wrong, &error));
+    wrong = body, wrong.refine.interval = -1;
+    REFUSED("interval", try_body(&wrong, &error));
+    SURVIVES(pel_model_destroy(NULL));
+    GIVES(pel_model_body_count(NULL) == 0);
+    GIVES(pel_model_find_body(NULL, "x") == -1 && pel_model_find_body(model, NULL) == -1);
+    GIVES(pel_model_mesh(NULL, 0) == NULL && pel_model_mesh(model, -1) == NULL && pel_model_mesh(model, 7) == NULL);
+    GIVES(pel_model_turned_count(model, 7) == 0 && pel_model_pinned_count(model, -7) == 0);
+    GIVES(!pel_model_is_closed(model, INT32_MAX) && pel_model_body_name(model, 1)[0] == '\0');
+    finish();
+}
+
+static void test_shell(void **unused)
+{
+    (void)unused;
+    pel_body_def body = make_body(), wrong;
+    body.shell.membrane.on = true;
+    body.shell.membrane.young.value = 1e5;
+    body.shell.membrane.thickness.value = 0.01;
+    body.shell.membrane.poisson = 0.3;
+    wrong = body, wrong.shell.membrane.kind = (pel_membrane_kind)50;
+    FAILS(try_body(&wrong, &error));
+    wrong = body, wrong.shell.membrane.young.value = nan_value;
+    REFUSED("young", try_body(&wrong, &error));
+    wrong = body, wrong.shell.membrane.poisson = nan_value;
+    REFUSED("poisson", try_body(&wrong, &error));
+    wrong = body, wrong.shell.membrane.thickness.value = nan_value;
+    REFUSED("thickness", try_body(&wrong, &error));
+    wrong = body, wrong.shell.membrane.strain_limit = nan_value;
+    REFUSED("strain limit", try_body(&wrong, &error));
+    wrong = body, wrong.shell.bending.model = (pel_bending_model)50;
+    REFUSED("bending", try_body(&wrong, &error));
+    wrong = body, wrong.shell.bending.model = PEL_BENDING_HINGE, wrong.shell.bending.weight = nan_value;
+    REFUSED("weight", try_body(&wrong, &error));
+    wrong = body, wrong.shell.anisotropy_count = 1;
+    REFUSED("anisotropies", try_body(&wrong, &error));
+    wrong = body, wrong.shell.anisotropy_count = -1;
+    REFUSED("anisotrop", try_body(&wrong, &error));
+    pel_anisotropy_def fibres = pel_anisotropy_def_default();
+    fibres.stiffness = 10, fibres.axis[0] = 1, fibres.direction = PEL_FIBRE_ALONG;
+    wrong = body, wrong.shell.anisotropies = &fibres, wrong.shell.anisotropy_count = 1;
+    fibres.mode = (pel_fibre_mode)50;
+    REFUSED("mode", try_body(&wrong, &error));
+    fibres.mode = PEL_FIBRE_STRAIN, fibres.kind = (pel_fibre_kind)50;
+    REFUSED("kind", try_body(&wrong, &error));
+    fibres.kind = PEL_FIBRE_ARAP, fibres.direction = (pel_fibre_direction)50;
+    REFUSED("direction", try_body(&wrong, &error));
+    fibres.direction = PEL_FIBRE_ALONG, fibres.stiffness = nan_value;
+    REFUSED("stiffness", try_body(&wrong, &error));
+    wrong = body, wrong.shell.pressure.kind = (pel_pressure_kind)50;
+    REFUSED("pressure", try_body(&wrong, &error));
+    wrong = body, wrong.shell.pressure.kind = PEL_PRESSURE_GIVEN, wrong.shell.pressure.form = (pel_pressure_form)50;
+    REFUSED("pressure", try_body(&wrong, &error));
+    wrong = body, wrong.shell.pressure.kind = PEL_PRESSURE_GIVEN, wrong.shell.pressure.outside.value = nan_value;
+    REFUSED("pressure", try_body(&wrong, &error));
+    wrong = body, wrong.shell.pressure.kind = PEL_PRESSURE_GAS, wrong.shell.pressure.gamma = nan_value;
+    FAILS(try_body(&wrong, &error));
+    finish();
+}
+
+/* ---- simulation: every member of the defs ---- */
+
+static pel_sim_def make_sim(void)
+{
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    return def;
+}
+
+static pel_status try_tool(const pel_tool_def *tool, pel_error *error)
+{
+    pel_sim *made;
+    pel_sim_def def = make_sim();
+    def.tools = tool;
+    def.tool_count = 1;
+    return pel_sim_create(&def, &made, error);
+}
+
+static pel_status try_load(const pel_load_def *load, pel_error *error)
+{
+    pel_sim *made;
+    pel_sim_def def = make_sim();
+    def.loads = load;
+    def.load_count = 1;
+    return pel_sim_create(&def, &made, error);
+}
+
+static pel_status try_support(const pel_support_def *support, pel_error *error)
+{
+    pel_sim *made;
+    pel_sim_def def = make_sim();
+    def.solver.method = PEL_METHOD_IMPLICIT;
+    def.supports = support;
+    def.support_count = 1;
+    return pel_sim_create(&def, &made, error);
+}
+
+static void test_sim(void **unused)
+{
+    (void)unused;
+    pel_sim *made;
+    pel_sim_def def = make_sim(), wrong;
+    int32_t count;
+    REFUSED("def", pel_sim_create(NULL, &made, &error));
+    REFUSED("sim", pel_sim_create(&def, NULL, &error));
+    REFUSED("def", pel_sim_needed_substeps(NULL, &count, &error));
+    REFUSED("count", pel_sim_needed_substeps(&def, NULL, &error));
+    wrong = def, wrong.model = NULL;
+    REFUSED("model", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.loads = NULL, wrong.load_count = 1;
+    REFUSED("loads", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.load_count = -1;
+    REFUSED("load", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.tool_count = 1;
+    REFUSED("tools", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.tool_count = -1;
+    REFUSED("tool", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.support_count = 1;
+    REFUSED("supports", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.support_count = -1;
+    REFUSED("support", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.thread_count = -1;
+    REFUSED("thread", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.solver.method = (pel_method)50;
+    REFUSED("method", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.solver.method = (pel_method)-1;
+    REFUSED("method", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.solver.dt = nan_value;
+    REFUSED("dt", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.solver.alpha = nan_value;
+    REFUSED("alpha", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.solver.drag = nan_value;
+    REFUSED("drag", pel_sim_create(&wrong, &made, &error));
+    for (int i = 0; i < 2; i++) {
+        int32_t absurd = i == 0 ? -1 : INT32_MAX;
+        wrong = def, wrong.solver.method = PEL_METHOD_XPBD, wrong.solver.iterations = absurd;
+        REFUSED("iterations", pel_sim_create(&wrong, &made, &error));
+        wrong = def, wrong.solver.method = PEL_METHOD_XPBD, wrong.solver.substeps = absurd;
+        REFUSED("substeps", pel_sim_create(&wrong, &made, &error));
+        wrong = def, wrong.solver.method = PEL_METHOD_XPBD, wrong.solver.max_substeps = absurd;
+        REFUSED("substeps", pel_sim_create(&wrong, &made, &error));
+        wrong = def, wrong.solver.method = PEL_METHOD_DESCENT, wrong.solver.iterations = absurd;
+        REFUSED("iterations", pel_sim_create(&wrong, &made, &error));
+        wrong = def, wrong.solver.method = PEL_METHOD_STATIC, wrong.solver.analysis = PEL_ANALYSIS_MODAL,
+        wrong.solver.mode_count = absurd;
+        REFUSED("mode", pel_sim_create(&wrong, &made, &error));
+    }
+    wrong = def, wrong.solver.method = PEL_METHOD_STATIC, wrong.solver.analysis = (pel_analysis)50;
+    REFUSED("analysis", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.solver.second_order = (pel_choice)50, wrong.solver.method = PEL_METHOD_XPBD;
+    REFUSED("second_order", pel_sim_create(&wrong, &made, &error));
+    def.contact.enabled = true, def.solver.method = PEL_METHOD_XPBD;
+    wrong = def, wrong.contact.method = (pel_ccd_method)50;
+    REFUSED("method", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.contact.response = (pel_contact_response)50;
+    REFUSED("response", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.contact.thickness = nan_value;
+    REFUSED("thickness", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.contact.friction = nan_value;
+    REFUSED("friction", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.contact.sweeps = -1;
+    REFUSED("sweeps", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.contact.sweeps = INT32_MAX;
+    REFUSED("sweeps", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.contact.limit = -1;
+    REFUSED("limit", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.contact.memory_limit = -1;
+    REFUSED("memory_limit", pel_sim_create(&wrong, &made, &error));
+    finish();
+}
+
+static void test_loads_and_tools(void **unused)
+{
+    (void)unused;
+    pel_tool_def tool = make_tool(), wrong;
+    for (int i = 0; i < 2; i++) {
+        wrong = tool, wrong.shape = (pel_tool_shape)(i == 0 ? -1 : 9);
+        REFUSED("shape", try_tool(&wrong, &error));
+        wrong = tool, wrong.body = i == 0 ? -2 : 7;
+        REFUSED("body", try_tool(&wrong, &error));
+    }
+    wrong = tool, wrong.name = NULL;
+    REFUSED("name", try_tool(&wrong, &error));
+    wrong = tool, wrong.keys = NULL;
+    REFUSED("keys", try_tool(&wrong, &error));
+    wrong = tool, wrong.key_count = 0;
+    REFUSED("key", try_tool(&wrong, &error));
+    wrong = tool, wrong.key_count = -1;
+    REFUSED("key", try_tool(&wrong, &error));
+    wrong = tool, wrong.radius = nan_value;
+    REFUSED("radius", try_tool(&wrong, &error));
+    wrong = tool, wrong.shape = PEL_TOOL_MESH;
+    REFUSED("mesh", try_tool(&wrong, &error));
+    wrong = tool, wrong.shape = PEL_TOOL_SUPPORT, wrong.vertex_count = 3;
+    REFUSED("vertices", try_tool(&wrong, &error));
+    wrong = tool, wrong.friction = nan_value;
+    REFUSED("friction", try_tool(&wrong, &error));
+    wrong = tool, wrong.grasp = true, wrong.reach = nan_value;
+    REFUSED("reach", try_tool(&wrong, &error));
+    wrong = tool, wrong.grasp = true, wrong.grasp_max_force = nan_value;
+    REFUSED("force", try_tool(&wrong, &error));
+    pel_pose_key bad = still;
+    bad.position[0] = nan_value;
+    wrong = tool, wrong.keys = &bad;
+    REFUSED("position", try_tool(&wrong, &error));
+    bad = still, bad.rotation[3] = 0, wrong.keys = &bad;
+    REFUSED("rotation", try_tool(&wrong, &error));
+    double position[3], rotation[4];
+    SURVIVES(pel_tool_def_pose(NULL, 0, position, rotation));
+    SURVIVES(pel_tool_def_pose(&tool, nan_value, position, rotation));
+    SURVIVES(pel_tool_def_pose(&tool, 0, NULL, rotation));
+    wrong = tool, wrong.key_count = 0;
+    SURVIVES(pel_tool_def_pose(&wrong, 0, position, rotation));
+    pel_load_def load = pel_load_def_default(), other;
+    load.force[2] = 1;
+    other = load, other.body = -1;
+    REFUSED("body", try_load(&other, &error));
+    other = load, other.body = INT32_MAX;
+    REFUSED("body", try_load(&other, &error));
+    other = load, other.kind = (pel_load_kind)50;
+    REFUSED("kind", try_load(&other, &error));
+    other = load, other.force[0] = nan_value;
+    REFUSED("force", try_load(&other, &error));
+    other = load, other.vertex_count = -1;
+    REFUSED("vert", try_load(&other, &error));
+    other = load, other.vertices = (const int32_t[]){-1}, other.vertex_count = 1;
+    REFUSED("vertex", try_load(&other, &error));
+    other = load, other.vertices = (const int32_t[]){99999}, other.vertex_count = 1;
+    REFUSED("vertex", try_load(&other, &error));
+    other = load, other.key_count = 2;
+    REFUSED("keys", try_load(&other, &error));
+    other = load, other.from = nan_value;
+    REFUSED("from", try_load(&other, &error));
+    pel_support_def support = pel_support_def_default(), held;
+    support.name = "rim", support.vertices = (const int32_t[]){0, 1, 2}, support.vertex_count = 3;
+    held = support, held.body = 9;
+    REFUSED("body", try_support(&held, &error));
+    held = support, held.vertices = NULL;
+    REFUSED("vertices", try_support(&held, &error));
+    held = support, held.vertices = (const int32_t[]){-4}, held.vertex_count = 1;
+    REFUSED("vertex", try_support(&held, &error));
+    held = support, held.vertex_count = -1;
+    REFUSED("vert", try_support(&held, &error));
+    held = support, held.stiffness = nan_value;
+    REFUSED("stiffness", try_support(&held, &error));
+    held = support, held.axes[0][0] = nan_value;
+    REFUSED("ax", try_support(&held, &error));
+    held = support, held.displacement[0] = nan_value;
+    REFUSED("displacement", try_support(&held, &error));
+    held = support, held.key_count = 3;
+    REFUSED("keys", try_support(&held, &error));
+    finish();
+}
+
+static void test_sim_calls(void **unused)
+{
+    (void)unused;
+    double nan9[9] = {nan_value, nan_value, nan_value}, quaternion[4] = {0};
+    const double upright[4] = {0, 0, 0, 1};
+    size_t size = pel_sim_save_size(sim);
+    void *bytes = calloc(1, size);
+    int64_t count;
+    double *some = calloc(10000, sizeof *some);
+    SURVIVES(pel_sim_destroy(NULL));
+    REFUSED("sim", pel_sim_step(NULL, &error));
+    REFUSED("sim", pel_sim_refine(NULL, 0, 0, 1, &error));
+    FAILS(pel_sim_refine(sim, 5, 0, 1, &error));
+    FAILS(pel_sim_refine(sim, 0, -1, 1, &error));
+    REFUSED("sim", pel_sim_set_positions(NULL, 0, some, &error));
+    REFUSED("positions", pel_sim_set_positions(sim, 0, NULL, &error));
+    REFUSED("body", pel_sim_set_positions(sim, -1, some, &error));
+    REFUSED("body", pel_sim_set_velocities(sim, 4, some, &error));
+    REFUSED("velocities", pel_sim_set_velocities(sim, 0, NULL, &error));
+    REFUSED("load", pel_sim_set_load_force(sim, 4, zero3, &error));
+    REFUSED("force", pel_sim_set_load_force(sim, 0, NULL, &error));
+    REFUSED("tool", pel_sim_set_tool_pose(sim, -1, zero3, quaternion, &error));
+    REFUSED("position", pel_sim_set_tool_pose(sim, 0, NULL, quaternion, &error));
+    REFUSED("position", pel_sim_set_tool_pose(sim, 0, nan9, upright, &error));
+    REFUSED("rotation", pel_sim_set_tool_pose(sim, 0, zero3, quaternion, &error));
+    REFUSED("count", pel_sim_intersections(sim, NULL, &error));
+    REFUSED("sim", pel_sim_intersections(NULL, &count, &error));
+    REFUSED("sim", pel_sim_load(NULL, bytes, size, &error));
+    REFUSED("bytes", pel_sim_load(sim, NULL, size, &error));
+    FAILS(pel_sim_load(sim, bytes, 0, &error));
+    FAILS(pel_sim_load(sim, bytes, size, &error));
+    SURVIVES(pel_sim_save(sim, NULL));
+    GIVES(pel_sim_time(NULL) == 0 && pel_sim_step_count(NULL) == 0 && pel_sim_step_bytes(NULL) == 0);
+    GIVES(pel_sim_model(NULL) == NULL && pel_sim_alpha(NULL) == 0 && pel_sim_alpha_limit(NULL) == 0);
+    GIVES(pel_sim_hash(NULL) == 0 && pel_sim_save_size(NULL) == 0 && pel_sim_max_speed(NULL) == 0);
+    GIVES(pel_sim_tool_count(NULL) == 0 && pel_sim_support_count(NULL) == 0 && !pel_sim_has_shells(NULL));
+    GIVES(pel_sim_contact_thickness(NULL) == 0 && pel_sim_softness(NULL) == 0 && pel_sim_volume_ratio(NULL) == 0);
+    GIVES(pel_sim_get_modes(NULL, some) == 0 && pel_sim_analysis(NULL) == PEL_ANALYSIS_NONE);
+    GIVES(pel_sim_mode_value(NULL) == 0);
+    pel_tool_reading tool;
+    pel_support_reading support;
+    for (int32_t wrong = -1; wrong < 5; wrong += 5) {
+        GIVES(pel_sim_vertex_count(sim, wrong) == 0 && pel_sim_triangle_count(sim, wrong) == 0);
+        GIVES(!pel_sim_refines(sim, wrong) && pel_sim_surface_revision(sim, wrong) == 0);
+        SURVIVES(pel_sim_get_triangles(sim, wrong, (int32_t *)some));
+        SURVIVES(pel_sim_get_rest_positions(sim, wrong, some));
+        SURVIVES(pel_sim_get_levels(sim, wrong, (int32_t *)some));
+        SURVIVES(pel_sim_get_mesh_places(sim, wrong, (int32_t *)some, some));
+        SURVIVES(pel_sim_get_masses(sim, wrong, some));
+        SURVIVES(pel_sim_get_positions(sim, wrong, some));
+        SURVIVES(pel_sim_get_velocities(sim, wrong, some));
+        SURVIVES(pel_sim_get_forces(sim, wrong, some));
+        SURVIVES(pel_sim_get_energies(sim, wrong, some, some));
+        SURVIVES(pel_sim_get_shell_energies(sim, wrong, some, some, some));
+        SURVIVES(pel_sim_get_pressure_forces(sim, wrong, some));
+        SURVIVES(pel_sim_get_spring_virials(sim, wrong, some));
+        SURVIVES(pel_sim_get_mechanics(sim, wrong, (pel_triangle_mechanics *)(void *)some));
+        SURVIVES(pel_sim_get_contact_forces(sim, wrong, some));
+        SURVIVES(pel_sim_get_body_contact(sim, wrong, some));
+        SURVIVES(pel_sim_get_contacts(sim, wrong, some));
+        SURVIVES(pel_sim_get_support(sim, wrong, &support));
+        GIVES(pel_sim_tool_name(sim, wrong)[0] == '\0' && pel_sim_support_name(sim, wrong)[0] == '\0');
+        SURVIVES(pel_sim_get_tool(sim, wrong, &tool));
+        SURVIVES(pel_sim_get_support_part(sim, wrong, &support));
+    }
+    SURVIVES(pel_sim_get_positions(sim, 0, NULL));
+    SURVIVES(pel_sim_get_tool(sim, 0, NULL));
+    SURVIVES(pel_sim_get_contact_statistics(sim, NULL));
+    SURVIVES(pel_sim_get_solver(sim, NULL));
+    SURVIVES(pel_sim_measure(sim, NULL));
+    SURVIVES(pel_sim_get_ledger(sim, NULL));
+    free(some);
+    free(bytes);
+    finish();
+}
+
+/* ---- scenes and runs ---- */
+
+static void test_scenes(void **unused)
+{
+    (void)unused;
+    pel_scene *made;
+    pel_error place = {.status = PEL_OK};
+    size_t size = strlen(scene_text);
+    REFUSED("path", pel_scene_load(NULL, NULL, 0, NULL, &made, &error));
+    REFUSED("scene", pel_scene_load("a.yaml", NULL, 0, NULL, NULL, &error));
+    REFUSED("path", pel_scene_parse(NULL, scene_text, size, NULL, 0, NULL, &made, &error));
+    REFUSED("text", pel_scene_parse("a.yaml", NULL, size, NULL, 0, NULL, &made, &error));
+    REFUSED("scene", pel_scene_parse("a.yaml", scene_text, size, NULL, 0, NULL, NULL, &error));
+    REFUSED("overrides", pel_scene_parse("a.yaml", scene_text, size, NULL, 2, NULL, &made, &error));
+    REFUSED("overrides", pel_scene_parse("a.yaml", scene_text, size, (const char *[]){NULL}, 1, NULL, &made, &error));
+    REFUSED("override_count", pel_scene_parse("a.yaml", scene_text, size, NULL, -2, NULL, &made, &error));
+    SURVIVES(pel_scene_destroy(NULL));
+    GIVES(pel_scene_text(NULL)[0] == '\0');
+    SURVIVES(pel_scene_locate(NULL, &place));
+    SURVIVES(pel_scene_locate(scene, NULL));
+    REFUSED("file", pel_scene_write_schema(NULL, &error));
+    REFUSED("file", pel_scene_write_reference(NULL, &error));
+    REFUSED("file", pel_scene_write_parameters(NULL, &error));
+    pel_run_def def = pel_run_def_default(), wrong;
+    pel_run_summary summary;
+    REFUSED("scene", pel_run(NULL, &def, &summary, &error));
+    REFUSED("def", pel_run(scene, NULL, &summary, &error));
+    REFUSED("summary", pel_run(scene, &def, NULL, &error));
+    REFUSED("folder", pel_run(scene, &def, &summary, &error));
+    def.folder = "misuse";
+    wrong = def, wrong.max_frames = -1;
+    FAILS(pel_run(scene, &wrong, &summary, &error));
+    wrong = def, wrong.keep_seconds = nan_value;
+    FAILS(pel_run(scene, &wrong, &summary, &error));
+    wrong = def, wrong.cookie = 0;
+    FAILS(pel_run(scene, &wrong, &summary, &error));
+    finish();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_numbers),   cmocka_unit_test(test_errors),   cmocka_unit_test(test_meshes),
+        cmocka_unit_test(test_files),     cmocka_unit_test(test_results),  cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_measures),  cmocka_unit_test(test_collider), cmocka_unit_test(test_model),
+        cmocka_unit_test(test_shell),     cmocka_unit_test(test_sim),      cmocka_unit_test(test_loads_and_tools),
+        cmocka_unit_test(test_sim_calls), cmocka_unit_test(test_scenes),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
