@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
 
 # core
-install(TARGETS pellicle EXPORT pellicleTargets)
+install(TARGETS ${CORE_LIBRARIES} EXPORT pellicleTargets)
 install(EXPORT pellicleTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
 install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -24,8 +24,10 @@ if(PELLICLE_SINGLE)
     set(PC_CFLAGS -DPEL_SINGLE)
 endif()
 file(RELATIVE_PATH PC_UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
-configure_file(cmake/pellicle.pc.in pellicle.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/pellicle.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+foreach(package pellicle pellicle-static)
+    configure_file(cmake/${package}.pc.in ${package}.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/${package}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
 
 # scenes and program
 if(TARGET pellicle_scene)

@@ -10,6 +10,10 @@ add_test(NAME house/text COMMAND ${PYTHON3} ${HOUSE}/text.py ${PROJECT_SOURCE_DI
 add_test(NAME house/allocations COMMAND ${PYTHON3} ${HOUSE}/allocations.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/fingerprint COMMAND ${PYTHON3} ${HOUSE}/fingerprint.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/flags COMMAND ${PYTHON3} ${HOUSE}/flags.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+if(TARGET pellicle_shared AND NOT PELLICLE_COVERAGE)
+    add_test(NAME house/exports COMMAND ${PYTHON3} ${HOUSE}/exports.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_shared>
+                                        $<TARGET_FILE:pellicle> ${CMAKE_NM})
+endif()
 
 # clang-format 14 is pinned: other versions format differently
 find_program(CLANG_FORMAT clang-format-14 REQUIRED)

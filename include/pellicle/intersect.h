@@ -22,8 +22,8 @@ typedef struct pel_pair {
    pairs       (pair_limit) receives up to pair_limit of them, first < second, in rising order; nullable when 0
    The time is near-linear for meshes whose triangles do not all overlap. PEL_OUT_OF_MEMORY, PEL_BAD_ARGUMENT (counts
    below 0, or more than 2^31 / 7 triangles); *count is 0 then. */
-pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit, int64_t *count,
-                                       pel_error *error);
+PEL_API pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit,
+                                               int64_t *count, pel_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,106 @@
+"""Vertex fields by name, from what a simulation can read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Callable
+
+import numpy as np
+
+from . import _core
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
+Field = Callable[["Simulation", int], np.ndarray]
+_ENERGIES = ("spring_energy", "volumetric_energy", "membrane_energy", "bending_energy", "fibre_energy")
+
+
+def _energies(sim: "Simulation", body: int) -> np.ndarray:
+    return sim._core.energies(body, np.empty((5, sim._core.counts(body)[0])))
+
+
+def _of_measure(name: str) -> Field:
+    return lambda sim, body: sim.mesh(body).measure()[name]
+
+
+def _of_array(name: str) -> Field:
+    return lambda sim, body: sim._array(name, body, None)
+
+
+def _displacement(sim: "Simulation", body: int) -> np.ndarray:
+    return sim.positions(body) - sim.rest_positions(body)
+
+
+def _smooth(values: np.ndarray, weights: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
+    """The mean of the triangles around each vertex, by weight."""
+    corners = triangles.ravel()
+    sums = np.stack([np.bincount(corners, np.repeat(column * weights, 3), count) for column in values.T], axis=-1)
+    total = np.bincount(corners, np.repeat(weights, 3), count)[:, None]
+    return np.divide(sums, total, out=np.zeros_like(sums), where=total > 0)
+
+
+def _tension(sim: "Simulation", body: int) -> np.ndarray:
+    """Virials of springs and shell over twice a third of the areas around."""
+    corners = sim.positions(body)[sim.triangles(body)]
+    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    third = np.bincount(sim.triangles(body).ravel(), np.repeat(areas / 3, 3), len(sim.positions(body)))
+    virials = sim._array("spring_virials", body, None)
+    return np.divide(virials, 2 * third, out=np.zeros_like(third), where=third > 0)
+
+
+# columns of pel_triangle_mechanics: area, rest area, thickness, strain, second Piola-Kirchhoff stress, force, moment, energies
+_AREA, _REST_AREA, _THICKNESS = 0, 1, 2
+_COLUMNS = {"strain": 3, "piola_stress": 9, "membrane_force": 15, "bending_moment": 21}
+_DENSITIES = {"membrane_energy_density": 27, "fibre_energy_density": 28, "bending_energy_density": 29}
+_AT_REST = {"strain", "piola_stress"}
+
+
+def _mechanics(sim: "Simulation", body: int, first: int, count: int, at_rest: bool) -> np.ndarray:
+    table = sim._core.mechanics(body, np.empty((sim._core.counts(body)[1], 30)))
+    weights = table[:, _REST_AREA if at_rest else _AREA]
+    return _smooth(table[:, first : first + count], weights, sim.triangles(body), sim._core.counts(body)[0])
+
+
+def _of_mechanics(name: str) -> Field:
+    if name in _DENSITIES:
+        return lambda sim, body: _mechanics(sim, body, _DENSITIES[name], 1, True)[:, 0]
+    return lambda sim, body: _mechanics(sim, body, _COLUMNS[name], 6, name in _AT_REST)
+
+
+def _cauchy(sim: "Simulation", body: int) -> np.ndarray:
+    force, thickness = _mechanics(sim, body, 15, 6, False), _mechanics(sim, body, _THICKNESS, 1, False)
+    return np.divide(force, thickness, out=np.zeros_like(force), where=thickness > 0)
+
+
+FIELDS: dict[str, Field] = {
+    "displacement": _displacement,
+    "velocity": _of_array("velocities"),
+    "force": _of_array("forces"),
+    "energy": lambda sim, body: _energies(sim, body).sum(axis=0),
+    **{name: (lambda sim, body, row=row: _energies(sim, body)[row].copy()) for row, name in enumerate(_ENERGIES)},
+    "pressure": _of_array("pressure_forces"),
+    "contact": _of_array("contacts"),
+    "contact_force": _of_array("contact_forces"),
+    "area": _of_measure("area"),
+    "normal": _of_measure("normal"),
+    "mean_curvature": _of_measure("mean_curvature"),
+    "gaussian_curvature": _of_measure("gaussian_curvature"),
+    "stress": _tension,
+    **{name: _of_mechanics(name) for name in (*_COLUMNS, *_DENSITIES)},
+    "cauchy_stress": _cauchy,
+}
+
+
+def observe(sim: "Simulation", body: int, name: str) -> np.ndarray:
+    if not isinstance(name, str):
+        raise TypeError("name: must be a text")
+    if name not in FIELDS:
+        near = f"; did you mean {_nearest(name)!r}?" if _nearest(name) else ""
+        raise KeyError(f"name: {name!r} is no field{near}")
+    return FIELDS[name](sim, body)
+
+
+def _nearest(name: str) -> str:
+    import difflib
+
+    return next(iter(difflib.get_close_matches(name, FIELDS, 1)), "")
