@@ -1,6 +1,7 @@
 """Builds the Python package: `pip install .` in the root of the repository. CMake builds the extension module, for any
 machine of this architecture: with AVX2 where it runs."""
 
+import os
 import pathlib
 import re
 import shutil
@@ -33,7 +34,7 @@ class BuildCore(build_ext):
         if shutil.which("ninja"):
             options += ["-G", "Ninja"]
         subprocess.run(["cmake", "-S", ROOT, "-B", build, *options], check=True)
-        subprocess.run(["cmake", "--build", build, "--parallel", "--target", "pellicle_python"], check=True)
+        subprocess.run(["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1), "--target", "pellicle_python"], check=True)
         target = pathlib.Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(build / "python/pellicle/_core.abi3.so", target)

@@ -31,6 +31,7 @@ target_include_directories(pellicle_python SYSTEM PRIVATE ${PYTHON_INCLUDE})
 target_link_options(pellicle_python PRIVATE -Wl,--exclude-libs,ALL)
 target_link_libraries(pellicle_python PRIVATE pellicle_flags pellicle_scene)
 
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/python/pellicle)
 file(GLOB PYTHON_MODULES CONFIGURE_DEPENDS python/pellicle/*)
 foreach(module ${PYTHON_MODULES})
     get_filename_component(name ${module} NAME)

@@ -61,7 +61,7 @@ class Scene:
     ----------
     source : path or mapping
         A scene file, or a dict with the keys of one (docs/reference/scene.md). Where a file has
-        ``mesh: { file: ... }`` the dict may hold a `Mesh`.
+        ``mesh: { file: ... }`` the dict may hold a `Mesh`. ``duration`` may be left out of a dict that is stepped by hand.
     overrides : mapping of str to value, optional
         Changes such as ``{"solver.dt": 0.001, "bodies.ball.membrane.young": 2e4}``.
 
@@ -134,7 +134,7 @@ class Scene:
 
 def _parse(source: Mapping[str, Any], overrides: tuple[str, ...], notes: list[str]) -> Any:
     """A scene from a dict; meshes pass through files, which keep every bit."""
-    spec = {"version": 1, **source}
+    spec = {"version": 1, **({} if "stop" in source else {"duration": 1}), **source}
     if not _has_mesh(spec):
         return _core.Scene("scene", json.dumps(spec, default=_plain, indent=1), overrides, notes)
     with tempfile.TemporaryDirectory(prefix="pellicle-") as folder:
@@ -403,10 +403,9 @@ class Simulation:
         if x is None:
             return np.concatenate([self.positions(body) for body in range(len(self.scene.bodies))])
         count = sum(self._core.counts(body)[0] for body in range(len(self.scene.bodies)))
-        array = np.asarray(x)
-        if array.ndim == 1 and array.size == 3 * count:
-            array = array.reshape(count, 3)
-        return numbers(array, "x", (count, 3))
+        if isinstance(x, np.ndarray) and x.shape == (3 * count,):
+            x = x.reshape(count, 3)
+        return numbers(x, "x", (count, 3))
 
     def energy(self, x: Any = None) -> float:
         """Potential energy [J] of the bodies at the positions `x` of all of them, one after the other; None: the present.

@@ -2,9 +2,6 @@
 
 import pathlib
 
-import numpy as np
-import pellicle
-
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENES = ROOT / "scenes"
 
@@ -12,7 +9,13 @@ SCENES = ROOT / "scenes"
 def ball(**more):
     """A small ball of springs that is pressed at its pole."""
     return {
-        "bodies": [{"name": "ball", "mesh": {"shape": "geodesic-sphere", "frequency": 3, "radius": 1}}],
+        "bodies": [
+            {
+                "name": "ball",
+                "mesh": {"shape": "geodesic-sphere", "frequency": 3, "radius": 1},
+                "volumetric": {"stiffness": 1.5, "damping": 0.5},
+            }
+        ],
         "loads": [{"name": "finger", "body": "ball", "force": [0, 0, -1], "at": {"nearest": [0, 0, 1]}, "until": 5}],
         "solver": {"method": "quasi-static", "alpha": 50, "dt": 0.01, "velocity": "ignore"},
         "duration": 1,
@@ -41,7 +44,3 @@ def shell(mesh, **more):
 def directional(function, x, direction, size):
     """Central difference of a function along a direction."""
     return (function(x + size * direction) - function(x - size * direction)) / (2 * size)
-
-
-def rms(array):
-    return float(np.sqrt(np.mean(np.square(array))))

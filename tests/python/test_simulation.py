@@ -63,7 +63,7 @@ class Stepping(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "bad.yaml")
             with open(path, "w", encoding="utf-8") as file:
-                file.write("version: 1\nbodies:\n  - name: a\n    mesh: { shape: torus }\n    sprngs: 1\n")
+                file.write("version: 1\nbodies:\n  - name: a\n    mesh: { shape: torus }\n    sprngs: 1\nduration: 1\n")
             with self.assertRaises(pellicle.Error) as caught:
                 pellicle.load_scene(path)
         error = caught.exception
@@ -111,18 +111,27 @@ class State(unittest.TestCase):
         self.assertAlmostEqual(areas, sim.mesh().area, delta=1e-9 * areas)
 
     def test_ledger_and_readings(self):
-        sim = pellicle.load_scene(
-            ball(tools=[{"name": "probe", "sphere": {"radius": 0.3}, "keys": [[0, [0, 0, 1.5]], [1, [0, 0, 0.9]]]}])
-            if False
-            else ball()
-        )
+        sim = pellicle.load_scene(ball())
         sim.step(5)
         ledger = sim.ledger()
         self.assertGreater(ledger["work_loads"], 0)
         self.assertEqual(sim.contacts()["contacts"], 0)
-        self.assertEqual(sim.intersections(), 0)
         self.assertEqual(sim.tools, ())
         self.assertEqual(len(sim.support()["force"]), 3)
+
+
+    def test_tools_press_and_are_read(self):
+        motion = [{"time": 0, "position": [0, 0, 1.31]}, {"time": 1, "position": [0, 0, 0.9]}]
+        tool = {"name": "probe", "shape": "sphere", "radius": 0.3, "motion": motion}
+        sim = pellicle.load_scene(ball(tools=[tool], contact={"self": True}))
+        self.assertEqual(sim.tools, ("probe",))
+        sim.step(20)
+        self.assertGreater(sim.tool("probe")["force"][2], 0)
+        self.assertEqual(sim.intersections(), 0)
+        sim.set_tool("probe", [0, 0, 3])
+        sim.step(50)
+        reading = sim.tool("probe")
+        self.assertEqual((reading["force"], reading["position"]), ((0, 0, 0), (0, 0, 3)))
 
 
 class Threads(unittest.TestCase):
@@ -168,7 +177,7 @@ class Kernels(unittest.TestCase):
 class Potential(unittest.TestCase):
     def setUp(self):
         mesh = pellicle.Mesh.shape("geodesic-sphere", frequency=3)
-        self.sim = pellicle.load_scene(shell(mesh, body={"pressure": {"gas": {"value": 500}}}, gravity=[0, 0, -9.81]))
+        self.sim = pellicle.load_scene(shell(mesh, body={"pressure": {"gas": {"pressure": 5000}}}, gravity=[0, 0, -9.81]))
         random = np.random.default_rng(7)
         self.x = mesh.positions * [1.1, 0.95, 1] + 0.01 * random.standard_normal(mesh.positions.shape)
         self.direction = random.standard_normal(mesh.positions.shape)
