@@ -38,6 +38,43 @@ int core_get_array(PyObject *object, const char *name, char type, Py_ssize_t cou
     return -1;
 }
 
+int core_check_shape(const Py_buffer *view, const char *name, Py_ssize_t rows, Py_ssize_t columns)
+{
+    int dimensions = columns == 1 ? 1 : 2;
+    if (view->ndim == dimensions && view->shape[0] == rows && (columns == 1 || view->shape[1] == columns))
+        return 0;
+    if (columns == 1)
+        PyErr_Format(PyExc_ValueError, "%s: must have the shape (%zd,)", name, rows);
+    else
+        PyErr_Format(PyExc_ValueError, "%s: must have the shape (%zd, %zd)", name, rows, columns);
+    return -1;
+}
+
+/* numpy.empty, and the types of arrays */
+static PyObject *empty, *float64, *int32;
+
+int core_import_numpy(void)
+{
+    PyObject *numpy = PyImport_ImportModule("numpy");
+    if (numpy == NULL)
+        return -1;
+    empty = PyObject_GetAttrString(numpy, "empty");
+    float64 = PyObject_CallMethod(numpy, "dtype", "s", "float64");
+    int32 = PyObject_CallMethod(numpy, "dtype", "s", "int32");
+    Py_DECREF(numpy);
+    return empty != NULL && float64 != NULL && int32 != NULL ? 0 : -1;
+}
+
+PyObject *core_new_array(char type, Py_ssize_t rows, Py_ssize_t columns)
+{
+    PyObject *shape = columns == 1 ? PyLong_FromSsize_t(rows) : Py_BuildValue("nn", rows, columns);
+    if (shape == NULL)
+        return NULL;
+    PyObject *array = PyObject_CallFunctionObjArgs(empty, shape, type == 'd' ? float64 : int32, NULL);
+    Py_DECREF(shape);
+    return array;
+}
+
 int core_check_count(const char *name, Py_ssize_t given, Py_ssize_t wanted)
 {
     if (given == wanted)

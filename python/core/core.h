@@ -26,6 +26,12 @@ PyObject *core_raise(const pel_error *error);
    numbers (-1: any number). Errors name the argument: TypeError for another type, ValueError else. Release with
    PyBuffer_Release. */
 int core_get_array(PyObject *object, const char *name, char type, Py_ssize_t count, int is_written, Py_buffer *view);
+/* -1 and ValueError unless a view has this shape: (rows), or (rows, columns) with more than one column */
+int core_check_shape(const Py_buffer *view, const char *name, Py_ssize_t rows, Py_ssize_t columns);
+/* a new numpy array of that type and shape */
+PyObject *core_new_array(char type, Py_ssize_t rows, Py_ssize_t columns);
+/* imports what core_new_array needs; -1 with an exception */
+int core_import_numpy(void);
 /* -1 and an exception unless the number of arguments is right */
 int core_check_count(const char *name, Py_ssize_t given, Py_ssize_t wanted);
 /* An int within least .. most, or -1 with an exception that names the argument. */
@@ -72,14 +78,17 @@ extern PyMethodDef core_run_methods[];
 typedef struct core_sim {
     PyObject_HEAD pel_sim *sim;
     core_scene *owner; /* of the model; kept alive */
+    PyObject *names;   /* dict of the bodies: name -> number */
     int32_t load_count;
     pel_potential *potential; /* made when asked for first */
     int is_busy;              /* it works without the GIL: other threads have to wait */
 } core_sim;
 extern PyTypeObject *core_sim_type;
 extern PyType_Spec core_sim_spec;
-/* -1 and RuntimeError while another thread uses the simulation; ValueError for a body that does not exist */
-int core_sim_check(core_sim *self, int32_t body);
+/* -1 and RuntimeError while another thread uses the simulation */
+int core_sim_check(core_sim *self);
+/* The number of a body given by name or number; -1 with an exception, also where core_sim_check fails. */
+int32_t core_sim_body(core_sim *self, PyObject *body);
 /* a tuple of (name, type, components, is on triangles): what `get` can fill, in its order */
 PyObject *core_array_table(void);
 

@@ -45,7 +45,7 @@ PyMODINIT_FUNC PyInit__core(void)
     core_error = core_make_error_class();
     core_scene_type = (PyTypeObject *)PyType_FromSpec(&core_scene_spec);
     core_sim_type = (PyTypeObject *)PyType_FromSpec(&core_sim_spec);
-    if (core_error == NULL || core_scene_type == NULL || core_sim_type == NULL ||
+    if (core_import_numpy() < 0 || core_error == NULL || core_scene_type == NULL || core_sim_type == NULL ||
         PyModule_AddObjectRef(module, "Error", core_error) < 0 ||
         PyModule_AddObjectRef(module, "Scene", (PyObject *)core_scene_type) < 0 ||
         PyModule_AddObjectRef(module, "Sim", (PyObject *)core_sim_type) < 0 ||

@@ -131,6 +131,19 @@ static PyObject *scene_prepare(core_scene *self, PyObject *unused)
     return need_model(self) < 0 ? NULL : Py_NewRef(Py_None);
 }
 
+/* name -> number of the bodies of a model */
+static PyObject *body_names(const pel_model *model)
+{
+    PyObject *names = PyDict_New();
+    for (int32_t b = 0; names != NULL && b < pel_model_body_count(model); b++) {
+        PyObject *number = PyLong_FromLong(b);
+        if (number == NULL || PyDict_SetItemString(names, pel_model_body_name(model, b), number) < 0)
+            Py_CLEAR(names);
+        Py_XDECREF(number);
+    }
+    return names;
+}
+
 /* simulation(scene of the def, threads): of this scene's model, with the solver, loads and tools of the other */
 static PyObject *scene_simulation(core_scene *self, PyObject *arguments)
 {
@@ -142,6 +155,11 @@ static PyObject *scene_simulation(core_scene *self, PyObject *arguments)
     if (made == NULL)
         return NULL;
     made->owner = (core_scene *)Py_NewRef((PyObject *)self);
+    made->names = body_names(self->model);
+    if (made->names == NULL) {
+        Py_DECREF((PyObject *)made);
+        return NULL;
+    }
     pel_sim_def def = other->scene->sim;
     made->load_count = def.load_count;
     def.model = self->model;

@@ -11,23 +11,34 @@ static void sim_free(core_sim *self)
     pel_potential_destroy(self->potential);
     pel_sim_destroy(self->sim);
     Py_XDECREF((PyObject *)self->owner);
+    Py_XDECREF(self->names);
     freefunc release = (freefunc)PyType_GetSlot(type, Py_tp_free);
     release(self);
     Py_DECREF((PyObject *)type);
 }
 
-int core_sim_check(core_sim *self, int32_t body)
+int core_sim_check(core_sim *self)
 {
-    if (self->is_busy) {
-        PyErr_SetString(PyExc_RuntimeError, "another thread uses this simulation: give each thread one of its own");
+    if (!self->is_busy)
+        return 0;
+    PyErr_SetString(PyExc_RuntimeError, "another thread uses this simulation: give each thread one of its own");
+    return -1;
+}
+
+int32_t core_sim_body(core_sim *self, PyObject *body)
+{
+    int32_t number;
+    if (core_sim_check(self) < 0)
         return -1;
-    }
-    if (body < 0 || body >= pel_model_body_count(pel_sim_model(self->sim))) {
-        PyErr_Format(PyExc_ValueError, "body: must be within 0 .. %d",
-                     (int)pel_model_body_count(pel_sim_model(self->sim)) - 1);
-        return -1;
-    }
-    return 0;
+    int64_t last = (int64_t)pel_model_body_count(pel_sim_model(self->sim)) - 1;
+    if (!PyUnicode_Check(body))
+        return core_get_index(body, "body", 0, last, &number) < 0 ? -1 : number;
+    PyObject *found = PyDict_GetItemWithError(self->names, body);
+    if (found != NULL)
+        return (int32_t)PyLong_AsLong(found);
+    if (!PyErr_Occurred())
+        PyErr_Format(PyExc_KeyError, "body: %R is none of %S", body, self->names);
+    return -1;
 }
 
 /* ---- steps ---- */
@@ -45,7 +56,7 @@ static double seconds(void)
 static PyObject *sim_step(core_sim *self, PyObject *argument)
 {
     int32_t count;
-    if (core_get_index(argument, "n", 0, INT32_MAX, &count) < 0 || core_sim_check(self, 0) < 0)
+    if (core_get_index(argument, "n", 0, INT32_MAX, &count) < 0 || core_sim_check(self) < 0)
         return NULL;
     pel_error error;
     pel_status status = PEL_OK;
@@ -120,32 +131,39 @@ PyObject *core_array_table(void)
     return table;
 }
 
-/* get(number of the array, body, out) */
+/* get(number of the array, body, array to fill or None) */
 static PyObject *sim_get(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
-    int32_t which, body;
+    int32_t which;
     Py_buffer view;
-    if (core_check_count("get", count, 3) < 0 ||
-        core_get_index(arguments[0], "array", 0, ARRAY_COUNT - 1, &which) < 0 ||
-        core_get_index(arguments[1], "body", 0, INT32_MAX, &body) < 0 || core_sim_check(self, body) < 0)
+    if (core_check_count("get", count, 3) < 0 || core_get_index(arguments[0], "array", 0, ARRAY_COUNT - 1, &which) < 0)
+        return NULL;
+    int32_t body = core_sim_body(self, arguments[1]);
+    if (body < 0)
         return NULL;
     const sim_array *array = &arrays[which];
-    int32_t rows =
+    Py_ssize_t rows =
         array->on_triangles ? pel_sim_triangle_count(self->sim, body) : pel_sim_vertex_count(self->sim, body);
-    if (core_get_array(arguments[2], "out", array->type, (Py_ssize_t)rows * array->components, 1, &view) < 0)
+    PyObject *out =
+        arguments[2] == Py_None ? core_new_array(array->type, rows, array->components) : Py_NewRef(arguments[2]);
+    if (out == NULL || core_get_array(out, "out", array->type, -1, 1, &view) < 0) {
+        Py_XDECREF(out);
         return NULL;
-    array->get(self, body, view.buf);
+    }
+    if (core_check_shape(&view, "out", rows, array->components) < 0)
+        Py_CLEAR(out);
+    else
+        array->get(self, body, view.buf);
     PyBuffer_Release(&view);
-    return Py_NewRef(arguments[2]);
+    return out;
 }
 
 /* energies(body, out): rows of spring, volumetric, membrane, bending and fibre energy (5 x vertex_count) */
 static PyObject *sim_energies(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
-    int32_t body;
     Py_buffer view;
-    if (core_check_count("energies", count, 2) < 0 || core_get_index(arguments[0], "body", 0, INT32_MAX, &body) < 0 ||
-        core_sim_check(self, body) < 0)
+    int32_t body = core_check_count("energies", count, 2) < 0 ? -1 : core_sim_body(self, arguments[0]);
+    if (body < 0)
         return NULL;
     Py_ssize_t rows = pel_sim_vertex_count(self->sim, body);
     if (core_get_array(arguments[1], "out", 'd', 5 * rows, 1, &view) < 0)
@@ -162,13 +180,11 @@ static PyObject *sim_energies(core_sim *self, PyObject *const *arguments, Py_ssi
 /* mechanics(body, out): the numbers of pel_triangle_mechanics (triangle_count x 30) */
 static PyObject *sim_mechanics(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
-    int32_t body;
     Py_buffer view;
     const Py_ssize_t numbers = sizeof(pel_triangle_mechanics) / sizeof(double);
-    if (core_check_count("mechanics", count, 2) < 0 || core_get_index(arguments[0], "body", 0, INT32_MAX, &body) < 0 ||
-        core_sim_check(self, body) < 0 ||
-        core_get_array(arguments[1], "out", 'd', numbers * (Py_ssize_t)pel_sim_triangle_count(self->sim, body), 1,
-                       &view) < 0)
+    int32_t body = core_check_count("mechanics", count, 2) < 0 ? -1 : core_sim_body(self, arguments[0]);
+    if (body < 0 ||
+        core_get_array(arguments[1], "out", 'd', numbers * pel_sim_triangle_count(self->sim, body), 1, &view) < 0)
         return NULL;
     memset(view.buf, 0, (size_t)view.len);
     if (pel_sim_has_shells(self->sim))
@@ -180,8 +196,8 @@ static PyObject *sim_mechanics(core_sim *self, PyObject *const *arguments, Py_ss
 /* counts(body): vertices, triangles, revision of the surface */
 static PyObject *sim_counts(core_sim *self, PyObject *argument)
 {
-    int32_t body;
-    if (core_get_index(argument, "body", 0, INT32_MAX, &body) < 0 || core_sim_check(self, body) < 0)
+    int32_t body = core_sim_body(self, argument);
+    if (body < 0)
         return NULL;
     return Py_BuildValue("iiL", (int)pel_sim_vertex_count(self->sim, body),
                          (int)pel_sim_triangle_count(self->sim, body),
@@ -255,7 +271,7 @@ static PyObject *sim_measure(core_sim *self, PyObject *unused)
 {
     (void)unused;
     pel_sim_measures measures;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     pel_sim_measure(self->sim, &measures);
     return RECORD(&measures, measure_members);
@@ -265,7 +281,7 @@ static PyObject *sim_ledger(core_sim *self, PyObject *unused)
 {
     (void)unused;
     pel_sim_ledger ledger;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     pel_sim_get_ledger(self->sim, &ledger);
     return RECORD(&ledger, ledger_members);
@@ -275,7 +291,7 @@ static PyObject *sim_solver(core_sim *self, PyObject *unused)
 {
     (void)unused;
     pel_solver_reading reading;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     pel_sim_get_solver(self->sim, &reading);
     return RECORD(&reading, solver_members);
@@ -285,7 +301,7 @@ static PyObject *sim_contact(core_sim *self, PyObject *unused)
 {
     (void)unused;
     pel_contact_statistics statistics;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     pel_sim_get_contact_statistics(self->sim, &statistics);
     return RECORD(&statistics, contact_members);
@@ -295,7 +311,7 @@ static PyObject *sim_tool(core_sim *self, PyObject *argument)
 {
     int32_t tool;
     pel_tool_reading reading;
-    if (core_sim_check(self, 0) < 0 ||
+    if (core_sim_check(self) < 0 ||
         core_get_index(argument, "tool", 0, (int64_t)pel_sim_tool_count(self->sim) - 1, &tool) < 0)
         return NULL;
     pel_sim_get_tool(self->sim, tool, &reading);
@@ -305,9 +321,9 @@ static PyObject *sim_tool(core_sim *self, PyObject *argument)
 /* the reaction of all supports of a body */
 static PyObject *sim_support(core_sim *self, PyObject *argument)
 {
-    int32_t body;
     pel_support_reading reading;
-    if (core_get_index(argument, "body", 0, INT32_MAX, &body) < 0 || core_sim_check(self, body) < 0)
+    int32_t body = core_sim_body(self, argument);
+    if (body < 0)
         return NULL;
     pel_sim_get_support(self->sim, body, &reading);
     return RECORD(&reading, support_members);
@@ -317,7 +333,7 @@ static PyObject *sim_support(core_sim *self, PyObject *argument)
 static PyObject *sim_tools(core_sim *self, PyObject *unused)
 {
     (void)unused;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     PyObject *names = PyTuple_New(pel_sim_tool_count(self->sim));
     for (int32_t t = 0; names != NULL && t < pel_sim_tool_count(self->sim); t++) {
@@ -332,7 +348,7 @@ static PyObject *sim_tools(core_sim *self, PyObject *unused)
 static PyObject *sim_state(core_sim *self, PyObject *unused)
 {
     (void)unused;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     return Py_BuildValue("dLddd", pel_sim_time(self->sim), (long long)pel_sim_step_count(self->sim),
                          pel_sim_alpha(self->sim), pel_sim_alpha_limit(self->sim),
@@ -342,13 +358,13 @@ static PyObject *sim_state(core_sim *self, PyObject *unused)
 static PyObject *sim_time(core_sim *self, PyObject *unused)
 {
     (void)unused;
-    return core_sim_check(self, 0) < 0 ? NULL : PyFloat_FromDouble(pel_sim_time(self->sim));
+    return core_sim_check(self) < 0 ? NULL : PyFloat_FromDouble(pel_sim_time(self->sim));
 }
 
 static PyObject *sim_hash(core_sim *self, PyObject *unused)
 {
     (void)unused;
-    return core_sim_check(self, 0) < 0 ? NULL : PyLong_FromUnsignedLongLong(pel_sim_hash(self->sim));
+    return core_sim_check(self) < 0 ? NULL : PyLong_FromUnsignedLongLong(pel_sim_hash(self->sim));
 }
 
 static PyObject *sim_intersections(core_sim *self, PyObject *unused)
@@ -356,7 +372,7 @@ static PyObject *sim_intersections(core_sim *self, PyObject *unused)
     (void)unused;
     int64_t count;
     pel_error error;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     if (pel_sim_intersections(self->sim, &count, &error) != PEL_OK)
         return core_raise(&error);

@@ -3,10 +3,12 @@
 /* set(velocities instead of positions, body, values) */
 PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
-    int32_t is_velocity, body;
+    int32_t is_velocity;
     Py_buffer view;
-    if (core_check_count("set", count, 3) < 0 || core_get_index(arguments[0], "kind", 0, 1, &is_velocity) < 0 ||
-        core_get_index(arguments[1], "body", 0, INT32_MAX, &body) < 0 || core_sim_check(self, body) < 0)
+    if (core_check_count("set", count, 3) < 0 || core_get_index(arguments[0], "kind", 0, 1, &is_velocity) < 0)
+        return NULL;
+    int32_t body = core_sim_body(self, arguments[1]);
+    if (body < 0)
         return NULL;
     const char *name = is_velocity ? "velocities" : "positions";
     if (core_get_array(arguments[2], name, 'd', 3 * (Py_ssize_t)pel_sim_vertex_count(self->sim, body), 0, &view) < 0)
@@ -24,7 +26,7 @@ PyObject *core_sim_set_load(core_sim *self, PyObject *const *arguments, Py_ssize
     int32_t load;
     Py_buffer view;
     pel_error error;
-    if (core_check_count("set_load", count, 2) < 0 || core_sim_check(self, 0) < 0 ||
+    if (core_check_count("set_load", count, 2) < 0 || core_sim_check(self) < 0 ||
         core_get_index(arguments[0], "load", 0, (int64_t)self->load_count - 1, &load) < 0 ||
         core_get_array(arguments[1], "force", 'd', 3, 0, &view) < 0)
         return NULL;
@@ -39,7 +41,7 @@ PyObject *core_sim_set_tool(core_sim *self, PyObject *const *arguments, Py_ssize
     int32_t tool;
     Py_buffer view;
     pel_error error;
-    if (core_check_count("set_tool", count, 2) < 0 || core_sim_check(self, 0) < 0 ||
+    if (core_check_count("set_tool", count, 2) < 0 || core_sim_check(self) < 0 ||
         core_get_index(arguments[0], "tool", 0, (int64_t)pel_sim_tool_count(self->sim) - 1, &tool) < 0 ||
         core_get_array(arguments[1], "pose", 'd', 7, 0, &view) < 0)
         return NULL;
@@ -52,7 +54,7 @@ PyObject *core_sim_set_tool(core_sim *self, PyObject *const *arguments, Py_ssize
 PyObject *core_sim_save(core_sim *self, PyObject *unused)
 {
     (void)unused;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return NULL;
     PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)pel_sim_save_size(self->sim));
     if (bytes != NULL)
@@ -65,7 +67,7 @@ PyObject *core_sim_load(core_sim *self, PyObject *snapshot)
     char *bytes;
     Py_ssize_t size;
     pel_error error;
-    if (core_sim_check(self, 0) < 0 || PyBytes_AsStringAndSize(snapshot, &bytes, &size) < 0)
+    if (core_sim_check(self) < 0 || PyBytes_AsStringAndSize(snapshot, &bytes, &size) < 0)
         return NULL;
     if (pel_sim_load(self->sim, bytes, (size_t)size, &error) != PEL_OK)
         return core_raise(&error);
@@ -78,7 +80,7 @@ PyObject *core_sim_load(core_sim *self, PyObject *snapshot)
 static int open_potential(core_sim *self, PyObject *positions, Py_buffer *view)
 {
     pel_error error;
-    if (core_sim_check(self, 0) < 0)
+    if (core_sim_check(self) < 0)
         return -1;
     if (self->potential == NULL && pel_potential_create(self->sim, &self->potential, &error) != PEL_OK) {
         core_raise(&error);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable
+from typing import TYPE_CHECKING, Callable, Union
 
 import numpy as np
 
@@ -11,11 +11,12 @@ from . import _core
 if TYPE_CHECKING:
     from .simulation import Simulation
 
-Field = Callable[["Simulation", int], np.ndarray]
+Body = Union[int, str]
+Field = Callable[["Simulation", Body], np.ndarray]
 _ENERGIES = ("spring_energy", "volumetric_energy", "membrane_energy", "bending_energy", "fibre_energy")
 
 
-def _energies(sim: "Simulation", body: int) -> np.ndarray:
+def _energies(sim: "Simulation", body: Body) -> np.ndarray:
     return sim._core.energies(body, np.empty((5, sim._core.counts(body)[0])))
 
 
@@ -24,10 +25,14 @@ def _of_measure(name: str) -> Field:
 
 
 def _of_array(name: str) -> Field:
-    return lambda sim, body: sim._array(name, body, None)
+    number = [row[0] for row in _core.ARRAYS].index(name)
+    return lambda sim, body: sim._core.get(number, body, None)
 
 
-def _displacement(sim: "Simulation", body: int) -> np.ndarray:
+_virials = _of_array("spring_virials")
+
+
+def _displacement(sim: "Simulation", body: Body) -> np.ndarray:
     return sim.positions(body) - sim.rest_positions(body)
 
 
@@ -39,12 +44,12 @@ def _smooth(values: np.ndarray, weights: np.ndarray, triangles: np.ndarray, coun
     return np.divide(sums, total, out=np.zeros_like(sums), where=total > 0)
 
 
-def _tension(sim: "Simulation", body: int) -> np.ndarray:
+def _tension(sim: "Simulation", body: Body) -> np.ndarray:
     """Virials of springs and shell over twice a third of the areas around."""
     corners = sim.positions(body)[sim.triangles(body)]
     areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     third = np.bincount(sim.triangles(body).ravel(), np.repeat(areas / 3, 3), len(sim.positions(body)))
-    virials = sim._array("spring_virials", body, None)
+    virials = _virials(sim, body)
     return np.divide(virials, 2 * third, out=np.zeros_like(third), where=third > 0)
 
 
@@ -55,7 +60,7 @@ _DENSITIES = {"membrane_energy_density": 27, "fibre_energy_density": 28, "bendin
 _AT_REST = {"strain", "piola_stress"}
 
 
-def _mechanics(sim: "Simulation", body: int, first: int, count: int, at_rest: bool) -> np.ndarray:
+def _mechanics(sim: "Simulation", body: Body, first: int, count: int, at_rest: bool) -> np.ndarray:
     table = sim._core.mechanics(body, np.empty((sim._core.counts(body)[1], 30)))
     weights = table[:, _REST_AREA if at_rest else _AREA]
     return _smooth(table[:, first : first + count], weights, sim.triangles(body), sim._core.counts(body)[0])
@@ -67,7 +72,7 @@ def _of_mechanics(name: str) -> Field:
     return lambda sim, body: _mechanics(sim, body, _COLUMNS[name], 6, name in _AT_REST)
 
 
-def _cauchy(sim: "Simulation", body: int) -> np.ndarray:
+def _cauchy(sim: "Simulation", body: Body) -> np.ndarray:
     force, thickness = _mechanics(sim, body, 15, 6, False), _mechanics(sim, body, _THICKNESS, 1, False)
     return np.divide(force, thickness, out=np.zeros_like(force), where=thickness > 0)
 
@@ -91,7 +96,7 @@ FIELDS: dict[str, Field] = {
 }
 
 
-def observe(sim: "Simulation", body: int, name: str) -> np.ndarray:
+def observe(sim: "Simulation", body: Body, name: str) -> np.ndarray:
     if not isinstance(name, str):
         raise TypeError("name: must be a text")
     if name not in FIELDS:

@@ -163,20 +163,8 @@ class Simulation:
     def __init__(self, scene: Scene, core: Any) -> None:
         self.scene = scene
         self._core = core
-        self._numbers: dict[Any, int] = {name: number for number, name in enumerate(scene.bodies)}
-        self._numbers.update({number: number for number in range(len(scene.bodies))})
-        self._count = [core.counts(body)[0] for body in range(len(scene.bodies))]
-        self._refines = True
 
     # ---- names ----
-
-    def _body(self, body: Union[int, str]) -> int:
-        try:
-            return self._numbers[body]
-        except (KeyError, TypeError):
-            kind = KeyError if isinstance(body, str) else ValueError if isinstance(body, (int, np.integer)) else TypeError
-            names = ", ".join(map(repr, self.scene.bodies))
-            raise kind(f"body: {body!r} is none of {names}, nor a number of one") from None
 
     @staticmethod
     def _find(name: Union[int, str], names: tuple[str, ...], what: str) -> int:
@@ -222,43 +210,29 @@ class Simulation:
 
     # ---- arrays ----
 
-    def _array(self, name: str, body: Union[int, str], out: Optional[np.ndarray]) -> np.ndarray:
-        number = self._numbers[body] if body in self._numbers else self._body(body)
-        which = _NUMBER[name]
-        _, kind, components, on_triangles = _core.ARRAYS[which]
-        rows = self._core.counts(number)[1 if on_triangles else 0]
-        shape = (rows,) if components == 1 else (rows, components)
-        out = room(out, shape, np.float64 if kind == "d" else np.int32)
-        return self._core.get(which, number, out)
-
     def positions(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
         """Positions (vertex_count, 3) [m]."""
-        number = self._body(body)
-        if out is None:
-            out = np.empty((self._core.counts(number)[0], 3))
-        else:
-            room(out, (self._core.counts(number)[0], 3))
-        return self._core.get(_POSITIONS, number, out)
+        return self._core.get(_POSITIONS, body, out)
 
     def velocities(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
         """Velocities in the last step (vertex_count, 3) [m/s]."""
-        return self._array("velocities", body, out)
+        return self._core.get(_NUMBER["velocities"], body, out)
 
     def forces(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
         """Forces of springs, shell, pressure, damping, loads and gravity on the vertices (vertex_count, 3) [N]; no contact."""
-        return self._array("forces", body, out)
+        return self._core.get(_NUMBER["forces"], body, out)
 
     def rest_positions(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
         """Positions at rest (vertex_count, 3) [m]."""
-        return self._array("rest_positions", body, out)
+        return self._core.get(_NUMBER["rest_positions"], body, out)
 
     def masses(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
         """Masses (vertex_count,) [kg]."""
-        return self._array("masses", body, out)
+        return self._core.get(_NUMBER["masses"], body, out)
 
     def triangles(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
         """Corners of the present triangles (triangle_count, 3), int32."""
-        return self._array("triangles", body, out)
+        return self._core.get(_NUMBER["triangles"], body, out)
 
     def mesh(self, body: Union[int, str] = 0) -> Mesh:
         """The present surface of a body."""
@@ -266,22 +240,20 @@ class Simulation:
 
     def set_positions(self, positions: Any, body: Union[int, str] = 0) -> None:
         """Put the vertices of a body (vertex_count, 3) [m]; velocities stay."""
-        number = self._body(body)
-        shape = (self._core.counts(number)[0], 3)
-        self._core.set(0, number, numbers(positions, "positions", shape))
+        shape = (self._core.counts(body)[0], 3)
+        self._core.set(0, body, numbers(positions, "positions", shape))
 
     def set_velocities(self, velocities: Any, body: Union[int, str] = 0) -> None:
         """Set the velocities of a body (vertex_count, 3) [m/s]."""
-        number = self._body(body)
-        shape = (self._core.counts(number)[0], 3)
-        self._core.set(1, number, numbers(velocities, "velocities", shape))
+        shape = (self._core.counts(body)[0], 3)
+        self._core.set(1, body, numbers(velocities, "velocities", shape))
 
     def field(self, body: Union[int, str], name: str, out: Optional[np.ndarray] = None) -> np.ndarray:
         """A vertex field by its name: (vertex_count,) or (vertex_count, k).
 
         `field_names` lists them; docs/reference/scene.md (output.fields) says what they are and their units.
         """
-        values = _fields.observe(self, self._body(body), name)
+        values = _fields.observe(self, body, name)
         if out is None:
             return values
         np.copyto(room(out, values.shape), values)
@@ -316,7 +288,7 @@ class Simulation:
 
     def support(self, body: Union[int, str] = 0) -> dict[str, Any]:
         """Force [N] and torque [N m] of a body on its pins and supports."""
-        return self._core.support(self._body(body))
+        return self._core.support(body)
 
     def set(self, path: str, value: Any) -> None:
         """Set a parameter by its path in the scene: ``sim.set("bodies.ball.membrane.young", 2e4)``.
