@@ -77,6 +77,49 @@ def _cauchy(sim: "Simulation", body: Body) -> np.ndarray:
     return np.divide(force, thickness, out=np.zeros_like(force), where=thickness > 0)
 
 
+# ---- in the plane of a vertex: its smooth normal, by area ----
+
+
+def _normals(sim: "Simulation", body: Body, at_rest: bool) -> np.ndarray:
+    corners = (sim.rest_positions(body) if at_rest else sim.positions(body))[sim.triangles(body)]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = 0.5 * np.linalg.norm(normals, axis=1)
+    sums = _smooth(normals, np.ones(len(areas)), sim.triangles(body), sim._core.counts(body)[0])
+    length = np.linalg.norm(sums, axis=1, keepdims=True)
+    return np.divide(sums, length, out=np.zeros_like(sums), where=length > 0)
+
+
+def _principal(tensors: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Principal values of tensors (xx, yy, zz, xy, yz, xz) in the planes, larger first, and the directions of the first."""
+    full = tensors[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
+    # axes in the plane, the first away from the axis of space that is nearest to the plane
+    first = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
+    first -= np.einsum("vi,vi->v", first, normals)[:, None] * normals
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    a, b, c = (np.einsum("vi,vij,vj->v", p, full, q) for p, q in ((first, first), (second, second), (first, second)))
+    size, angle = np.hypot(0.5 * (a - b), c), 0.5 * np.arctan2(2 * c, a - b)
+    values = np.stack([0.5 * (a + b) + size, 0.5 * (a + b) - size], axis=1)
+    return values, np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
+
+
+def _principal_stress(sim: "Simulation", body: Body) -> tuple[np.ndarray, np.ndarray]:
+    return _principal(_cauchy(sim, body), _normals(sim, body, False))
+
+
+def _von_mises(side: float) -> Field:
+    """N / h + side 6 M / h^2"""
+
+    def field(sim: "Simulation", body: Body) -> np.ndarray:
+        thickness = _mechanics(sim, body, _THICKNESS, 1, False)
+        moment = _mechanics(sim, body, _COLUMNS["bending_moment"], 6, False)
+        bending = np.divide(6 * moment, thickness**2, out=np.zeros_like(moment), where=thickness > 0)
+        values, _ = _principal(_cauchy(sim, body) + side * bending, _normals(sim, body, False))
+        return np.sqrt(values[:, 0] ** 2 - values[:, 0] * values[:, 1] + values[:, 1] ** 2)
+
+    return field
+
+
 FIELDS: dict[str, Field] = {
     "displacement": _displacement,
     "velocity": _of_array("velocities"),
@@ -93,6 +136,11 @@ FIELDS: dict[str, Field] = {
     "stress": _tension,
     **{name: _of_mechanics(name) for name in (*_COLUMNS, *_DENSITIES)},
     "cauchy_stress": _cauchy,
+    "principal_strain": lambda sim, body: _principal(FIELDS["strain"](sim, body), _normals(sim, body, True))[0],
+    "principal_stress": lambda sim, body: _principal_stress(sim, body)[0],
+    "principal_direction": lambda sim, body: _principal_stress(sim, body)[1],
+    "von_mises_top": _von_mises(1),
+    "von_mises_bottom": _von_mises(-1),
 }
 
 

@@ -110,6 +110,28 @@ class State(unittest.TestCase):
         areas = sim.field(0, "area").sum()
         self.assertAlmostEqual(areas, sim.mesh().area, delta=1e-9 * areas)
 
+    def test_fields_are_those_of_frames(self):
+        table = (ROOT / "docs/reference/scene.md").read_text(encoding="utf-8").split("| field |")[1]
+        names = [line.split("`")[1] for line in table.splitlines() if line.startswith("| `")]
+        self.assertEqual(sorted(names), sorted(pellicle.field_names))
+        spec = shell({"shape": "capsule"}, body={"pressure": {"outside": -40}})
+        spec["output"] = {"every": 0.1, "fields": names, "precision": "double"}
+        sim = pellicle.load_scene(spec)
+        sim.run_until(0.1)
+        with tempfile.TemporaryDirectory() as folder:
+            frame = pellicle.run(spec, folder).frames[-1].mesh
+            np.testing.assert_array_equal(frame.positions, sim.positions())
+            for name in names:
+                expected, values = frame.fields[name], sim.field("shell", name)
+                tolerance = 1e-9 * max(abs(expected).max(), 1e-12)
+                if name == "principal_direction":
+                    # either sign, and any direction where both values are equal
+                    spread = sim.field(0, "principal_stress")
+                    clear = spread[:, 0] - spread[:, 1] > 1e-6 * abs(spread).max()
+                    np.testing.assert_allclose(abs((expected * values).sum(axis=1))[clear], 1, atol=1e-6, err_msg=name)
+                else:
+                    np.testing.assert_allclose(values, expected, rtol=0, atol=tolerance, err_msg=name)
+
     def test_ledger_and_readings(self):
         sim = pellicle.load_scene(ball())
         sim.step(5)
