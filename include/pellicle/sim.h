@@ -233,8 +233,8 @@ PEL_API pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *coun
 PEL_API pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 PEL_API double pel_sim_time(const pel_sim *sim); /* s, step count x dt */
-PEL_API size_t
-pel_sim_step_bytes(const pel_sim *sim); /* bytes that a step has to read and write, each array counted once */
+/* bytes that a step has to read and write, each array counted once */
+PEL_API size_t pel_sim_step_bytes(const pel_sim *sim);
 PEL_API int64_t pel_sim_step_count(const pel_sim *sim); /* steps done */
 PEL_API const pel_model *pel_sim_model(const pel_sim *sim);
 PEL_API double pel_sim_alpha(const pel_sim *sim);       /* the alpha in use; 0 for the explicit method */

@@ -20,7 +20,7 @@ def symbols(*arguments):
 declared, bare = {}, []
 for header in sorted(pathlib.Path(source, "include/pellicle").glob("*.h")):
     text = re.sub(r"/\*.*?\*/", lambda comment: re.sub(r"[^\n]", " ", comment[0]), header.read_text(), flags=re.S)
-    for match in re.finditer(r"^(?!typedef|static|#|\s)[^\n(;={}]*?\b(pel_[a-z0-9_]+)\(", text, re.M):
+    for match in re.finditer(r"^(?!typedef|static|#|\s|pel_\w+\()[^(;={}#]*?\b(pel_[a-z0-9_]+)\(", text, re.M):
         declared[match[1]] = header.name
         if not match[0].startswith("PEL_API "):
             bare.append(f"{header.name}:{text[: match.start()].count(chr(10)) + 1}: {match[1]} without PEL_API")
