@@ -19,9 +19,9 @@ extern "C" {
 
 typedef struct pel_potential pel_potential;
 
-/* The simulation has to live as long, and is stepped and evaluated by one thread at a time. PEL_BAD_ARGUMENT for
-   bending without a stiffness and for bodies that refine; PEL_OUT_OF_MEMORY. Free with pel_potential_destroy; null is
-   fine. */
+/* The simulation and its model have to live as long, and it is stepped and evaluated by one thread at a time.
+   PEL_BAD_ARGUMENT for bending without a stiffness and for bodies that refine; PEL_OUT_OF_MEMORY. Free with
+   pel_potential_destroy; null is fine. */
 PEL_API pel_status pel_potential_create(pel_sim *sim, pel_potential **potential, pel_error *error);
 PEL_API void pel_potential_destroy(pel_potential *potential);
 PEL_API int32_t pel_potential_vertex_count(const pel_potential *potential);

@@ -97,6 +97,10 @@ PyObject *core_array_table(void);
 PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_set_load(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_set_tool(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+#if __has_include(<pellicle/live.h>)
+#define CORE_IS_LIVE /* parameters change while a simulation runs */
+PyObject *core_sim_set_parameter(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+#endif
 PyObject *core_sim_save(core_sim *self, PyObject *unused);
 PyObject *core_sim_load(core_sim *self, PyObject *snapshot);
 PyObject *core_sim_evaluate(core_sim *self, PyObject *const *arguments, Py_ssize_t count);

@@ -388,6 +388,9 @@ static PyObject *sim_intersections(core_sim *self, PyObject *unused)
 #name, (PyCFunction)(void (*)(void))sim_##name, flags, NULL                                                    \
     }
 static PyMethodDef methods[] = {
+#ifdef CORE_IS_LIVE
+    CHANGE(set_parameter, METH_FASTCALL),
+#endif
     METHOD(step, METH_O),
     METHOD(get, METH_FASTCALL),
     METHOD(energies, METH_FASTCALL),

@@ -1,5 +1,9 @@
 #include "core.h"
 
+#ifdef CORE_IS_LIVE
+#include <pellicle/live.h>
+#endif
+
 /* set(velocities instead of positions, body, values) */
 PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
@@ -50,6 +54,29 @@ PyObject *core_sim_set_tool(core_sim *self, PyObject *const *arguments, Py_ssize
     PyBuffer_Release(&view);
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
+
+#ifdef CORE_IS_LIVE
+/* set_parameter(path, value as text) */
+PyObject *core_sim_set_parameter(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    pel_error error;
+    if (core_check_count("set_parameter", count, 2) < 0 || core_sim_check(self) < 0)
+        return NULL;
+    const char *texts[2];
+    for (int i = 0; i < 2; i++) {
+        if (!PyUnicode_Check(arguments[i]))
+            return PyErr_SetString(PyExc_TypeError, "path, value: texts are needed"), NULL;
+        if ((texts[i] = PyUnicode_AsUTF8AndSize(arguments[i], NULL)) == NULL)
+            return NULL;
+    }
+    /* belongs to the model, which the change may replace */
+    pel_potential_destroy(self->potential);
+    self->potential = NULL;
+    if (pel_set_parameter_text(self->sim, texts[0], texts[1], &error) != PEL_OK)
+        return core_raise(&error);
+    return Py_NewRef(Py_None);
+}
+#endif
 
 PyObject *core_sim_save(core_sim *self, PyObject *unused)
 {

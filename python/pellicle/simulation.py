@@ -301,6 +301,9 @@ class Simulation:
         Error
             A path that does not exist, a value out of range, or a parameter that cannot change after the first step.
         """
+        if hasattr(self._core, "set_parameter"):
+            self._core.set_parameter(*_override(path, value).split("=", 1))
+            return
         parts = path.split(".") if isinstance(path, str) else []
         if len(parts) == 3 and parts[0] == "loads" and parts[2] == "force" and parts[1] in self.loads:
             self.set_load(parts[1], value)

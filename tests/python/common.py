@@ -2,6 +2,9 @@
 
 import pathlib
 
+import numpy as np
+import pellicle
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENES = ROOT / "scenes"
 
@@ -44,3 +47,9 @@ def shell(mesh, **more):
 def directional(function, x, direction, size):
     """Central difference of a function along a direction."""
     return (function(x + size * direction) - function(x - size * direction)) / (2 * size)
+
+
+def is_single():
+    """True where the state is held in float."""
+    positions = pellicle.load_scene(ball()).positions()
+    return bool((positions == positions.astype(np.float32)).all())
