@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly demo bench bench-peers web format docs pictures install deb packages clean
+.PHONY: help build program test nightly demo bench bench-peers web python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -39,6 +39,11 @@ bench-peers: packages ## compare subdivision with VTK and OpenMesh (takes libvtk
 
 web: build/web/report.html ## build the page that `pellicle report` fills (takes Node.js and the npm registry)
 
+python: packages ## build the Python package and install it into build/venv (README and docs/python.md)
+	@test -x build/venv/bin/python || /usr/bin/python3 -m venv --system-site-packages build/venv
+	@build/venv/bin/pip install --quiet --no-build-isolation --no-index --force-reinstall --no-deps .
+	@build/venv/bin/python -c 'import pellicle; print("pellicle", pellicle.__version__, "for", pellicle.kernels(), "in build/venv: build/venv/bin/python")'
+
 format: packages ## format the sources
 	@git ls-files -co --exclude-standard '*.[ch]' '*.cpp' | xargs clang-format-14 -i
 
@@ -55,7 +60,7 @@ install: program ## install library, headers and program (PREFIX=/usr/local)
 	@echo "installed into $(PREFIX); build/$(PRESET)/install_manifest.txt lists the files"
 
 deb: packages ## make a Debian package of program, library and headers: build/deb/pellicle_*.deb
-	@cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DPELLICLE_NATIVE=OFF -DPELLICLE_TESTS=OFF >/dev/null
+	@cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DPELLICLE_NATIVE=OFF -DPELLICLE_SHARED=OFF -DPELLICLE_PYTHON=OFF -DPELLICLE_TESTS=OFF >/dev/null
 	@cmake --build build/deb $(QUIET)
 	@cd build/deb && cpack -G DEB >cpack.log || { cat cpack.log; exit 1; }
 	@ls build/deb/*.deb

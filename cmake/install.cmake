@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
 
 # core
-install(TARGETS pellicle EXPORT pellicleTargets)
+install(TARGETS ${CORE_LIBRARIES} EXPORT pellicleTargets)
 install(EXPORT pellicleTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
 install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -24,8 +24,15 @@ if(PELLICLE_SINGLE)
     set(PC_CFLAGS -DPEL_SINGLE)
 endif()
 file(RELATIVE_PATH PC_UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
-configure_file(cmake/pellicle.pc.in pellicle.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/pellicle.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+# `pellicle` is the shared library where it was built, else the archive
+set(PC_CORE "Requires: pellicle-static = ${PROJECT_VERSION}")
+if(PELLICLE_SHARED)
+    set(PC_CORE "Libs: -L\${libdir} -lpellicle")
+endif()
+foreach(package pellicle pellicle-static)
+    configure_file(cmake/${package}.pc.in ${package}.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/${package}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
 
 # scenes and program
 if(TARGET pellicle_scene)

@@ -11,13 +11,17 @@ add_test(NAME house/allocations COMMAND ${PYTHON3} ${HOUSE}/allocations.py ${PRO
 add_test(NAME house/misuse COMMAND ${PYTHON3} ${HOUSE}/misuse.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/fingerprint COMMAND ${PYTHON3} ${HOUSE}/fingerprint.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/flags COMMAND ${PYTHON3} ${HOUSE}/flags.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+if(TARGET pellicle_shared AND NOT PELLICLE_COVERAGE)
+    add_test(NAME house/exports COMMAND ${PYTHON3} ${HOUSE}/exports.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_shared>
+                                        $<TARGET_FILE:pellicle> ${CMAKE_NM})
+endif()
 
 # clang-format 14 is pinned: other versions format differently
 find_program(CLANG_FORMAT clang-format-14 REQUIRED)
 file(GLOB_RECURSE FORMATTED CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.[ch] ${PROJECT_SOURCE_DIR}/cli/*.[ch]
      ${PROJECT_SOURCE_DIR}/view/*.[ch]
      ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/tests/*.[ch] ${PROJECT_SOURCE_DIR}/tests/*.cpp
-     ${PROJECT_SOURCE_DIR}/bench/*.[ch] ${PROJECT_SOURCE_DIR}/examples/*.[ch])
+     ${PROJECT_SOURCE_DIR}/bench/*.[ch] ${PROJECT_SOURCE_DIR}/examples/*.[ch] ${PROJECT_SOURCE_DIR}/python/*.[ch])
 add_test(NAME house/format COMMAND ${CLANG_FORMAT} --dry-run -Werror ${FORMATTED})
 
 # each public header compiles alone, in C99 and in C++17

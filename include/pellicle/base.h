@@ -16,6 +16,15 @@ extern "C" {
 #define PEL_VERSION_PATCH 0
 #define PEL_VERSION "0.1.0"
 
+/* On every public function. The shared library exports these and nothing else. */
+#ifndef PEL_API
+#if defined(__GNUC__)
+#define PEL_API __attribute__((visibility("default")))
+#else
+#define PEL_API
+#endif
+#endif
+
 /* Scalar of the simulated state: double, or float when the library was built with PEL_SINGLE (preset `single`). */
 #ifdef PEL_SINGLE
 typedef float pel_real;
@@ -41,8 +50,16 @@ typedef enum pel_status {
     PEL_STATUS_COUNT
 } pel_status;
 
+/* PEL_VERSION of the library in use, which may be newer than that of the header. Never null; lives forever. */
+PEL_API const char *pel_version(void);
+
+/* Instructions that the library uses on this machine: "avx2" or "baseline". The results do not depend on it. Built
+   without PELLICLE_NATIVE the library has both, and PELLICLE_KERNELS=baseline in the environment, before the program
+   starts, takes the second. Lives forever. */
+PEL_API const char *pel_kernels(void);
+
 /* Short English name of a status, such as "out of memory". Never null; lives forever. */
-const char *pel_status_text(pel_status status);
+PEL_API const char *pel_status_text(pel_status status);
 
 /* Details of a failure. Every function that takes a `pel_error *` accepts null; on success it leaves the error alone.
    Members that do not apply are zero or empty; `element` and `byte_offset` are -1 then. */
@@ -60,17 +77,17 @@ typedef struct pel_error {
 
 /* Writes "file:line:column: error: what. remedy" to text (size bytes, always terminated when size > 0).
    Returns text. */
-const char *pel_error_text(const pel_error *error, char *text, size_t size);
+PEL_API const char *pel_error_text(const pel_error *error, char *text, size_t size);
 
 /* The name (of count) with the smallest edit distance to `name`, the first of several; upper and lower case, '-' and
    '_' count as equal. Null when none is near: when more than a third of the letters, and more than two, would have to
    change. For remedies: "did you mean ...?". */
-const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
+PEL_API const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
 
 /* For writers of JSON: writes the letter at `text` as it stands between the quotes of a string, with a zero at the end,
    and returns where the next one begins; text is not at its end. Valid UTF-8 whatever the text holds (what is none
    becomes \ufffd), and without '<', so that it may stand inside HTML. */
-const char *pel_json_letter(const char *text, char escaped[7]);
+PEL_API const char *pel_json_letter(const char *text, char escaped[7]);
 
 /* Where notes and warnings go (a quad was triangulated, vertices were welded). Null log or null write: nowhere. */
 typedef struct pel_log {

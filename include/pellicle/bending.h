@@ -21,7 +21,7 @@ extern "C" {
 #endif
 
 /* D = young thickness^3 / (12 (1 - poisson^2)) [N m], the bending stiffness of a plate. */
-double pel_bending_stiffness(double young, double poisson, double thickness);
+PEL_API double pel_bending_stiffness(double young, double poisson, double thickness);
 
 /* Quadratic isometric bending (Bergou et al. 2006; paper B, equation 3): E = factor / 2 |sum_a weight[a] x_a|^2 with
    the cotangent weights of the rest shape, which sum to zero, and factor = 3 / (A0 + A1). Dimensionless: multiply by
@@ -33,7 +33,7 @@ typedef struct pel_bending_isometric {
 } pel_bending_isometric;
 
 /* From the rest positions (4 x 3) [m]. False, and all zero, when one of the triangles has no area. */
-bool pel_bending_isometric_setup(const double rest[4][3], pel_bending_isometric *stencil);
+PEL_API bool pel_bending_isometric_setup(const double rest[4][3], pel_bending_isometric *stencil);
 
 typedef enum pel_bending_form {
     PEL_BENDING_LITERAL,        /* E: the paper's; pulls a curved rest shape flat */
@@ -43,12 +43,12 @@ typedef enum pel_bending_form {
 
 /* Energy in units of the stiffness that it is multiplied by, and its gradient on the four points [1/m]; gradient may be
    null. Invariant under rigid motion; no net force, no net torque. */
-double pel_bending_isometric_energy(const pel_bending_isometric *stencil, pel_bending_form form, const double x[4][3],
-                                    double gradient[4][3]);
+PEL_API double pel_bending_isometric_energy(const pel_bending_isometric *stencil, pel_bending_form form,
+                                            const double x[4][3], double gradient[4][3]);
 
 /* Dihedral angle [rad] and its gradient [1/m] (may be null). 0 where a triangle has no area; a gradient leaves out what
    such a triangle would contribute, and is zero where the edge has no length. */
-double pel_dihedral_angle(const double x[4][3], double gradient[4][3]);
+PEL_API double pel_dihedral_angle(const double x[4][3], double gradient[4][3]);
 
 /* Hinge with a rest angle: E = 1/2 factor (theta - rest_angle)^2, factor = |e|^2 / (A0 + A1) of the rest shape, to be
    multiplied by D [J]. The difference is taken the short way round the circle. */
@@ -58,10 +58,10 @@ typedef struct pel_hinge {
 } pel_hinge;
 
 /* From the rest positions (4 x 3). False, and all zero, when one of the triangles has no area. */
-bool pel_hinge_setup(const double rest[4][3], pel_hinge *hinge);
+PEL_API bool pel_hinge_setup(const double rest[4][3], pel_hinge *hinge);
 
 /* Energy in units of D and its gradient on the four points [1/m]; gradient may be null. */
-double pel_hinge_energy(const pel_hinge *hinge, const double x[4][3], double gradient[4][3]);
+PEL_API double pel_hinge_energy(const pel_hinge *hinge, const double x[4][3], double gradient[4][3]);
 
 #ifdef __cplusplus
 }

@@ -34,12 +34,12 @@ typedef struct pel_collider_def {
 } pel_collider_def;
 
 /* No mesh yet, margin -1, one thread. */
-pel_collider_def pel_collider_def_default(void);
+PEL_API pel_collider_def pel_collider_def_default(void);
 
 /* PEL_BAD_ARGUMENT (numbers out of range, a position that is not finite), PEL_BAD_MESH with the triangle (a bad index
    or a repeated vertex), PEL_OUT_OF_MEMORY. Free with pel_collider_destroy. */
-pel_status pel_collider_create(const pel_collider_def *def, pel_collider **collider, pel_error *error);
-void pel_collider_destroy(pel_collider *collider);
+PEL_API pel_status pel_collider_create(const pel_collider_def *def, pel_collider **collider, pel_error *error);
+PEL_API void pel_collider_destroy(pel_collider *collider);
 
 /* One step: all vertices move on straight lines. */
 typedef struct pel_collision_query {
@@ -51,7 +51,7 @@ typedef struct pel_collision_query {
 } pel_collision_query;
 
 /* Separation 0, tolerance 0, near 0, PEL_CCD_CONSERVATIVE. */
-pel_collision_query pel_collision_query_default(void);
+PEL_API pel_collision_query pel_collision_query_default(void);
 
 /* What may touch: all pairs without a common vertex whose boxes around their ways, grown by min_separation + tolerance,
    overlap, and none twice. Lives until the next call with this collider. */
@@ -69,8 +69,8 @@ typedef struct pel_collision_candidates {
 /* The broad phase alone. No memory is allocated unless there are more candidates than ever before.
    PEL_BAD_ARGUMENT (a position that is not finite, with its vertex; numbers out of range; more candidates than
    memory_limit allows: a shorter step has fewer), PEL_OUT_OF_MEMORY. */
-pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_query *query,
-                                   pel_collision_candidates *candidates, pel_error *error);
+PEL_API pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_query *query,
+                                           pel_collision_candidates *candidates, pel_error *error);
 
 /* A vertex and a triangle, or two edges, that come too near. */
 typedef struct pel_collision {
@@ -88,8 +88,8 @@ typedef struct pel_collision_result {
 
 /* Broad and narrow phase: every pair without a common vertex that comes within min_separation during the step is found
    (see pellicle/geometry.h for what a hit means). Failures as above. */
-pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query, pel_collision_result *result,
-                               pel_error *error);
+PEL_API pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query,
+                                       pel_collision_result *result, pel_error *error);
 
 #ifdef __cplusplus
 }

@@ -18,20 +18,20 @@ extern "C" {
 #endif
 
 /* Clears the error, sets status and the `what` sentence; returns the status. */
-pel_status pel_fail(pel_error *error, pel_status status, const char *what_format, ...) PEL_PRINTF(3, 4);
+PEL_API pel_status pel_fail(pel_error *error, pel_status status, const char *what_format, ...) PEL_PRINTF(3, 4);
 
 /* "out of memory" with the usual remedy; returns PEL_OUT_OF_MEMORY. */
-pel_status pel_fail_memory(pel_error *error);
+PEL_API pel_status pel_fail_memory(pel_error *error);
 
 /* Additions to an error that was just filled: the remedy; the element it is about; the file (null leaves it out) with
    line and column (0 = none) or with a place in bytes. */
-void pel_fail_remedy(pel_error *error, const char *format, ...) PEL_PRINTF(2, 3);
-void pel_fail_element(pel_error *error, const char *kind, int64_t element);
-void pel_fail_place(pel_error *error, const char *file, int32_t line, int32_t column);
-void pel_fail_offset(pel_error *error, const char *file, int64_t byte_offset);
+PEL_API void pel_fail_remedy(pel_error *error, const char *format, ...) PEL_PRINTF(2, 3);
+PEL_API void pel_fail_element(pel_error *error, const char *kind, int64_t element);
+PEL_API void pel_fail_place(pel_error *error, const char *file, int32_t line, int32_t column);
+PEL_API void pel_fail_offset(pel_error *error, const char *file, int64_t byte_offset);
 
 /* One formatted line to a log that may be null. */
-void pel_log_line(const pel_log *log, const char *format, ...) PEL_PRINTF(2, 3);
+PEL_API void pel_log_line(const pel_log *log, const char *format, ...) PEL_PRINTF(2, 3);
 
 #ifdef __cplusplus
 }

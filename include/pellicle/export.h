@@ -18,27 +18,27 @@ extern "C" {
    frame from frame 0, to be put on a mesh that pel_export_sequence wrote, or, without refinement, on final.ply.
    Errors: those of pel_frames_read; PEL_BAD_FORMAT when the triangles change and a frame does not say where its
    vertices lie in the mesh (fields mesh_vertices and mesh_weights), naming the frame; PEL_BAD_FILE. */
-pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error *error);
+PEL_API pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error *error);
 
 /* Writes a binary glTF 2.0 file: frame 0 as a mesh with normals, every further frame as a morph target, and one
    animation in which the weights go from frame to frame at the times of the frames. The node turns the z axis up.
    Errors: as above, and PEL_BAD_ARGUMENT when the file would pass the format's 4 GiB. */
-pel_status pel_export_glb(const char *path, const pel_frames *frames, pel_error *error);
+PEL_API pel_status pel_export_glb(const char *path, const pel_frames *frames, pel_error *error);
 
 /* The same of one mesh that does not move. */
-pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error *error);
+PEL_API pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error *error);
 
 /* Longest path of a numbered file, terminating zero included. */
 #define PEL_EXPORT_PATH_SIZE 4096
 
 /* The name of the numbered file of frame `frame`: out/ball.obj gives out/ball_00012.obj. Returns text. */
-const char *pel_export_numbered_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, int32_t frame);
+PEL_API const char *pel_export_numbered_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, int32_t frame);
 
 /* Writes every frame as a mesh file of its own under a numbered name. Files of these names are replaced; after a
    failure none of those that were written is left. log (nullable) receives the notes of the first frame.
    Errors: those of pel_export_pc2 and pel_mesh_write. */
-pel_status pel_export_sequence(const char *path, pel_mesh_format format, const pel_frames *frames, const pel_log *log,
-                               pel_error *error);
+PEL_API pel_status pel_export_sequence(const char *path, pel_mesh_format format, const pel_frames *frames,
+                                       const pel_log *log, pel_error *error);
 
 #ifdef __cplusplus
 }

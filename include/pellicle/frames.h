@@ -20,7 +20,7 @@ typedef enum pel_run_file {
 } pel_run_file;
 
 /* "series.csv" and the like; lives forever, null for a number that is none of them. */
-const char *pel_run_file_name(pel_run_file file);
+PEL_API const char *pel_run_file_name(pel_run_file file);
 
 /* The frames that frames.pvd names, in its order. Plain data, owned by the list, not to be changed. */
 typedef struct pel_frames {
@@ -33,14 +33,14 @@ typedef struct pel_frames {
 /* Opens a folder that pel_run wrote, also while the run goes on. On failure *frames is null. Free with
    pel_frames_close. Errors: PEL_BAD_FILE (no folder, no frames.pvd), PEL_BAD_FORMAT (frames.pvd is damaged or names no
    frame; the run is of a newer version than this library), PEL_OUT_OF_MEMORY. */
-pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *error);
+PEL_API pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *error);
 
 /* null is fine */
-void pel_frames_close(pel_frames *frames);
+PEL_API void pel_frames_close(pel_frames *frames);
 
 /* Reads frame `frame` (0 .. frame_count - 1) with its fields. On failure *mesh is null. Free with pel_mesh_destroy.
    Errors: those of pel_vtp_read, and PEL_BAD_FORMAT with the vertex when a field is NaN or infinite. */
-pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **mesh, pel_error *error);
+PEL_API pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **mesh, pel_error *error);
 
 /* What all frames have in common. */
 typedef struct pel_frames_outline {
@@ -51,7 +51,7 @@ typedef struct pel_frames_outline {
 
 /* Reads all frames and tells their outline; also the way to find damage before anything is written.
    Errors: those of pel_frames_read. */
-pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error);
+PEL_API pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error);
 
 /* Some columns of a series.csv. */
 typedef struct pel_series {
@@ -62,14 +62,14 @@ typedef struct pel_series {
 
 /* Reads the columns of these names (name_count >= 1); one that the file lacks is all NaN. On failure *series is null.
    Free with pel_series_destroy. Errors: PEL_BAD_ARGUMENT (no names), PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
-pel_status pel_series_read(const char *path, const char *const *names, int32_t name_count, pel_series **series,
-                           pel_error *error);
+PEL_API pel_status pel_series_read(const char *path, const char *const *names, int32_t name_count, pel_series **series,
+                                   pel_error *error);
 
 /* null is fine */
-void pel_series_destroy(pel_series *series);
+PEL_API void pel_series_destroy(pel_series *series);
 
 /* One value; NaN beyond the rows or columns that are there. */
-double pel_series_value(const pel_series *series, int32_t column, int64_t row);
+PEL_API double pel_series_value(const pel_series *series, int32_t column, int64_t row);
 
 #ifdef __cplusplus
 }

@@ -17,20 +17,20 @@ extern "C" {
    NaN or infinite input gives NaN or infinity, with weights that are still in range. */
 
 /* Point p and segment a, b: weights (2) of a, b. */
-double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2]);
+PEL_API double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2]);
 
 /* Point p and triangle a, b, c: weights (3) of a, b, c. */
-double pel_closest_point_triangle(const double p[3], const double a[3], const double b[3], const double c[3],
-                                  double weights[3]);
+PEL_API double pel_closest_point_triangle(const double p[3], const double a[3], const double b[3], const double c[3],
+                                          double weights[3]);
 
 /* Segments a, b and c, d: weights (4), those of a, b sum to 1 and those of c, d sum to 1. */
-double pel_closest_segment_segment(const double a[3], const double b[3], const double c[3], const double d[3],
-                                   double weights[4]);
+PEL_API double pel_closest_segment_segment(const double a[3], const double b[3], const double c[3], const double d[3],
+                                           double weights[4]);
 
 /* Segment a, b and triangle c0, c1, c2: weights (5), first of a, b, then of c0, c1, c2. When the segment goes through
    the triangle the distance is zero but for rounding. */
-double pel_closest_segment_triangle(const double a[3], const double b[3], const double c0[3], const double c1[3],
-                                    const double c2[3], double weights[5]);
+PEL_API double pel_closest_segment_triangle(const double a[3], const double b[3], const double c0[3],
+                                            const double c1[3], const double c2[3], double weights[5]);
 
 /* Continuous collision of points that move on straight lines, x(t) = start + t (end - start), 0 <= t <= 1.
 
@@ -62,22 +62,22 @@ typedef struct pel_ccd_hit {
 
 /* Point 0 against triangle 1,2,3. True = they come within min_separation during the step, or this cannot be ruled out;
  *hit (nullable) is written only then. */
-bool pel_ccd_vertex_face(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
-                         pel_ccd_hit *hit);
+PEL_API bool pel_ccd_vertex_face(const double start[4][3], const double end[4][3], double min_separation,
+                                 double tolerance, pel_ccd_hit *hit);
 
 /* Edge 0,1 against edge 2,3. Otherwise as above. */
-bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double min_separation, double tolerance,
-                       pel_ccd_hit *hit);
+PEL_API bool pel_ccd_edge_edge(const double start[4][3], const double end[4][3], double min_separation,
+                               double tolerance, pel_ccd_hit *hit);
 
 /* The non-penetration filter alone (Tang, Manocha, Tong 2010, with a bound of the rounding error): false = the four
    points never become coplanar (nor come within min_separation of it), so there is no contact; true = may touch. */
-bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation);
+PEL_API bool pel_ccd_filter(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation);
 
 /* The plain method of Bridson, Fedkiw and Anderson 2002 that Sun et al. 2021 use: roots of the coplanarity cubic, then
    the distance at the root, and at the end of the step, against min_separation + tolerance. Kept for comparison: it has
    false negatives where the four points stay (nearly) coplanar, and its time of impact may be late by rounding. */
-bool pel_ccd_bridson(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation,
-                     double tolerance, pel_ccd_hit *hit);
+PEL_API bool pel_ccd_bridson(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation,
+                             double tolerance, pel_ccd_hit *hit);
 
 typedef enum pel_ccd_method {
     PEL_CCD_CONSERVATIVE, /* filter, separating axes, conservative time of impact */
@@ -111,33 +111,33 @@ typedef struct pel_ccd_statistics {
 
 /* Filter alone, four queries at a time: writes the numbers of the queries that may touch, rising, to survivors
    (query_count) and returns how many there are. */
-int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors);
+PEL_API int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors);
 
 /* All stages: writes the numbers of the queries that hit, rising, to queries (query_count) and the hits to hits
    (query_count, nullable); returns how many there are. statistics is nullable. A batch tries a few more axes than a
    single call: it may prove freedom where that cannot, never the other way round. */
-int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
-                            pel_ccd_statistics *statistics);
+PEL_API int32_t pel_ccd_solve_batch(const pel_ccd_batch *batch, int32_t *queries, pel_ccd_hit *hits,
+                                    pel_ccd_statistics *statistics);
 
 /* Exact predicates: the true sign, -1, 0 or 1, for all finite input, without tolerance, overflow or underflow; 0 when a
    coordinate is not finite. Fast where rounding cannot matter. */
 
 /* Sign of the area of triangle a, b, c in the plane, points (2): 1 = counter-clockwise, 0 = on one line. */
-int pel_orient2d(const double a[2], const double b[2], const double c[2]);
+PEL_API int pel_orient2d(const double a[2], const double b[2], const double c[2]);
 
 /* Sign of ((b - a) x (c - a)) . (d - a): 1 = d is on the side from which a, b, c is counter-clockwise, 0 = on one
  * plane. */
-int pel_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
+PEL_API int pel_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
 
 /* True when two triangles (3 corners x 3) have a point in common, exactly: touching at a single point counts, in one
    plane too; triangles without area are treated as the segments or points they are. True when a coordinate is not
    finite. */
-bool pel_triangles_intersect(const double a[3][3], const double b[3][3]);
+PEL_API bool pel_triangles_intersect(const double a[3][3], const double b[3][3]);
 
 /* The same for neighbours in a mesh: the first shared_count corners of both (0, 1 or 2) are the same points, in the
    same order, and only what they have in common beyond the shared corner or edge counts: one cuts through the other, or
    is folded onto it. True when a neighbour has no area or shared_count is 3 (the same triangle twice). */
-bool pel_triangles_intersect_beyond(const double a[3][3], const double b[3][3], int shared_count);
+PEL_API bool pel_triangles_intersect_beyond(const double a[3][3], const double b[3][3], int shared_count);
 
 #ifdef __cplusplus
 }

@@ -16,7 +16,7 @@ extern "C" {
    pel_mesh_destroy.
    Errors: PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT (unknown format, damaged, no triangles),
    PEL_OUT_OF_MEMORY. The bound on memory that pel_mesh_read keeps does not hold for formats that assimp reads. */
-pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error);
+PEL_API pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error);
 
 #ifdef __cplusplus
 }

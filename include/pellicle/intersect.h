@@ -23,8 +23,8 @@ typedef struct pel_pair {
    The work is bounded: PEL_BAD_MESH, with the vertex of the most triangles, when the boxes of more than 100 pairs a
    triangle and 4,000,000 others overlap, as around a vertex of thousands of triangles. PEL_OUT_OF_MEMORY,
    PEL_BAD_ARGUMENT (counts below 0, or more than 2^31 / 7 triangles); *count is 0 then. */
-pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit, int64_t *count,
-                                       pel_error *error);
+PEL_API pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit,
+                                               int64_t *count, pel_error *error);
 
 #ifdef __cplusplus
 }

@@ -68,7 +68,7 @@ typedef struct pel_membrane_material {
 } pel_membrane_material;
 
 /* The name of a law in scene files; "unknown" for a number that is no law. */
-const char *pel_membrane_kind_name(pel_membrane_kind kind);
+PEL_API const char *pel_membrane_kind_name(pel_membrane_kind kind);
 
 /* Energies of fibres (Kim, De Goes, Iben 2019) with I5 = |F a|^2, stiffness k [N/m]. On a membrane arap and sqrt are
    the same function, as the sign of its I4 is always 1. Stiffness against stretch at rest: k, 4 k, k. */
@@ -79,25 +79,25 @@ typedef enum pel_fibre_kind {
 } pel_fibre_kind;
 
 /* Refuses NaN, infinity and numbers out of the ranges above that the law reads (PEL_BAD_ARGUMENT naming the member). */
-pel_status pel_membrane_material_check(const pel_membrane_material *material, pel_error *error);
+PEL_API pel_status pel_membrane_material_check(const pel_membrane_material *material, pel_error *error);
 
 /* Plane-stress Lame parameters with the thickness included [N/m], theory page section 1. */
-void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda);
+PEL_API void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda);
 
 /* Energy per unit rest area psi [J/m2]; first_piola (3 x 2) row-major, may be null. The stress is the exact derivative
    of psi; for PEL_MEMBRANE_LINEAR the turning of the frame is in it. The material must be valid. */
-double pel_membrane_density(const pel_membrane_material *material, const double deformation_gradient[6],
-                            double first_piola[6]);
+PEL_API double pel_membrane_density(const pel_membrane_material *material, const double deformation_gradient[6],
+                                    double first_piola[6]);
 
 /* Energy per unit rest area of fibres along the unit vector direction of the rest frame; first_piola may be null. A
    fibre that was crushed to length 0 exerts no force. */
-double pel_fibre_density(pel_fibre_kind kind, double stiffness, const double direction[2],
-                         const double deformation_gradient[6], double first_piola[6]);
+PEL_API double pel_fibre_density(pel_fibre_kind kind, double stiffness, const double direction[2],
+                                 const double deformation_gradient[6], double first_piola[6]);
 
 /* Active fibre: k/2 (sqrt I5 - rest_length)^2, at rest when it has rest_length times the length of the rest shape.
    rest_length < 1 contracts (a muscle), 1 is PEL_FIBRE_SQRT. rest_length >= 0; first_piola may be null. */
-double pel_fibre_active_density(double stiffness, double rest_length, const double direction[2],
-                                const double deformation_gradient[6], double first_piola[6]);
+PEL_API double pel_fibre_active_density(double stiffness, double rest_length, const double direction[2],
+                                        const double deformation_gradient[6], double first_piola[6]);
 
 #ifdef __cplusplus
 }

@@ -38,8 +38,8 @@ typedef struct pel_vertex_measure {
 } pel_vertex_measure;
 
 /* Measures vertex v (0 .. vertex_count - 1) in time proportional to its triangles. */
-void pel_vertex_measure_fill(const pel_topology *topology, const double *positions, int32_t v,
-                             pel_vertex_measure *measure);
+PEL_API void pel_vertex_measure_fill(const pel_topology *topology, const double *positions, int32_t v,
+                                     pel_vertex_measure *measure);
 
 /* ---- all vertices; what is not wanted stays null ---- */
 
@@ -49,20 +49,20 @@ typedef enum pel_normal_weight {
 } pel_normal_weight;
 
 /* Mixed areas (vertex_count) [m2]. */
-void pel_surface_vertex_areas(const pel_topology *topology, const double *positions, double *areas);
+PEL_API void pel_surface_vertex_areas(const pel_topology *topology, const double *positions, double *areas);
 
 /* Unit normals (vertex_count x 3); zero where the triangles' normals cancel out. */
-void pel_surface_normals(const pel_topology *topology, const double *positions, pel_normal_weight weight,
-                         double *normals);
+PEL_API void pel_surface_normals(const pel_topology *topology, const double *positions, pel_normal_weight weight,
+                                 double *normals);
 
 /* Mean curvature (vertex_count) [1/m] and its normal vector (vertex_count x 3) [1/m]; either may be null. */
-void pel_surface_mean_curvature(const pel_topology *topology, const double *positions, double *curvature,
-                                double *normals);
+PEL_API void pel_surface_mean_curvature(const pel_topology *topology, const double *positions, double *curvature,
+                                        double *normals);
 
 /* Gaussian curvature (vertex_count) [1/m2] and angle defects (vertex_count); either may be null. Returns the sum of the
    defects, the total curvature: 2 pi times the Euler number (vertices in no triangle not counted), by Gauss-Bonnet. */
-double pel_surface_gaussian_curvature(const pel_topology *topology, const double *positions, double *curvature,
-                                      double *defects);
+PEL_API double pel_surface_gaussian_curvature(const pel_topology *topology, const double *positions, double *curvature,
+                                              double *defects);
 
 /* How curved a surface is. Least, mean and greatest are those over the vertices that are not on the boundary (all zero
    when there is none); means are weighted by area. */
@@ -75,24 +75,24 @@ typedef struct pel_curvature_summary {
     double gaussian_curvature_min, gaussian_curvature_mean, gaussian_curvature_max; /* 1/m2 */
 } pel_curvature_summary;
 
-void pel_surface_curvature_summary(const pel_topology *topology, const double *positions,
-                                   pel_curvature_summary *summary);
+PEL_API void pel_surface_curvature_summary(const pel_topology *topology, const double *positions,
+                                           pel_curvature_summary *summary);
 
 /* ---- area and volume, for triangles (triangle_count x 3) of any kind ---- */
 
 /* m2 */
-double pel_surface_area(const double *positions, const int32_t *triangles, int32_t triangle_count);
+PEL_API double pel_surface_area(const double *positions, const int32_t *triangles, int32_t triangle_count);
 
 /* Signed volume [m3] between the triangles and a point, positive where they face away from it. On a closed surface the
    point does not matter but for rounding; null takes the first corner of the first triangle, so that a body far from
    the world's origin loses no digits. Bodies far from each other are better measured one by one. */
-double pel_surface_volume(const double *positions, const int32_t *triangles, int32_t triangle_count,
-                          const double origin[3]);
+PEL_API double pel_surface_volume(const double *positions, const int32_t *triangles, int32_t triangle_count,
+                                  const double origin[3]);
 
 /* The same, with its gradient on the vertices (vertex_count x 3) [m2] for a point that stays where it is; null takes
    the same point as above. On a closed surface the gradient is pel_vertex_measure's area_vector. */
-double pel_surface_volume_gradient(const double *positions, int32_t vertex_count, const int32_t *triangles,
-                                   int32_t triangle_count, const double origin[3], double *gradient);
+PEL_API double pel_surface_volume_gradient(const double *positions, int32_t vertex_count, const int32_t *triangles,
+                                           int32_t triangle_count, const double origin[3], double *gradient);
 
 /* ---- pressure (paper B, figure 2) ---- */
 
@@ -107,8 +107,9 @@ typedef enum pel_pressure_form {
 /* The force of an outside pressure P [Pa] (positive presses inward) on each vertex: forces (vertex_count x 3) [N],
    magnitudes (vertex_count) [N], and the cosine (vertex_count) of the angle between the force and +y, which is the
    colour in paper B's figure 2, 0 where there is no force. Each of the three may be null. */
-void pel_surface_pressure(const pel_topology *topology, const double *positions, double outside_pressure,
-                          pel_pressure_form form, double *forces, double *magnitudes, double *direction_cosines);
+PEL_API void pel_surface_pressure(const pel_topology *topology, const double *positions, double outside_pressure,
+                                  pel_pressure_form form, double *forces, double *magnitudes,
+                                  double *direction_cosines);
 
 #ifdef __cplusplus
 }

@@ -30,19 +30,19 @@ typedef struct pel_mesh {
 /* Copies positions (vertex_count x 3) and triangles (triangle_count x 3) into a new mesh.
    Refuses NaN, infinity, indices out of range and counts below 1 (PEL_BAD_ARGUMENT with the element).
    Topology is not looked at: see pel_mesh_check. On failure *mesh is null. Free with pel_mesh_destroy. */
-pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
-                           int32_t triangle_count, pel_mesh **mesh, pel_error *error);
+PEL_API pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
+                                   int32_t triangle_count, pel_mesh **mesh, pel_error *error);
 
 /* Frees a mesh and its fields; null is fine. */
-void pel_mesh_destroy(pel_mesh *mesh);
+PEL_API void pel_mesh_destroy(pel_mesh *mesh);
 
 /* Adds (or replaces) the field `name`; values (vertex_count x component_count) are copied, null fills zeros.
    The only change allowed to a mesh, for use right after creation. */
-pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,
-                              pel_error *error);
+PEL_API pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,
+                                      pel_error *error);
 
 /* The field of that name, or null. Lives as long as the mesh. */
-const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name);
+PEL_API const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name);
 
 /* Moves points by x -> rotation (scale x) + translation. */
 typedef struct pel_transform {
@@ -52,12 +52,12 @@ typedef struct pel_transform {
 } pel_transform;
 
 /* Scale 1, no rotation, no translation. */
-pel_transform pel_transform_default(void);
+PEL_API pel_transform pel_transform_default(void);
 
 /* Moves all vertices, for use right after creation; fields stay as they are. A mirroring transform also turns the
    triangles around, so that outside stays outside. PEL_BAD_ARGUMENT (mesh unchanged): a number that is NaN or infinite,
    a zero scale or rotation, a vertex that would not be finite. */
-pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pel_error *error);
+PEL_API pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pel_error *error);
 
 #ifdef __cplusplus
 }

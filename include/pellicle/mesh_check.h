@@ -44,7 +44,7 @@ typedef struct pel_issue_info {
 } pel_issue_info;
 
 /* Null for a kind that does not exist. */
-const pel_issue_info *pel_issue_info_of(pel_issue_kind kind);
+PEL_API const pel_issue_info *pel_issue_info_of(pel_issue_kind kind);
 
 /* A triangle with height / longest edge at or below this has no area. */
 #define PEL_FLAT_TRIANGLE 1e-10
@@ -107,10 +107,10 @@ typedef struct pel_mesh_report {
 /* Looks at a mesh in near-linear time; the same mesh gives the same report. The mesh may hold anything (bad indices,
    NaN, infinities, no vertices): those are findings, not failures. Counts below 0 or more than 2^31 / 3 triangles are
    PEL_BAD_ARGUMENT. On failure *report is null. Free with pel_mesh_report_destroy. */
-pel_status pel_mesh_check(const pel_mesh *mesh, pel_mesh_report **report, pel_error *error);
+PEL_API pel_status pel_mesh_check(const pel_mesh *mesh, pel_mesh_report **report, pel_error *error);
 
 /* Frees a report; null is fine. */
-void pel_mesh_report_destroy(pel_mesh_report *report);
+PEL_API void pel_mesh_report_destroy(pel_mesh_report *report);
 
 /* Null options mean the defaults: everything, tolerance 0. */
 typedef struct pel_repair_options {
@@ -129,7 +129,7 @@ typedef struct pel_repair_options {
     int32_t *vertex_map;   /* (vertex_count) receives the new number of each vertex, -1 = dropped; nullable */
 } pel_repair_options;
 
-pel_repair_options pel_repair_options_default(void);
+PEL_API pel_repair_options pel_repair_options_default(void);
 
 /* What a repair did. */
 typedef struct pel_repair_summary {
@@ -152,8 +152,8 @@ typedef struct pel_repair_summary {
    two pieces share both its vertices on every way around (see the report of the result). PEL_BAD_MESH when no triangle
    is left, PEL_BAD_ARGUMENT for a tolerance that is negative, beyond the resolution of the coordinates or more than a
    twentieth of the mesh's size. summary is nullable. On failure *repaired is null. */
-pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
-                           pel_repair_summary *summary, pel_error *error);
+PEL_API pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
+                                   pel_repair_summary *summary, pel_error *error);
 
 /* What filling did. */
 typedef struct pel_fill_summary {

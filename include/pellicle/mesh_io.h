@@ -32,17 +32,17 @@ typedef enum pel_mesh_format {
 } pel_mesh_format;
 
 /* The format that a path's extension names, PEL_FORMAT_AUTO when it names none of the above. */
-pel_mesh_format pel_mesh_format_of_path(const char *path);
+PEL_API pel_mesh_format pel_mesh_format_of_path(const char *path);
 
 /* Reads a mesh file. log (nullable) receives notes: polygons triangulated, vertices welded, data ignored.
    Errors: PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT with line or byte offset, PEL_OUT_OF_MEMORY. Memory use is
    bounded by a small multiple of the file's size whatever its header claims. Free with pel_mesh_destroy. */
-pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log *log, pel_mesh **mesh,
-                         pel_error *error);
+PEL_API pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log *log, pel_mesh **mesh,
+                                 pel_error *error);
 
 /* The same from memory; `name` stands for the file in messages and gives the extension when format is AUTO. */
-pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format, const pel_log *log,
-                          pel_mesh **mesh, pel_error *error);
+PEL_API pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format,
+                                  const pel_log *log, pel_mesh **mesh, pel_error *error);
 
 /* Writes a mesh. Coordinates survive a round trip bit for bit in all formats but binary STL, which holds floats.
    Fields go into VTP as they are and into PLY (as vertex properties, `name` or `name_0`, `name_1`, ... for vectors,
@@ -51,8 +51,8 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
    leaves no half file and an older file as it was. format AUTO: by extension, PLY and STL binary. Errors:
    PEL_BAD_ARGUMENT (unknown extension, a value that is not finite or too large for binary STL), PEL_BAD_FILE (not
    writable, disk full), PEL_OUT_OF_MEMORY. */
-pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
-                          pel_error *error);
+PEL_API pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
+                                  pel_error *error);
 
 #ifdef __cplusplus
 }

@@ -83,7 +83,7 @@ typedef struct pel_body_def {
 } pel_body_def;
 
 /* Paper A's numbers: mass 1 per vertex, k 3, d 0.5, k' 1.5, d' 0.5; no mesh and no name yet. */
-pel_body_def pel_body_def_default(void);
+PEL_API pel_body_def pel_body_def_default(void);
 
 typedef struct pel_model_def {
     const pel_body_def *bodies; /* (body_count) */
@@ -92,31 +92,31 @@ typedef struct pel_model_def {
     uint32_t cookie;
 } pel_model_def;
 
-pel_model_def pel_model_def_default(void);
+PEL_API pel_model_def pel_model_def_default(void);
 
 typedef struct pel_model pel_model;
 typedef struct pel_state pel_state;
 
 /* Checks the defs (PEL_BAD_ARGUMENT with body and value, PEL_BAD_MESH with element) and builds everything that stays.
    The model may be shared by any number of simulations in any threads. Free with pel_model_destroy after them. */
-pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error);
-void pel_model_destroy(pel_model *model);
+PEL_API pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error);
+PEL_API void pel_model_destroy(pel_model *model);
 
-int32_t pel_model_body_count(const pel_model *model);
+PEL_API int32_t pel_model_body_count(const pel_model *model);
 /* The body's index by name, -1 when there is none. */
-int32_t pel_model_find_body(const pel_model *model, const char *name);
+PEL_API int32_t pel_model_find_body(const pel_model *model, const char *name);
 /* The mesh of a body as given (rest positions, triangles, fields), with closed parts that are inside out turned over.
    Lives as long as the model. */
-const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
+PEL_API const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
 /* How many triangles that were: each part (connected by edges) without boundary whose signed volume is below 0, unless
    it is a cavity within the rest of the mesh. The order of triangles and vertices stays, the last two corners of these
    triangles change places. So pressure acts on the enclosed volume whichever way the mesh was turned. */
-int32_t pel_model_turned_count(const pel_model *model, int32_t body);
+PEL_API int32_t pel_model_turned_count(const pel_model *model, int32_t body);
 /* Vertices of a body's mesh that are pinned. */
-int32_t pel_model_pinned_count(const pel_model *model, int32_t body);
+PEL_API int32_t pel_model_pinned_count(const pel_model *model, int32_t body);
 /* True when the body's mesh has no boundary: it encloses a volume. */
-bool pel_model_is_closed(const pel_model *model, int32_t body);
-const char *pel_model_body_name(const pel_model *model, int32_t body);
+PEL_API bool pel_model_is_closed(const pel_model *model, int32_t body);
+PEL_API const char *pel_model_body_name(const pel_model *model, int32_t body);
 
 #ifdef __cplusplus
 }

@@ -9,7 +9,7 @@ extern "C" {
 #endif
 
 /* Threads that a simulation uses when its thread_count is 0: the processors of this machine. */
-int pel_thread_limit(void);
+PEL_API int pel_thread_limit(void);
 
 #ifdef __cplusplus
 }

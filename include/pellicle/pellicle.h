@@ -19,6 +19,7 @@
 #include "mesh_io.h"
 #include "model.h"
 #include "parallel.h"
+#include "potential.h"
 #include "preset.h"
 #include "region.h"
 #include "results.h"

@@ -18,10 +18,10 @@ typedef struct pel_material_preset {
 } pel_material_preset;
 
 /* All presets (*count of them); lives forever. */
-const pel_material_preset *pel_material_presets(int32_t *count);
+PEL_API const pel_material_preset *pel_material_presets(int32_t *count);
 
 /* The preset of that name, null when there is none. */
-const pel_material_preset *pel_material_preset_find(const char *name);
+PEL_API const pel_material_preset *pel_material_preset_find(const char *name);
 
 #ifdef __cplusplus
 }

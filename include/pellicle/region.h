@@ -35,7 +35,7 @@ typedef struct pel_region {
 } pel_region;
 
 /* Everything: kind PEL_REGION_ALL, no falloff. */
-pel_region pel_region_default(void);
+PEL_API pel_region pel_region_default(void);
 
 /* The vertices of a region in ascending order. */
 typedef struct pel_selection {
@@ -47,10 +47,11 @@ typedef struct pel_selection {
 /* Finds the vertices of a region in linear time. PEL_BAD_ARGUMENT: nothing is selected (the message names the nearest
    vertex and its distance, or the field's range), a number out of range, a vertex or field that does not exist, a field
    of vectors. On failure *selection is null. Free with pel_selection_destroy. */
-pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_selection **selection, pel_error *error);
+PEL_API pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_selection **selection,
+                                   pel_error *error);
 
 /* Frees a selection; null is fine. */
-void pel_selection_destroy(pel_selection *selection);
+PEL_API void pel_selection_destroy(pel_selection *selection);
 
 #ifdef __cplusplus
 }

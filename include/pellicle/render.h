@@ -28,11 +28,11 @@ typedef enum pel_color_map {
 } pel_color_map;
 
 /* "viridis", "cividis", "cool-warm"; null past the last. Lives forever. */
-const char *pel_color_map_name(int index);
+PEL_API const char *pel_color_map_name(int index);
 /* Looks a name up; false when there is none. */
-bool pel_color_map_find(const char *name, pel_color_map *map);
+PEL_API bool pel_color_map_find(const char *name, pel_color_map *map);
 /* The colour at 0 .. 1 (clamped; NaN gives grey) as sRGB. */
-void pel_color_map_sample(pel_color_map map, double at, uint8_t rgb[3]);
+PEL_API void pel_color_map_sample(pel_color_map map, double at, uint8_t rgb[3]);
 
 /* Where the camera stands: degrees around the body, from the front counter-clockwise seen from above, and above its
    horizon (-90 .. 90). It looks at the middle and is as far away as needed to see everything. */
@@ -42,9 +42,9 @@ typedef struct pel_camera_angle {
 } pel_camera_angle;
 
 /* "iso", "front", "back", "left", "right", "top", "bottom"; null past the last. Lives forever. */
-const char *pel_camera_preset_name(int index);
+PEL_API const char *pel_camera_preset_name(int index);
 /* Looks a preset up; false when there is none. */
-bool pel_camera_preset_find(const char *name, pel_camera_angle *angle);
+PEL_API bool pel_camera_preset_find(const char *name, pel_camera_angle *angle);
 
 typedef enum pel_background { PEL_BACKGROUND_WHITE, PEL_BACKGROUND_DARK, PEL_BACKGROUND_TRANSPARENT } pel_background;
 
@@ -90,7 +90,7 @@ typedef struct pel_render_def {
     uint32_t cookie; /* set by pel_render_def_default */
 } pel_render_def;
 
-pel_render_def pel_render_def_default(void);
+PEL_API pel_render_def pel_render_def_default(void);
 
 /* What was drawn. */
 typedef struct pel_render_summary {
@@ -112,7 +112,8 @@ typedef struct pel_render_summary {
    no OpenGL, no font, no ffmpeg), PEL_BAD_FILE and PEL_BAD_FORMAT (missing or damaged frames, NaN in a field with frame
    and vertex, output that cannot be written), PEL_OUT_OF_MEMORY, PEL_STOPPED. A picture or film is written whole or not
    at all. */
-pel_status pel_render(const pel_render_def *def, const pel_log *log, pel_render_summary *summary, pel_error *error);
+PEL_API pel_status pel_render(const pel_render_def *def, const pel_log *log, pel_render_summary *summary,
+                              pel_error *error);
 
 #ifdef __cplusplus
 }

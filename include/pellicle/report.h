@@ -20,7 +20,7 @@ typedef struct pel_report_def {
 } pel_report_def;
 
 /* No page and no folders yet, all fields, 25 000 000 bytes. */
-pel_report_def pel_report_def_default(void);
+PEL_API pel_report_def pel_report_def_default(void);
 
 typedef struct pel_report_summary {
     int64_t size;        /* bytes written */
@@ -33,7 +33,8 @@ typedef struct pel_report_summary {
    left out evenly; the page says which. summary is nullable. Errors: PEL_BAD_ARGUMENT (no folder; a field that a run
    does not have; a single frame is too large), PEL_BAD_FILE (the page is missing; not writable), PEL_BAD_FORMAT (the
    page is of another version), and those of pel_frames_open and pel_frames_read. Nothing is written then. */
-pel_status pel_report_write(const char *path, const pel_report_def *def, pel_report_summary *summary, pel_error *error);
+PEL_API pel_status pel_report_write(const char *path, const pel_report_def *def, pel_report_summary *summary,
+                                    pel_error *error);
 
 #ifdef __cplusplus
 }

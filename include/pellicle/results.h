@@ -32,17 +32,17 @@ typedef struct pel_vtp {
 
 /* Writes a .vtp file (VTK XML PolyData, appended data; Kitware, "VTK XML file formats").
    Errors: PEL_BAD_ARGUMENT (counts, field names), PEL_BAD_FILE (folder missing, disk full), PEL_OUT_OF_MEMORY. */
-pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error);
+PEL_API pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error);
 
 /* Writes the files of a series: memory stays between them, and triangles that stay are encoded and packed once. The
    files are those of pel_vtp_write. For one thread at a time. */
 typedef struct pel_vtp_writer pel_vtp_writer;
 
 /* PEL_OUT_OF_MEMORY. Free with pel_vtp_writer_destroy; null is fine there. */
-pel_status pel_vtp_writer_create(pel_vtp_writer **writer, pel_error *error);
-void pel_vtp_writer_destroy(pel_vtp_writer *writer);
+PEL_API pel_status pel_vtp_writer_create(pel_vtp_writer **writer, pel_error *error);
+PEL_API void pel_vtp_writer_destroy(pel_vtp_writer *writer);
 /* Errors as above; after one the writer can be used again. */
-pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error);
+PEL_API pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error);
 
 /* Reads a .vtp file of one piece as VTK and ParaView write it: arrays as text, in base64 or in the appended section,
    raw or in base64, packed by zlib or not, in either byte order. Polygons are cut into triangles, strips taken apart,
@@ -50,16 +50,16 @@ pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const 
    is none. Memory use is bounded by a multiple of the file's size whatever its head claims. On failure *mesh is null.
    Free with pel_mesh_destroy. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT with the byte offset or element, PEL_OUT_OF_MEMORY.
  */
-pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error);
+PEL_API pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error);
 
 /* The same from memory; `name` stands for the file in messages. */
-pel_status pel_vtp_parse(const char *name, const void *bytes, size_t size, pel_mesh **mesh, double *time,
-                         pel_error *error);
+PEL_API pel_status pel_vtp_parse(const char *name, const void *bytes, size_t size, pel_mesh **mesh, double *time,
+                                 pel_error *error);
 
 /* Writes the collection file that makes ParaView show a series: file_names (frame_count, relative to the .pvd) and
    times (frame_count) [s]. Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
-pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times, int32_t frame_count,
-                         pel_error *error);
+PEL_API pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times,
+                                 int32_t frame_count, pel_error *error);
 
 #ifdef __cplusplus
 }

@@ -57,7 +57,7 @@ typedef struct pel_run_def {
 } pel_run_def;
 
 /* No folder yet, the state is kept every 10 s, everything else off. */
-pel_run_def pel_run_def_default(void);
+PEL_API pel_run_def pel_run_def_default(void);
 
 /* Warnings of a run at most: one of each code. */
 enum { PEL_RUN_WARNING_LIMIT = 14 };
@@ -113,7 +113,7 @@ typedef struct pel_run_summary {
    scene or version); PEL_BAD_ARGUMENT; PEL_OUT_OF_MEMORY; and what pel_model_create and pel_sim_create return (nothing
    is written then). After a failure on the way the remedy names the checkpoint to go on from.
    summary is filled in any case. */
-pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error);
+PEL_API pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error);
 
 #ifdef __cplusplus
 }

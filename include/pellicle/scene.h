@@ -48,31 +48,31 @@ typedef struct pel_scene {
    Errors: PEL_BAD_SCENE with file:line:column (or the override as file) and remedy; PEL_BAD_FILE for the scene itself
    and, at its place in the scene, for a mesh file; what the mesh reader says of the content of a mesh file;
    PEL_OUT_OF_MEMORY. On failure *scene is null. Free with pel_scene_destroy; null is fine there. */
-pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count, const pel_log *log,
-                          pel_scene **scene, pel_error *error);
-void pel_scene_destroy(pel_scene *scene);
+PEL_API pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count,
+                                  const pel_log *log, pel_scene **scene, pel_error *error);
+PEL_API void pel_scene_destroy(pel_scene *scene);
 
 /* The same from text (size bytes); path stands for it in messages and gives the folder of the meshes. */
-pel_status pel_scene_parse(const char *path, const char *text, size_t size, const char *const *overrides,
-                           int32_t override_count, const pel_log *log, pel_scene **scene, pel_error *error);
+PEL_API pel_status pel_scene_parse(const char *path, const char *text, size_t size, const char *const *overrides,
+                                   int32_t override_count, const pel_log *log, pel_scene **scene, pel_error *error);
 
 /* The resolved scene as YAML: all defaults filled in, mesh paths absolute, so that it gives the same scene again from
    any folder, and the same text. Zero-terminated; lives as long as the scene. */
-const char *pel_scene_text(const pel_scene *scene);
+PEL_API const char *pel_scene_text(const pel_scene *scene);
 
 /* Gives an error of pel_model_create or pel_sim_create, which has no file, its place in the scene: that of the body,
    load or tool it names, that of alpha or dt for PEL_UNSTABLE, otherwise the file alone. Other errors stay. */
-void pel_scene_locate(const pel_scene *scene, pel_error *error);
+PEL_API void pel_scene_locate(const pel_scene *scene, pel_error *error);
 
 /* What the table of parameters knows, for people and editors. Each writes to an open file and flushes it.
    Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
 
 /* JSON Schema (draft 7) of scene files, for editors that check and complete while typing. */
-pel_status pel_scene_write_schema(FILE *file, pel_error *error);
+PEL_API pel_status pel_scene_write_schema(FILE *file, pel_error *error);
 /* The reference page of all keys in Markdown. */
-pel_status pel_scene_write_reference(FILE *file, pel_error *error);
+PEL_API pel_status pel_scene_write_reference(FILE *file, pel_error *error);
 /* All paths that --set takes, one a line, with 0 for list elements: for completion in a shell. */
-pel_status pel_scene_write_parameters(FILE *file, pel_error *error);
+PEL_API pel_status pel_scene_write_parameters(FILE *file, pel_error *error);
 
 #ifdef __cplusplus
 }

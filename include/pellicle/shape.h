@@ -93,27 +93,28 @@ typedef struct pel_shape_info {
 } pel_shape_info;
 
 /* Null for a kind that does not exist. */
-const pel_shape_info *pel_shape_info_of(pel_shape_kind kind);
+PEL_API const pel_shape_info *pel_shape_info_of(pel_shape_kind kind);
 
 /* All defaults of that kind. */
-pel_shape_def pel_shape_def_default(pel_shape_kind kind);
+PEL_API pel_shape_def pel_shape_def_default(pel_shape_kind kind);
 
 /* The same by name; PEL_BAD_ARGUMENT names the nearest shape for an unknown one (*def is a geodesic sphere then). */
-pel_status pel_shape_def_of_name(const char *name, pel_shape_def *def, pel_error *error);
+PEL_API pel_status pel_shape_def_of_name(const char *name, pel_shape_def *def, pel_error *error);
 
 /* Sets one parameter of def->kind. The text is a number, "true" or "false", or the name of a choice.
    PEL_BAD_ARGUMENT: unknown key (the remedy names the nearest one), not a number, out of range; def is unchanged then.
  */
-pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, pel_error *error);
+PEL_API pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, pel_error *error);
 /* The same for a value that is a number already (0 or 1 for a BOOLEAN, the index of a CHOICE). */
-pel_status pel_shape_set_number(pel_shape_def *def, const char *key, double value, pel_error *error);
+PEL_API pel_status pel_shape_set_number(pel_shape_def *def, const char *key, double value, pel_error *error);
 /* Writes the value of `parameter` in def as pel_shape_set takes it (as few digits as give the same
    number); 32 bytes are enough. Returns text. */
-const char *pel_shape_get(const pel_shape_def *def, const pel_shape_parameter *parameter, char *text, size_t size);
+PEL_API const char *pel_shape_get(const pel_shape_def *def, const pel_shape_parameter *parameter, char *text,
+                                  size_t size);
 
 /* Makes the mesh. PEL_BAD_ARGUMENT: a def without cookie, a parameter out of range or more than 2^31 / 3 triangles.
    The same def gives the same bits. On failure *mesh is null. Free with pel_mesh_destroy. */
-pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
+PEL_API pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 
 #ifdef __cplusplus
 }

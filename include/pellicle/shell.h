@@ -114,8 +114,8 @@ typedef struct pel_shell_def {
     pel_pressure_def pressure;
 } pel_shell_def;
 
-pel_shell_def pel_shell_def_default(void);
-pel_anisotropy_def pel_anisotropy_def_default(void);
+PEL_API pel_shell_def pel_shell_def_default(void);
+PEL_API pel_anisotropy_def pel_anisotropy_def_default(void);
 
 #ifdef __cplusplus
 }

@@ -85,7 +85,7 @@ typedef struct pel_load_def {
     int32_t key_count;
 } pel_load_def;
 
-pel_load_def pel_load_def_default(void);
+PEL_API pel_load_def pel_load_def_default(void);
 
 typedef enum pel_tool_shape {
     PEL_TOOL_SPHERE,  /* radius */
@@ -137,10 +137,10 @@ typedef struct pel_tool_def {
     double center[3]; /* m, at rest */
 } pel_tool_def;
 
-pel_tool_def pel_tool_def_default(void);
+PEL_API pel_tool_def pel_tool_def_default(void);
 /* The pose (position 3, unit quaternion 4) that the keys of a tool give at a time [s]; before the first key and after
    the last it stands still. */
-void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4]);
+PEL_API void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4]);
 
 /* A support of vertices: holds components of their positions, rigidly or by springs, and the rotation of edges. For the
    methods static and implicit. A pinned or grasped vertex is held by its pin or tool alone. */
@@ -159,7 +159,7 @@ typedef struct pel_support_def {
                           is held in space is clamped, one that slides in a plane of symmetry stays normal to it */
 } pel_support_def;
 
-pel_support_def pel_support_def_default(void);
+PEL_API pel_support_def pel_support_def_default(void);
 
 /* When contacts are solved. */
 typedef enum pel_contact_response {
@@ -213,74 +213,76 @@ typedef struct pel_sim_def {
     uint32_t cookie;
 } pel_sim_def;
 
-pel_sim_def pel_sim_def_default(void);
+PEL_API pel_sim_def pel_sim_def_default(void);
 
 /* Checks everything against the mesh: PEL_UNSTABLE with the limit when alpha or dt is too large, PEL_BAD_ARGUMENT for
    numbers out of range, a load on no vertex, a tool that starts inside a body; with contact: bodies that start
    intersecting (the number of pairs and the first ones are named), a thickness larger than the shortest edge. Free with
    pel_sim_destroy. */
-pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error);
-void pel_sim_destroy(pel_sim *sim);
+PEL_API pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *error);
+PEL_API void pel_sim_destroy(pel_sim *sim);
 
 /* Substeps that PEL_METHOD_XPBD needs on a model at rest: what `substeps = 0` takes as far as max_substeps allows. A
    body that is refined everywhere counts on its finest level. PEL_BAD_ARGUMENT as pel_sim_create, PEL_OUT_OF_MEMORY. */
-pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error);
+PEL_API pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error);
 
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
    was before the step. No memory is allocated; with contact, and by tools under PEL_METHOD_DESCENT, only where a step
    has more pairs than any before, after refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many
    pairs come near, PEL_OUT_OF_MEMORY. */
-pel_status pel_sim_step(pel_sim *sim, pel_error *error);
+PEL_API pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
-double pel_sim_time(const pel_sim *sim);        /* s, step count x dt */
-size_t pel_sim_step_bytes(const pel_sim *sim);  /* bytes that a step has to read and write, each array counted once */
-int64_t pel_sim_step_count(const pel_sim *sim); /* steps done */
-const pel_model *pel_sim_model(const pel_sim *sim);
-double pel_sim_alpha(const pel_sim *sim);       /* the alpha in use; 0 for the explicit method */
-double pel_sim_alpha_limit(const pel_sim *sim); /* the stability limit found for this mesh */
+PEL_API double pel_sim_time(const pel_sim *sim); /* s, step count x dt */
+/* bytes that a step has to read and write, each array counted once */
+PEL_API size_t pel_sim_step_bytes(const pel_sim *sim);
+PEL_API int64_t pel_sim_step_count(const pel_sim *sim); /* steps done */
+PEL_API const pel_model *pel_sim_model(const pel_sim *sim);
+PEL_API double pel_sim_alpha(const pel_sim *sim);       /* the alpha in use; 0 for the explicit method */
+PEL_API double pel_sim_alpha_limit(const pel_sim *sim); /* the stability limit found for this mesh */
 
 /* The surface of a body at present. Without refinement these are the counts and triangles of its mesh. */
-int32_t pel_sim_vertex_count(const pel_sim *sim, int32_t body);
-int32_t pel_sim_triangle_count(const pel_sim *sim, int32_t body);
+PEL_API int32_t pel_sim_vertex_count(const pel_sim *sim, int32_t body);
+PEL_API int32_t pel_sim_triangle_count(const pel_sim *sim, int32_t body);
 /* true when the body has levels of detail */
-bool pel_sim_refines(const pel_sim *sim, int32_t body);
+PEL_API bool pel_sim_refines(const pel_sim *sim, int32_t body);
 /* (triangle_count x 3) rows of their corners; in the order of the mesh, refined triangles replaced by their children */
-void pel_sim_get_triangles(const pel_sim *sim, int32_t body, int32_t *triangles);
+PEL_API void pel_sim_get_triangles(const pel_sim *sim, int32_t body, int32_t *triangles);
 /* (vertex_count x 3) rest position of each row */
-void pel_sim_get_rest_positions(const pel_sim *sim, int32_t body, double *positions);
+PEL_API void pel_sim_get_rest_positions(const pel_sim *sim, int32_t body, double *positions);
 /* (vertex_count) level of detail on which the vertex appears, 0 = of the mesh */
-void pel_sim_get_levels(const pel_sim *sim, int32_t body, int32_t *levels);
+PEL_API void pel_sim_get_levels(const pel_sim *sim, int32_t body, int32_t *levels);
 /* Where each row lies in the body's mesh: triangle (vertex_count) and the weights (vertex_count x 3) of its corners. */
-void pel_sim_get_mesh_places(const pel_sim *sim, int32_t body, int32_t *triangles, double *weights);
+PEL_API void pel_sim_get_mesh_places(const pel_sim *sim, int32_t body, int32_t *triangles, double *weights);
 /* (vertex_count) kg */
-void pel_sim_get_masses(const pel_sim *sim, int32_t body, double *masses);
+PEL_API void pel_sim_get_masses(const pel_sim *sim, int32_t body, double *masses);
 /* Number of events so far that changed a body's surface; while it stays, counts and triangles stay. */
-int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body);
+PEL_API int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body);
 
 /* Asks that the `rings` (of the body's refine def) around a vertex of the mesh be on a level at least, whatever the
    criterion says; level 0 takes that back. PEL_BAD_ARGUMENT for a body without refinement, a vertex or level that does
    not exist, and when the budget would be exceeded (nothing changes then). Allocates nothing. */
-pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t level, pel_error *error);
+PEL_API pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t level, pel_error *error);
 
 /* Copies out for one body: (vertex_count x 3). Velocity is that of the last step. Force is the sum of all forces of
    eq. A-2 and A-4, of the shell and of the loads on each vertex at the present state, contact excluded [N]. */
-void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions);
-void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities);
-void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
+PEL_API void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions);
+PEL_API void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities);
+PEL_API void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
 /* m/s, of the fastest vertex of all bodies in the last step */
-double pel_sim_max_speed(const pel_sim *sim);
+PEL_API double pel_sim_max_speed(const pel_sim *sim);
 /* Elastic energy on each vertex (vertex_count) [J]: half of each spring at it plus its volumetric spring. */
-void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
+PEL_API void pel_sim_get_energies(const pel_sim *sim, int32_t body, double *spring, double *volumetric);
 /* Energies of a shell on each vertex (vertex_count) [J]: a third of membrane, fibres and mid-edge bending of each
    triangle, a quarter of the bending of each hinge at it; zeros when the body is no shell. */
-void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre);
+PEL_API void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending,
+                                        double *fibre);
 /* Force of the body's pressure on each vertex (vertex_count x 3) [N]; zeros without pressure. */
-void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
+PEL_API void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
 /* Virial of springs and shell on each vertex (vertex_count) [J]: half of tension times length of each spring at it, a
    third of that of each triangle of a shell. Over twice the vertex's area this is the mean tension of the net or sheet
    [N/m], positive where it is stretched; the sum over all vertices is the derivative of the energy of springs, membrane
    and fibres by the logarithm of the body's size. */
-void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
+PEL_API void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
 /* A triangle of a shell. Tensors lie in its plane and have the components xx, yy, zz, xy, yz, xz along the axes of
    space: strain and piola_stress in the plane at rest, the others in the present one. Positive moments stretch the
    outer side (that of the normal). Bending follows small strain theory: the moment is that of a plate on the rest
@@ -297,27 +299,27 @@ typedef struct pel_triangle_mechanics {
 } pel_triangle_mechanics;
 
 /* Reads the triangles of a body (triangle_count) in the order of pel_sim_get_triangles; zeros when it is no shell. */
-void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *triangles);
+PEL_API void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *triangles);
 /* Forces of contacts on each vertex (vertex_count x 3) [N], of other bodies, of the body itself and of tools, grasps
    included; a mean over the last step for methods with velocities, else at its end. Over a body the forces of the body
    itself add up to zero, over all bodies those of a tool to the force on it with the other sign, also where vertices
    are pinned. Zeros without contact and tools. */
-void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces);
+PEL_API void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces);
 /* Sum of the forces of other bodies on a body in the last step [N], tools excluded. */
-void pel_sim_get_body_contact(const pel_sim *sim, int32_t body, double force[3]);
+PEL_API void pel_sim_get_body_contact(const pel_sim *sim, int32_t body, double force[3]);
 /* 1 where a tool touches or holds the vertex, or it is in contact with a surface, else 0 (vertex_count). */
-void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
+PEL_API void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
 
 /* Setters between steps. Values are checked like the defs. */
-pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *positions, pel_error *error);
-pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velocities, pel_error *error);
-pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force[3], pel_error *error);
+PEL_API pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *positions, pel_error *error);
+PEL_API pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velocities, pel_error *error);
+PEL_API pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force[3], pel_error *error);
 /* From now on the tool's pose is what the caller sets, not its keys (haptic device, mouse). */
-pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double position[3], const double rotation[4],
-                                 pel_error *error);
+PEL_API pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double position[3], const double rotation[4],
+                                         pel_error *error);
 
-int32_t pel_sim_tool_count(const pel_sim *sim);
-const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool);
+PEL_API int32_t pel_sim_tool_count(const pel_sim *sim);
+PEL_API const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool);
 /* Present pose and what the bodies did to the tool in the last step. */
 typedef struct pel_tool_reading {
     double position[3];
@@ -332,7 +334,7 @@ typedef struct pel_tool_reading {
     int64_t held_back_count; /* steps in which the tool was held back, since the start */
     double held_back_time;   /* s, end of the first of them; 0 = none yet */
 } pel_tool_reading;
-void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
+PEL_API void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *reading);
 
 /* What a body does to its supports: pinned vertices, tools of PEL_TOOL_SUPPORT, and supports of the def.
 
@@ -345,12 +347,12 @@ typedef struct pel_support_reading {
     double torque[3];     /* N m, about the origin */
     int32_t vertex_count; /* vertices pinned or held by them; 0 = the body has no support */
 } pel_support_reading;
-void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *reading);
+PEL_API void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *reading);
 
 /* Supports of the def, one by one: the force along the components that each holds. Zero before the first step. */
-int32_t pel_sim_support_count(const pel_sim *sim);
-const char *pel_sim_support_name(const pel_sim *sim, int32_t support);
-void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading);
+PEL_API int32_t pel_sim_support_count(const pel_sim *sim);
+PEL_API const char *pel_sim_support_name(const pel_sim *sim, int32_t support);
+PEL_API void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading);
 
 /* What contact did and cost, summed over all steps since the start. All zero without contact. */
 typedef struct pel_contact_statistics {
@@ -366,19 +368,19 @@ typedef struct pel_contact_statistics {
     int64_t tangled;                                   /* pairs of triangles that intersect still, at present */
     double find_seconds, solve_seconds, guard_seconds; /* searching, correcting, guarding the end of the step */
 } pel_contact_statistics;
-void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics);
+PEL_API void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics);
 
 /* m, thickness of bodies and tools that have none of their own; 0 without contact */
-double pel_sim_contact_thickness(const pel_sim *sim);
+PEL_API double pel_sim_contact_thickness(const pel_sim *sim);
 
 /* Pairs of triangles of the present surfaces, tools included, that cut each other, by the exact test
    (pel_mesh_self_intersections); spheres and capsules take no part. PEL_OUT_OF_MEMORY. */
-pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);
+PEL_API pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);
 
 /* xpbd: how much further springs and shells stretch than their material, as a share (0.1 = 10 %), because one sweep in
    a substep does not converge. It goes with the square of the substep (docs/shells.md: derivation and measurements), at
    the state of the last look: at the start, every 8 to 32 steps, after refinement. 0 for other methods. */
-double pel_sim_softness(const pel_sim *sim);
+PEL_API double pel_sim_softness(const pel_sim *sim);
 
 /* How the last step of PEL_METHOD_DESCENT, STATIC or IMPLICIT went, and the substeps of position-based methods; zero
    for others. */
@@ -396,14 +398,14 @@ typedef struct pel_solver_reading {
     bool second_order;                     /* xpbd: in use */
     double softness, most_softness;        /* pel_sim_softness, and the largest so far */
 } pel_solver_reading;
-void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
+PEL_API void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 
 /* Of an analysis, after its first step: Hz, or factors of the loads, ascending; values (at most mode_count) may be
    null. Returns their number, 0 before. Modes are drawn with a largest displacement of 5 % of the largest body. */
-int32_t pel_sim_get_modes(const pel_sim *sim, double *values);
-pel_analysis pel_sim_analysis(const pel_sim *sim);
+PEL_API int32_t pel_sim_get_modes(const pel_sim *sim, double *values);
+PEL_API pel_analysis pel_sim_analysis(const pel_sim *sim);
 /* that of the mode that the present state shows; 0 = none */
-double pel_sim_mode_value(const pel_sim *sim);
+PEL_API double pel_sim_mode_value(const pel_sim *sim);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
@@ -419,11 +421,11 @@ typedef struct pel_sim_measures {
     double max_force;                                     /* N, largest vertex force as in pel_sim_get_forces */
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
-void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
+PEL_API void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
 /* volume_ratio alone, without the cost of forces */
-double pel_sim_volume_ratio(const pel_sim *sim);
+PEL_API double pel_sim_volume_ratio(const pel_sim *sim);
 /* true when any body is a shell (membrane, bending, fibres or pressure) */
-bool pel_sim_has_shells(const pel_sim *sim);
+PEL_API bool pel_sim_has_shells(const pel_sim *sim);
 
 /* Energy balance since the start, in J: what went in, what is there, what damping took, and what is left over.
 
@@ -449,19 +451,19 @@ typedef struct pel_sim_ledger {
     double tolerance; /* an energy_error beyond it is worth an alarm: 5 % of supplied, and rounding */
 } pel_sim_ledger;
 /* Works of all steps are summed up as the steps go; the energies are evaluated here. */
-void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);
+PEL_API void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);
 
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
-uint64_t pel_sim_hash(const pel_sim *sim);
+PEL_API uint64_t pel_sim_hash(const pel_sim *sim);
 
 /* Snapshot: everything a later pel_sim_load needs to continue with the same bits, statistics of contact and ledger
    included, in a buffer of pel_sim_save_size bytes (fixed for one sim). Load refuses (PEL_BAD_FORMAT) a snapshot that
    was made with any other number of the defs, and names the parts that differ ("made with other: gravity, tools"); one
    of another version or precision; one that is damaged. The state stays as it was. Only of a forged one, with a right
    checksum and numbers out of range, a part may be loaded before it is refused. */
-size_t pel_sim_save_size(const pel_sim *sim);
-void pel_sim_save(const pel_sim *sim, void *bytes);
-pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);
+PEL_API size_t pel_sim_save_size(const pel_sim *sim);
+PEL_API void pel_sim_save(const pel_sim *sim, void *bytes);
+PEL_API pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);
 
 #ifdef __cplusplus
 }

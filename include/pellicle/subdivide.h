@@ -18,10 +18,10 @@ typedef struct pel_subdivide_def {
 } pel_subdivide_def;
 
 /* One level, clamped fields. */
-pel_subdivide_def pel_subdivide_def_default(void);
+PEL_API pel_subdivide_def pel_subdivide_def_default(void);
 
 /* Subdivides with the defaults above. */
-pel_status pel_mesh_subdivide(const pel_mesh *mesh, int32_t levels, pel_mesh **fine, pel_error *error);
+PEL_API pel_status pel_mesh_subdivide(const pel_mesh *mesh, int32_t levels, pel_mesh **fine, pel_error *error);
 
 /* Subdivides an oriented manifold, with or without boundary, of any valence.
    Numbering: the vertices of the mesh come first, then one vertex per edge in the order of pel_topology's edges, level
@@ -35,8 +35,8 @@ pel_status pel_mesh_subdivide(const pel_mesh *mesh, int32_t levels, pel_mesh **f
 
    Errors: PEL_BAD_ARGUMENT for negative levels and for results beyond memory_limit or 2^31 half-edges, with the
    numbers; PEL_BAD_MESH as pel_topology_create; PEL_OUT_OF_MEMORY. On failure *fine is null. Linear time. */
-pel_status pel_mesh_subdivide_with(const pel_mesh *mesh, const pel_subdivide_def *def, pel_mesh **fine,
-                                   pel_error *error);
+PEL_API pel_status pel_mesh_subdivide_with(const pel_mesh *mesh, const pel_subdivide_def *def, pel_mesh **fine,
+                                           pel_error *error);
 
 #ifdef __cplusplus
 }

@@ -24,8 +24,8 @@ typedef struct pel_topology {
 /* Builds the table in linear time. Refuses (PEL_BAD_MESH with edge or vertex) what is not an oriented manifold with
    boundary: an edge in more than two triangles, two triangles with opposite winding, a vertex whose triangles do not
    form one fan, a triangle with a repeated vertex. Free with pel_topology_destroy. */
-pel_status pel_topology_create(const pel_mesh *mesh, pel_topology **topology, pel_error *error);
-void pel_topology_destroy(pel_topology *topology);
+PEL_API pel_status pel_topology_create(const pel_mesh *mesh, pel_topology **topology, pel_error *error);
+PEL_API void pel_topology_destroy(pel_topology *topology);
 
 static inline int32_t pel_half_edge_next(int32_t h)
 {

@@ -10,7 +10,7 @@ import sys
 root = pathlib.Path(sys.argv[1])
 headers = "\n".join(path.read_text() for path in sorted((root / "include/pellicle").glob("*.h")))
 # a function that creates something returns a status and has an out-pointer
-creators = re.findall(r"^pel_status (pel_\w+)\([^;]*\*\*[^;]*\);", headers, re.M)
+creators = re.findall(r"^PEL_API pel_status (pel_\w+)\([^;]*\*\*[^;]*\);", headers, re.M)
 tests = [path.read_text() for path in (root / "tests").rglob("test_*.c")]
 tested = "\n".join(text for text in tests if "for_every_allocation_failure(" in text)
 missing = [name for name in creators if not re.search(rf"\b{name}\(", tested)]

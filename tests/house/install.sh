@@ -23,21 +23,36 @@ outside() {
 outside press "$source/examples/press"
 outside core "$source/tests/house/outside"
 "$place/core/outside"
+outside core-shared "$source/tests/house/outside" -DSHARED=ON
 
 export PKG_CONFIG_PATH="$place/prefix/lib/pkgconfig"
 [ -f "$PKG_CONFIG_PATH/pellicle.pc" ] || fail "no pellicle.pc in lib/pkgconfig"
 [ "$(pkg-config --modversion pellicle)" = "$(sed -n 's/.*PEL_VERSION "\(.*\)"/\1/p' "$source/include/pellicle/base.h")" ] ||
     fail "pellicle.pc and base.h have different versions"
-# shellcheck disable=SC2046
-for form in "" --static; do
-    "$CC" "$source/examples/press/main.c" $(pkg-config $form --cflags --libs pellicle) -o "$place/press-c"
-    "$CXX" "$source/tests/house/outside/core.cpp" $(pkg-config $form --cflags --libs pellicle) -o "$place/core-cxx"
+# the shared library, and the archive without it
+export LD_LIBRARY_PATH="$place/prefix/lib"
+for package in pellicle pellicle-static; do
+    # shellcheck disable=SC2046
+    "$CC" "$source/examples/press/main.c" $(pkg-config --cflags --libs $package) -o "$place/press-$package"
+    # shellcheck disable=SC2046
+    "$CXX" "$source/tests/house/outside/core.cpp" $(pkg-config --cflags --libs $package) -o "$place/core-$package"
+    "$place/core-$package"
 done
-"$place/core-cxx"
+soname=$(sed -n 's/.*PEL_VERSION "\([0-9]*\.[0-9]*\)\..*"/libpellicle.so.\1/p' "$source/include/pellicle/base.h")
+# output kept: grep -q would end the pipe early
+readelf -d "$place/press-pellicle" >"$place/needed"
+grep -qF "[$soname]" "$place/needed" || fail "the program of pkg-config pellicle does not need $soname"
+readelf -d "$place/press-pellicle-static" >"$place/needed"
+! grep -qF libpellicle "$place/needed" || fail "the program of pkg-config pellicle-static needs libpellicle.so"
+"$place/core-shared/outside"
+readelf -d "$place/core-shared/outside" >"$place/needed"
+grep -qF "[$soname]" "$place/needed" || fail "the program of pellicle::shared does not need $soname"
 
-# both builds of the example print the same: a force at the deepest point (line 4), none at the end (line 12)
+# all builds of the example print the same: a force at the deepest point (line 4), none at the end (line 12)
 "$place/press/press" | tee "$place/press.txt"
-"$place/press-c" | cmp - "$place/press.txt"
+for package in pellicle pellicle-static; do
+    "$place/press-$package" | cmp - "$place/press.txt"
+done
 awk '/force/ { force[NR] = $7 } END { exit !(NR == 12 && force[4] > 0 && force[12] == 0) }' "$place/press.txt" ||
     fail "the force on the ball does not rise and fall"
 

@@ -8,7 +8,7 @@ import re
 import sys
 import tempfile
 
-TREES = ("src", "cli", "view", "include", "examples", "bench")
+TREES = ("src", "cli", "view", "python", "include", "examples", "bench")
 # outer libraries and the folders that may use them
 OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "cli", "view"},
          "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"}}

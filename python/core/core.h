@@ -1,0 +1,109 @@
+/* The extension module pellicle._core: simulations for Python, against the limited API, so that one binary serves
+   Python 3.11 and later. Arrays come in and go out through the buffer protocol; numpy is not needed to build it. What
+   users call is the package around it (python/pellicle), which checks, names and documents arguments; the checks here
+   make sure that no call, however wrong, reads or writes beyond an array. */
+#ifndef PELLICLE_PYTHON_CORE_H
+#define PELLICLE_PYTHON_CORE_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include <string.h>
+
+#include <pellicle/pellicle.h>
+#include <pellicle/scene.h>
+
+/* ---- error.c: pel_error as a Python exception ---- */
+
+extern PyObject *core_error; /* pellicle.Error */
+PyObject *core_make_error_class(void);
+/* raises pellicle.Error (MemoryError for PEL_OUT_OF_MEMORY); returns null */
+PyObject *core_raise(const pel_error *error);
+
+/* ---- array.c ---- */
+
+/* A view of the array `object`, which has to be C-contiguous, of that type ('d' double, 'i' int32) and have `count`
+   numbers (-1: any number). Errors name the argument: TypeError for another type, ValueError else. Release with
+   PyBuffer_Release. */
+int core_get_array(PyObject *object, const char *name, char type, Py_ssize_t count, int is_written, Py_buffer *view);
+/* -1 and ValueError unless a view has this shape: (rows), or (rows, columns) with more than one column */
+int core_check_shape(const Py_buffer *view, const char *name, Py_ssize_t rows, Py_ssize_t columns);
+/* a new numpy array of that type and shape */
+PyObject *core_new_array(char type, Py_ssize_t rows, Py_ssize_t columns);
+/* imports what core_new_array needs; -1 with an exception */
+int core_import_numpy(void);
+/* -1 and an exception unless the number of arguments is right */
+int core_check_count(const char *name, Py_ssize_t given, Py_ssize_t wanted);
+/* An int within least .. most, or -1 with an exception that names the argument. */
+int core_get_index(PyObject *object, const char *name, int64_t least, int64_t most, int32_t *index);
+/* a bytearray of that size, zeros; null with MemoryError */
+PyObject *core_new_bytes(size_t size, void **bytes);
+
+/* ---- record.c: C structs as dicts ---- */
+
+typedef enum core_kind { CORE_DOUBLE, CORE_INT32, CORE_INT64, CORE_BOOL } core_kind;
+typedef struct core_member {
+    const char *name;
+    core_kind kind;
+    size_t offset;
+    int count; /* of an array; 1 = a single number */
+} core_member;
+#define CORE_MEMBER(type, member, kind)                                                                                \
+    {                                                                                                                  \
+#member, kind, offsetof(type, member), 1                                                                       \
+    }
+#define CORE_ARRAY(type, member, kind, count)                                                                          \
+    {                                                                                                                  \
+#member, kind, offsetof(type, member), count                                                                   \
+    }
+PyObject *core_record(const void *record, const core_member *members, size_t count);
+
+/* ---- mesh.c ---- */
+
+extern PyMethodDef core_mesh_methods[];
+
+/* ---- scene.c ---- */
+
+typedef struct core_scene {
+    PyObject_HEAD pel_scene *scene;
+    pel_model *model; /* made when asked for first */
+    int is_busy;      /* a model is being made without the GIL */
+} core_scene;
+extern PyTypeObject *core_scene_type;
+extern PyType_Spec core_scene_spec;
+extern PyMethodDef core_run_methods[];
+
+/* ---- sim.c ---- */
+
+typedef struct core_sim {
+    PyObject_HEAD pel_sim *sim;
+    core_scene *owner; /* of the model; kept alive */
+    PyObject *names;   /* dict of the bodies: name -> number */
+    int32_t load_count;
+    pel_potential *potential; /* made when asked for first */
+    int is_busy;              /* it works without the GIL: other threads have to wait */
+} core_sim;
+extern PyTypeObject *core_sim_type;
+extern PyType_Spec core_sim_spec;
+/* -1 and RuntimeError while another thread uses the simulation */
+int core_sim_check(core_sim *self);
+/* The number of a body given by name or number; -1 with an exception, also where core_sim_check fails. */
+int32_t core_sim_body(core_sim *self, PyObject *body);
+/* a tuple of (name, type, components, is on triangles): what `get` can fill, in its order */
+PyObject *core_array_table(void);
+
+/* ---- sim_change.c: methods of a simulation that change it, or look at it elsewhere ---- */
+
+PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+PyObject *core_sim_set_load(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+PyObject *core_sim_set_tool(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+#if __has_include(<pellicle/live.h>)
+#define CORE_IS_LIVE /* parameters change while a simulation runs */
+PyObject *core_sim_set_parameter(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+#endif
+PyObject *core_sim_save(core_sim *self, PyObject *unused);
+PyObject *core_sim_load(core_sim *self, PyObject *snapshot);
+PyObject *core_sim_evaluate(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+PyObject *core_sim_hessian(core_sim *self, PyObject *positions);
+
+#endif

@@ -1,0 +1,425 @@
+/* A simulation: steps, and what can be read from it. */
+#include "core.h"
+
+#include <time.h>
+
+PyTypeObject *core_sim_type;
+
+static void sim_free(core_sim *self)
+{
+    PyTypeObject *type = Py_TYPE((PyObject *)self);
+    pel_potential_destroy(self->potential);
+    pel_sim_destroy(self->sim);
+    Py_XDECREF((PyObject *)self->owner);
+    Py_XDECREF(self->names);
+    freefunc release = (freefunc)PyType_GetSlot(type, Py_tp_free);
+    release(self);
+    Py_DECREF((PyObject *)type);
+}
+
+int core_sim_check(core_sim *self)
+{
+    if (!self->is_busy)
+        return 0;
+    PyErr_SetString(PyExc_RuntimeError, "another thread uses this simulation: give each thread one of its own");
+    return -1;
+}
+
+int32_t core_sim_body(core_sim *self, PyObject *body)
+{
+    int32_t number;
+    if (core_sim_check(self) < 0)
+        return -1;
+    int64_t last = (int64_t)pel_model_body_count(pel_sim_model(self->sim)) - 1;
+    if (!PyUnicode_Check(body))
+        return core_get_index(body, "body", 0, last, &number) < 0 ? -1 : number;
+    PyObject *found = PyDict_GetItemWithError(self->names, body);
+    if (found != NULL)
+        return (int32_t)PyLong_AsLong(found);
+    if (!PyErr_Occurred())
+        PyErr_Format(PyExc_KeyError, "body: %R is none of %S", body, self->names);
+    return -1;
+}
+
+/* ---- steps ---- */
+
+/* s between looks for Ctrl-C */
+#define LOOK_SECONDS 0.05
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static PyObject *sim_step(core_sim *self, PyObject *argument)
+{
+    int32_t count;
+    if (core_get_index(argument, "n", 0, INT32_MAX, &count) < 0 || core_sim_check(self) < 0)
+        return NULL;
+    pel_error error;
+    pel_status status = PEL_OK;
+    int stopped = 0;
+    self->is_busy = 1;
+    while (count > 0 && status == PEL_OK && !stopped) {
+        Py_BEGIN_ALLOW_THREADS double until = seconds() + LOOK_SECONDS;
+        do
+            status = pel_sim_step(self->sim, &error);
+        while (--count > 0 && status == PEL_OK && seconds() < until);
+        Py_END_ALLOW_THREADS stopped = PyErr_CheckSignals() < 0;
+    }
+    self->is_busy = 0;
+    if (stopped)
+        return NULL;
+    if (status != PEL_OK) {
+        pel_scene_locate(self->owner->scene, &error);
+        return core_raise(&error);
+    }
+    return Py_NewRef(Py_None);
+}
+
+/* ---- arrays ---- */
+
+typedef void pel_getter(core_sim *self, int32_t body, void *out);
+
+#define GETTER(name, type)                                                                                             \
+    static void get_##name(core_sim *self, int32_t body, void *out)                                                    \
+    {                                                                                                                  \
+        pel_sim_get_##name(self->sim, body, (type *)out);                                                              \
+    }
+GETTER(positions, double)
+GETTER(velocities, double)
+GETTER(forces, double)
+GETTER(pressure_forces, double)
+GETTER(contact_forces, double)
+GETTER(contacts, double)
+GETTER(rest_positions, double)
+GETTER(masses, double)
+GETTER(spring_virials, double)
+GETTER(triangles, int32_t)
+GETTER(levels, int32_t)
+
+typedef struct sim_array {
+    const char *name;
+    pel_getter *get;
+    char type;
+    int components, on_triangles;
+} sim_array;
+
+#define ARRAY(name, type, components, on_triangles)                                                                    \
+    {                                                                                                                  \
+#name, get_##name, type, components, on_triangles                                                              \
+    }
+static const sim_array arrays[] = {
+    ARRAY(positions, 'd', 3, 0),       ARRAY(velocities, 'd', 3, 0),     ARRAY(forces, 'd', 3, 0),
+    ARRAY(pressure_forces, 'd', 3, 0), ARRAY(contact_forces, 'd', 3, 0), ARRAY(contacts, 'd', 1, 0),
+    ARRAY(rest_positions, 'd', 3, 0),  ARRAY(masses, 'd', 1, 0),         ARRAY(spring_virials, 'd', 1, 0),
+    ARRAY(triangles, 'i', 3, 1),       ARRAY(levels, 'i', 1, 0),
+};
+enum { ARRAY_COUNT = sizeof arrays / sizeof *arrays };
+
+PyObject *core_array_table(void)
+{
+    PyObject *table = PyTuple_New(ARRAY_COUNT);
+    for (int i = 0; table != NULL && i < ARRAY_COUNT; i++) {
+        PyObject *row = Py_BuildValue("sCiO", arrays[i].name, arrays[i].type, arrays[i].components,
+                                      arrays[i].on_triangles ? Py_True : Py_False);
+        if (row == NULL || PyTuple_SetItem(table, i, row) < 0)
+            Py_CLEAR(table);
+    }
+    return table;
+}
+
+/* get(number of the array, body, array to fill or None) */
+static PyObject *sim_get(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    int32_t which;
+    Py_buffer view;
+    if (core_check_count("get", count, 3) < 0 || core_get_index(arguments[0], "array", 0, ARRAY_COUNT - 1, &which) < 0)
+        return NULL;
+    int32_t body = core_sim_body(self, arguments[1]);
+    if (body < 0)
+        return NULL;
+    const sim_array *array = &arrays[which];
+    Py_ssize_t rows =
+        array->on_triangles ? pel_sim_triangle_count(self->sim, body) : pel_sim_vertex_count(self->sim, body);
+    PyObject *out =
+        arguments[2] == Py_None ? core_new_array(array->type, rows, array->components) : Py_NewRef(arguments[2]);
+    if (out == NULL || core_get_array(out, "out", array->type, -1, 1, &view) < 0) {
+        Py_XDECREF(out);
+        return NULL;
+    }
+    if (core_check_shape(&view, "out", rows, array->components) < 0)
+        Py_CLEAR(out);
+    else
+        array->get(self, body, view.buf);
+    PyBuffer_Release(&view);
+    return out;
+}
+
+/* energies(body, out): rows of spring, volumetric, membrane, bending and fibre energy (5 x vertex_count) */
+static PyObject *sim_energies(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    Py_buffer view;
+    int32_t body = core_check_count("energies", count, 2) < 0 ? -1 : core_sim_body(self, arguments[0]);
+    if (body < 0)
+        return NULL;
+    Py_ssize_t rows = pel_sim_vertex_count(self->sim, body);
+    if (core_get_array(arguments[1], "out", 'd', 5 * rows, 1, &view) < 0)
+        return NULL;
+    double *out = view.buf;
+    memset(out, 0, (size_t)view.len);
+    pel_sim_get_energies(self->sim, body, out, out + rows);
+    if (pel_sim_has_shells(self->sim))
+        pel_sim_get_shell_energies(self->sim, body, out + 2 * rows, out + 3 * rows, out + 4 * rows);
+    PyBuffer_Release(&view);
+    return Py_NewRef(arguments[1]);
+}
+
+/* mechanics(body, out): the numbers of pel_triangle_mechanics (triangle_count x 30) */
+static PyObject *sim_mechanics(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    Py_buffer view;
+    const Py_ssize_t numbers = sizeof(pel_triangle_mechanics) / sizeof(double);
+    int32_t body = core_check_count("mechanics", count, 2) < 0 ? -1 : core_sim_body(self, arguments[0]);
+    if (body < 0 ||
+        core_get_array(arguments[1], "out", 'd', numbers * pel_sim_triangle_count(self->sim, body), 1, &view) < 0)
+        return NULL;
+    memset(view.buf, 0, (size_t)view.len);
+    if (pel_sim_has_shells(self->sim))
+        pel_sim_get_mechanics(self->sim, body, view.buf);
+    PyBuffer_Release(&view);
+    return Py_NewRef(arguments[1]);
+}
+
+/* counts(body): vertices, triangles, revision of the surface */
+static PyObject *sim_counts(core_sim *self, PyObject *argument)
+{
+    int32_t body = core_sim_body(self, argument);
+    if (body < 0)
+        return NULL;
+    return Py_BuildValue("iiL", (int)pel_sim_vertex_count(self->sim, body),
+                         (int)pel_sim_triangle_count(self->sim, body),
+                         (long long)pel_sim_surface_revision(self->sim, body));
+}
+
+/* ---- records ---- */
+
+#define MEASURE(member, kind) CORE_MEMBER(pel_sim_measures, member, kind)
+static const core_member measure_members[] = {
+    MEASURE(volume_ratio, CORE_DOUBLE),      MEASURE(least_volume_ratio, CORE_DOUBLE),
+    MEASURE(area_ratio, CORE_DOUBLE),        MEASURE(kinetic_energy, CORE_DOUBLE),
+    MEASURE(elastic_energy, CORE_DOUBLE),    MEASURE(spring_energy, CORE_DOUBLE),
+    MEASURE(volumetric_energy, CORE_DOUBLE), MEASURE(membrane_energy, CORE_DOUBLE),
+    MEASURE(bending_energy, CORE_DOUBLE),    MEASURE(fibre_energy, CORE_DOUBLE),
+    MEASURE(max_displacement, CORE_DOUBLE),  MEASURE(max_force, CORE_DOUBLE),
+    MEASURE(vertex_count, CORE_INT64),       MEASURE(triangle_count, CORE_INT64),
+    MEASURE(contact_count, CORE_INT64),
+};
+
+#define LEDGER(member) CORE_MEMBER(pel_sim_ledger, member, CORE_DOUBLE)
+static const core_member ledger_members[] = {
+    LEDGER(work_tools),    LEDGER(work_loads),    LEDGER(work_pressure),   LEDGER(work_gravity),
+    LEDGER(work_material), LEDGER(work_setters),  LEDGER(elastic),         LEDGER(kinetic),
+    LEDGER(elastic_start), LEDGER(kinetic_start), LEDGER(dissipated_drag), LEDGER(dissipated_solver),
+    LEDGER(energy_error),  LEDGER(supplied),      LEDGER(tolerance),
+};
+
+#define SOLVER(member, kind) CORE_MEMBER(pel_solver_reading, member, kind)
+static const core_member solver_members[] = {
+    SOLVER(solves, CORE_BOOL),           SOLVER(iterations, CORE_INT32),     SOLVER(evaluations, CORE_INT32),
+    SOLVER(energy, CORE_DOUBLE),         SOLVER(residual, CORE_DOUBLE),      SOLVER(converged, CORE_BOOL),
+    SOLVER(substeps, CORE_INT32),        SOLVER(least_substeps, CORE_INT32), SOLVER(most_substeps, CORE_INT32),
+    SOLVER(needed_substeps, CORE_INT32), SOLVER(second_order, CORE_BOOL),    SOLVER(softness, CORE_DOUBLE),
+    SOLVER(most_softness, CORE_DOUBLE),
+};
+
+#define CONTACT(member, kind) CORE_MEMBER(pel_contact_statistics, member, kind)
+static const core_member contact_members[] = {
+    CONTACT(candidates, CORE_INT64),     CONTACT(passed_filter, CORE_INT64), CONTACT(passed_hull, CORE_INT64),
+    CONTACT(cubics, CORE_INT64),         CONTACT(contacts, CORE_INT64),      CONTACT(dropped, CORE_INT64),
+    CONTACT(rounds, CORE_INT64),         CONTACT(fall_backs, CORE_INT64),    CONTACT(tools_held, CORE_INT64),
+    CONTACT(tangled, CORE_INT64),        CONTACT(find_seconds, CORE_DOUBLE), CONTACT(solve_seconds, CORE_DOUBLE),
+    CONTACT(guard_seconds, CORE_DOUBLE),
+};
+
+#define TOOL(member, kind) CORE_MEMBER(pel_tool_reading, member, kind)
+static const core_member tool_members[] = {
+    CORE_ARRAY(pel_tool_reading, position, CORE_DOUBLE, 3),
+    CORE_ARRAY(pel_tool_reading, rotation, CORE_DOUBLE, 4),
+    CORE_ARRAY(pel_tool_reading, force, CORE_DOUBLE, 3),
+    CORE_ARRAY(pel_tool_reading, torque, CORE_DOUBLE, 3),
+    TOOL(contact_count, CORE_INT32),
+    TOOL(held_count, CORE_INT32),
+    TOOL(is_held_back, CORE_BOOL),
+    TOOL(lost_count, CORE_INT64),
+    TOOL(lost_time, CORE_DOUBLE),
+    TOOL(held_back_count, CORE_INT64),
+    TOOL(held_back_time, CORE_DOUBLE),
+};
+
+static const core_member support_members[] = {
+    CORE_ARRAY(pel_support_reading, force, CORE_DOUBLE, 3),
+    CORE_ARRAY(pel_support_reading, torque, CORE_DOUBLE, 3),
+    CORE_MEMBER(pel_support_reading, vertex_count, CORE_INT32),
+};
+
+#define RECORD(record, members) core_record(record, members, sizeof members / sizeof *members)
+
+static PyObject *sim_measure(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    pel_sim_measures measures;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    pel_sim_measure(self->sim, &measures);
+    return RECORD(&measures, measure_members);
+}
+
+static PyObject *sim_ledger(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    pel_sim_ledger ledger;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    pel_sim_get_ledger(self->sim, &ledger);
+    return RECORD(&ledger, ledger_members);
+}
+
+static PyObject *sim_solver(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    pel_solver_reading reading;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    pel_sim_get_solver(self->sim, &reading);
+    return RECORD(&reading, solver_members);
+}
+
+static PyObject *sim_contact(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    pel_contact_statistics statistics;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    pel_sim_get_contact_statistics(self->sim, &statistics);
+    return RECORD(&statistics, contact_members);
+}
+
+static PyObject *sim_tool(core_sim *self, PyObject *argument)
+{
+    int32_t tool;
+    pel_tool_reading reading;
+    if (core_sim_check(self) < 0 ||
+        core_get_index(argument, "tool", 0, (int64_t)pel_sim_tool_count(self->sim) - 1, &tool) < 0)
+        return NULL;
+    pel_sim_get_tool(self->sim, tool, &reading);
+    return RECORD(&reading, tool_members);
+}
+
+/* the reaction of all supports of a body */
+static PyObject *sim_support(core_sim *self, PyObject *argument)
+{
+    pel_support_reading reading;
+    int32_t body = core_sim_body(self, argument);
+    if (body < 0)
+        return NULL;
+    pel_sim_get_support(self->sim, body, &reading);
+    return RECORD(&reading, support_members);
+}
+
+/* names of the tools */
+static PyObject *sim_tools(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    PyObject *names = PyTuple_New(pel_sim_tool_count(self->sim));
+    for (int32_t t = 0; names != NULL && t < pel_sim_tool_count(self->sim); t++) {
+        PyObject *name = PyUnicode_FromString(pel_sim_tool_name(self->sim, t));
+        if (name == NULL || PyTuple_SetItem(names, t, name) < 0)
+            Py_CLEAR(names);
+    }
+    return names;
+}
+
+/* time, steps, alpha, its limit, contact thickness */
+static PyObject *sim_state(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    return Py_BuildValue("dLddd", pel_sim_time(self->sim), (long long)pel_sim_step_count(self->sim),
+                         pel_sim_alpha(self->sim), pel_sim_alpha_limit(self->sim),
+                         pel_sim_contact_thickness(self->sim));
+}
+
+static PyObject *sim_time(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    return core_sim_check(self) < 0 ? NULL : PyFloat_FromDouble(pel_sim_time(self->sim));
+}
+
+static PyObject *sim_hash(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    return core_sim_check(self) < 0 ? NULL : PyLong_FromUnsignedLongLong(pel_sim_hash(self->sim));
+}
+
+static PyObject *sim_intersections(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    int64_t count;
+    pel_error error;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    if (pel_sim_intersections(self->sim, &count, &error) != PEL_OK)
+        return core_raise(&error);
+    return PyLong_FromLongLong(count);
+}
+
+#define CHANGE(name, flags)                                                                                            \
+    {                                                                                                                  \
+#name, (PyCFunction)(void (*)(void))core_sim_##name, flags, NULL                                               \
+    }
+#define METHOD(name, flags)                                                                                            \
+    {                                                                                                                  \
+#name, (PyCFunction)(void (*)(void))sim_##name, flags, NULL                                                    \
+    }
+static PyMethodDef methods[] = {
+#ifdef CORE_IS_LIVE
+    CHANGE(set_parameter, METH_FASTCALL),
+#endif
+    METHOD(step, METH_O),
+    METHOD(get, METH_FASTCALL),
+    METHOD(energies, METH_FASTCALL),
+    METHOD(counts, METH_O),
+    METHOD(measure, METH_NOARGS),
+    METHOD(mechanics, METH_FASTCALL),
+    METHOD(ledger, METH_NOARGS),
+    METHOD(solver, METH_NOARGS),
+    METHOD(contact, METH_NOARGS),
+    METHOD(tool, METH_O),
+    METHOD(support, METH_O),
+    METHOD(tools, METH_NOARGS),
+    METHOD(state, METH_NOARGS),
+    METHOD(time, METH_NOARGS),
+    METHOD(hash, METH_NOARGS),
+    METHOD(intersections, METH_NOARGS),
+    CHANGE(set, METH_FASTCALL),
+    CHANGE(set_load, METH_FASTCALL),
+    CHANGE(set_tool, METH_FASTCALL),
+    CHANGE(save, METH_NOARGS),
+    CHANGE(load, METH_O),
+    CHANGE(evaluate, METH_FASTCALL),
+    CHANGE(hessian, METH_O),
+    {NULL, NULL, 0, NULL},
+};
+static PyType_Slot slots[] = {
+    {Py_tp_dealloc, (void *)sim_free},
+    {Py_tp_methods, methods},
+    {0, NULL},
+};
+PyType_Spec core_sim_spec = {"pellicle._core.Sim", sizeof(core_sim), 0,
+                             Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION, slots};

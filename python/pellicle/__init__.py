@@ -1,0 +1,42 @@
+"""Soft tissue and thin shells on triangle meshes.
+
+    import pellicle
+    sim = pellicle.load_scene("scenes/balloon.yaml")
+    sim.step(100)
+    sim.positions("balloon")        # (vertex_count, 3)
+
+docs/python.md is the guide.
+"""
+
+from . import _core
+from ._core import Error
+from ._fields import FIELDS as _FIELDS
+from .mesh import Mesh
+from .results import Frame, Frames, Run, read_run, run
+from .simulation import Scene, Simulation, load_scene
+
+__version__: str = _core.version()
+
+#: Names that `Simulation.field` takes.
+field_names: tuple[str, ...] = tuple(_FIELDS)
+
+
+def kernels() -> str:
+    """Instructions in use: "avx2" or "baseline". The results do not depend on it (PELLICLE_KERNELS=baseline takes the second)."""
+    return _core.kernels()
+
+
+__all__ = [
+    "Error",
+    "Frame",
+    "Frames",
+    "Mesh",
+    "Run",
+    "Scene",
+    "Simulation",
+    "field_names",
+    "kernels",
+    "load_scene",
+    "read_run",
+    "run",
+]

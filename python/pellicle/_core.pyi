@@ -1,0 +1,29 @@
+"""Types of the extension module; not for users."""
+
+from typing import Any, Optional
+
+class Error(RuntimeError):
+    """What Pellicle refuses, or what failed."""
+
+    status: str
+    what: str
+    remedy: Optional[str]
+    file: Optional[str]
+    line: Optional[int]
+    column: Optional[int]
+    element_kind: Optional[str]
+    element_name: Optional[str]
+    element: Optional[int]
+
+ARRAYS: tuple[tuple[str, str, int, bool], ...]
+
+class Scene:
+    def __init__(self, path: str, text: Optional[str], overrides: tuple[str, ...], notes: list[str], /) -> None: ...
+    def __getattr__(self, name: str) -> Any: ...
+
+class Sim:
+    def __getattr__(self, name: str) -> Any: ...
+
+def version() -> str: ...
+def kernels() -> str: ...
+def __getattr__(name: str) -> Any: ...

@@ -1,0 +1,448 @@
+"""Scenes and simulations."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from typing import Any, Mapping, Optional, Union
+
+import numpy as np
+
+from . import _core, _fields
+from ._arrays import from_bytes, numbers, room
+from .mesh import Mesh, PathLike
+
+Source = Union[PathLike, Mapping[str, Any]]
+_NUMBER = {row[0]: number for number, row in enumerate(_core.ARRAYS)}
+_POSITIONS = _NUMBER["positions"]
+
+
+def _plain(value: Any) -> Any:
+    """numpy's numbers and arrays as JSON takes them"""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"scene: a {type(value).__name__} cannot stand in a scene")
+
+
+def _override(path: str, value: Any) -> str:
+    if not isinstance(path, str):
+        raise TypeError("overrides: paths must be texts such as 'bodies.ball.membrane.young'")
+    return f"{path}={value if isinstance(value, str) else json.dumps(value, default=_plain)}"
+
+
+def _keep_meshes(spec: Any, folder: str, place: str) -> Any:
+    """A copy of a scene's dict in which each Mesh stands as a file in `folder`."""
+    if isinstance(spec, Mesh):
+        path = os.path.join(folder, f"{place}.ply")
+        spec.write(path)
+        return {"file": path}
+    if isinstance(spec, Mapping):
+        return {key: _keep_meshes(value, folder, f"{place}-{key}".strip("-")) for key, value in spec.items()}
+    if isinstance(spec, (list, tuple)):
+        return [_keep_meshes(value, folder, f"{place}-{number}") for number, value in enumerate(spec)]
+    return spec
+
+
+def _has_mesh(spec: Any) -> bool:
+    if isinstance(spec, Mapping):
+        return any(map(_has_mesh, spec.values()))
+    return isinstance(spec, Mesh) or isinstance(spec, (list, tuple)) and any(map(_has_mesh, spec))
+
+
+class Scene:
+    """A scene that was read and checked: bodies, solver, loads, tools and output.
+
+    Parameters
+    ----------
+    source : path or mapping
+        A scene file, or a dict with the keys of one (docs/reference/scene.md). Where a file has
+        ``mesh: { file: ... }`` the dict may hold a `Mesh`. ``duration`` may be left out of a dict that is stepped by hand.
+    overrides : mapping of str to value, optional
+        Changes such as ``{"solver.dt": 0.001, "bodies.ball.membrane.young": 2e4}``.
+
+    Attributes
+    ----------
+    title : str
+    bodies, loads : tuple of str
+    duration, dt : float
+        [s]
+    notes : tuple of str
+        What was changed while meshes were read.
+
+    Raises
+    ------
+    Error
+        An unknown key, a value out of range, a mesh that cannot be read; with file, line, column and remedy.
+
+    Notes
+    -----
+    The model (topology, masses, materials) is made once; all simulations of a scene share it, in any number of threads.
+    """
+
+    def __init__(self, source: Source, overrides: Optional[Mapping[str, Any]] = None) -> None:
+        self._source = source
+        self._overrides = dict(overrides or {})
+        notes: list[str] = []
+        texts = tuple(_override(path, value) for path, value in self._overrides.items())
+        if isinstance(source, Mapping):
+            self._core = _parse(source, texts, notes)
+        else:
+            self._core = _core.Scene(os.fspath(source), None, texts, notes)
+        info = self._core.info()
+        self.title: str = info["title"]
+        self.bodies: tuple[str, ...] = info["bodies"]
+        self.loads: tuple[str, ...] = info["loads"]
+        self.duration: float = info["duration"]
+        self.dt: float = info["dt"]
+        self.notes: tuple[str, ...] = tuple(notes)
+
+    def text(self) -> str:
+        """The scene as YAML with all defaults written out."""
+        return self._core.text()
+
+    def prepare(self) -> "Scene":
+        """Make the model now; before threads make simulations of one scene."""
+        self._core.prepare()
+        return self
+
+    def simulation(self, threads: int = 0, **solver: Any) -> "Simulation":
+        """A new simulation of the scene's model.
+
+        Parameters
+        ----------
+        threads : int
+            Threads of a step; 0: all processors. The results do not depend on it. Use 1 where many simulations run at once.
+        **solver
+            Keys of ``solver`` that are different in this simulation: ``scene.simulation(dt=0.001)``.
+        """
+        if not isinstance(threads, int) or not 0 <= threads < 2**15:
+            raise ValueError("threads: must be an integer within 0 .. 32767")
+        self._core.prepare()
+        other = self
+        if solver:
+            other = Scene(self._source, {**self._overrides, **{f"solver.{key}": value for key, value in solver.items()}})
+        return Simulation(self, self._core.simulation(other._core, threads))
+
+    def __repr__(self) -> str:
+        return f"<Scene {self.title!r}: {', '.join(self.bodies)}>"
+
+
+def _parse(source: Mapping[str, Any], overrides: tuple[str, ...], notes: list[str]) -> Any:
+    """A scene from a dict; meshes pass through files, which keep every bit."""
+    spec = {"version": 1, **({} if "stop" in source else {"duration": 1}), **source}
+    if not _has_mesh(spec):
+        return _core.Scene("scene", json.dumps(spec, default=_plain, indent=1), overrides, notes)
+    with tempfile.TemporaryDirectory(prefix="pellicle-") as folder:
+        spec = _keep_meshes(spec, folder, "")
+        return _core.Scene("scene", json.dumps(spec, default=_plain, indent=1), overrides, notes)
+
+
+def load_scene(
+    path: Source, overrides: Optional[Mapping[str, Any]] = None, threads: int = 0
+) -> "Simulation":
+    """A simulation of a scene file (or dict): ``Scene(path, overrides).simulation(threads)``."""
+    return Scene(path, overrides).simulation(threads)
+
+
+class Simulation:
+    """A state of a model under loads and tools, made by `Scene.simulation` or `load_scene`.
+
+    Bodies are given by name or number, in the order of the scene. Arrays are float64 copies with a row for each vertex, in
+    the order of the body's mesh; with ``out=`` an array of yours is filled. The model keeps vertices in another order,
+    so that a view without a copy is not possible; a copy of 10,000 vertices takes about 30 us.
+
+    A simulation is used by one thread at a time, and steps leave other Python threads free. Calls from a second thread
+    during a step raise RuntimeError.
+    """
+
+    def __init__(self, scene: Scene, core: Any) -> None:
+        self.scene = scene
+        self._core = core
+
+    # ---- names ----
+
+    @staticmethod
+    def _find(name: Union[int, str], names: tuple[str, ...], what: str) -> int:
+        if isinstance(name, str):
+            if name in names:
+                return names.index(name)
+            raise KeyError(f"{what}: {name!r} is none of {', '.join(map(repr, names)) or 'none'}")
+        return name
+
+    # ---- time ----
+
+    def step(self, n: int = 1) -> None:
+        """Do `n` steps of ``dt``.
+
+        Raises
+        ------
+        Error
+            The state diverged; the state is that before the failing step.
+        """
+        self._core.step(n)
+
+    def run_until(self, time: float) -> None:
+        """Step until the simulated time [s] is reached."""
+        remaining = (float(time) - self.time) / self.scene.dt
+        if not np.isfinite(remaining):
+            raise ValueError("time: must be finite")
+        self._core.step(max(0, int(np.ceil(remaining - 1e-9))))
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._core.time()
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return self._core.state()[1]
+
+    @property
+    def hash(self) -> int:
+        """64-bit hash of time, positions and velocities: equal for equal bits."""
+        return self._core.hash()
+
+    # ---- arrays ----
+
+    def positions(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Positions (vertex_count, 3) [m]."""
+        return self._core.get(_POSITIONS, body, out)
+
+    def velocities(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Velocities in the last step (vertex_count, 3) [m/s]."""
+        return self._core.get(_NUMBER["velocities"], body, out)
+
+    def forces(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Forces of springs, shell, pressure, damping, loads and gravity on the vertices (vertex_count, 3) [N]; no contact."""
+        return self._core.get(_NUMBER["forces"], body, out)
+
+    def rest_positions(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Positions at rest (vertex_count, 3) [m]."""
+        return self._core.get(_NUMBER["rest_positions"], body, out)
+
+    def masses(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Masses (vertex_count,) [kg]."""
+        return self._core.get(_NUMBER["masses"], body, out)
+
+    def triangles(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Corners of the present triangles (triangle_count, 3), int32."""
+        return self._core.get(_NUMBER["triangles"], body, out)
+
+    def mesh(self, body: Union[int, str] = 0) -> Mesh:
+        """The present surface of a body."""
+        return Mesh(self.positions(body), self.triangles(body))
+
+    def set_positions(self, positions: Any, body: Union[int, str] = 0) -> None:
+        """Put the vertices of a body (vertex_count, 3) [m]; velocities stay."""
+        shape = (self._core.counts(body)[0], 3)
+        self._core.set(0, body, numbers(positions, "positions", shape))
+
+    def set_velocities(self, velocities: Any, body: Union[int, str] = 0) -> None:
+        """Set the velocities of a body (vertex_count, 3) [m/s]."""
+        shape = (self._core.counts(body)[0], 3)
+        self._core.set(1, body, numbers(velocities, "velocities", shape))
+
+    def field(self, body: Union[int, str], name: str, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """A vertex field by its name: (vertex_count,) or (vertex_count, k).
+
+        `field_names` lists them; docs/reference/scene.md (output.fields) says what they are and their units.
+        """
+        values = _fields.observe(self, body, name)
+        if out is None:
+            return values
+        np.copyto(room(out, values.shape), values)
+        return out
+
+    # ---- loads and tools ----
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Names of the loads."""
+        return self.scene.loads
+
+    @property
+    def tools(self) -> tuple[str, ...]:
+        """Names of the tools."""
+        return self._core.tools()
+
+    def set_load(self, load: Union[int, str], force: Any) -> None:
+        """Set the force [N] of a load, from the next step on."""
+        number = self._find(load, self.loads, "load")
+        self._core.set_load(number, numbers(force, "force", (3,)))
+
+    def set_tool(self, tool: Union[int, str], position: Any, rotation: Any = (0, 0, 0, 1)) -> None:
+        """Put a tool at a position [m] and unit quaternion (x, y, z, w) in the next step; its keys are not used any more."""
+        number = self._find(tool, self.tools, "tool")
+        pose = np.concatenate([numbers(position, "position", (3,)), numbers(rotation, "rotation", (4,))])
+        self._core.set_tool(number, pose)
+
+    def tool(self, tool: Union[int, str]) -> dict[str, Any]:
+        """Pose of a tool, force [N] and torque [N m] on it in the last step, vertices touched and held."""
+        return self._core.tool(self._find(tool, self.tools, "tool"))
+
+    def support(self, body: Union[int, str] = 0) -> dict[str, Any]:
+        """Force [N] and torque [N m] of a body on its pins and supports."""
+        return self._core.support(body)
+
+    def set(self, path: str, value: Any) -> None:
+        """Set a parameter by its path in the scene: ``sim.set("bodies.ball.membrane.young", 2e4)``.
+
+        The force of a named load (``loads.finger.force``) changes at any time. Everything else is set before the first
+        step, and remakes the simulation with the new value.
+
+        Raises
+        ------
+        Error
+            A path that does not exist, a value out of range, or a parameter that cannot change after the first step.
+        """
+        if hasattr(self._core, "set_parameter"):
+            self._core.set_parameter(*_override(path, value).split("=", 1))
+            return
+        parts = path.split(".") if isinstance(path, str) else []
+        if len(parts) == 3 and parts[0] == "loads" and parts[2] == "force" and parts[1] in self.loads:
+            self.set_load(parts[1], value)
+            return
+        override = {**self.scene._overrides, path: value}
+        scene = Scene(self.scene._source, override)
+        if self.steps > 0:
+            error = _core.Error(f"{path} is set before the first step. set it on a simulation that has not been stepped")
+            error.status, error.what, error.remedy = "bad argument", str(error), "set it before the first step"
+            raise error
+        positions = [self.positions(body) for body in range(len(self.scene.bodies))]
+        moved = [(positions[b] != self.rest_positions(b)).any() for b in range(len(positions))]
+        other = scene.simulation()
+        for body, is_moved in enumerate(moved):
+            if is_moved:
+                other.set_positions(positions[body], body)
+        self.__init__(scene, other._core)  # type: ignore[misc]
+
+    # ---- numbers ----
+
+    def summary(self) -> dict[str, Any]:
+        """Time, steps, hash and the measures of the present state: energies [J], volume and area over those at rest,
+        largest displacement [m] and force [N]."""
+        time, steps, alpha, alpha_limit, thickness = self._core.state()
+        return {
+            "time": time,
+            "steps": steps,
+            "state_hash": f"{self._core.hash():016x}",
+            "alpha": alpha,
+            "alpha_limit": alpha_limit,
+            "contact_thickness": thickness,
+            **self._core.measure(),
+        }
+
+    def ledger(self) -> dict[str, float]:
+        """Energy balance since the start [J]: works, energies, dissipation and what is left over (docs/results.md)."""
+        return self._core.ledger()
+
+    def solver(self) -> dict[str, Any]:
+        """How the last step went: iterations, residual [N], whether it converged, substeps."""
+        return self._core.solver()
+
+    def contacts(self) -> dict[str, Any]:
+        """What contact did since the start: pairs, contacts, rounds, seconds. All zero without contact."""
+        return self._core.contact()
+
+    def intersections(self) -> int:
+        """Pairs of triangles of all bodies and tools that cut each other at present, by the exact test."""
+        return self._core.intersections()
+
+    # ---- snapshots ----
+
+    def save(self) -> bytes:
+        """Everything that `load` needs to continue with the same bits."""
+        return self._core.save()
+
+    def load(self, snapshot: bytes) -> None:
+        """Take the state of a snapshot of a simulation with the same scene.
+
+        Raises
+        ------
+        Error
+            A snapshot that is damaged or of another scene; the state stays as it was.
+        """
+        if not isinstance(snapshot, bytes):
+            raise TypeError("snapshot: must be bytes, as Simulation.save gives them")
+        self._core.load(snapshot)
+
+    # ---- potential ----
+
+    def _x(self, x: Any) -> np.ndarray:
+        if x is None:
+            return np.concatenate([self.positions(body) for body in range(len(self.scene.bodies))])
+        count = sum(self._core.counts(body)[0] for body in range(len(self.scene.bodies)))
+        if isinstance(x, np.ndarray) and x.shape == (3 * count,):
+            x = x.reshape(count, 3)
+        return numbers(x, "x", (count, 3))
+
+    def energy(self, x: Any = None) -> float:
+        """Potential energy [J] of the bodies at the positions `x` of all of them, one after the other; None: the present.
+
+        Elastic energy, conservative pressure, gravity and loads, at the present time; no contact, tools or damping.
+
+        Parameters
+        ----------
+        x : array_like, (vertex_count, 3) or (3 vertex_count,)
+            [m]
+        """
+        return self._core.evaluate(self._x(x), None)
+
+    def gradient(self, x: Any = None, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Derivative of `energy` by the positions (vertex_count, 3) [N]: minus the forces."""
+        x = self._x(x)
+        out = room(out, x.shape)
+        self._core.evaluate(x, out)
+        return out
+
+    def hessian(self, x: Any = None, parts: bool = False) -> Any:
+        """Second derivative of `energy` as a scipy CSR matrix (3 vertex_count, 3 vertex_count) [N/m], exact.
+
+        Parameters
+        ----------
+        parts : bool
+            An enclosed gas, or a volume that is driven, adds a product c g g^T over a whole body, which would be dense.
+            With True the result is (matrix, c, g) with c (k,) and g (k, 3 vertex_count); without, such scenes are refused.
+
+        Raises
+        ------
+        Error
+            Bending of the model midedge, which has unknowns beside the positions; a body that refines.
+        """
+        from scipy.sparse import csr_matrix
+
+        starts, columns, values, coefficients, gradients = self._core.hessian(self._x(x))
+        starts = from_bytes(starts, np.int32, -1)
+        rows = len(starts) - 1
+        matrix = csr_matrix(
+            (from_bytes(values, np.float64, -1), from_bytes(columns, np.int32, -1), starts), shape=(rows, rows)
+        )
+        coefficients = from_bytes(coefficients, np.float64, -1)
+        if parts:
+            return matrix, coefficients, from_bytes(gradients, np.float64, len(coefficients), rows)
+        if coefficients.any():
+            raise _core.Error("an enclosed gas or driven volume adds a dense part to the Hessian. use hessian(parts=True)")
+        return matrix
+
+    # ---- pictures ----
+
+    def show(self, path: Optional[PathLike] = None) -> Any:
+        """The present state as a page: shown in a notebook; elsewhere written to `path` (pellicle.html by default)."""
+        from . import notebook
+
+        return notebook.show_simulation(self, path)
+
+    def _repr_html_(self) -> str:
+        from . import notebook
+
+        return notebook.simulation_html(self)
+
+    def __repr__(self) -> str:
+        bodies = ", ".join(f"{name} ({self._core.counts(b)[0]})" for b, name in enumerate(self.scene.bodies))
+        return f"<Simulation of {bodies} at {self.time:.6g} s>"

@@ -1,0 +1,25 @@
+# Tests of the Python package: tests/python/test_NAME.py is the test python/NAME. Registered where the package is built and
+# numpy is there.
+if(NOT TARGET pellicle_python OR PELLICLE_SANITIZE MATCHES "thread")
+    return()
+endif()
+execute_process(COMMAND ${PELLICLE_PYTHON_PROGRAM} -c "import numpy" RESULT_VARIABLE NO_NUMPY ERROR_QUIET)
+if(NO_NUMPY)
+    message(STATUS "no numpy: the Python package is not tested")
+    return()
+endif()
+set(PYTHON_ENVIRONMENT "PYTHONPATH=${PROJECT_BINARY_DIR}/python:${CMAKE_CURRENT_SOURCE_DIR}/python;PYTHONDONTWRITEBYTECODE=1")
+# a module with sanitizers needs their runtime before Python's own allocations, which are never freed
+if(PELLICLE_SANITIZE MATCHES "address")
+    execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=libasan.so OUTPUT_VARIABLE ASAN OUTPUT_STRIP_TRAILING_WHITESPACE)
+    execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=libstdc++.so OUTPUT_VARIABLE STDCXX OUTPUT_STRIP_TRAILING_WHITESPACE)
+    list(APPEND PYTHON_ENVIRONMENT "LD_PRELOAD=${ASAN}:${STDCXX}" "ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1"
+         "PYTHONMALLOC=malloc")
+endif()
+file(GLOB PYTHON_TESTS CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/test_*.py)
+foreach(source ${PYTHON_TESTS})
+    get_filename_component(name ${source} NAME_WE)
+    string(REGEX REPLACE "^test_" "" name ${name})
+    add_test(NAME python/${name} COMMAND ${PELLICLE_PYTHON_PROGRAM} ${source} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    set_tests_properties(python/${name} PROPERTIES ENVIRONMENT "${PYTHON_ENVIRONMENT}" TIMEOUT 600)
+endforeach()
