@@ -141,7 +141,7 @@ pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffnes
 /* Before each step: the target [m], and the point follows until spring and surface balance. */
 pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error);
 void pel_drag_get(const pel_drag *drag, pel_drag_reading *reading);
-/* Lets go and frees the drag, whatever is returned. */
+/* Lets go and frees the drag, whatever is returned; after PEL_OUT_OF_MEMORY its tool stays, but holds nothing. */
 pel_status pel_drag_end(pel_drag *drag, pel_error *error);
 
 /* ---- snapshots ---- */
