@@ -31,6 +31,10 @@
     {                                                                                                                  \
         PEL_PART_##PART, PEL_MEMBER_MESH, offsetof(def, name), 0, NULL, 0                                              \
     }
+#define TEXT(def, name)                                                                                                \
+    {                                                                                                                  \
+        PEL_PART_SAME, PEL_MEMBER_TEXT, offsetof(def, name), 0, NULL, 0                                                \
+    }
 #define OTHER(def, name)                                                                                               \
     {                                                                                                                  \
         PEL_PART_SAME, PEL_MEMBER_OTHER, offsetof(def, name), 0, NULL, 0                                               \
@@ -120,8 +124,8 @@ static const pel_member refinement[] = {
     END,
 };
 
-static const pel_member body[] = {
-    OTHER(pel_body_def, name),
+const pel_member pel_body_members[] = {
+    TEXT(pel_body_def, name),
     MESH(pel_body_def, mesh, MESH),
     PLAIN(pel_body_def, mass_kind, MASS),
     PLAIN(pel_body_def, mass, MASS),
@@ -144,7 +148,7 @@ static const pel_member body[] = {
 };
 
 const pel_member pel_model_members[] = {
-    DEFS(pel_model_def, bodies, MESH, body_count, body),
+    DEFS(pel_model_def, bodies, MESH, body_count, pel_body_members),
     OTHER(pel_model_def, body_count),
     PLAIN(pel_model_def, gravity, GRAVITY),
     OTHER(pel_model_def, cookie),
@@ -162,7 +166,7 @@ static const pel_member solver[] = {
 };
 
 static const pel_member load[] = {
-    OTHER(pel_load_def, name),
+    TEXT(pel_load_def, name),
     PLAIN(pel_load_def, body, SAME),
     PLAIN(pel_load_def, kind, SAME),
     PLAIN(pel_load_def, force, SAME),
@@ -177,7 +181,7 @@ static const pel_member load[] = {
 };
 
 static const pel_member tool[] = {
-    OTHER(pel_tool_def, name),
+    TEXT(pel_tool_def, name),
     PLAIN(pel_tool_def, shape, SAME),
     PLAIN(pel_tool_def, radius, SAME),
     PLAIN(pel_tool_def, half_length, SAME),
@@ -202,7 +206,7 @@ static const pel_member tool[] = {
 };
 
 static const pel_member support[] = {
-    OTHER(pel_support_def, name),
+    TEXT(pel_support_def, name),
     PLAIN(pel_support_def, body, SAME),
     LIST(pel_support_def, vertices, SAME, vertex_count),
     OTHER(pel_support_def, vertex_count),
@@ -298,7 +302,7 @@ static void add_behind(pel_fingerprint *fingerprint, const pel_member *member, c
 
 static void add_members(pel_fingerprint *fingerprint, const pel_member *members, const char *def, place outer)
 {
-    if (members == body)
+    if (members == pel_body_members)
         outer.mesh = ((const pel_body_def *)(const void *)def)->mesh;
     for (const pel_member *member = members; member->form != PEL_MEMBER_END; member++) {
         place at = {member->part == PEL_PART_SAME ? outer.part : member->part, outer.mesh};
@@ -306,7 +310,7 @@ static void add_members(pel_fingerprint *fingerprint, const pel_member *members,
             pel_fingerprint_add_bytes(fingerprint, at.part, def + member->offset, member->size);
         else if (member->form == PEL_MEMBER_DEF)
             add_members(fingerprint, member->members, def + member->offset, at);
-        else if (member->form != PEL_MEMBER_OTHER)
+        else if (member->form != PEL_MEMBER_OTHER && member->form != PEL_MEMBER_TEXT)
             add_behind(fingerprint, member, def, at);
     }
 }

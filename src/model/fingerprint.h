@@ -45,6 +45,7 @@ typedef enum pel_member_form {
     PEL_MEMBER_LIST,  /* nullable pointer to as many elements of `size` bytes as the count says, plain or defs */
     PEL_MEMBER_FIELD, /* nullable pointer to a double for each vertex of the body's mesh */
     PEL_MEMBER_MESH,  /* nullable pointer to a mesh: positions and triangles */
+    PEL_MEMBER_TEXT,  /* nullable name; decides nothing */
     PEL_MEMBER_OTHER  /* decides nothing, or is the count of a list */
 } pel_member_form;
 
@@ -57,8 +58,8 @@ typedef struct pel_member {
     size_t count_offset;              /* of lists: int32_t */
 } pel_member;
 
-/* of a pel_model_def and a pel_sim_def */
-extern const pel_member pel_model_members[], pel_sim_members[];
+/* of a pel_model_def, its bodies, and a pel_sim_def */
+extern const pel_member pel_model_members[], pel_body_members[], pel_sim_members[];
 
 /* Adds the members of a valid def of such a table. */
 void pel_fingerprint_add(pel_fingerprint *fingerprint, const pel_member *members, const void *def);

@@ -489,6 +489,18 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
     return PEL_OK;
 }
 
+/* what the model was made from, for those who make one with other numbers */
+static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error *error)
+{
+    model->def = *def;
+    pel_status status = pel_def_copy(&model->copies, pel_model_members, &model->def, error);
+    /* the bodies are a copy of this model: it may write to them */
+    pel_body_def *bodies = (pel_body_def *)(uintptr_t)model->def.bodies;
+    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
+        bodies[b].mesh = model->bodies[b].mesh;
+    return status;
+}
+
 pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error)
 {
     PEL_REFUSE_NULL(def, error);
@@ -512,6 +524,8 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
             build_end(&builds[b]);
         for (int32_t b = 0; status == PEL_OK && b < def->body_count; b++)
             made->bodies[b].rest_volume = rest_volume(made->bodies[b].mesh);
+        if (status == PEL_OK)
+            status = keep_def(made, def, error);
     }
     pel_free(builds);
     if (status == PEL_OK)
@@ -534,6 +548,7 @@ void pel_model_destroy(pel_model *model)
             pel_free(model->bodies[b].curves[p].keys);
     }
     pel_model_free_arrays(model);
+    pel_copies_free(&model->copies);
     pel_free(model->bodies);
     pel_free(model);
 }

@@ -9,6 +9,7 @@
 #define PEL_MODEL_MODEL_H
 
 #include "base/wide.h"
+#include "model/def_copy.h"
 #include "model/fingerprint.h"
 #include "pellicle/model.h"
 #include "subdivide/front.h"
@@ -73,6 +74,8 @@ struct pel_model {
     pel_body *bodies;
     double gravity[3];
     pel_fingerprint fingerprint; /* of the def */
+    pel_model_def def;           /* a copy with the bodies' own meshes; empty in an active model */
+    pel_copies copies;           /* what it points to */
 
     int32_t vertex_count; /* padded, all bodies */
     int32_t slice_count;

@@ -78,6 +78,14 @@ int32_t pel_sim_tool_count(const pel_sim *sim)
     return sim->tool_count;
 }
 
+int32_t pel_sim_find_tool(const pel_sim *sim, const char *name)
+{
+    for (int32_t t = 0; t < sim->tool_count; t++)
+        if (strcmp(sim->tools[t].name, name) == 0)
+            return t;
+    return -1;
+}
+
 const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool)
 {
     if (sim == NULL || tool < 0 || tool >= sim->tool_count)

@@ -216,9 +216,9 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
         status = pel_contact_surface_create(sim, error);
     if (status == PEL_OK)
         status = allocate_guard(sim, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK && !sim->goes_on)
         status = pel_tangles_find(sim, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK && !sim->goes_on)
         status = pel_tangles_refuse(sim, error);
     if (status == PEL_OK)
         grow_tools(sim);

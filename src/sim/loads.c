@@ -199,9 +199,6 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     pel_load *load = &sim->loads[index];
     const pel_body *body = &sim->model->bodies[def->body];
     int32_t count = def->vertices != NULL ? def->vertex_count : body->mesh->vertex_count;
-    if (def->weights != NULL)
-        pel_fingerprint_add_bytes(&sim->fingerprint, PEL_PART_LOADS, def->weights,
-                                  (size_t)count * sizeof *def->weights);
     snprintf(load->name, sizeof load->name, "%s", def->name != NULL ? def->name : "");
     memcpy(load->force, def->force, sizeof load->force);
     load->body = def->body;
@@ -238,6 +235,22 @@ pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t coun
     for (int32_t i = 0; status == PEL_OK && i < count; i++)
         status = create_load(sim, &defs[i], i, error);
     return status;
+}
+
+pel_status pel_load_retime(pel_sim *sim, int32_t index, const pel_load_def *def, pel_error *error)
+{
+    pel_load_def *own = (pel_load_def *)(uintptr_t)sim->def.loads + index;
+    pel_load *load = &sim->loads[index];
+    pel_status status = check_load(sim, def, index, error);
+    if (status != PEL_OK)
+        return status;
+    *own = *def;
+    memcpy(load->force, def->force, sizeof load->force);
+    load->from = def->from;
+    load->until = def->until;
+    sim->force_is_present = false;
+    pel_sim_take_fingerprint(sim);
+    return PEL_OK;
 }
 
 void pel_loads_destroy(pel_sim *sim)
@@ -315,6 +328,8 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
             inside &= push(sim, v, gain, scale * full);
         }
     }
+    for (int32_t v = 0; sim->external != NULL && v < sim->model->vertex_count; v++)
+        inside &= push(sim, v, gain, sim->model->inverse_mass[v] * sim->external[v]);
     for (int32_t b = 0; has_gravity(sim->model) && b < sim->model->body_count; b++)
         inside &= apply_gravity(sim, &sim->model->bodies[b], gain);
     return inside;
@@ -331,6 +346,8 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
         for (int32_t i = 0; i < load->vertex_count; i++)
             force[load->vertices[i]] += (pel_real)load->weights[i] * full;
     }
+    for (int32_t v = 0; sim->external != NULL && v < sim->model->vertex_count; v++)
+        force[v] += sim->external[v];
     if (has_gravity(sim->model)) {
         pel_record gravity = record_of(sim->model->gravity);
         for (int32_t v = 0; v < sim->model->vertex_count; v++)
@@ -363,5 +380,8 @@ double pel_loads_work(const pel_sim *sim, double from, double to)
         }
         work += factor * pel_vec3_dot(load->force, shift);
     }
+    for (int32_t v = 0; sim->external != NULL && v < sim->model->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            work += (double)sim->external[v][c] * ((double)state->position_next[v][c] - (double)state->position[v][c]);
     return work;
 }

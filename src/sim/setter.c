@@ -89,6 +89,8 @@ pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force
         return pel_fail(error, PEL_BAD_ARGUMENT, "force of load %d is not finite", (int)load);
     sim->force_is_present = false;
     memcpy(sim->loads[load].force, force, sizeof sim->loads[load].force);
+    /* the copy of this sim; changes to come start from it */
+    memcpy((double *)(uintptr_t)sim->def.loads[load].force, force, sizeof sim->def.loads[load].force);
     return PEL_OK;
 }
 

@@ -7,8 +7,7 @@
 
 #include <string.h>
 
-/* keyed material numbers at the time of the step */
-static void update_factors(pel_sim *sim, double time)
+void pel_sim_update_factors(pel_sim *sim, double time)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
@@ -79,7 +78,7 @@ static pel_status solve(pel_sim *sim, double next, double *longest, pel_error *e
 {
     const pel_stepper *stepper = sim->stepper;
     pel_step_result result = {0};
-    update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
+    pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
     pel_status status = stepper->step(sim, &result, error);
     /* nothing bounds how far some methods go: what tools look for goes by the new edges */
     if (status == PEL_OK && !result.diverged && !stepper->bounds_motion && sim->tool_count > 0)
@@ -155,7 +154,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     if (status != PEL_OK)
         return status;
     /* substeps go by the stiffness at this time */
-    update_factors(sim, pel_sim_time(sim));
+    pel_sim_update_factors(sim, pel_sim_time(sim));
     pel_parts_begin(sim);
     while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
         status = step_part(sim, error);

@@ -236,6 +236,10 @@ typedef struct pel_contact_forces {
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
     const pel_model *given;
+    pel_model *own_model;      /* the given one, where a change has made it; else null */
+    pel_sim_def def;           /* what it was made from, with the changes since */
+    pel_copies copies;         /* what that points to */
+    bool goes_on;              /* made to go on from a state: nothing is checked of a start at rest */
     pel_refined_model *active; /* null = no body refines */
     pel_refine_body *refine;   /* (body_count) null as well */
     pel_state *state;
@@ -257,6 +261,7 @@ struct pel_sim {
     pel_fingerprint fingerprint;   /* of the model and the def, in snapshots */
     pel_load *loads;
     int32_t load_count;
+    pel_record *external;      /* (vertex_count) N, forces of the caller; null = none so far */
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
     double edge_load_work; /* J, in the step */
@@ -288,6 +293,7 @@ struct pel_sim {
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
     pel_ledger ledger;
     pel_sim_parts parts;
+    struct pel_picker *picker; /* (pick.h) null = no ray was cast */
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)
@@ -353,6 +359,8 @@ void pel_substeps_destroy(pel_sim *sim);
 void pel_substeps_follow(pel_sim *sim);
 /* After a snapshot was loaded; false when its numbers are out of range. */
 bool pel_substeps_restore(pel_sim *sim);
+/* The count and the tallies of a simulation that goes on as another one; the next step looks again. */
+void pel_substeps_carry(const pel_sim *from, pel_sim *to);
 /* the remedy of a run that diverged because xpbd is too soft */
 void pel_substeps_remedy(const pel_sim *sim, pel_error *error);
 void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading);
@@ -409,6 +417,9 @@ double pel_loads_work(const pel_sim *sim, double from, double to);
 void pel_loads_update(pel_sim *sim, int32_t body);
 /* The same for all places, after a snapshot was loaded. */
 void pel_loads_rebuild(pel_sim *sim, int32_t body);
+
+/* Takes force and times of a def that differs in no other member, if they are right. PEL_BAD_ARGUMENT. */
+pel_status pel_load_retime(pel_sim *sim, int32_t load, const pel_load_def *def, pel_error *error);
 
 /* ---- contact_force.c ---- */
 /* After tools, before contacts. PEL_OUT_OF_MEMORY. */
@@ -472,6 +483,29 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 /* ---- snapshot.c ---- */
 /* Makes the checksum of a snapshot that of its bytes, for tests of damage. */
 void pel_snapshot_seal(void *bytes, size_t size);
+/* Takes the state of a simulation over to one of the same surfaces that was just made with other numbers. Tools are the
+   same that have the same name; others stand at their keys. PEL_OUT_OF_MEMORY. */
+pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error);
+
+/* ---- forces.c: forces of the caller ---- */
+/* Makes room for them, or takes them away. PEL_OUT_OF_MEMORY: nothing is changed. */
+pel_status pel_sim_make_forces(pel_sim *sim, bool has_forces, pel_error *error);
+
+/* ---- own_def.c ---- */
+/* Makes what a def points to copies of their own, but for meshes. PEL_OUT_OF_MEMORY. */
+pel_status pel_sim_def_copy(pel_copies *copies, pel_sim_def *def, pel_error *error);
+/* The fingerprint of the present defs. */
+void pel_sim_take_fingerprint(pel_sim *sim);
+
+/* ---- sim_create.c ---- */
+/* What a def asks for, in a sim that is empty but for goes_on; to be released also on failure. */
+pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error);
+/* Frees all that is in it. */
+void pel_sim_release(pel_sim *sim);
+
+/* ---- sim.c ---- */
+/* keyed material numbers at a time */
+void pel_sim_update_factors(pel_sim *sim, double time);
 
 /* ---- refine.c ---- */
 pel_status pel_refine_create(pel_sim *sim, pel_error *error);
@@ -515,6 +549,11 @@ const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
 /* ---- tool_create.c ---- */
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error);
 void pel_tools_destroy(pel_sim *sim);
+/* Takes the numbers of the grasp of a def that differs in no other member, if they are right. PEL_BAD_ARGUMENT. */
+pel_status pel_tool_regrasp(pel_sim *sim, int32_t tool, const pel_tool_def *def, pel_error *error);
+
+/* its number, -1 = there is none of that name */
+int32_t pel_sim_find_tool(const pel_sim *sim, const char *name);
 
 /* ---- tools.c ---- */
 /* Begins a step: poses wanted at `time`, what tools grasp and release. The tools stand at their wanted poses. */
@@ -547,6 +586,8 @@ void pel_tools_read(pel_sim *sim, double time);
 void pel_tools_update(pel_sim *sim, int32_t body);
 
 /* ---- tool_start.c ---- */
+/* PEL_BAD_ARGUMENT for a tool that is in a body at present. */
+pel_status pel_tool_check_start(pel_sim *sim, int32_t index, pel_error *error);
 /* true when a point lies inside a closed body */
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 

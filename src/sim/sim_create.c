@@ -5,6 +5,7 @@
 #include "sim/contact.h"
 #include "sim/edge_load.h"
 #include "sim/hold.h"
+#include "sim/pick.h"
 #include "sim/step_modes.h"
 #include "sim/tool_solid.h"
 
@@ -121,10 +122,23 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     return status;
 }
 
-static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+/* a copy of the def, for changes; meshes of tools are those of the sim */
+static pel_status keep_def(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
+    sim->def = *def;
+    pel_status status = pel_sim_def_copy(&sim->copies, &sim->def, error);
+    pel_tool_def *tools = (pel_tool_def *)(uintptr_t)sim->def.tools;
+    for (int32_t t = 0; status == PEL_OK && t < def->tool_count; t++)
+        tools[t].mesh = sim->tools[t].mesh;
+    return status;
+}
+
+pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+{
+    pel_status status = check_def(def, error);
+    if (status != PEL_OK)
+        return status;
     sim->model = sim->given = def->model;
-    sim->fingerprint = def->model->fingerprint;
     sim->solver = def->solver;
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_substeps_configure(sim, def);
@@ -143,7 +157,7 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     sim->force = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *sim->force);
     if (sim->force == NULL)
         return pel_fail_memory(error);
-    pel_status status = start_threads(sim, def->thread_count, error);
+    status = start_threads(sim, def->thread_count, error);
     if (status == PEL_OK)
         status = pel_state_create(sim->model, pel_sim_has_velocity(sim), &sim->state, error);
     if (status == PEL_OK)
@@ -185,7 +199,9 @@ static pel_status build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_parts_create(sim, error);
     if (status == PEL_OK)
-        pel_fingerprint_add(&sim->fingerprint, pel_sim_members, def);
+        status = keep_def(sim, def, error);
+    if (status == PEL_OK)
+        pel_sim_take_fingerprint(sim);
     return status;
 }
 
@@ -194,13 +210,10 @@ pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *erro
     PEL_REFUSE_NULL(def, error);
     PEL_REFUSE_NULL(sim, error);
     *sim = NULL;
-    pel_status status = check_def(def, error);
-    if (status != PEL_OK)
-        return status;
     pel_sim *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
-    status = build(made, def, error);
+    pel_status status = pel_sim_build(made, def, error);
     if (status == PEL_OK)
         *sim = made;
     else
@@ -208,10 +221,11 @@ pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *erro
     return status;
 }
 
-void pel_sim_destroy(pel_sim *sim)
+void pel_sim_release(pel_sim *sim)
 {
-    if (sim == NULL)
-        return;
+    pel_copies_free(&sim->copies);
+    pel_picker_destroy(sim->picker);
+    pel_free(sim->external);
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
     pel_free(sim->collisions);
@@ -235,6 +249,14 @@ void pel_sim_destroy(pel_sim *sim)
     pel_free(sim->force);
     pel_free(sim->chunk_longest);
     pel_pool_destroy(sim->pool);
+    pel_model_destroy(sim->own_model);
+}
+
+void pel_sim_destroy(pel_sim *sim)
+{
+    if (sim == NULL)
+        return;
+    pel_sim_release(sim);
     pel_free(sim);
 }
 

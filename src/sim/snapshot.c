@@ -1,6 +1,7 @@
 /* Snapshots: a header with the fingerprint of the model and sim that it was made with and a checksum, then all that the
    steps to come depend on. The size is fixed for one sim, so that it can be written without allocation. */
 #include "base/hash.h"
+#include "base/memory.h"
 #include "base/status.h"
 #include "model/shell.h"
 #include "sim/contact.h"
@@ -11,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 7 };
+enum { SNAPSHOT_VERSION = 8 };
 
 typedef struct header {
     char magic[8];
@@ -19,7 +20,8 @@ typedef struct header {
     uint64_t size; /* bytes of the whole */
     pel_fingerprint fingerprint;
     int64_t step;
-    uint64_t checksum; /* of the whole, with 0 in its place */
+    uint64_t has_forces; /* of the caller */
+    uint64_t checksum;   /* of the whole, with 0 in its place */
 } header;
 
 static uint64_t hash_double(uint64_t hash, double value)
@@ -67,27 +69,6 @@ static void transfer(cursor *at, void *data, size_t size)
     else if (at->bytes != NULL)
         memcpy(at->bytes + at->at, data, size);
     at->at += size;
-}
-
-static void transfer_tool(cursor *at, pel_tool *tool, size_t vertex_count)
-{
-    transfer(at, &tool->pose, sizeof tool->pose);
-    transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
-    transfer(at, &tool->driven, sizeof tool->driven);
-    transfer(at, &tool->blocked, sizeof tool->blocked);
-    transfer(at, &tool->is_held_back, sizeof tool->is_held_back);
-    transfer(at, &tool->tally, sizeof tool->tally);
-    transfer(at, &tool->phase, sizeof tool->phase);
-    transfer(at, &tool->held_count, sizeof tool->held_count);
-    transfer(at, &tool->contact_count, sizeof tool->contact_count);
-    transfer(at, &tool->plane_count, sizeof tool->plane_count);
-    transfer(at, tool->planes, PEL_PLANE_LIMIT * sizeof *tool->planes);
-    transfer(at, tool->force, sizeof tool->force);
-    transfer(at, tool->torque, sizeof tool->torque);
-    if (tool->grasp) {
-        transfer(at, tool->held, vertex_count * sizeof *tool->held);
-        transfer(at, tool->anchors, vertex_count * sizeof *tool->anchors);
-    }
 }
 
 /* the criterion's memory, and which vertex has which place; the front follows from the marks */
@@ -206,71 +187,213 @@ static bool restore_refinement(pel_sim *sim, int32_t body)
     return true;
 }
 
-/* the statistics go on where the collider goes on */
-static void transfer_contacts(cursor *at, pel_sim_contacts *contacts, int32_t body_count)
+/* ---- parts of the state, of a body or tool where they are of one; each may be carried over by itself ---- */
+
+typedef void transfer_part(cursor *at, const pel_sim *sim, int32_t index);
+
+static size_t vertex_count_of(const pel_sim *sim)
 {
-    pel_memory_part parts[PEL_COLLIDER_PARTS];
-    pel_collider_memory(contacts->collider, parts);
-    transfer(at, &contacts->statistics, sizeof contacts->statistics);
-    transfer(at, &contacts->substep, sizeof contacts->substep);
-    transfer(at, contacts->revisions, (size_t)body_count * sizeof *contacts->revisions);
-    for (int i = 0; i < PEL_COLLIDER_PARTS; i++)
-        transfer(at, parts[i].data, parts[i].size);
+    return (size_t)sim->model->vertex_count;
 }
 
-static void transfer_sim(cursor *at, const pel_sim *sim)
+static void transfer_motion(cursor *at, const pel_sim *sim, int32_t unused)
 {
+    (void)unused;
     pel_state *state = sim->state;
-    size_t count = (size_t)sim->model->vertex_count;
+    size_t count = vertex_count_of(sim);
     transfer(at, state->position, count * sizeof *state->position);
     transfer(at, state->position_before, count * sizeof *state->position_before);
     if (state->velocity != NULL)
         transfer(at, state->velocity, count * sizeof *state->velocity);
+}
+
+static void transfer_history(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_state *state = sim->state;
+    size_t count = vertex_count_of(sim);
     if (state->older_position != NULL) {
         transfer(at, state->older_position, count * sizeof *state->older_position);
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
     }
+}
+
+/* the cursor writes to the sim only while it loads, also where it is const */
+static void transfer_substeps(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
     if (sim->stepper->is_compliant)
         transfer(at, (pel_substeps_now *)(uintptr_t)&sim->substeps.now, sizeof sim->substeps.now);
+}
+
+static void transfer_parts(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
     if (sim->contacts != NULL && pel_sim_is_projected(sim))
         transfer(at, (pel_parts_now *)(uintptr_t)&sim->parts.now, sizeof sim->parts.now);
-    transfer(at, state->contact, count * sizeof *state->contact);
-    transfer(at, state->factors, (size_t)sim->model->body_count * sizeof *state->factors);
-    transfer(at, state->bending, (size_t)sim->model->body_count * sizeof *state->bending);
-    for (int32_t l = 0; l < sim->load_count; l++)
-        transfer(at, sim->loads[l].force, sizeof sim->loads[l].force);
-    for (int32_t t = 0; t < sim->tool_count; t++)
-        transfer_tool(at, &sim->tools[t], count);
+}
+
+static void transfer_marks(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    transfer(at, sim->state->contact, vertex_count_of(sim) * sizeof *sim->state->contact);
+}
+
+static void transfer_factors(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    transfer(at, sim->state->factors, (size_t)sim->model->body_count * sizeof *sim->state->factors);
+}
+
+static void transfer_bending(cursor *at, const pel_sim *sim, int32_t body)
+{
+    transfer(at, &sim->state->bending[body], sizeof *sim->state->bending);
+}
+
+static void transfer_load(cursor *at, const pel_sim *sim, int32_t load)
+{
+    transfer(at, sim->loads[load].force, sizeof sim->loads[load].force);
+}
+
+static void transfer_tool(cursor *at, const pel_sim *sim, int32_t index)
+{
+    pel_tool *tool = &sim->tools[index];
+    size_t vertex_count = vertex_count_of(sim);
+    transfer(at, &tool->pose, sizeof tool->pose);
+    transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
+    transfer(at, &tool->driven, sizeof tool->driven);
+    transfer(at, &tool->blocked, sizeof tool->blocked);
+    transfer(at, &tool->is_held_back, sizeof tool->is_held_back);
+    transfer(at, &tool->tally, sizeof tool->tally);
+    transfer(at, &tool->phase, sizeof tool->phase);
+    transfer(at, &tool->held_count, sizeof tool->held_count);
+    transfer(at, &tool->contact_count, sizeof tool->contact_count);
+    transfer(at, &tool->plane_count, sizeof tool->plane_count);
+    transfer(at, tool->planes, PEL_PLANE_LIMIT * sizeof *tool->planes);
+    transfer(at, tool->force, sizeof tool->force);
+    transfer(at, tool->torque, sizeof tool->torque);
+    if (tool->grasp) {
+        transfer(at, tool->held, vertex_count * sizeof *tool->held);
+        transfer(at, tool->anchors, vertex_count * sizeof *tool->anchors);
+    }
+}
+
+static void transfer_supports(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
     if (sim->supports != NULL)
         transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
     for (int32_t h = 0; h < pel_sim_support_count(sim); h++)
         transfer(at, &sim->holds->holds[h].reading, sizeof sim->holds->holds[h].reading);
+}
+
+static void transfer_vertex_forces(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->contact_forces.vertex != NULL)
+        transfer(at, sim->contact_forces.vertex, vertex_count_of(sim) * sizeof *sim->contact_forces.vertex);
+}
+
+/* rows of bodies, columns of bodies and tools */
+static void transfer_pairs(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
     const pel_contact_forces *forces = &sim->contact_forces;
-    if (forces->vertex != NULL) {
-        transfer(at, forces->vertex, count * sizeof *forces->vertex);
-        transfer(at, forces->pair, (size_t)sim->model->body_count * (size_t)forces->group_count * sizeof *forces->pair);
-    }
+    size_t count = (size_t)sim->model->body_count * (size_t)forces->group_count;
+    if (forces->vertex != NULL)
+        transfer(at, forces->pair, count * sizeof *forces->pair);
     if (sim->collisions != NULL)
-        transfer(at, sim->collisions,
-                 (size_t)sim->model->body_count * (size_t)forces->group_count * sizeof *sim->collisions);
+        transfer(at, sim->collisions, count * sizeof *sim->collisions);
+}
+
+static void transfer_held(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
     if (sim->held != NULL)
-        transfer(at, sim->held, count * sizeof *sim->held);
-    if (sim->contacts != NULL)
-        transfer_contacts(at, sim->contacts, sim->model->body_count);
-    if (sim->descent != NULL) {
-        transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
-        transfer(at, &sim->descent->accepted, sizeof sim->descent->accepted);
-    }
-    if (sim->modes != NULL) {
-        transfer(at, sim->modes->values, (size_t)sim->solver.mode_count * sizeof *sim->modes->values);
-        transfer(at, &sim->modes->count, sizeof sim->modes->count);
-    }
-    /* the cursor writes to the sim only while it loads */
+        transfer(at, sim->held, vertex_count_of(sim) * sizeof *sim->held);
+}
+
+static void transfer_external(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->external != NULL)
+        transfer(at, sim->external, vertex_count_of(sim) * sizeof *sim->external);
+}
+
+static void transfer_statistics(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->contacts == NULL)
+        return;
+    transfer(at, &sim->contacts->statistics, sizeof sim->contacts->statistics);
+    transfer(at, &sim->contacts->substep, sizeof sim->contacts->substep);
+}
+
+/* the statistics go on where the collider goes on */
+static void transfer_collider(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_sim_contacts *contacts = sim->contacts;
+    if (contacts == NULL)
+        return;
+    pel_memory_part parts[PEL_COLLIDER_PARTS];
+    pel_collider_memory(contacts->collider, parts);
+    transfer(at, contacts->revisions, (size_t)sim->model->body_count * sizeof *contacts->revisions);
+    for (int i = 0; i < PEL_COLLIDER_PARTS; i++)
+        transfer(at, parts[i].data, parts[i].size);
+}
+
+static void transfer_descent(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->descent == NULL)
+        return;
+    transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
+    transfer(at, &sim->descent->accepted, sizeof sim->descent->accepted);
+}
+
+static void transfer_modes(cursor *at, const pel_sim *sim)
+{
+    if (sim->modes == NULL)
+        return;
+    transfer(at, sim->modes->values, (size_t)sim->solver.mode_count * sizeof *sim->modes->values);
+    transfer(at, &sim->modes->count, sizeof sim->modes->count);
+}
+
+static void transfer_ledger(cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
     transfer(at, &ledger->sums, sizeof ledger->sums);
     transfer(at, &ledger->gravity_level, sizeof ledger->gravity_level);
     transfer(at, &ledger->is_started, sizeof ledger->is_started);
+}
+
+static void transfer_sim(cursor *at, const pel_sim *sim)
+{
+    transfer_motion(at, sim, 0);
+    transfer_history(at, sim, 0);
+    transfer_substeps(at, sim, 0);
+    transfer_parts(at, sim, 0);
+    transfer_marks(at, sim, 0);
+    transfer_factors(at, sim, 0);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        transfer_bending(at, sim, b);
+    for (int32_t l = 0; l < sim->load_count; l++)
+        transfer_load(at, sim, l);
+    for (int32_t t = 0; t < sim->tool_count; t++)
+        transfer_tool(at, sim, t);
+    transfer_supports(at, sim, 0);
+    transfer_vertex_forces(at, sim, 0);
+    transfer_pairs(at, sim, 0);
+    transfer_held(at, sim, 0);
+    transfer_external(at, sim, 0);
+    transfer_statistics(at, sim, 0);
+    transfer_collider(at, sim, 0);
+    transfer_descent(at, sim, 0);
+    transfer_modes(at, sim);
+    transfer_ledger(at, sim, 0);
 }
 
 static void transfer_fronts(cursor *at, const pel_sim *sim)
@@ -316,6 +439,7 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
         .size = pel_sim_save_size(sim),
         .fingerprint = sim->fingerprint,
         .step = sim->state->step,
+        .has_forces = sim->external != NULL,
     };
     memcpy(bytes, &head, sizeof head);
     cursor place = {.bytes = bytes, .at = sizeof head};
@@ -340,7 +464,7 @@ static pel_status refuse(pel_error *error, const char *remedy, const char *forma
     return PEL_BAD_FORMAT;
 }
 
-static pel_status check_snapshot(const pel_sim *sim, const void *bytes, size_t size, header *head, pel_error *error)
+static pel_status check_snapshot(pel_sim *sim, const void *bytes, size_t size, header *head, pel_error *error)
 {
     char parts[sizeof error->what];
     if (size < sizeof head->magic || memcmp(bytes, "PELSNAP", sizeof head->magic) != 0)
@@ -361,9 +485,10 @@ static pel_status check_snapshot(const pel_sim *sim, const void *bytes, size_t s
     if (parts[0] != '\0')
         return refuse(error, "load it into a sim that was made from the same defs",
                       "the snapshot was made with other: %s", parts);
-    if (size != pel_sim_save_size(sim))
+    pel_status status = pel_sim_make_forces(sim, head->has_forces != 0, error);
+    if (status == PEL_OK && size != pel_sim_save_size(sim))
         return refuse(error, "use another one", "the snapshot is damaged");
-    return PEL_OK;
+    return status;
 }
 
 /* places that are not in use are the same in all arrays that change places from step to step (clear_place) */
@@ -393,6 +518,8 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
             return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->state->step = head.step;
+    for (int32_t l = 0; l < sim->load_count; l++)
+        memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads[l].force, sizeof sim->loads[l].force);
     rest_unused_places(sim);
     if (sim->contacts != NULL) {
         sim->contacts->tangles.is_known = false;
@@ -408,4 +535,128 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, damage_remedy, "the snapshot is damaged: its number of substeps is out of range");
     return PEL_OK;
+}
+
+/* ---- from one simulation to another ---- */
+
+/* room for one part at a time */
+typedef struct carrier {
+    const pel_sim *from;
+    pel_sim *to;
+    unsigned char *bytes;
+    size_t capacity;
+    bool is_full; /* memory is out */
+} carrier;
+
+/* nothing where the two have another layout */
+static void carry(carrier *c, transfer_part *part, int32_t from, int32_t to)
+{
+    cursor old_size = {.at = 0}, new_size = {.at = 0};
+    part(&old_size, c->from, from);
+    part(&new_size, c->to, to);
+    if (old_size.at != new_size.at || old_size.at == 0)
+        return;
+    if (old_size.at > c->capacity) {
+        pel_free(c->bytes);
+        c->bytes = pel_allocate(old_size.at, 1);
+        c->capacity = c->bytes != NULL ? old_size.at : 0;
+        c->is_full |= c->bytes == NULL;
+    }
+    if (c->bytes == NULL)
+        return;
+    cursor save = {.bytes = c->bytes}, load = {.bytes = c->bytes, .load = true};
+    part(&save, c->from, from);
+    part(&load, c->to, to);
+}
+
+static void transfer_front(cursor *at, const pel_sim *sim, int32_t body)
+{
+    transfer_refinement(at, sim, body);
+}
+
+static pel_status carry_surfaces(carrier *c, pel_error *error)
+{
+    for (int32_t b = 0; b < c->to->model->body_count; b++) {
+        if (c->to->model->bodies[b].front == NULL)
+            continue;
+        carry(c, transfer_front, b, b);
+        if (c->is_full)
+            return pel_fail_memory(error);
+        if (!restore_refinement(c->to, b))
+            return pel_fail(error, PEL_BAD_ARGUMENT, "the refined surface does not fit the change");
+    }
+    return PEL_OK;
+}
+
+/* inverse masses are those of the new model; what is pinned now stays where it is */
+static void take_mobility(const pel_sim *from, pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        pel_real mobility = sim->model->inverse_mass[v];
+        state->position[v][3] = state->position_before[v][3] = mobility;
+        if (mobility != from->model->inverse_mass[v])
+            state->older_is_known = false;
+        if (mobility > 0 || !(from->model->inverse_mass[v] > 0))
+            continue;
+        state->position_before[v] = state->position[v];
+        if (state->velocity != NULL)
+            state->velocity[v] = (pel_record){0};
+    }
+}
+
+/* A tool that waits for its first step stands where its keys are, which may be others. What it holds stays held. */
+static void carry_tool(carrier *c, int32_t from, int32_t to)
+{
+    pel_tool *tool = &c->to->tools[to];
+    pel_pose start = tool->pose;
+    carry(c, transfer_tool, from, to);
+    if (c->from->state->step == 0)
+        tool->pose = start;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        c->to->held[v] = 1;
+        c->to->state->position[v][3] = 0;
+    }
+}
+
+pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error)
+{
+    carrier c = {.from = from, .to = to};
+    bool has_run = from->state->step > 0;
+    pel_status status = carry_surfaces(&c, error);
+    if (status == PEL_OK) {
+        carry(&c, transfer_motion, 0, 0);
+        /* whether there is one goes with tools and contact */
+        carry(&c, transfer_history, 0, 0);
+        take_mobility(from, to);
+        for (int32_t t = 0; t < to->tool_count; t++) {
+            int32_t old = pel_sim_find_tool(from, to->tools[t].name);
+            if (old >= 0)
+                carry_tool(&c, old, t);
+        }
+        static transfer_part *const parts[] = {transfer_parts,         transfer_marks,   transfer_supports,
+                                               transfer_vertex_forces, transfer_pairs,   transfer_external,
+                                               transfer_statistics,    transfer_descent, transfer_ledger};
+        for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+            carry(&c, parts[i], 0, 0);
+        if (has_run)
+            pel_substeps_carry(from, to);
+        for (int32_t b = 0; b < to->model->body_count; b++) {
+            const pel_shell *old = from->model->bodies[b].shell, *new = to->model->bodies[b].shell;
+            if (old != NULL && new != NULL && old->bending_weight == new->bending_weight)
+                carry(&c, transfer_bending, b, b);
+        }
+        to->state->older_is_known &= from->solver.substeps == to->solver.substeps;
+        to->state->step = from->state->step;
+        if (to->contacts != NULL && has_run) {
+            to->contacts->tangles.is_known = false;
+            to->contacts->revisions[0] = -1;
+        }
+        rest_unused_places(to);
+    }
+    if (status == PEL_OK && c.is_full)
+        status = pel_fail_memory(error);
+    pel_free(c.bytes);
+    return status;
 }

@@ -165,6 +165,23 @@ bool pel_substeps_restore(pel_sim *sim)
     return true;
 }
 
+void pel_substeps_carry(const pel_sim *from, pel_sim *to)
+{
+    const pel_substeps_now *old = &from->substeps.now;
+    pel_substeps_now *now = &to->substeps.now;
+    if (!to->stepper->is_compliant)
+        return;
+    now->is_stale = true;
+    if (to->substeps.is_automatic && from->substeps.is_automatic) {
+        to->solver.substeps = now->count = clamp_substeps(to, old->count);
+        pel_projector_set_substeps(to->projector, NULL, now->count);
+    }
+    now->least = now->count < old->least ? now->count : old->least;
+    now->most = now->count > old->most ? now->count : old->most;
+    now->needed = now->needed > old->needed ? now->needed : old->needed;
+    now->softness = fmax(now->softness, old->softness);
+}
+
 /* edges are halved on each level of a body that is refined everywhere */
 static double finest_factor(const pel_model *model)
 {

@@ -245,10 +245,31 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
         status = check_tool(sim, defs, i, error);
         if (status == PEL_OK)
             status = create_tool(sim, &defs[i], &sim->tools[i], error);
-        if (status == PEL_OK && sim->tools[i].press && defs[i].shape != PEL_TOOL_MESH)
-            status = pel_tool_check_outside(sim, i, error);
+        if (status == PEL_OK && !sim->goes_on)
+            status = pel_tool_check_start(sim, i, error);
     }
     return status;
+}
+
+pel_status pel_tool_regrasp(pel_sim *sim, int32_t index, const pel_tool_def *def, pel_error *error)
+{
+    pel_tool_def *own = (pel_tool_def *)(uintptr_t)sim->def.tools + index, before = *own;
+    pel_tool *tool = &sim->tools[index];
+    *own = *def;
+    pel_status status = check_tool(sim, sim->def.tools, index, error);
+    if (status != PEL_OK) {
+        *own = before;
+        return status;
+    }
+    /* a grasp that opened closes again where its time begins anew */
+    if (tool->phase == PEL_GRASP_DONE && def->grasp_until > pel_sim_time(sim))
+        tool->phase = PEL_GRASP_WAITING;
+    tool->grasp_from = def->grasp_from;
+    tool->grasp_until = def->grasp_until;
+    tool->reach = def->reach;
+    tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
+    pel_sim_take_fingerprint(sim);
+    return PEL_OK;
 }
 
 void pel_tools_destroy(pel_sim *sim)

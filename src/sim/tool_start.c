@@ -211,3 +211,11 @@ pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *
     }
     return PEL_OK;
 }
+
+pel_status pel_tool_check_start(pel_sim *sim, int32_t index, pel_error *error)
+{
+    const pel_tool *tool = &sim->tools[index];
+    if (!tool->press || tool->mesh != NULL || tool->support != NULL)
+        return PEL_OK;
+    return pel_tool_check_outside(sim, index, error);
+}

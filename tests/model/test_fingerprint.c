@@ -169,7 +169,7 @@ static void change_members(walk *w, const pel_member *members, char *def, pel_pa
             change_bytes(w, part, def + member->offset, member->size, false);
         else if (member->form == PEL_MEMBER_DEF)
             change_members(w, member->members, def + member->offset, part);
-        else if (member->form != PEL_MEMBER_OTHER)
+        else if (member->form != PEL_MEMBER_OTHER && member->form != PEL_MEMBER_TEXT)
             change_behind(w, member, def, part);
     }
 }

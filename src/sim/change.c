@@ -1,0 +1,111 @@
+#include "sim/change.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/contact.h"
+#include "sim/tool.h"
+
+pel_status pel_change_begin(const pel_sim *sim, pel_change *change, pel_error *error)
+{
+    *change = (pel_change){.model = sim->given->def, .sim = sim->def};
+    pel_status status = pel_def_copy(&change->copies, pel_model_members, &change->model, error);
+    return status == PEL_OK ? pel_sim_def_copy(&change->copies, &change->sim, error) : status;
+}
+
+void pel_change_end(pel_change *change)
+{
+    pel_copies_free(&change->copies);
+}
+
+/* The meshes of a model are turned outward already: what was counted and hashed is of those that were given. */
+static pel_status make_model(const pel_model *old, const pel_model_def *def, pel_model **model, pel_error *error)
+{
+    pel_status status = pel_model_create(def, model, error);
+    if (status != PEL_OK)
+        return status;
+    (*model)->fingerprint.parts[PEL_PART_MESH] = old->fingerprint.parts[PEL_PART_MESH];
+    for (int32_t b = 0; b < old->body_count; b++)
+        (*model)->bodies[b].turned_count = old->bodies[b].turned_count;
+    return PEL_OK;
+}
+
+/* tools that were added stand where their keys are now, and must not be in a body */
+static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error)
+{
+    bool any = false;
+    for (int32_t t = 0; t < sim->tool_count; t++) {
+        pel_tool *tool = &sim->tools[t];
+        if (pel_sim_find_tool(old, tool->name) >= 0)
+            continue;
+        any = true;
+        tool->pose = tool->pose_before = pel_tool_pose_at(tool, pel_sim_time(sim));
+        pel_status status = pel_tool_check_start(sim, t, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    if (!any || sim->contacts == NULL)
+        return PEL_OK;
+    pel_contact_present_points(sim);
+    sim->contacts->revisions[0] = -1;
+    pel_status status = pel_contact_surface_update(sim, error);
+    if (status == PEL_OK)
+        status = pel_tangles_find(sim, error);
+    return status == PEL_OK ? pel_tangles_refuse(sim, error) : status;
+}
+
+/* the state of the old one, and the change of energy */
+static pel_status go_on(pel_sim *old, pel_sim *sim, pel_error *error)
+{
+    double energy_before = pel_ledger_energy(old);
+    pel_status status = pel_sim_make_forces(sim, old->external != NULL, error);
+    if (status == PEL_OK)
+        status = pel_snapshot_carry(old, sim, error);
+    if (status != PEL_OK)
+        return status;
+    pel_sim_update_factors(sim, pel_sim_time(sim));
+    status = start_tools(old, sim, error);
+    if (status != PEL_OK)
+        return status;
+    pel_ledger_follow(sim);
+    pel_ledger_book_change(sim, energy_before);
+    return PEL_OK;
+}
+
+/* makes it in the place of the old one, so that addresses stay */
+static pel_status remake(pel_sim *sim, pel_sim *old, const pel_change *change, pel_model *model, pel_error *error)
+{
+    pel_sim_def def = change->sim;
+    def.model = model != NULL ? model : sim->given;
+    const pel_ledger ledger = sim->ledger;
+    *old = *sim;
+    *sim = (pel_sim){.goes_on = true};
+    pel_status status = pel_sim_build(sim, &def, error);
+    if (status == PEL_OK)
+        status = change->state != NULL ? pel_sim_load(sim, change->state, change->state_size, error)
+                                       : go_on(old, sim, error);
+    if (status != PEL_OK) {
+        pel_sim_release(sim);
+        *sim = *old;
+        sim->ledger = ledger;
+        return status;
+    }
+    sim->own_model = model != NULL ? model : old->own_model;
+    if (model == NULL)
+        old->own_model = NULL;
+    pel_sim_release(old);
+    return PEL_OK;
+}
+
+pel_status pel_change_apply(pel_sim *sim, const pel_change *change, pel_error *error)
+{
+    pel_model *model = NULL;
+    pel_status status = change->changes_model ? make_model(sim->given, &change->model, &model, error) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
+    pel_sim *old = pel_allocate(1, sizeof *old);
+    status = old != NULL ? remake(sim, old, change, model, error) : pel_fail_memory(error);
+    pel_free(old);
+    if (status != PEL_OK)
+        pel_model_destroy(model);
+    return status;
+}

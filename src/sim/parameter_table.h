@@ -1,0 +1,53 @@
+/* The table of the parameters of a simulation: where each stands in the defs, its range, and whether it can change
+   while the simulation runs. Paths, units and ranges are those of the scene table (tests/scene/test_parameters.c). */
+#ifndef PEL_SIM_PARAMETER_TABLE_H
+#define PEL_SIM_PARAMETER_TABLE_H
+
+#include "pellicle/live.h"
+
+/* what def a parameter is in; the order of lists of parameters */
+typedef enum pel_parameter_owner {
+    PEL_OWNER_BODY,
+    PEL_OWNER_REGION, /* pel_anisotropy_def */
+    PEL_OWNER_SUPPORT,
+    PEL_OWNER_MODEL,
+    PEL_OWNER_LOAD,
+    PEL_OWNER_TOOL,
+    PEL_OWNER_CONTACT,
+    PEL_OWNER_SOLVER,
+    PEL_OWNER_COUNT
+} pel_parameter_owner;
+
+/* how a value is stored */
+typedef enum pel_parameter_store {
+    PEL_STORE_DOUBLE,   /* and vectors of three */
+    PEL_STORE_QUANTITY, /* pel_quantity */
+    PEL_STORE_KEYS,     /* const pel_key * with an int32_t count behind it: factor over time; no number of its own */
+    PEL_STORE_INT,      /* int32_t and enums */
+    PEL_STORE_BOOL
+} pel_parameter_store;
+
+typedef struct pel_parameter_row {
+    const char *path; /* of the scene table, but for regions of fibres: "bodies[].anisotropy[].stiffness" */
+    pel_parameter_owner owner;
+    pel_parameter_kind kind;
+    pel_parameter_store store;
+    size_t offset;       /* in the def of the owner */
+    size_t count_offset; /* of PEL_STORE_KEYS */
+    const char *unit;    /* null = none */
+    double least, most;
+    bool is_open;
+    bool may_be_auto;
+    double automatic; /* in the def */
+    bool may_be_keyed;
+    double factor; /* value of the parameter over that in the def; 0 = 1 */
+    const char *const *words;
+    bool (*applies)(const void *def); /* null = always */
+    bool is_direct;               /* is read from the def's copy in the sim at each step: nothing has to be made anew */
+    const char *refusal, *remedy; /* null = it can change while running */
+} pel_parameter_row;
+
+/* null behind the last */
+const pel_parameter_row *pel_parameter_row_at(int32_t index);
+
+#endif

@@ -1,0 +1,11 @@
+/* The tree over all surfaces that rays are cast at. */
+#ifndef PEL_SIM_PICK_H
+#define PEL_SIM_PICK_H
+
+#include "pellicle/live.h"
+
+typedef struct pel_picker pel_picker;
+
+void pel_picker_destroy(pel_picker *picker);
+
+#endif
