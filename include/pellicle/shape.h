@@ -31,8 +31,17 @@ typedef enum pel_shape_kind {
     PEL_SHAPE_CAPSULE,         /* cylinder of length `height` about the z axis with a half sphere on each end */
     PEL_SHAPE_LENS_CAPSULE,    /* capsule of the human eye lens (Burd et al. 2002, outlines of three ages), metres, axis
                                   z, front (anterior) +z, vertex 0 = anterior pole; field "thickness" [m] */
+    PEL_SHAPE_BLEND, /* a body like a scanned one, of rounded parts that run into each other: closed, genus 0, edges
+                        of about the same length, box about the origin, z up, looking along -y */
     PEL_SHAPE_COUNT
 } pel_shape_kind;
+
+/* Bodies that a blend makes. */
+typedef enum pel_blend_body {
+    PEL_BLEND_HEAD,   /* of a horned animal */
+    PEL_BLEND_ANIMAL, /* on four legs */
+    PEL_BLEND_LIVER   /* two lobes with a hollow below */
+} pel_blend_body;
 
 /* How the cells of a grid are cut. */
 typedef enum pel_grid_diagonals {
@@ -54,6 +63,9 @@ typedef struct pel_shape_def {
     int32_t age;       /* lens-capsule: 11, 29 or 45 years */
     pel_grid_diagonals diagonals; /* grid */
     bool capped;                  /* cylinder */
+    pel_blend_body body;          /* blend */
+    double size;                  /* blend: longest side of the box */
+    double edge;                  /* blend: about the length of all edges, 0.0005 to 0.03 of size (liver: 0.06) */
     double radius;
     double height;       /* cylinder; capsule: of the straight side, may be 0 */
     double size_x;       /* grid */

@@ -12,6 +12,7 @@
 enum { COOKIE = 0x53484150, MOST_PARAMETERS = 8 };
 
 static const char *const diagonal_names[] = {"one-diagonal", "union-jack", "equilateral", NULL};
+static const char *const body_names[] = {"head", "animal", "liver", NULL};
 
 #define LARGEST_LENGTH 1e9
 #define MEMBER(member) offsetof(pel_shape_def, member)
@@ -74,6 +75,12 @@ static const pel_shape_parameter lens_capsule_parameters[] = {
     COUNT(frequency, 1, 5000, 16, "fineness, as of a geodesic sphere: 10 f^2 + 2 vertices"),
 };
 
+static const pel_shape_parameter blend_parameters[] = {
+    {"body", "which body", "", PEL_SHAPE_CHOICE, MEMBER(body), 0, 2, false, PEL_BLEND_LIVER, body_names},
+    LENGTH(size, 0.25, "longest side of its box"),
+    LENGTH(edge, 0.006, "about the length of all edges, 0.0005 to 0.03 of size (liver: 0.06)"),
+};
+
 #define INFO(kind, name, doc, parameters)                                                                              \
     {                                                                                                                  \
         kind, name, doc, parameters, sizeof(parameters) / sizeof *(parameters)                                         \
@@ -89,6 +96,7 @@ static const pel_shape_info infos[PEL_SHAPE_COUNT] = {
     INFO(PEL_SHAPE_CAPSULE, "capsule", "cylinder about the z axis with half spheres on its ends", capsule_parameters),
     INFO(PEL_SHAPE_LENS_CAPSULE, "lens-capsule",
          "capsule of the human eye lens with its thickness, after Burd et al. 2002", lens_capsule_parameters),
+    INFO(PEL_SHAPE_BLEND, "blend", "head, animal or liver of rounded parts that run into each other", blend_parameters),
 };
 
 const pel_shape_info *pel_shape_info_of(pel_shape_kind kind)
@@ -109,9 +117,12 @@ static void store(pel_shape_def *def, const pel_shape_parameter *parameter, doub
     case PEL_SHAPE_BOOLEAN:
         *(bool *)member = value != 0;
         break;
-    case PEL_SHAPE_CHOICE:
-        *(pel_grid_diagonals *)member = (pel_grid_diagonals)value;
+    case PEL_SHAPE_CHOICE: {
+        /* of whichever enum: all are as wide */
+        unsigned index = (unsigned)value;
+        memcpy(member, &index, sizeof index);
         break;
+    }
     }
 }
 
@@ -125,8 +136,11 @@ static double value_of(const pel_shape_def *def, const pel_shape_parameter *para
         return *(const int32_t *)member;
     case PEL_SHAPE_BOOLEAN:
         return *(const bool *)member ? 1 : 0;
-    default:
-        return (double)*(const pel_grid_diagonals *)member;
+    default: {
+        unsigned index;
+        memcpy(&index, member, sizeof index);
+        return index;
+    }
     }
 }
 
@@ -318,7 +332,9 @@ pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error
         return pel_shape_torus(def, mesh, error);
     case PEL_SHAPE_CAPSULE:
         return pel_shape_capsule(def, mesh, error);
-    default:
+    case PEL_SHAPE_LENS_CAPSULE:
         return pel_shape_lens_capsule(def, mesh, error);
+    default:
+        return pel_shape_blend(def, mesh, error);
     }
 }

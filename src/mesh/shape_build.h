@@ -13,6 +13,7 @@ pel_status pel_shape_cylinder(const pel_shape_def *def, pel_mesh **mesh, pel_err
 pel_status pel_shape_torus(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_capsule(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_lens_capsule(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
+pel_status pel_shape_blend(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 
 /* writes a triangle and moves on to the next */
 static inline void pel_shape_put_triangle(int32_t (**next)[3], int32_t a, int32_t b, int32_t c)

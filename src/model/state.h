@@ -10,7 +10,6 @@ typedef struct pel_bending_control {
     double weight;       /* k_B at present; of bodies with a given weight that one */
     double volume_ratio; /* one step ago */
     double change;       /* of it in the last step that changed it */
-    double calm_count;   /* steps since the volume turned round */
 } pel_bending_control;
 
 struct pel_state {

@@ -151,7 +151,8 @@ static const pel_scene_row rows[] = {
             "hinge: angle between neighbours against that at rest; midedge: a plate's bending on every mesh, for the "
             "methods static and implicit"},
     {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
-     .doc = "pbd: factor on the correction of positions (paper B, k_B); auto lets the volume fall without jitter"},
+     .doc = "pbd: factor on the correction of positions (paper B, k_B); auto starts at 0.01 and falls while the "
+            "volume changes, by half where it turns round, to 0.001"},
     {"bodies[].bending.stiffness", .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP, WORDS("auto"),
      .like = "<field>", .unit = "N m", AT_LEAST(0), .preset = "auto",
      .doc = "stiffness D of a plate, for the methods that feel it; auto is that of the membrane's numbers"},

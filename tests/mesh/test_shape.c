@@ -122,6 +122,48 @@ static void test_counts(void **unused)
     }
 }
 
+/* closed, without self-intersections, even edges, and the size that was asked for */
+static void test_blends(void **unused)
+{
+    (void)unused;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
+    for (int body = 0; body < 3; body++)
+        for (int finer = 0; finer < 2; finer++) {
+            def.body = (pel_blend_body)body;
+            def.size = 2;
+            def.edge = finer ? 0.035 : 0.06;
+            pel_mesh_report *report = check(&def, 0, 0);
+            double longest = 0;
+            for (int i = 0; i < 3; i++) {
+                double side = report->bounds_high[i] - report->bounds_low[i];
+                longest = fmax(longest, side);
+                assert_near(report->bounds_high[i], -report->bounds_low[i], 1e-12);
+            }
+            assert_near(longest, 2, 1e-12);
+            assert_true(report->edge_length_min > 0.6 * def.edge && report->edge_length_max < 2 * def.edge);
+            assert_near(report->edge_length_median, def.edge, 0.05 * def.edge);
+            assert_true(report->quality_min > 0.7);
+            assert_true(report->valence_min >= 4 && report->valence_max <= 8);
+            pel_mesh_report_destroy(report);
+        }
+    /* the same bits each time */
+    pel_mesh *first = create(&def), *second = create(&def);
+    assert_int_equal(first->vertex_count, second->vertex_count);
+    assert_memory_equal(first->positions, second->positions, 24 * (size_t)first->vertex_count);
+    pel_mesh_destroy(first);
+    pel_mesh_destroy(second);
+    /* an edge too long for the legs, or too short for anyone */
+    pel_error error;
+    pel_mesh *none;
+    for (int i = 0; i < 2; i++) {
+        def.body = PEL_BLEND_ANIMAL;
+        def.edge = i == 0 ? 0.08 : 1e-4;
+        assert_int_equal(pel_shape_create(&def, &none, &error), PEL_BAD_ARGUMENT);
+        assert_null(none);
+        assert_non_null(strstr(error.remedy, "from 0.001 to 0.06 m"));
+    }
+}
+
 static void test_grids(void **unused)
 {
     (void)unused;
@@ -460,9 +502,27 @@ static pel_status create_case(const void *def, pel_error *error)
 static void test_allocation_failures(void **unused)
 {
     (void)unused;
-    for (int32_t kind = 0; kind < PEL_SHAPE_COUNT; kind++) {
+    for (int32_t kind = 0; kind < PEL_SHAPE_BLEND; kind++) {
         pel_shape_def def = pel_shape_def_default((pel_shape_kind)kind);
         assert_in_range(for_every_allocation_failure(create_case, &def), 3, 7);
+    }
+}
+
+/* a blend allocates in each of its many passes: all of the first ones, then some */
+static void test_allocation_failures_of_blends(void **unused)
+{
+    (void)unused;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
+    def.edge = 0.06 * def.size;
+    allocation_count count = {.failed = 1};
+    for (long n = 1; count.failed > 0; n += n < 40 ? 1 : 29) {
+        pel_error error = {0};
+        failing_malloc_begin(n);
+        pel_status status = create_case(&def, &error);
+        count = failing_malloc_end();
+        assert_int_equal(count.live, 0);
+        assert_int_equal(status, count.failed > 0 && !count.failed_shrink ? PEL_OUT_OF_MEMORY : PEL_OK);
+        assert_true(status == PEL_OK || error.status == PEL_OUT_OF_MEMORY);
     }
 }
 
@@ -488,6 +548,7 @@ int main(void)
         cmocka_unit_test(test_geodesic_sphere_counts),
         cmocka_unit_test(test_geodesic_sphere_is_the_shared_one),
         cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_blends),
         cmocka_unit_test(test_grids),
         cmocka_unit_test(test_areas_and_volumes),
         cmocka_unit_test(test_quality_of_cylinder_discs),
@@ -497,6 +558,7 @@ int main(void)
         cmocka_unit_test(test_set),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_allocation_failures_of_blends),
         cmocka_unit_test(test_union_jack),
         cmocka_unit_test(test_too_large),
         cmocka_unit_test(test_locale),

@@ -1,4 +1,5 @@
-/* The weight of bending that is chosen while a body shrinks: less jitter than the paper's, and the same bits again. */
+/* The weight of bending that is chosen while a body shrinks: it shrinks further than with the paper's, with less
+   jitter, and the same bits again. */
 #include "shell_fixture.h"
 
 #include "sim/sim.h"
@@ -62,31 +63,29 @@ static void test_less_jitter(void **unused)
     }
     assert_true(rises[0] > 35 && rises[1] > 15);
     assert_true(rises[2] < 12 && 2 * rises[2] < rises[1]);
-    assert_true(ratios[0] > 0.95 && ratios[2] < 0.6);
+    assert_true(ratios[0] > 0.95 && ratios[2] < 0.75 * ratios[1]);
 }
 
-/* the weight falls when the volume turns round, stays for ten steps, and rises while the volume goes one way */
-static void test_falls_and_rises(void **unused)
+/* the weight falls by half when the volume turns round and slowly else, not below the least */
+static void test_falls(void **unused)
 {
     (void)unused;
     shrinking body = start(-1);
     const double *weight = &body.sim->state->bending[0].weight;
     double before = pel_sim_volume_ratio(body.sim), change = 0, expected = *weight;
-    int calm = 0, turns = 0, climbs = 0;
+    int turns = 0;
     assert_true(expected == 0.01);
-    for (int step = 0; step < 40; step++) {
+    for (int step = 0; step < 100; step++) {
         shrink(body.sim, 1);
         double last = change;
         change = pel_sim_volume_ratio(body.sim) - before;
         before += change;
         bool turned = change * last < 0;
-        calm = turned ? 0 : calm + 1;
-        expected *= turned ? 0.5 : calm >= 10 ? 1.02 : 1;
+        expected = fmax(expected * (turned ? 0.5 : 0.99), 1e-3);
         turns += turned;
-        climbs += calm >= 10;
         assert_near(*weight, expected, 1e-9);
     }
-    assert_true(turns > 0 && climbs > 0);
+    assert_true(turns > 0 && expected == 1e-3);
     end(&body);
 }
 
@@ -133,7 +132,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_less_jitter),
-        cmocka_unit_test(test_falls_and_rises),
+        cmocka_unit_test(test_falls),
         cmocka_unit_test(test_open_body),
         cmocka_unit_test(test_snapshot),
     };
