@@ -52,7 +52,7 @@ static int64_t frames_of(const char *name)
         int64_t frames;
     } scenes[] = {{"balloon", 4},       {"caving-ball", 2},         {"hanging-sheet", 1},    {"lens-capsule", 5},
                   {"organ-press", 15},  {"shell-crushed", 7},       {"shrinking-torus", 24}, {"sphere-explicit", 9},
-                  {"sphere-press", 12}, {"sphere-press-hollow", 9}, {"sphere-refine", 15}};
+                  {"sphere-press", 12}, {"sphere-press-hollow", 9}, {"sphere-refine", 15},   {"twisted-tube", 6}};
     if (is_long())
         return 0;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
