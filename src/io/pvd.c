@@ -10,10 +10,12 @@ pel_status pel_pvd_write(const char *path, const char *const *file_names, const 
                          pel_error *error)
 {
     PEL_REFUSE_NULL(path, error);
-    PEL_REFUSE_NULL(file_names, error);
-    PEL_REFUSE_NULL(times, error);
     if (frame_count < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "frame_count is %d", (int)frame_count);
+    if (frame_count > 0) {
+        PEL_REFUSE_NULL(file_names, error);
+        PEL_REFUSE_NULL(times, error);
+    }
     for (int32_t i = 0; i < frame_count; i++)
         if (file_names[i] == NULL)
             return pel_fail(error, PEL_BAD_ARGUMENT, "file_names[%d] is null", (int)i);
