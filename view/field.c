@@ -1,5 +1,6 @@
 #include "view/field.h"
 
+#include "pellicle/observe.h"
 #include "view/support.h"
 
 #include <math.h>
@@ -85,43 +86,38 @@ pel_status view_field_take(const pel_mesh *mesh, const char *name, int32_t compo
 
 /* ---- scales ---- */
 
+/* fields of meshes and of measures; those of a simulation are in the library's table */
 static const struct {
     const char *ending, *unit;
 } units[] = {
-    {"displacement", "m"},
-    {"position", "m"},
-    {"thickness", "m"},
-    {"distance", "m"},
-    {"velocity", "m/s"},
-    {"membrane_force", "N/m"},
-    {"force", "N"},
-    {"energy", "J"},
-    {"pressure", "Pa"},
-    {"moment", "N"},
-    {"piola_stress", "Pa"},
-    {"cauchy_stress", "Pa"},
-    {"principal_stress", "Pa"},
-    {"von_mises_top", "Pa"},
-    {"von_mises_bottom", "Pa"},
-    {"energy_density", "J/m²"},
-    {"stress", "N/m"},
-    {"stiffness", "N/m"},
-    {"mass", "kg"},
-    {"area", "m²"},
-    {"gaussian_curvature", "1/m²"},
-    {"mean_curvature", "1/m"},
-    {"curvature", "1/m"},
-    {"volume", "m³"},
+    {"displacement", "m"}, {"position", "m"},    {"thickness", "m"}, {"distance", "m"}, {"velocity", "m/s"},
+    {"force", "N"},        {"energy", "J"},      {"pressure", "Pa"}, {"moment", "N"},   {"energy_density", "J/m2"},
+    {"stress", "N/m"},     {"stiffness", "N/m"}, {"mass", "kg"},     {"area", "m2"},    {"gaussian_curvature", "1/m2"},
+    {"curvature", "1/m"},  {"volume", "m3"},
 };
 
-const char *view_field_unit(const char *name)
+static const char *plain_unit(const char *name)
 {
+    int32_t field = pel_field_find(name);
+    if (field >= 0)
+        return pel_field_at(field)->unit;
     for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i) {
         if (strcmp(name, units[i].ending) == 0 || view_ends_with(name, units[i].ending))
             return units[i].unit;
     }
     /* energy_spring, energy_bending, ... */
     return strncmp(name, "energy_", 7) == 0 ? "J" : "";
+}
+
+const char *view_field_unit(const char *name)
+{
+    static const char *const raised[][2] = {{"J/m2", "J/m²"}, {"1/m2", "1/m²"}, {"m2", "m²"}, {"m3", "m³"}};
+    const char *unit = plain_unit(name);
+    for (size_t i = 0; i < sizeof raised / sizeof raised[0]; ++i) {
+        if (strcmp(unit, raised[i][0]) == 0)
+            return raised[i][1];
+    }
+    return unit;
 }
 
 /* whether a prefix such as milli may stand before the unit */

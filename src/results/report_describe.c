@@ -1,4 +1,5 @@
 /* What a report says of a run beside its frames, as JSON: see web/src/data.js. */
+#include "pellicle/observe.h"
 #include "results/report_run.h"
 
 #include "base/memory.h"
@@ -132,6 +133,9 @@ static void put_fields(pel_report_run *run)
         const double magnitudes[2] = {field->magnitude_low, field->magnitude_high};
         pel_json_print(json, "%s\n{\"name\":", f > 0 ? "," : "");
         pel_json_string(json, field->name);
+        int32_t known = pel_field_find(field->name);
+        if (known >= 0)
+            pel_json_print(json, ",\"unit\":\"%s\"", pel_field_at(known)->unit);
         pel_json_print(json, ",\"components\":%d,\"channels\":%d,\"bits\":%d,\"range\":", (int)field->component_count,
                        components ? (int)field->component_count : 1, (int)run->plan.bits);
         pel_json_numbers(json, range, 2);

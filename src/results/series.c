@@ -319,7 +319,7 @@ pel_status pel_run_series_resume(pel_run_series *series, const char *path, const
     return PEL_OK;
 }
 
-pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_run_row *row, pel_error *error)
+void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row *row)
 {
     const pel_sim_measures *m = &row->measures;
     series->length = 0;
@@ -350,6 +350,10 @@ pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_ru
     if (mode_column(sim) != NULL)
         put_number(series, pel_sim_mode_value(sim));
     put_text(series, "\n");
+}
+
+pel_status pel_run_series_add(pel_run_series *series, pel_error *error)
+{
     return write_line(series, error);
 }
 

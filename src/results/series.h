@@ -30,8 +30,9 @@ pel_status pel_run_series_create(pel_run_series *series, const char *path, const
 pel_status pel_run_series_resume(pel_run_series *series, const char *path, const pel_sim *sim, int64_t row_count,
                                  pel_error *error);
 
-/* On failure the file is as it was. */
-pel_status pel_run_series_add(pel_run_series *series, pel_sim *sim, const pel_run_row *row, pel_error *error);
+/* Makes the text of a row of the present state, and adds it to the file; on failure the file is as it was. */
+void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row *row);
+pel_status pel_run_series_add(pel_run_series *series, pel_error *error);
 
 void pel_run_series_close(pel_run_series *series);
 

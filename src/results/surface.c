@@ -3,17 +3,15 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/text.h"
-#include "math/vec3.h"
 #include "pellicle/intersect.h"
-#include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
-#include "results/fields.h"
+#include "sim/field.h"
 
 #include <math.h>
 #include <string.h>
 
 /* sources of fields that change with the surface alone */
-enum { SOURCE_MESH = PEL_RUN_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_VERTICES, SOURCE_MESH_WEIGHTS };
+enum { SOURCE_MESH = PEL_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_VERTICES, SOURCE_MESH_WEIGHTS };
 
 /* ---- fields ---- */
 
@@ -29,10 +27,10 @@ static const pel_field *find_mesh_field(const pel_model *model, const char *name
 
 static pel_status refuse_field(const char *name, pel_error *error)
 {
-    const char *names[PEL_RUN_FIELD_COUNT];
-    for (int f = 0; f < PEL_RUN_FIELD_COUNT; f++)
-        names[f] = pel_run_fields[f].name;
-    const char *nearest = pel_nearest_name(name, names, PEL_RUN_FIELD_COUNT);
+    const char *names[PEL_FIELD_COUNT];
+    for (int f = 0; f < PEL_FIELD_COUNT; f++)
+        names[f] = pel_field_at(f)->name;
+    const char *nearest = pel_nearest_name(name, names, PEL_FIELD_COUNT);
     pel_fail(error, PEL_BAD_SCENE, "output field '%s' is neither one of the simulation nor of a mesh", name);
     if (nearest != NULL)
         pel_fail_remedy(error, "did you mean '%s'?", nearest);
@@ -158,9 +156,9 @@ static pel_status add_field(pel_run_surface *surface, const pel_sim *sim, const 
 
 static pel_status add_named_field(pel_run_surface *surface, const pel_sim *sim, const char *name, pel_error *error)
 {
-    int source = pel_run_field_find(name);
-    if (source < PEL_RUN_FIELD_COUNT)
-        return add_field(surface, sim, name, source, pel_run_fields[source].component_count, error);
+    int32_t source = pel_field_find(name);
+    if (source >= 0)
+        return add_field(surface, sim, name, source, pel_field_at(source)->component_count, error);
     const pel_field *part = find_mesh_field(pel_sim_model(sim), name);
     if (part == NULL)
         return refuse_field(name, error);
@@ -250,86 +248,27 @@ static pel_status make_buffers(const pel_sim *sim, pel_run_surface *surface, pel
     return PEL_OK;
 }
 
-static bool is_measured(const pel_run_surface *surface)
-{
-    for (int32_t f = 0; f < surface->field_count; f++)
-        if (surface->sources[f] >= PEL_RUN_AREA && surface->sources[f] < PEL_RUN_STRESS)
-            return true;
-    return false;
-}
-
-static void free_topologies(pel_run_surface *surface)
-{
-    for (int32_t b = 0; surface->topologies != NULL && b < surface->body_count; b++)
-        pel_topology_destroy(surface->topologies[b]);
-    pel_free(surface->topologies);
-    surface->topologies = NULL;
-}
-
-static pel_status make_topology(const pel_run_surface *surface, const pel_sim *sim, int32_t body,
-                                pel_topology **topology, pel_error *error)
-{
-    pel_mesh mesh = {.vertex_count = pel_sim_vertex_count(sim, body),
-                     .triangle_count = pel_sim_triangle_count(sim, body),
-                     .positions = (double(*)[3])(surface->rest + 3 * (size_t)surface->begin[body])};
-    mesh.triangles = pel_allocate((size_t)mesh.triangle_count, sizeof *mesh.triangles);
-    if (mesh.triangles == NULL)
-        return pel_fail_memory(error);
-    pel_sim_get_triangles(sim, body, mesh.triangles[0]);
-    pel_status status = pel_topology_create(&mesh, topology, error);
-    pel_free(mesh.triangles);
-    return status;
-}
-
-/* for the fields that are measured on the surface */
-static pel_status make_topologies(pel_run_surface *surface, const pel_sim *sim, pel_error *error)
-{
-    free_topologies(surface);
-    if (!is_measured(surface))
-        return PEL_OK;
-    surface->topologies = pel_allocate((size_t)surface->body_count, sizeof *surface->topologies);
-    if (surface->topologies == NULL)
-        return pel_fail_memory(error);
-    pel_status status = PEL_OK;
-    for (int32_t b = 0; status == PEL_OK && b < surface->body_count; b++)
-        status = make_topology(surface, sim, b, &surface->topologies[b], error);
-    return status;
-}
-
-static void free_mechanics(pel_run_surface *surface)
+static void free_cell_fields(pel_run_surface *surface)
 {
     for (int32_t f = 0; f < surface->cell_field_count; f++)
         pel_free(field_values(&surface->cell_fields[f]));
     surface->cell_field_count = 0;
-    pel_free(surface->mechanics);
-    pel_free(surface->on_triangles);
-    pel_free(surface->on_vertices);
-    surface->mechanics = NULL;
-    surface->on_triangles = surface->on_vertices = NULL;
 }
 
-/* rooms of the fields of mechanics, when there are any: each on triangles too */
-static pel_status make_mechanics(pel_run_surface *surface, pel_error *error)
+/* fields that are on triangles as well */
+static pel_status make_cell_fields(pel_run_surface *surface, pel_error *error)
 {
-    size_t triangle_count = (size_t)surface->triangle_count;
-    free_mechanics(surface);
+    free_cell_fields(surface);
     for (int32_t f = 0; f < surface->field_count; f++) {
-        if (!pel_run_field_is_mechanics(surface->sources[f]))
+        if (!pel_field_is_mechanics(surface->sources[f]))
             continue;
         pel_vtp_field *field = &surface->cell_fields[surface->cell_field_count];
         *field = surface->fields[f];
-        field->values = pel_allocate(triangle_count * (size_t)field->component_count, sizeof(double));
+        field->values = pel_allocate((size_t)surface->triangle_count * (size_t)field->component_count, sizeof(double));
         surface->cell_sources[surface->cell_field_count++] = surface->sources[f];
         if (field->values == NULL)
             return pel_fail_memory(error);
     }
-    if (surface->cell_field_count == 0)
-        return PEL_OK;
-    surface->mechanics = pel_allocate(triangle_count, sizeof *surface->mechanics);
-    surface->on_triangles = pel_allocate(triangle_count, sizeof *surface->on_triangles);
-    surface->on_vertices = pel_allocate((size_t)surface->vertex_count, sizeof *surface->on_vertices);
-    if (surface->mechanics == NULL || surface->on_triangles == NULL || surface->on_vertices == NULL)
-        return pel_fail_memory(error);
     return PEL_OK;
 }
 
@@ -345,9 +284,7 @@ static pel_status refresh(pel_run_surface *surface, const pel_sim *sim, pel_erro
     for (int32_t f = 0; status == PEL_OK && f < surface->field_count; f++)
         status = make_values(surface, sim, surface->sources[f], &surface->fields[f], error);
     if (status == PEL_OK)
-        status = make_topologies(surface, sim, error);
-    if (status == PEL_OK)
-        status = make_mechanics(surface, error);
+        status = make_cell_fields(surface, error);
     if (status != PEL_OK)
         surface->revision = -1;
     return status;
@@ -371,17 +308,14 @@ pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *outp
         status = pel_vtp_writer_create(&surface->writer, error);
     if (status == PEL_OK)
         status = add_fields(surface, sim, output, error);
-    if (status == PEL_OK)
-        status = make_topologies(surface, sim, error);
-    return status == PEL_OK ? make_mechanics(surface, error) : status;
+    return status == PEL_OK ? make_cell_fields(surface, error) : status;
 }
 
 void pel_run_surface_destroy(pel_run_surface *surface)
 {
     for (int32_t f = 0; f < surface->field_count; f++)
         pel_free(field_values(&surface->fields[f]));
-    free_topologies(surface);
-    free_mechanics(surface);
+    free_cell_fields(surface);
     pel_free(surface->cell_sources);
     pel_free(surface->cell_fields);
     pel_vtp_writer_destroy(surface->writer);
@@ -400,157 +334,26 @@ static void read_positions(pel_run_surface *surface, const pel_sim *sim)
         pel_sim_get_positions(sim, b, surface->positions + 3 * (size_t)surface->begin[b]);
 }
 
-/* adds one of three lists of the scratch, or all of them, to values */
-static void add_lists(const pel_run_surface *surface, int32_t count, int first_source, int source, double *values)
+/* the fields of all bodies, on vertices and on triangles */
+static pel_status read_fields(pel_run_surface *surface, pel_sim *sim, pel_error *error)
 {
-    for (int i = 0; i < 3; i++)
-        for (int32_t v = 0; (source == PEL_RUN_ENERGY || source == first_source + i) && v < count; v++)
-            values[v] += surface->scratch[(size_t)i * (size_t)count + (size_t)v];
-}
-
-/* one energy of a body, or the sum of all */
-static void read_energies(pel_run_surface *surface, const pel_sim *sim, int32_t body, int source, double *values)
-{
-    int32_t count = surface->begin[body + 1] - surface->begin[body];
-    double *first = surface->scratch, *second = first + count, *third = second + count;
-    memset(values, 0, (size_t)count * sizeof *values);
-    if (source <= PEL_RUN_VOLUMETRIC_ENERGY) {
-        pel_sim_get_energies(sim, body, first, second);
-        memset(third, 0, (size_t)count * sizeof *third);
-        add_lists(surface, count, PEL_RUN_SPRING_ENERGY, source, values);
-    }
-    if (source == PEL_RUN_ENERGY || source >= PEL_RUN_MEMBRANE_ENERGY) {
-        pel_sim_get_shell_energies(sim, body, first, second, third);
-        add_lists(surface, count, PEL_RUN_MEMBRANE_ENERGY, source, values);
-    }
-}
-
-/* triangles of a body, with the rows of the surface as corners */
-static const int32_t *triangles_of(const pel_run_surface *surface, const pel_sim *sim, int32_t body, int32_t *count)
-{
-    size_t first = 0;
-    for (int32_t b = 0; b < body; b++)
-        first += (size_t)pel_sim_triangle_count(sim, b);
-    *count = pel_sim_triangle_count(sim, body);
-    return surface->triangles + 3 * first;
-}
-
-/* the virial over twice the area that it belongs to: thirds of the triangles */
-static void read_stress(pel_run_surface *surface, const pel_sim *sim, int32_t body, double *values)
-{
-    int32_t count, first = surface->begin[body], rows = surface->begin[body + 1] - first;
-    const int32_t *triangles = triangles_of(surface, sim, body, &count);
-    double *areas = surface->scratch;
-    memset(areas, 0, (size_t)rows * sizeof *areas);
-    for (int32_t t = 0; t < count; t++) {
-        const int32_t *v = triangles + 3 * (size_t)t;
-        const double *x = surface->positions;
-        double area = pel_vec3_triangle_area(x + 3 * (size_t)v[0], x + 3 * (size_t)v[1], x + 3 * (size_t)v[2]);
-        for (int k = 0; k < 3; k++)
-            areas[v[k] - first] += area / 3;
-    }
-    pel_sim_get_spring_virials(sim, body, values);
-    for (int32_t v = 0; v < rows; v++)
-        values[v] = areas[v] > 0 ? values[v] / (2 * areas[v]) : 0;
-}
-
-static void read_field(pel_run_surface *surface, pel_sim *sim, int32_t f, int32_t body)
-{
-    int source = surface->sources[f];
-    size_t first = (size_t)surface->begin[body];
-    double *values = field_values(&surface->fields[f]) + first * (size_t)surface->fields[f].component_count;
-    switch (source) {
-    case PEL_RUN_DISPLACEMENT:
-        for (size_t i = 3 * first; i < 3 * (size_t)surface->begin[body + 1]; i++)
-            values[i - 3 * first] = surface->positions[i] - surface->rest[i];
-        break;
-    case PEL_RUN_VELOCITY:
-        pel_sim_get_velocities(sim, body, values);
-        break;
-    case PEL_RUN_FORCE:
-        pel_sim_get_forces(sim, body, values);
-        break;
-    case PEL_RUN_CONTACT:
-        pel_sim_get_contacts(sim, body, values);
-        break;
-    case PEL_RUN_CONTACT_FORCE:
-        pel_sim_get_contact_forces(sim, body, values);
-        break;
-    case PEL_RUN_ENERGY:
-    case PEL_RUN_SPRING_ENERGY:
-    case PEL_RUN_VOLUMETRIC_ENERGY:
-    case PEL_RUN_MEMBRANE_ENERGY:
-    case PEL_RUN_BENDING_ENERGY:
-    case PEL_RUN_FIBRE_ENERGY:
-        read_energies(surface, sim, body, source, values);
-        break;
-    case PEL_RUN_PRESSURE:
-        pel_sim_get_pressure_forces(sim, body, values);
-        break;
-    case PEL_RUN_STRESS:
-        read_stress(surface, sim, body, values);
-        break;
-    default:
-        break;
-    }
-}
-
-/* one measured number or vector of vertex v */
-static void put_measure(int source, const pel_vertex_measure *measure, int32_t v, double *values)
-{
-    if (source == PEL_RUN_AREA)
-        values[v] = measure->area;
-    else if (source == PEL_RUN_NORMAL)
-        memcpy(values + 3 * (size_t)v, measure->normal, sizeof measure->normal);
-    else if (source == PEL_RUN_MEAN_CURVATURE)
-        values[v] = measure->mean_curvature;
-    else if (source == PEL_RUN_GAUSSIAN_CURVATURE)
-        values[v] = measure->gaussian_curvature;
-}
-
-/* the fields that are measured on the surface, all in one pass over the vertices of each body */
-static void read_measures(pel_run_surface *surface)
-{
-    for (int32_t b = 0; b < surface->body_count; b++) {
-        int32_t first = surface->begin[b];
-        for (int32_t v = first; v < surface->begin[b + 1]; v++) {
-            pel_vertex_measure measure;
-            pel_vertex_measure_fill(surface->topologies[b], surface->positions + 3 * (size_t)first, v - first,
-                                    &measure);
-            for (int32_t f = 0; f < surface->field_count; f++)
-                put_measure(surface->sources[f], &measure, v, field_values(&surface->fields[f]));
+    pel_status status = PEL_OK;
+    size_t triangle = 0;
+    for (int32_t b = 0; status == PEL_OK && b < surface->body_count; b++) {
+        for (int32_t f = 0; status == PEL_OK && f < surface->field_count; f++) {
+            const pel_vtp_field *field = &surface->fields[f];
+            size_t first = (size_t)surface->begin[b] * (size_t)field->component_count;
+            if (surface->sources[f] < PEL_FIELD_COUNT)
+                status = pel_observe(sim, surface->sources[f], b, field_values(field) + first, error);
         }
+        for (int32_t f = 0; status == PEL_OK && f < surface->cell_field_count; f++) {
+            const pel_vtp_field *field = &surface->cell_fields[f];
+            size_t first = triangle * (size_t)field->component_count;
+            status = pel_observe_triangles(sim, surface->cell_sources[f], b, field_values(field) + first, error);
+        }
+        triangle += (size_t)pel_sim_triangle_count(sim, b);
     }
-}
-
-/* the fields of mechanics of all bodies, on triangles and smoothed */
-static void read_mechanics(pel_run_surface *surface, pel_sim *sim)
-{
-    size_t done = 0;
-    for (int32_t b = 0; b < surface->body_count; b++) {
-        pel_sim_get_mechanics(sim, b, surface->mechanics + done);
-        done += (size_t)pel_sim_triangle_count(sim, b);
-    }
-    pel_run_mechanics_of(surface->mechanics, surface->triangles, surface->triangle_count, surface->rest,
-                         surface->positions, surface->on_triangles);
-    pel_run_mechanics_smooth(surface->on_triangles, surface->triangles, surface->triangle_count, surface->vertex_count,
-                             surface->on_vertices);
-    for (int32_t f = 0; f < surface->field_count; f++) {
-        size_t components = (size_t)surface->fields[f].component_count;
-        double *values = field_values(&surface->fields[f]);
-        if (!pel_run_field_is_mechanics(surface->sources[f]))
-            continue;
-        for (size_t v = 0; v < (size_t)surface->vertex_count; v++)
-            pel_run_mechanics_put(&surface->on_vertices[v], (pel_run_field)surface->sources[f],
-                                  values + v * components);
-    }
-    for (int32_t f = 0; f < surface->cell_field_count; f++) {
-        size_t components = (size_t)surface->cell_fields[f].component_count;
-        double *values = field_values(&surface->cell_fields[f]);
-        for (size_t t = 0; t < (size_t)surface->triangle_count; t++)
-            pel_run_mechanics_put(&surface->on_triangles[t], (pel_run_field)surface->cell_sources[f],
-                                  values + t * components);
-    }
+    return status;
 }
 
 pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count, pel_error *error)
@@ -568,20 +371,19 @@ pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim
 
 /* ---- writing ---- */
 
-pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, const pel_output_def *output,
-                                       const char *path, pel_error *error)
+pel_status pel_run_surface_read(pel_run_surface *surface, pel_sim *sim, pel_error *error)
 {
     pel_status status = refresh(surface, sim, error);
     if (status != PEL_OK)
         return status;
+    surface->time = pel_sim_time(sim);
     read_positions(surface, sim);
-    for (int32_t f = 0; f < surface->field_count; f++)
-        for (int32_t b = 0; b < surface->body_count; b++)
-            read_field(surface, sim, f, b);
-    if (surface->topologies != NULL)
-        read_measures(surface);
-    if (surface->mechanics != NULL)
-        read_mechanics(surface, sim);
+    return read_fields(surface, sim, error);
+}
+
+pel_status pel_run_surface_write(pel_run_surface *surface, const pel_output_def *output, const char *path,
+                                 pel_error *error)
+{
     const pel_vtp vtp = {
         .vertex_count = surface->vertex_count,
         .triangle_count = surface->triangle_count,
@@ -591,7 +393,7 @@ pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, c
         .field_count = surface->field_count,
         .cell_fields = surface->cell_fields,
         .cell_field_count = surface->cell_field_count,
-        .time = pel_sim_time(sim),
+        .time = surface->time,
         .compress = output->compress,
         .float64 = output->float64,
     };

@@ -4,43 +4,40 @@
 
 #include "pellicle/results.h"
 #include "pellicle/scene.h"
-#include "pellicle/topology.h"
-#include "results/mechanics.h"
 
 /* All buffers are made once, so that writing a frame takes no memory of its own but the file's; they are made anew
    when a body has refined or coarsened. */
 typedef struct pel_run_surface {
     int32_t vertex_count, triangle_count, body_count, field_count;
-    int32_t *begin;            /* (body_count + 1) first vertex of each body */
-    int32_t *triangles;        /* (triangle_count x 3) */
-    double *rest;              /* (vertex_count x 3) */
-    double *positions;         /* (vertex_count x 3) */
-    double *scratch;           /* (vertex_count x 3) */
-    int32_t *row_numbers;      /* (vertex_count) scratch */
-    pel_vtp_field *fields;     /* (field_count), with values of their own */
-    int *sources;              /* (field_count) a pel_run_field, or more for what changes with the surface alone */
-    pel_topology **topologies; /* (body_count) null when no field is measured on the surface */
-    /* fields of mechanics on triangles, and what they are made from; null without such fields */
+    int32_t *begin;        /* (body_count + 1) first vertex of each body */
+    int32_t *triangles;    /* (triangle_count x 3) */
+    double *rest;          /* (vertex_count x 3) */
+    double *positions;     /* (vertex_count x 3) */
+    double *scratch;       /* (vertex_count x 3) */
+    int32_t *row_numbers;  /* (vertex_count) scratch */
+    pel_vtp_field *fields; /* (field_count), with values of their own */
+    int *sources;          /* (field_count) of pellicle/observe.h, or more for what changes with the surface alone */
     int32_t cell_field_count;
-    pel_vtp_field *cell_fields;                    /* (cell_field_count), with values of their own */
-    int *cell_sources;                             /* (cell_field_count) */
-    pel_triangle_mechanics *mechanics;             /* (triangle_count) */
-    pel_run_mechanics *on_triangles, *on_vertices; /* (triangle_count), (vertex_count) */
+    pel_vtp_field *cell_fields; /* (cell_field_count) on triangles, with values of their own */
+    int *cell_sources;          /* (cell_field_count) */
     pel_vtp_writer *writer;
+    double time;      /* s, of what was read */
     int64_t revision; /* of the bodies' surfaces, summed up */
 } pel_run_surface;
 
-/* Fields: those of fields.h, those of the meshes, with several bodies always `body` (its number), and with bodies
-   that refine `level` (the finest of the triangles at the vertex) and the place of a vertex in the body's mesh: the
-   `mesh_vertices` of a triangle, whose `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on
+/* Fields: those of pellicle/observe.h, those of the meshes, with several bodies always `body` (its number), and with
+   bodies that refine `level` (the finest of the triangles at the vertex) and the place of a vertex in the body's mesh:
+   the `mesh_vertices` of a triangle, whose `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on
    failure. */
 pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, pel_run_surface *surface,
                                   pel_error *error);
 void pel_run_surface_destroy(pel_run_surface *surface);
 
-/* Takes positions and fields out of the simulation and writes them. */
-pel_status pel_run_surface_write_frame(pel_run_surface *surface, pel_sim *sim, const pel_output_def *output,
-                                       const char *path, pel_error *error);
+/* Takes positions and fields out of the simulation; it may go on before they are written. PEL_OUT_OF_MEMORY. */
+pel_status pel_run_surface_read(pel_run_surface *surface, pel_sim *sim, pel_error *error);
+/* Writes what was read last. */
+pel_status pel_run_surface_write(pel_run_surface *surface, const pel_output_def *output, const char *path,
+                                 pel_error *error);
 
 /* The same as a mesh file with the fields of the bodies' meshes. */
 pel_status pel_run_surface_write_final(pel_run_surface *surface, const pel_sim *sim, const char *path,

@@ -53,72 +53,70 @@ static bool list_is_due(const pel_run_frames *frames)
     return unlisted > LIST_GROWTH * (double)frames->listed_count || pel_run_clock() - frames->listed_at > LIST_SECONDS;
 }
 
-/* the state of sim, whatever thread it belongs to */
-static pel_status write_frame(pel_run_frames *frames, pel_sim *sim, const pel_run_totals *totals,
-                              const double *tool_force, pel_error *error)
+/* ---- a frame: taken from the simulation, then written ---- */
+
+/* all that a frame says of the present state; nothing of the simulation is needed any more to write it */
+static pel_status take_frame(pel_run_frames *frames, pel_sim *sim, const pel_run_totals *totals,
+                             const double *tool_force, pel_error *error)
 {
-    char path[PEL_RUN_FILE_SIZE];
+    pel_run_frame *frame = &frames->frame;
     int64_t steps = pel_sim_step_count(sim) - totals->frame_step;
-    pel_run_row row = {
+    pel_run_row *row = &frame->row;
+    frame->time = pel_sim_time(sim);
+    *row = (pel_run_row){
         .frame = totals->frame_count,
         .step_ms = steps > 0 ? 1e3 * totals->frame_seconds / (double)steps : 0,
         .tool_force_max = tool_force,
+        .contact_before = totals->contact,
     };
-    pel_sim_measure(sim, &row.measures);
-    pel_sim_get_ledger(sim, &row.ledger);
-    pel_sim_get_contact_statistics(sim, &row.contact);
-    row.contact_before = totals->contact;
-    pel_run_frame_path(path, frames->folder, row.frame);
-    pel_status status = pel_run_surface_write_frame(&frames->surface, sim, &frames->scene->output, path, error);
+    pel_sim_measure(sim, &row->measures);
+    pel_sim_get_ledger(sim, &row->ledger);
+    pel_sim_get_contact_statistics(sim, &row->contact);
+    pel_run_series_make(&frames->series, sim, row);
+    return pel_run_surface_read(&frames->surface, sim, error);
+}
+
+static pel_status write_frame(pel_run_frames *frames, pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    const pel_run_row *row = &frames->frame.row;
+    pel_run_frame_path(path, frames->folder, row->frame);
+    pel_status status = pel_run_surface_write(&frames->surface, &frames->scene->output, path, error);
     if (status != PEL_OK)
         return status;
-    status = pel_run_series_add(&frames->series, sim, &row, error);
+    status = pel_run_series_add(&frames->series, error);
     if (status != PEL_OK) {
         unlink(path);
         return status;
     }
-    frames->frame_count = row.frame + 1;
-    frames->last_time = pel_sim_time(sim);
-    frames->max_displacement = fmax(frames->max_displacement, row.measures.max_displacement);
-    pel_warnings_check_frame(&frames->warnings, row.frame, &row.measures, &row.ledger);
-    atomic_store(&frames->max_force, row.measures.max_force);
+    frames->frame_count = row->frame + 1;
+    frames->last_time = frames->frame.time;
+    frames->max_displacement = fmax(frames->max_displacement, row->measures.max_displacement);
+    pel_warnings_check_frame(&frames->warnings, row->frame, &row->measures, &row->ledger);
+    atomic_store(&frames->max_force, row->measures.max_force);
     return list_is_due(frames) ? pel_run_frames_list(frames, error) : PEL_OK;
 }
 
 /* ---- the thread that writes ---- */
 
 /* after a failure nothing more is written */
-static void write_slot(void *context, int32_t slot)
+static void write_job(void *context, int32_t slot)
 {
+    (void)slot;
     pel_run_frames *frames = context;
-    const pel_run_frame *frame = &frames->slots[slot];
-    if (atomic_load(&frames->failed))
-        return;
-    pel_status status = pel_sim_load(frames->sim, frame->snapshot, frames->snapshot_size, &frames->error);
-    if (status == PEL_OK)
-        status = write_frame(frames, frames->sim, &frame->totals, frame->tool_force, &frames->error);
-    if (status == PEL_OK)
-        return;
-    frames->failed_slot = slot;
-    atomic_store(&frames->failed, true);
+    if (!atomic_load(&frames->failed) && write_frame(frames, &frames->error) != PEL_OK)
+        atomic_store(&frames->failed, true);
 }
 
-static pel_status start_thread(pel_run_frames *frames, const pel_sim_def *sim_def, pel_error *error)
+static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_error *error)
 {
-    pel_sim_def def = *sim_def;
-    def.thread_count = 1;
-    pel_status status = pel_sim_create(&def, &frames->sim, error);
-    if (status != PEL_OK)
-        return status;
-    frames->snapshot_size = pel_sim_save_size(frames->sim);
-    for (int32_t slot = 0; slot < PEL_RUN_FRAME_SLOTS; slot++) {
-        pel_run_frame *frame = &frames->slots[slot];
-        frame->snapshot = pel_allocate(frames->snapshot_size, 1);
-        frame->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(frames->sim), sizeof *frame->tool_force);
-        if (frame->snapshot == NULL || frame->tool_force == NULL)
-            return pel_fail_memory(error);
-    }
-    return pel_worker_create(PEL_RUN_FRAME_SLOTS, write_slot, frames, &frames->worker, error);
+    pel_run_frame *frame = &frames->frame;
+    frames->snapshot_size = pel_sim_save_size(sim);
+    frame->snapshot = pel_allocate(frames->snapshot_size, 1);
+    frame->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(sim), sizeof *frame->tool_force);
+    if (frame->snapshot == NULL || frame->tool_force == NULL)
+        return pel_fail_memory(error);
+    return pel_worker_create(1, write_job, frames, &frames->worker, error);
 }
 
 /* ---- the caller's side ---- */
@@ -138,17 +136,14 @@ pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_
 {
     pel_status status = pel_run_surface_create(sim, &frames->scene->output, &frames->surface, error);
     int32_t threads = sim_def->thread_count > 0 ? sim_def->thread_count : (int32_t)pel_thread_limit();
-    return status == PEL_OK && threads > 1 ? start_thread(frames, sim_def, error) : status;
+    return status == PEL_OK && threads > 1 ? start_thread(frames, sim, error) : status;
 }
 
 void pel_run_frames_destroy(pel_run_frames *frames)
 {
     pel_worker_destroy(frames->worker);
-    pel_sim_destroy(frames->sim);
-    for (int32_t slot = 0; slot < PEL_RUN_FRAME_SLOTS; slot++) {
-        pel_free(frames->slots[slot].snapshot);
-        pel_free(frames->slots[slot].tool_force);
-    }
+    pel_free(frames->frame.snapshot);
+    pel_free(frames->frame.tool_force);
     pel_run_series_close(&frames->series);
     pel_run_surface_destroy(&frames->surface);
 }
@@ -165,30 +160,33 @@ pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int6
     return status == PEL_OK ? pel_run_frames_list(frames, error) : status;
 }
 
-/* false once a frame could not be written; its slot must stay as it is then */
-static bool hand_over(pel_run_frames *frames, const pel_sim *sim, const pel_run_totals *totals,
-                      const double *tool_force)
+/* what a failure to write it takes the run back to */
+static void keep_state(pel_run_frames *frames, const pel_sim *sim, const pel_run_totals *totals,
+                       const double *tool_force)
 {
-    pel_run_frame *frame = &frames->slots[pel_worker_claim(frames->worker)];
-    if (atomic_load(&frames->failed))
-        return false;
-    frame->totals = *totals;
-    memcpy(frame->tool_force, tool_force, 2 * (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
-    pel_sim_save(sim, frame->snapshot);
-    pel_worker_give(frames->worker);
-    return true;
+    frames->frame.totals = *totals;
+    memcpy(frames->frame.tool_force, tool_force, 2 * (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
+    pel_sim_save(sim, frames->frame.snapshot);
 }
 
 pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
                               pel_error *error)
 {
+    /* until the frame before is written */
+    if (frames->worker != NULL)
+        (void)pel_worker_claim(frames->worker);
+    if (pel_run_frames_failed(frames))
+        return pel_run_frames_settle(frames, sim, totals, tool_force, error);
+    pel_status status = take_frame(frames, sim, totals, tool_force, error);
+    if (status != PEL_OK)
+        return status;
     if (frames->worker != NULL) {
-        if (!hand_over(frames, sim, totals, tool_force))
-            return pel_run_frames_settle(frames, sim, totals, tool_force, error);
+        keep_state(frames, sim, totals, tool_force);
+        pel_worker_give(frames->worker);
         begin_interval(totals, sim, tool_force);
         return PEL_OK;
     }
-    pel_status status = write_frame(frames, sim, totals, tool_force, error);
+    status = write_frame(frames, error);
     if (frames->frame_count > totals->frame_count)
         begin_interval(totals, sim, tool_force);
     return status;
@@ -206,7 +204,7 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
         pel_worker_wait(frames->worker);
     pel_status status = PEL_OK;
     if (pel_run_frames_failed(frames)) {
-        const pel_run_frame *frame = &frames->slots[frames->failed_slot];
+        const pel_run_frame *frame = &frames->frame;
         *error = frames->error;
         status = error->status;
         pel_sim_load(sim, frame->snapshot, frames->snapshot_size, NULL);

@@ -1,6 +1,6 @@
-/* Frames of a run: the file, the row of the series and the list. With more than one thread a thread of its own writes
-   them from snapshots, in order, while the simulation goes on; a frame that cannot be written brings the run back to
-   the state that it shows. */
+/* Frames of a run: the file, the row of the series and the list. What a frame says is read from the simulation at once;
+   with more than one thread a thread of its own writes it while the simulation goes on. A frame that cannot be written
+   brings the run back to the state that it shows. */
 #ifndef PEL_RUN_FRAMES_H
 #define PEL_RUN_FRAMES_H
 
@@ -27,16 +27,17 @@ typedef struct pel_run_totals {
     pel_contact_statistics contact; /* at the last frame */
 } pel_run_totals;
 
-/* What a frame is made of. */
+/* A frame that was taken and is to be written. */
 typedef struct pel_run_frame {
+    pel_run_row row;
+    double time;           /* s */
     pel_run_totals totals; /* before it; frame_count is its number */
-    double *tool_force;    /* (2 x tool count) as in pel_run_state */
-    void *snapshot;        /* (snapshot_size) of the simulation; null when one thread does everything */
+    /* null when one thread does everything */
+    double *tool_force; /* (2 x tool count) as in pel_run_state */
+    void *snapshot;     /* (snapshot_size) of the simulation */
 } pel_run_frame;
 
-enum { PEL_RUN_FRAME_SLOTS = 2 };
-
-/* While frames are under way everything here but `slots` belongs to the thread that writes. */
+/* While a frame is under way everything here belongs to the thread that writes. */
 typedef struct pel_run_frames {
     const pel_scene *scene;
     const char *folder;
@@ -52,12 +53,10 @@ typedef struct pel_run_frames {
     double last_time;             /* s, of the last frame written; 0 = none by this call */
     _Atomic(double) max_force;    /* N, at the last frame written; may be read at any time */
     _Atomic(bool) failed;         /* may be read at any time */
-    int32_t failed_slot;          /* of the frame that could not be written */
     pel_error error;              /* why */
     pel_worker *worker;           /* null = one thread does everything */
-    pel_sim *sim;                 /* the worker's, to look at snapshots; null as well */
     size_t snapshot_size;
-    pel_run_frame slots[PEL_RUN_FRAME_SLOTS];
+    pel_run_frame frame;
 } pel_run_frames;
 
 /* Prepares everything in memory, with a thread when `sim_def` asks for more than one. Destroy also on failure. */

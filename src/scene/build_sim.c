@@ -1,10 +1,10 @@
 #include "scene/build.h"
 
-#include "results/fields.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
 #include "scene/table.h"
 #include "scene/validate.h"
+#include "sim/field.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -316,8 +316,8 @@ static pel_status check_field(pel_scene_reader *reader, const pel_scene_value *f
 {
     const char *names[MOST_NAMES];
     size_t count = 0;
-    for (; count < PEL_RUN_FIELD_COUNT; count++)
-        names[count] = pel_run_fields[count].name;
+    for (; count < PEL_FIELD_COUNT; count++)
+        names[count] = pel_field_at((int32_t)count)->name;
     for (int32_t b = 0; b < model->body_count; b++)
         for (int32_t f = 0; f < model->bodies[b].mesh->field_count; f++)
             if (count < MOST_NAMES)

@@ -1,6 +1,6 @@
 /* The table as the reference page of scenes (Markdown) and as the list of parameter paths. */
-#include "results/fields.h"
 #include "scene/schema_api.h"
+#include "sim/field.h"
 
 #include <string.h>
 
@@ -121,8 +121,8 @@ static void write_fields(FILE *file)
           "[measures](../measures.md) says how those from `area` on are computed.\n\n"
           "| field | numbers | unit | meaning |\n|---|---|---|---|\n",
           file);
-    for (int f = 0; f < PEL_RUN_FIELD_COUNT; f++) {
-        const pel_run_field_info *field = &pel_run_fields[f];
+    for (int32_t f = 0; f < PEL_FIELD_COUNT; f++) {
+        const pel_field_info *field = pel_field_at(f);
         fprintf(file, "| `%s` | %d | %s | %s |\n", field->name, (int)field->component_count, field->unit, field->doc);
     }
 }

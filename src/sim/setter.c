@@ -36,6 +36,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
         return status;
     double energy_before = pel_ledger_energy(sim);
     sim->force_is_present = false;
+    sim->state_number++;
     sim->state->older_is_known = false;
     sim->substeps.now.is_stale = true;
     int32_t count = pel_output_count(sim, body);

@@ -66,6 +66,7 @@ static void mark_contacts(pel_sim *sim)
 static pel_status follow_surface(pel_sim *sim, pel_error *error)
 {
     sim->force_is_present = false;
+    sim->state_number++;
     if (sim->tool_search != NULL)
         sim->tool_search->is_fitted = false;
     if (sim->active != NULL)

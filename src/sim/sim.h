@@ -293,7 +293,9 @@ struct pel_sim {
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
     pel_ledger ledger;
     pel_sim_parts parts;
-    struct pel_picker *picker; /* (pick.h) null = no ray was cast */
+    int64_t state_number;          /* another one for each state */
+    struct pel_observer *observer; /* (observe_field.h) null = nobody looked at a field */
+    struct pel_picker *picker;     /* (pick.h) null = no ray was cast */
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)

@@ -5,6 +5,7 @@
 #include "sim/contact.h"
 #include "sim/edge_load.h"
 #include "sim/hold.h"
+#include "sim/observe_field.h"
 #include "sim/pick.h"
 #include "sim/step_modes.h"
 #include "sim/tool_solid.h"
@@ -225,6 +226,7 @@ void pel_sim_release(pel_sim *sim)
 {
     pel_copies_free(&sim->copies);
     pel_picker_destroy(sim->picker);
+    pel_observer_destroy(sim->observer);
     pel_free(sim->external);
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);

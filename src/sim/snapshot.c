@@ -512,6 +512,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     /* the bytes are only read: the cursor copies out of them */
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
     sim->force_is_present = false;
+    sim->state_number++;
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))

@@ -43,8 +43,8 @@ static void read_frame(run *made)
 {
     pel_run_surface surface;
     assert_int_equal(pel_run_surface_create(made->sim, &made->scene->output, &surface, NULL), PEL_OK);
-    assert_int_equal(pel_run_surface_write_frame(&surface, made->sim, &made->scene->output, "mechanics.vtp", NULL),
-                     PEL_OK);
+    assert_int_equal(pel_run_surface_read(&surface, made->sim, NULL), PEL_OK);
+    assert_int_equal(pel_run_surface_write(&surface, &made->scene->output, "mechanics.vtp", NULL), PEL_OK);
     pel_run_surface_destroy(&surface);
     assert_int_equal(pel_vtp_read("mechanics.vtp", &made->frame, NULL, NULL), PEL_OK);
     remove("mechanics.vtp");

@@ -67,6 +67,9 @@ const units = [
 
 export const unitOf = (name) => units.find(([pattern]) => pattern.test(name))?.[1] ?? "";
 
+// the unit of a field of a run: that of the library's table, where it is one of it
+export const unitOfField = (field) => field.unit?.replace(/m2$/, "m²") ?? unitOf(field.name);
+
 export const withUnit = (text, unit) => (unit ? `${text} ${unit}` : text);
 
 // step_ms -> step, kinetic_energy -> kinetic energy

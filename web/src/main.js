@@ -2,7 +2,7 @@
 import { isDiverging, mapGradient, mapNames } from "./colour.js";
 import { componentsAt, fillValues, locate, positionAt, readRuns } from "./data.js";
 import { showDetails, showFacts } from "./details.js";
-import { formatNumber, formatTogether, formatVector, plainName, unitOf, withUnit } from "./format.js";
+import { formatNumber, formatTogether, formatVector, plainName, unitOfField, withUnit } from "./format.js";
 import { Plots } from "./plots.js";
 import { View } from "./view.js";
 
@@ -178,7 +178,7 @@ function showColour() {
     view.uniforms.range.value.set(low, high);
     const field = fieldOf(runs.find(fieldOf));
     const name = plainName(state.field);
-    $("legend-name").textContent = withUnit(field.components > 1 ? `|${name}|` : name, unitOf(state.field) && `[${unitOf(state.field)}]`);
+    $("legend-name").textContent = withUnit(field.components > 1 ? `|${name}|` : name, unitOfField(field) && `[${unitOfField(field)}]`);
     const ticks = formatTogether([low, low + (high - low) / 2, high], 3);
     [...$("legend-ticks").children].forEach((tick, i) => (tick.textContent = ticks[i]));
 }
@@ -236,7 +236,7 @@ function readingRows(run, index, vertex) {
     const rows = [["position", formatVector(position), "m"]];
     for (const field of run.fields) {
         const values = componentsAt(run, field, index, vertex);
-        const unit = unitOf(field.name);
+        const unit = unitOfField(field);
         const name = plainName(field.name);
         if (field.components === 1) {
             rows.push([name, formatNumber(values[0], 4), unit]);

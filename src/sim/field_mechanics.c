@@ -1,11 +1,11 @@
-#include "results/mechanics.h"
+#include "sim/field_mechanics.h"
 
 #include "math/vec3.h"
 
 #include <string.h>
 
-void pel_run_mechanics_of(const pel_triangle_mechanics *numbers, const int32_t *triangles, int32_t triangle_count,
-                          const double *rest, const double *positions, pel_run_mechanics *made)
+void pel_field_mechanics_of(const pel_triangle_mechanics *numbers, const int32_t *triangles, int32_t triangle_count,
+                            const double *rest, const double *positions, pel_field_mechanics *made)
 {
     for (int32_t t = 0; t < triangle_count; t++) {
         const int32_t *v = triangles + 3 * (size_t)t;
@@ -24,7 +24,7 @@ static void add_scaled(const double *values, int count, double scale, double *su
         sums[k] += scale * values[k];
 }
 
-static void add_triangle(const pel_run_mechanics *from, pel_run_mechanics *to)
+static void add_triangle(const pel_field_mechanics *from, pel_field_mechanics *to)
 {
     const pel_triangle_mechanics *n = &from->numbers;
     pel_triangle_mechanics *s = &to->numbers;
@@ -49,8 +49,8 @@ static void divide(double *values, int count, double by)
         values[k] /= by;
 }
 
-void pel_run_mechanics_smooth(const pel_run_mechanics *made, const int32_t *triangles, int32_t triangle_count,
-                              int32_t vertex_count, pel_run_mechanics *smooth)
+void pel_field_mechanics_smooth(const pel_field_mechanics *made, const int32_t *triangles, int32_t triangle_count,
+                                int32_t vertex_count, pel_field_mechanics *smooth)
 {
     memset(smooth, 0, (size_t)vertex_count * sizeof *smooth);
     for (int32_t t = 0; t < triangle_count; t++)
@@ -108,7 +108,7 @@ static void find_stress(const pel_triangle_mechanics *numbers, double side, doub
         stress[k] = h > 0 ? numbers->force[k] / h + side * 6 * numbers->moment[k] / (h * h) : 0;
 }
 
-static double von_mises(const pel_run_mechanics *at, double side)
+static double von_mises(const pel_field_mechanics *at, double side)
 {
     double stress[6], values[2], direction[3];
     find_stress(&at->numbers, side, stress);
@@ -116,58 +116,58 @@ static double von_mises(const pel_run_mechanics *at, double side)
     return sqrt(values[0] * values[0] - values[0] * values[1] + values[1] * values[1]);
 }
 
-static void put_principal(const pel_run_mechanics *at, pel_run_field field, double *values)
+static void put_principal(const pel_field_mechanics *at, int32_t field, double *values)
 {
     double stress[6], principal[2], direction[3];
-    if (field == PEL_RUN_PRINCIPAL_STRAIN) {
+    if (field == PEL_FIELD_PRINCIPAL_STRAIN) {
         find_principal(at->numbers.strain, at->rest_normal, values, direction);
         return;
     }
     find_stress(&at->numbers, 0, stress);
     find_principal(stress, at->normal, principal, direction);
-    if (field == PEL_RUN_PRINCIPAL_STRESS)
+    if (field == PEL_FIELD_PRINCIPAL_STRESS)
         memcpy(values, principal, sizeof principal);
     else
         memcpy(values, direction, sizeof direction);
 }
 
-void pel_run_mechanics_put(const pel_run_mechanics *at, pel_run_field field, double *values)
+void pel_field_mechanics_put(const pel_field_mechanics *at, int32_t field, double *values)
 {
     const pel_triangle_mechanics *numbers = &at->numbers;
     switch (field) {
-    case PEL_RUN_STRAIN:
+    case PEL_FIELD_STRAIN:
         memcpy(values, numbers->strain, sizeof numbers->strain);
         break;
-    case PEL_RUN_PIOLA_STRESS:
+    case PEL_FIELD_PIOLA_STRESS:
         memcpy(values, numbers->piola_stress, sizeof numbers->piola_stress);
         break;
-    case PEL_RUN_CAUCHY_STRESS:
+    case PEL_FIELD_CAUCHY_STRESS:
         find_stress(numbers, 0, values);
         break;
-    case PEL_RUN_MEMBRANE_FORCE:
+    case PEL_FIELD_MEMBRANE_FORCE:
         memcpy(values, numbers->force, sizeof numbers->force);
         break;
-    case PEL_RUN_BENDING_MOMENT:
+    case PEL_FIELD_BENDING_MOMENT:
         memcpy(values, numbers->moment, sizeof numbers->moment);
         break;
-    case PEL_RUN_PRINCIPAL_STRAIN:
-    case PEL_RUN_PRINCIPAL_STRESS:
-    case PEL_RUN_PRINCIPAL_DIRECTION:
+    case PEL_FIELD_PRINCIPAL_STRAIN:
+    case PEL_FIELD_PRINCIPAL_STRESS:
+    case PEL_FIELD_PRINCIPAL_DIRECTION:
         put_principal(at, field, values);
         break;
-    case PEL_RUN_VON_MISES_TOP:
+    case PEL_FIELD_VON_MISES_TOP:
         *values = von_mises(at, 1);
         break;
-    case PEL_RUN_VON_MISES_BOTTOM:
+    case PEL_FIELD_VON_MISES_BOTTOM:
         *values = von_mises(at, -1);
         break;
-    case PEL_RUN_MEMBRANE_DENSITY:
+    case PEL_FIELD_MEMBRANE_DENSITY:
         *values = numbers->membrane_energy;
         break;
-    case PEL_RUN_BENDING_DENSITY:
+    case PEL_FIELD_BENDING_DENSITY:
         *values = numbers->bending_energy;
         break;
-    case PEL_RUN_FIBRE_DENSITY:
+    case PEL_FIELD_FIBRE_DENSITY:
         *values = numbers->fibre_energy;
         break;
     default:
