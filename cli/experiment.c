@@ -3,50 +3,12 @@
 #include <pellicle/render.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 const char *cli_experiment_path(const cli_experiment *experiment, const char *name, char *path)
 {
     snprintf(path, CLI_EXPERIMENT_PATH, "%s/%s", experiment->folder, name);
     return path;
-}
-
-/* ---- numbers ---- */
-
-static void add(cli_experiment *experiment, const char *name, double value, double expected, double tolerance,
-                const char *source)
-{
-    if (experiment->finding_count == CLI_EXPERIMENT_NUMBERS)
-        return;
-    cli_finding *finding = &experiment->findings[experiment->finding_count++];
-    *finding = (cli_finding){.value = value, .expected = expected, .tolerance = tolerance, .source = source};
-    snprintf(finding->name, sizeof finding->name, "%s", name);
-}
-
-void cli_experiment_check(cli_experiment *experiment, const char *name, double value, double expected, double tolerance,
-                          const char *source)
-{
-    add(experiment, name, value, expected, tolerance, source);
-}
-
-void cli_experiment_limit(cli_experiment *experiment, const char *name, double value, double limit, const char *source)
-{
-    /* half way between 0 and the limit, and as far as that from it */
-    add(experiment, name, value, limit, -1, source);
-}
-
-void cli_experiment_tell(cli_experiment *experiment, const char *name, double value, double expected,
-                         const char *source)
-{
-    add(experiment, name, value, expected, (double)INFINITY, source);
-}
-
-bool cli_finding_holds(const cli_finding *finding)
-{
-    if (finding->tolerance < 0)
-        return finding->value <= finding->expected;
-    return isinf(finding->tolerance) || fabs(finding->value - finding->expected) <= finding->tolerance;
 }
 
 /* ---- runs ---- */
@@ -57,8 +19,8 @@ static pel_status run_scene(cli_experiment *experiment, const char *name, const 
     char folder[CLI_EXPERIMENT_PATH];
     pel_run_def def = pel_run_def_default();
     def.folder = cli_experiment_path(experiment, name, folder);
-    if (!experiment->quiet)
-        fprintf(stderr, "  run %s\n", name);
+    if (experiment->progress != NULL)
+        experiment->progress(experiment, name);
     return pel_run(scene, &def, summary, experiment->error);
 }
 
@@ -106,42 +68,96 @@ void cli_series_free(cli_series *series)
 
 /* ---- plots and pictures ---- */
 
-pel_status cli_experiment_plot(const cli_experiment *experiment, const cli_plot *plot)
+/* the name of the next image of a kind: "plot.svg", "plot-2.svg", ... */
+static const char *add_image(cli_experiment *experiment, const char *kind, const char *ending, int *count,
+                             const char *caption)
+{
+    if (experiment->image_count == CLI_EXPERIMENT_IMAGES)
+        return NULL;
+    cli_image *image = &experiment->images[experiment->image_count++];
+    ++*count;
+    if (*count == 1)
+        snprintf(image->file, sizeof image->file, "%s.%s", kind, ending);
+    else
+        snprintf(image->file, sizeof image->file, "%s-%d.%s", kind, *count, ending);
+    snprintf(image->caption, sizeof image->caption, "%s", caption);
+    return image->file;
+}
+
+pel_status cli_experiment_plot(cli_experiment *experiment, const cli_plot *plot)
 {
     char path[CLI_EXPERIMENT_PATH];
-    return cli_plot_write(cli_experiment_path(experiment, "plot.svg", path), plot, experiment->error);
+    const char *file = add_image(experiment, "plot", "svg", &experiment->plot_count, plot->title);
+    if (file == NULL)
+        return PEL_OK;
+    return cli_plot_write(cli_experiment_path(experiment, file, path), plot, experiment->error);
 }
 
 #ifdef PELLICLE_VIEW
 
-pel_status cli_experiment_draw(const cli_experiment *experiment, const cli_picture *picture)
+/* the last frame that all runs have: one may end before the others */
+static int last_common_frame(const char *const *runs, int count)
 {
-    char paths[4][CLI_EXPERIMENT_PATH], output[CLI_EXPERIMENT_PATH];
-    const char *inputs[4];
-    pel_frame_range frames[4];
+    int last = INT32_MAX;
+    for (int i = 0; i < count; i++) {
+        pel_frames *frames;
+        pel_error error;
+        if (!cli_is_folder(runs[i]) || pel_frames_open(runs[i], &frames, &error) != PEL_OK)
+            continue;
+        last = frames->frame_count - 1 < last ? frames->frame_count - 1 : last;
+        pel_frames_close(frames);
+    }
+    return last;
+}
+
+pel_status cli_experiment_draw(cli_experiment *experiment, const cli_picture *picture)
+{
+    static char paths[CLI_PICTURE_RUNS][CLI_EXPERIMENT_PATH];
+    char output[CLI_EXPERIMENT_PATH];
+    const char *inputs[CLI_PICTURE_RUNS];
+    pel_frame_range frames[CLI_PICTURE_FRAMES];
+    const char *file = add_image(experiment, "picture", "png", &experiment->picture_count, picture->caption);
+    if (file == NULL)
+        return PEL_OK;
     for (int i = 0; i < picture->run_count; i++)
         inputs[i] = cli_experiment_path(experiment, picture->runs[i], paths[i]);
-    for (int i = 0; i < picture->frame_count; i++)
-        frames[i] = (pel_frame_range){picture->frames[i], picture->frames[i], 1};
+    int last = last_common_frame(inputs, picture->run_count);
+    for (int i = 0; i < picture->frame_count; i++) {
+        int frame = picture->frames[i] < last ? picture->frames[i] : last;
+        frames[i] = (pel_frame_range){frame, frame, 1};
+    }
     pel_render_def def = pel_render_def_default();
     def.inputs = inputs;
     def.input_count = picture->run_count;
     def.labels = picture->labels;
-    def.output = cli_experiment_path(experiment, "picture.png", output);
+    def.output = cli_experiment_path(experiment, file, output);
     def.frames = frames;
     def.frame_range_count = picture->frame_count;
+    def.field = picture->field;
+    def.unit = picture->unit;
+    def.component = picture->component - 1;
+    def.fixed_range = picture->range[0] < picture->range[1];
+    def.range[0] = picture->range[0];
+    def.range[1] = picture->range[1];
+    def.arrows = picture->arrows;
     def.angle.azimuth = picture->azimuth;
     def.angle.elevation = picture->elevation;
     def.edges = picture->edges;
+    def.frame_numbers = !picture->times;
+    if (picture->columns > 0) {
+        def.columns = picture->columns;
+        def.rows = (picture->run_count * picture->frame_count + picture->columns - 1) / picture->columns;
+    }
     return pel_render(&def, NULL, NULL, experiment->error);
 }
 
 #else
 
-pel_status cli_experiment_draw(const cli_experiment *experiment, const cli_picture *picture)
+pel_status cli_experiment_draw(cli_experiment *experiment, const cli_picture *picture)
 {
     (void)experiment;
     (void)picture;
+    (void)add_image;
     return PEL_OK;
 }
 

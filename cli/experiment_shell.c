@@ -110,8 +110,8 @@ static pel_status compare(cli_experiment *experiment, const pressed_ball *ball, 
     enum { COUNT = 5 };
     size_t count = 3 * (size_t)ball->mesh->vertex_count;
     double errors[COUNT] = {0}, substeps[COUNT] = {8, 16, 32, 64, 128};
-    if (!experiment->quiet)
-        fprintf(stderr, "  leapfrog and xpbd on %d triangles\n", (int)ball->mesh->triangle_count);
+    if (experiment->progress != NULL)
+        experiment->progress(experiment, "leapfrog and xpbd");
     pel_status status = press(ball, PEL_METHOD_EXPLICIT, 512, reference);
     for (int i = 0; status == PEL_OK && i < COUNT; i++) {
         char name[64];
@@ -167,5 +167,7 @@ static pel_status run_shell_checks(cli_experiment *experiment)
 const cli_experiment_case cli_shell_checks = {
     .name = "shells",
     .doc = "a sphere under pressure, and xpbd beside the leapfrog (some minutes)",
+    .group = "own",
+    .origin = CLI_THEORY,
     .run = run_shell_checks,
 };

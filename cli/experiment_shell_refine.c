@@ -283,6 +283,8 @@ static pel_status run_shell_refinement(cli_experiment *experiment)
     if (status == PEL_OK)
         status = shrink(experiment, shrink_made);
     const cli_picture picture = {
+        .caption = "the balls in the end",
+        .columns = 4,
         .runs = {"pressed-force-2", "shrinking-sweeps", "shrinking-cap", "shrinking-global"},
         .labels = {"pressed, refined by force", "shrinking, more sweeps", "cap refined", "refined everywhere"},
         .run_count = 4,
@@ -298,5 +300,7 @@ static pel_status run_shell_refinement(cli_experiment *experiment)
 const cli_experiment_case cli_shell_refinement = {
     .name = "b-refinement",
     .doc = "shells refined where they bend or are strained, beside coarse and fine ones",
+    .group = "own",
+    .origin = CLI_REGRESSION,
     .run = run_shell_refinement,
 };

@@ -163,8 +163,8 @@ static pel_status run_study(cli_experiment *experiment, const study *which)
 {
     double errors[MESHES * MODELS][SIZES];
     char text[SCENE_SIZE], name[64];
-    if (!experiment->quiet)
-        fprintf(stderr, "  %s\n", which->name);
+    if (experiment->progress != NULL)
+        experiment->progress(experiment, which->name);
     for (int c = 0; c < MESHES * which->models; c++)
         for (int i = 0; i < SIZES; i++) {
             answer found;
@@ -570,5 +570,7 @@ static pel_status run_validation(cli_experiment *experiment)
 const cli_experiment_case cli_validation = {
     .name = "validation",
     .doc = "shells against mechanics, over fineness, meshes and models of bending",
+    .group = "own",
+    .origin = CLI_THEORY,
     .run = run_validation,
 };

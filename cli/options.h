@@ -45,7 +45,7 @@ typedef struct cli_slot {
     cli_words *words;
 } cli_slot;
 
-enum { CLI_SLOTS = 2, CLI_OPTIONS = 24, CLI_WORDS = 256, CLI_ARGUMENTS = 64 };
+enum { CLI_SLOTS = 2, CLI_OPTIONS = 28, CLI_WORDS = 256, CLI_ARGUMENTS = 64 };
 
 typedef struct cli_call cli_call;
 

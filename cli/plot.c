@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 /* sizes in pixels */
-enum { WIDTH = 720, HEIGHT = 460, LEFT = 96, RIGHT = 20, TOP = 44, BOTTOM = 56 };
+enum { WIDTH = 920, HEIGHT = 460, LEFT = 96, RIGHT = 250, TOP = 44, BOTTOM = 56 };
 
 /* Okabe and Ito 2008: told apart also by the colour-blind */
 static const char *const colors[CLI_CURVES] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -76,6 +76,14 @@ static void fit_axis(const cli_plot *plot, bool vertical, axis *a)
             a->low = fmin(a->low, value);
             a->high = fmax(a->high, value);
         }
+    if (plot->bars && vertical)
+        a->low = fmin(a->low, 0);
+    if (plot->bars && !vertical) {
+        /* room for half a group at both ends */
+        double half = plot->curves[0].count > 1 ? 0.5 * (a->high - a->low) / (plot->curves[0].count - 1) : 0.5;
+        a->low -= half;
+        a->high += half;
+    }
     if (!(a->high > a->low)) {
         a->low -= 0.5;
         a->high += 0.5;
@@ -128,11 +136,25 @@ static void write_curve(FILE *file, const cli_curve *curve, const char *color, c
                 pixel(y, curve->y[i]), color);
 }
 
+/* the bars of curve c of the plot: beside those of the others, about their x */
+static void write_bars(FILE *file, const cli_plot *plot, int c, const axis *x, const axis *y)
+{
+    const cli_curve *curve = &plot->curves[c];
+    double step = curve->count > 1 ? pixel(x, curve->x[1]) - pixel(x, curve->x[0]) : x->to - x->from;
+    double width = 0.8 * step / plot->curve_count, foot = pixel(y, 0);
+    for (int i = 0; i < curve->count; i++) {
+        double left = pixel(x, curve->x[i]) - 0.4 * step + c * width, top = pixel(y, curve->y[i]);
+        fprintf(file, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n", left, top, width,
+                fmax(foot - top, 0), colors[c]);
+    }
+}
+
 static void write_legend(FILE *file, const cli_plot *plot)
 {
     for (int c = 0; c < plot->curve_count; c++) {
-        int y = TOP + 16 + 18 * c, x = WIDTH - RIGHT - 210;
-        fprintf(file, "<path d=\"M%d %dh24\" stroke=\"%s\" stroke-width=\"2\"/>\n", x, y - 4, colors[c]);
+        int y = TOP + 16 + 18 * c, x = WIDTH - RIGHT + 12;
+        fprintf(file, "<path d=\"M%d %dh24\" stroke=\"%s\" stroke-width=\"%d\"/>\n", x, y - 4, colors[c],
+                plot->bars ? 8 : 2);
         write_text(file, x + 30, y, "start", plot->curves[c].name);
     }
 }
@@ -152,9 +174,12 @@ static void write_plot(FILE *file, const cli_plot *plot)
     fprintf(file, "<path d=\"M%d %dV%dH%d\" fill=\"none\" stroke=\"black\"/>\n", LEFT, TOP, HEIGHT - BOTTOM,
             WIDTH - RIGHT);
     for (int c = 0; c < plot->curve_count; c++)
-        write_curve(file, &plot->curves[c], colors[c], &x, &y);
+        if (plot->bars)
+            write_bars(file, plot, c, &x, &y);
+        else
+            write_curve(file, &plot->curves[c], colors[c], &x, &y);
     write_legend(file, plot);
-    write_text(file, WIDTH / 2.0, 26, "middle", plot->title);
+    write_text(file, (LEFT + WIDTH - RIGHT) / 2.0, 26, "middle", plot->title);
     write_text(file, (LEFT + WIDTH - RIGHT) / 2.0, HEIGHT - 14, "middle", plot->x_name);
     fprintf(file, "<g transform=\"translate(20 %d) rotate(-90)\">", HEIGHT / 2);
     write_text(file, 0, 0, "middle", plot->y_name);

@@ -1,4 +1,4 @@
-/* Line plots as SVG files: axes with ticks, curves with marks, a legend. */
+/* Plots as SVG files: axes with ticks, curves with marks or groups of bars, a legend beside them. */
 #ifndef PELLICLE_CLI_PLOT_H
 #define PELLICLE_CLI_PLOT_H
 
@@ -18,6 +18,7 @@ enum { CLI_CURVES = 8 };
 typedef struct cli_plot {
     const char *title, *x_name, *y_name;
     bool log_x, log_y; /* all values of that axis are above 0 */
+    bool bars;         /* groups of bars instead of curves, all with the same x */
     cli_curve curves[CLI_CURVES];
     int curve_count;
 } cli_plot;

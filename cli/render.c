@@ -203,6 +203,7 @@ static bool read_choices(const cli_call *call, pel_render_def *def)
     def->hide_labels = cli_has(call, "no-labels");
     def->hide_tools = cli_has(call, "no-tools");
     def->hide_ground = cli_has(call, "no-ground");
+    def->frame_numbers = cli_has(call, "frame-numbers");
     def->frame_rate = cli_number(call, "fps");
     return read_component(call, &def->component) && read_range(call, def) && read_view(call, &def->angle) &&
            read_pair(call, "size", &def->width, &def->height) && read_pair(call, "sheet", &def->columns, &def->rows);

@@ -307,6 +307,9 @@ static const cli_command commands[] = {
               .value = "TEXT",
               .doc = "call a run this, in the order of the runs; left out: names of the folders"},
              {.name = "no-labels", .kind = CLI_FLAG, .doc = "leave times and names out"},
+             {.name = "frame-numbers",
+              .kind = CLI_FLAG,
+              .doc = "label pictures with the number of the frame, not its time"},
              {.name = "no-bar", .kind = CLI_FLAG, .doc = "leave the color bar out"},
              {.name = "no-tools", .kind = CLI_FLAG, .doc = "leave tools out"},
              {.name = "no-ground", .kind = CLI_FLAG, .doc = "leave out the shadow on the ground"},
@@ -356,22 +359,41 @@ static const cli_command commands[] = {
     {
         .name = "reproduce",
         .summary = "repeat the experiments of the paper",
-        .text = "Runs the experiment NAME, or all of them, compares their numbers with those of the paper and of the "
-                "theory, and leaves a folder for each: the runs with their scenes, numbers.csv, plot.svg and, in a "
-                "program with pictures, picture.png.\n\n"
-                "Exit status 0: every number that does not depend on the machine is as it should be; 1: one is not.",
-        .slots =
-            {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "experiment", .words = cli_experiment_names}},
+        .text =
+            "Runs the experiments NAME, or all of them. Each leaves a folder: its runs with their scenes, plots, "
+            "pictures in a program with pictures, and numbers.csv. Several leave index.html and index.md with a "
+            "table of verdicts and all pictures.\n\n"
+            "An experiment makes claims: what a paper, the theory or a reference says, or what this program gave "
+            "before (regression). Each claim has its numbers, each number what it is compared with, a tolerance and "
+            "a source. The verdict is 'holds', 'differs' with a reason where a paper's claim does not hold here, or "
+            "'fails'.\n\n"
+            "The experiments of paper B shrink bodies that the program makes itself, the scans that it finds in a "
+            "folder (goat-head.obj, koala.obj, spot.obj, cat.obj, liver-coarse.obj), or a mesh of yours, on which "
+            "what a paper claims need not hold.\n\n"
+            "Exit status 0: no claim fails; 1: one does.",
+        .slots = {{.name = "NAME",
+                   .kind = CLI_WORD,
+                   .optional = true,
+                   .repeated = true,
+                   .noun = "experiment",
+                   .words = cli_experiment_names}},
         .options = {{.name = "list", .kind = CLI_FLAG, .doc = "list the experiments"},
+                    {.name = "all", .kind = CLI_FLAG, .doc = "run all of them, as without NAME (about 15 minutes)"},
                     {.name = "output",
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
                      .doc = "folder of the results; left out: results/reproduce"},
+                    {.name = "data",
+                     .kind = CLI_FOLDER,
+                     .value = "DIR",
+                     .doc = "folder with scans; left out: that of the environment variable PELLICLE_DATA"},
+                    {.name = "mesh", .kind = CLI_FILE, .value = "FILE", .doc = "shrink this closed mesh, z up"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
                     JSON_OPTION},
         .more_help = cli_reproduce_help,
-        .examples = "pellicle reproduce figure8\npellicle reproduce -o results/paper --json > numbers.json",
+        .examples = "pellicle reproduce figure8\npellicle reproduce --all -o results/papers\n"
+                    "pellicle reproduce b-figure10 b-figure16-18 --mesh bust.ply",
         .run = cli_reproduce,
     },
     {

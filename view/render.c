@@ -478,7 +478,7 @@ static void draw_parts(job *j, const parts *ends)
     view_gl_target_draw(j->canvas, &j->soup, ends->arrows, ends->tools - ends->arrows, &tools);
 }
 
-/* "soft, t = 0.50 s" */
+/* "soft, t = 0.50 s", or "soft, frame 50" */
 static void draw_label(job *j, view_shot shot, int32_t cell)
 {
     const view_run *run = &j->runs[shot.run];
@@ -496,7 +496,9 @@ static void draw_label(job *j, view_shot shot, int32_t cell)
             --begin;
         length = (size_t)snprintf(text, sizeof text, "%.*s", (int)(end - begin), begin);
     }
-    if (run->has_times && length < sizeof text)
+    if (run->has_times && j->def.frame_numbers && length < sizeof text)
+        snprintf(text + length, sizeof text - length, "%sframe %d", length > 0 ? ", " : "", (int)shot.frame);
+    else if (run->has_times && length < sizeof text)
         snprintf(text + length, sizeof text - length, "%st = %.*f s", length > 0 ? ", " : "", j->time_decimals,
                  view_run_time(run, shot.frame));
     view_sheet_label(&j->page, &j->image, cell, text);

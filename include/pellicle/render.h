@@ -81,6 +81,7 @@ typedef struct pel_render_def {
     bool hide_tools, hide_bar; /* leave out tools, the colour bar */
     bool hide_labels;          /* leave out times and names */
     bool hide_ground;          /* leave out the shadow on the ground */
+    bool frame_numbers;        /* labels tell the number of the frame instead of the time */
     pel_background background;
     const char *title;            /* above the picture; null or empty = none */
     double frame_rate;            /* pictures per second of a film; 0 = real time, between 10 and 60 */

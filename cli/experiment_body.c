@@ -1,0 +1,285 @@
+/* The closed surfaces that the experiments of paper B shrink: scans in a folder that the user has, blends that the
+   program makes itself, or a mesh of the user. All are turned upright, centred and scaled to 2 m, so that one pressure
+   suits them; each gets a cap, the region of its surface that is most like a part of a sphere. */
+#include "experiment.h"
+
+#include <pellicle/mesh_io.h>
+#include <pellicle/shape.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* longest side, and radius of the cap [m] */
+#define SIZE 2.0
+#define CAP 0.35
+
+/* rotations as a scene writes them: none, y up to z up, the same and turned to the front */
+static const struct {
+    const char *text;
+    double quaternion[4];
+} turns[] = {
+    {"", {0, 0, 0, 1}},
+    {", rotate: { axis: [1, 0, 0], angle: 90 }", {0.70710678118654752, 0, 0, 0.70710678118654752}},
+    {", rotate: { axis: [0, 1, 1], angle: 180 }", {0, 0.70710678118654752, 0.70710678118654752, 0}},
+};
+
+enum { UPRIGHT, Y_UP, Y_UP_BACK };
+
+static const struct {
+    const char *name;
+    int turn;
+} scans[] = {
+    {"goat-head", Y_UP}, {"koala", UPRIGHT}, {"spot", Y_UP_BACK}, {"cat", Y_UP}, {"liver-coarse", UPRIGHT},
+};
+
+static const char *const blends[] = {"head", "animal", "liver"};
+
+enum { SCANS = sizeof scans / sizeof *scans, BLENDS = sizeof blends / sizeof *blends };
+
+/* ---- the cap ---- */
+
+/* solves the symmetric system a x = b of four unknowns; false when it is singular */
+static bool solve_4(double a[4][5])
+{
+    for (int i = 0; i < 4; i++) {
+        int pivot = i;
+        for (int k = i + 1; k < 4; k++)
+            if (fabs(a[k][i]) > fabs(a[pivot][i]))
+                pivot = k;
+        if (fabs(a[pivot][i]) < 1e-14)
+            return false;
+        for (int c = 0; c < 5; c++) {
+            double kept = a[i][c];
+            a[i][c] = a[pivot][c];
+            a[pivot][c] = kept;
+        }
+        for (int k = 0; k < 4; k++) {
+            double factor = k == i ? 0 : a[k][i] / a[i][i];
+            for (int c = i; c < 5; c++)
+                a[k][c] -= factor * a[i][c];
+        }
+    }
+    for (int i = 0; i < 4; i++)
+        a[i][4] /= a[i][i];
+    return true;
+}
+
+/* the way to the camera of the pictures: 35 degrees from the front, 20 above the horizon */
+static const double to_camera[3] = {0.539, -0.770, 0.342};
+
+static bool is_seen(const double normal[3])
+{
+    double length = 0, along = 0;
+    for (int i = 0; i < 3; i++) {
+        length += normal[i] * normal[i];
+        along += normal[i] * to_camera[i];
+    }
+    return along > 0.3 * sqrt(length);
+}
+
+/* distance of the vertices about v from the sphere that fits them best, over how far that sphere bulges there; infinite
+   where it bulges inward */
+static double roundness(const pel_mesh *mesh, const double normal[3], int32_t v)
+{
+    double a[4][5] = {{0}}, far = 0;
+    const double *at = mesh->positions[v];
+    int count = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        for (int32_t w = 0; w < mesh->vertex_count; w++) {
+            double x[4] = {0, 0, 0, 1}, square = 0;
+            for (int i = 0; i < 3; i++) {
+                x[i] = mesh->positions[w][i] - at[i];
+                square += x[i] * x[i];
+            }
+            if (square > CAP * CAP)
+                continue;
+            if (pass == 1) {
+                double off = square - a[3][4];
+                for (int i = 0; i < 3; i++)
+                    off -= x[i] * a[i][4];
+                far += off * off;
+                continue;
+            }
+            count++;
+            for (int i = 0; i < 4; i++) {
+                a[i][4] += x[i] * square;
+                for (int k = 0; k < 4; k++)
+                    a[i][k] += x[i] * x[k];
+            }
+        }
+        if (pass == 0 && (count < 12 || !solve_4(a)))
+            return (double)INFINITY;
+    }
+    /* |x|^2 = 2 c x + k: twice the centre, and k */
+    double radius = 0, outward = 0;
+    for (int i = 0; i < 3; i++) {
+        radius += a[i][4] * a[i][4] / 4;
+        outward -= a[i][4] * normal[i];
+    }
+    radius = sqrt(radius + a[3][4]);
+    if (!(outward > 0) || !(radius > 0.7 * CAP))
+        return (double)INFINITY;
+    return sqrt(far / count) / (2 * radius) / (CAP * CAP / (2 * radius));
+}
+
+static pel_status find_cap(const pel_mesh *mesh, cli_body *body, pel_error *error)
+{
+    enum { CANDIDATES = 300 };
+    double(*normals)[3] = calloc((size_t)mesh->vertex_count, sizeof *normals), best = (double)INFINITY;
+    int32_t chosen = 0, stride = mesh->vertex_count / CANDIDATES + 1;
+    if (normals == NULL)
+        return pel_fail_memory(error);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const double *x[3];
+        for (int k = 0; k < 3; k++)
+            x[k] = mesh->positions[mesh->triangles[t][k]];
+        for (int i = 0; i < 3; i++) {
+            int j = (i + 1) % 3, k = (i + 2) % 3;
+            double area = (x[1][j] - x[0][j]) * (x[2][k] - x[0][k]) - (x[1][k] - x[0][k]) * (x[2][j] - x[0][j]);
+            for (int c = 0; c < 3; c++)
+                normals[mesh->triangles[t][c]][i] += area;
+        }
+    }
+    for (int32_t v = 0; v < mesh->vertex_count; v += stride) {
+        if (!is_seen(normals[v]) && isfinite(best))
+            continue;
+        double off = roundness(mesh, normals[v], v) + (is_seen(normals[v]) ? 0 : 1e3);
+        if (off < best) {
+            best = off;
+            chosen = v;
+        }
+    }
+    free(normals);
+    const double *at = mesh->positions[chosen];
+    memcpy(body->cap_center, at, sizeof body->cap_center);
+    body->cap_radius = CAP;
+    snprintf(body->cap, sizeof body->cap, "{ center: [%.6g, %.6g, %.6g], radius: %g }", at[0], at[1], at[2], CAP);
+    return PEL_OK;
+}
+
+/* ---- the mesh ---- */
+
+/* source is "file: ..." or "shape: ..." */
+static pel_status fit(pel_mesh *mesh, const char *source, int turn, cli_body *body, pel_error *error)
+{
+    pel_transform upright = pel_transform_default(), fitted = pel_transform_default();
+    double low[3], high[3], size = 0;
+    memcpy(upright.rotation, turns[turn].quaternion, sizeof upright.rotation);
+    pel_status status = pel_mesh_transform(mesh, &upright, error);
+    if (status != PEL_OK)
+        return status;
+    for (int i = 0; i < 3; i++) {
+        low[i] = (double)INFINITY;
+        high[i] = -(double)INFINITY;
+        for (int32_t v = 0; v < mesh->vertex_count; v++) {
+            low[i] = fmin(low[i], mesh->positions[v][i]);
+            high[i] = fmax(high[i], mesh->positions[v][i]);
+        }
+        size = fmax(size, high[i] - low[i]);
+    }
+    for (int i = 0; i < 3; i++) {
+        fitted.scale[i] = SIZE / size;
+        fitted.translation[i] = -0.5 * (low[i] + high[i]) * fitted.scale[i];
+    }
+    status = pel_mesh_transform(mesh, &fitted, error);
+    if (status != PEL_OK)
+        return status;
+    snprintf(body->mesh, sizeof body->mesh, "bodies.0.mesh={ %s, scale: %.9g%s, translate: [%.9g, %.9g, %.9g] }",
+             source, fitted.scale[0], turns[turn].text, fitted.translation[0], fitted.translation[1],
+             fitted.translation[2]);
+    return find_cap(mesh, body, error);
+}
+
+/* "file: "..."", with what YAML needs */
+static void quote(const char *path, char *text, size_t size)
+{
+    size_t length = (size_t)snprintf(text, size, "file: \"");
+    for (; *path != '\0' && length + 4 < size; path++) {
+        if (*path == '"' || *path == '\\')
+            text[length++] = '\\';
+        text[length++] = *path;
+    }
+    snprintf(text + length, size - length, "\"");
+}
+
+static pel_status read_body(const char *path, int turn, cli_body *body, pel_error *error)
+{
+    char source[CLI_EXPERIMENT_PATH];
+    pel_mesh *mesh;
+    pel_status status = pel_mesh_read(path, PEL_FORMAT_AUTO, NULL, &mesh, error);
+    quote(path, source, sizeof source);
+    if (status == PEL_OK)
+        status = fit(mesh, source, turn, body, error);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+static pel_status make_blend(int index, cli_body *body, pel_error *error)
+{
+    char source[128];
+    pel_mesh *mesh = NULL;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
+    def.body = (pel_blend_body)index;
+    def.size = SIZE;
+    def.edge = 0.05;
+    pel_status status = pel_shape_create(&def, &mesh, error);
+    snprintf(source, sizeof source, "shape: blend, body: %s, size: %g, edge: %g", blends[index], def.size, def.edge);
+    snprintf(body->name, sizeof body->name, "%s", blends[index]);
+    if (status == PEL_OK)
+        status = fit(mesh, source, UPRIGHT, body, error);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* the part of a path between the last slash and the last point */
+static void name_of_path(const char *path, char *name, size_t size)
+{
+    const char *slash = strrchr(path, '/'), *begin = slash != NULL ? slash + 1 : path, *point = strrchr(begin, '.');
+    snprintf(name, size, "%.*s", point != NULL && point > begin ? (int)(point - begin) : (int)strlen(begin), begin);
+}
+
+static bool can_read(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    if (file != NULL)
+        fclose(file);
+    return file != NULL;
+}
+
+static pel_status find_scans(const char *data, cli_body *bodies, int *count, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < SCANS; i++) {
+        char path[CLI_EXPERIMENT_PATH];
+        snprintf(path, sizeof path, "%s/%s.obj", data, scans[i].name);
+        if (!can_read(path))
+            continue;
+        cli_body *body = &bodies[(*count)++];
+        snprintf(body->name, sizeof body->name, "%s", scans[i].name);
+        status = read_body(path, scans[i].turn, body, error);
+    }
+    if (status == PEL_OK && *count == 0) {
+        status = pel_fail(error, PEL_BAD_FILE, "no scan is in the folder");
+        pel_fail_remedy(error, "put goat-head.obj, koala.obj, spot.obj, cat.obj or liver-coarse.obj there, or leave "
+                               "the folder out: the bodies are then made by the program");
+        cli_name_file(error, data);
+    }
+    return status;
+}
+
+pel_status cli_bodies_find(const char *mesh, const char *data, cli_body *bodies, int *count, pel_error *error)
+{
+    *count = 0;
+    if (mesh != NULL) {
+        *count = 1;
+        name_of_path(mesh, bodies[0].name, sizeof bodies[0].name);
+        return read_body(mesh, UPRIGHT, &bodies[0], error);
+    }
+    if (data != NULL)
+        return find_scans(data, bodies, count, error);
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < BLENDS; i++)
+        status = make_blend(i, &bodies[(*count)++], error);
+    return status;
+}

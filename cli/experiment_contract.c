@@ -1,0 +1,509 @@
+/* Figures 1, 2, 5, 6, 8, 9 and 10 of paper B: the pipeline, the pressure, and what each energy does. */
+#include "experiment_shrink.h"
+
+#include <pellicle/measure.h>
+#include <pellicle/topology.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char isotropic[] = "plain", fibred[] = "fibres";
+
+/* rows of a picture: the first bodies */
+enum { SHOWN = 3 };
+
+static int shown(const cli_experiment *experiment)
+{
+    return experiment->body_count < SHOWN ? experiment->body_count : SHOWN;
+}
+
+/* ---- figure 1 ---- */
+
+static pel_status run_figure_1(cli_experiment *experiment)
+{
+    static const char *const stages[5] = {"pressure", "stretch", "bending", "fibres", "contact"};
+    char fibres[512], names[5][64], label[96];
+    cli_shrunk shapes[5] = {{0}};
+    double intersections = 0;
+    cli_shrink_fibres(experiment, 0, "arap", fibres);
+    const char *settings[5][5] = {
+        /* nothing holds: springs that are as good as none */
+        {"bodies.0.membrane=", "bodies.0.bending=", "bodies.0.springs={ stiffness: 1.0e-9, damping: 0 }",
+         "contact.self=false", "solver={ method: explicit, dt: 0.0166666667 }"},
+        {"bodies.0.bending.weight=0", "contact.self=false"},
+        {"contact.self=false"},
+        {fibres, "contact.self=false"},
+        {fibres},
+    };
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < 5; i++) {
+        const char *overrides[7] = {"stop.frames=60"};
+        pel_run_summary summary = {0};
+        memcpy(overrides + 1, settings[i], sizeof settings[i]);
+        status = cli_shrink(experiment, 0, stages[i], overrides, &summary);
+        cli_shrink_name(experiment, 0, stages[i], names[i]);
+        if (status == PEL_OK)
+            status = cli_shrink_measure(experiment, 0, names[i], 60, &shapes[i]);
+        intersections = (double)summary.self_intersections_final;
+    }
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER,
+                         "the prediction by pressure alone strains the surface in its plane too far", NULL);
+    for (int i = 0; i < 5; i++) {
+        cli_shrink_label(experiment, 0, stages[i], label);
+        size_t length = strlen(label);
+        snprintf(label + length, sizeof label - length, ", membrane energy per area over mu");
+        cli_experiment_tell(experiment, label, shapes[i].energy, (double)NAN, "");
+    }
+    cli_experiment_limit(experiment, "membrane energy, with E_S / pressure alone", shapes[1].energy / shapes[0].energy,
+                         0.5, CLI_SHRINK_PAPER ", section 1; 0.5 is ours");
+    cli_experiment_claim(experiment, CLI_PAPER, "bending energy keeps the surface smooth", NULL);
+    cli_experiment_limit(experiment, "roughness of the mean curvature, with E_B / without",
+                         shapes[2].roughness / shapes[1].roughness, 1, CLI_SHRINK_PAPER ", section 6");
+    cli_experiment_claim(experiment, CLI_PAPER, "the fibres make the rounded part cave in further", NULL);
+    cli_experiment_least(experiment, "depth of the cap, with E_A / without", shapes[3].cap_depth / shapes[2].cap_depth,
+                         1, CLI_SHRINK_PAPER ", section 6");
+    cli_experiment_claim(experiment, CLI_PAPER, "step 4 leaves no self-intersection", NULL);
+    cli_experiment_limit(experiment, "intersections at the end, with contact", intersections, 0,
+                         CLI_SHRINK_PAPER ", section 5, step 4");
+    cli_picture picture = {.caption = "frame 60 with pressure alone, and E_S, E_B, E_A and contact added one by one",
+                           .run_count = 5,
+                           .frames = {60},
+                           .frame_count = 1,
+                           .columns = 5,
+                           .field = "none",
+                           .azimuth = 35,
+                           .elevation = 20};
+    for (int i = 0; i < 5; i++) {
+        static const char *const labels[5] = {"pressure alone", "E_S", "+ E_B", "+ E_A", "+ contact"};
+        picture.runs[i] = names[i];
+        picture.labels[i] = labels[i];
+    }
+    return cli_experiment_draw(experiment, &picture);
+}
+
+const cli_experiment_case cli_b_figure_1 = {
+    .name = "b-figure1",
+    .doc = "the pipeline: prediction, stretch, bending, fibres and contact one by one",
+    .group = "paper B",
+    .run = run_figure_1,
+};
+
+/* ---- figure 2 ---- */
+
+/* largest difference of the force from -P n times a third of the triangles' area, over the largest force, and that of
+   cos alpha from -n_z */
+static pel_status check_pressure(const pel_mesh *mesh, double pressure, double off[2], pel_error *error)
+{
+    const pel_field *field = pel_mesh_field(mesh, "pressure");
+    pel_topology *topology;
+    off[0] = off[1] = (double)NAN;
+    if (field == NULL)
+        return pel_fail(error, PEL_BAD_FORMAT, "the frame has no field 'pressure'");
+    pel_status status = pel_topology_create(mesh, &topology, error);
+    if (status != PEL_OK)
+        return status;
+    double *areas = calloc((size_t)mesh->vertex_count, 4 * sizeof *areas), *normals = areas + mesh->vertex_count;
+    if (areas == NULL) {
+        pel_topology_destroy(topology);
+        return pel_fail_memory(error);
+    }
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double area = 0;
+        const double *x[3];
+        for (int k = 0; k < 3; k++)
+            x[k] = mesh->positions[mesh->triangles[t][k]];
+        for (int i = 0; i < 3; i++) {
+            int j = (i + 1) % 3, k = (i + 2) % 3;
+            area += pow((x[1][j] - x[0][j]) * (x[2][k] - x[0][k]) - (x[1][k] - x[0][k]) * (x[2][j] - x[0][j]), 2);
+        }
+        for (int k = 0; k < 3; k++)
+            areas[mesh->triangles[t][k]] += sqrt(area) / 6;
+    }
+    pel_surface_normals(topology, mesh->positions[0], PEL_NORMAL_AREA, normals);
+    double largest = 0, force_off = 0, angle_off = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double square = 0, length = 0;
+        for (int i = 0; i < 3; i++) {
+            double force = field->values[3 * v + i];
+            square += pow(force + pressure * areas[v] * normals[3 * v + i], 2);
+            length += force * force;
+        }
+        largest = fmax(largest, sqrt(length));
+        force_off = fmax(force_off, sqrt(square));
+        angle_off = fmax(angle_off, fabs(field->values[3 * v + 2] / sqrt(length) + normals[3 * v + 2]));
+    }
+    off[0] = force_off / largest;
+    off[1] = angle_off;
+    free(areas);
+    pel_topology_destroy(topology);
+    return PEL_OK;
+}
+
+static pel_status run_figure_2(cli_experiment *experiment)
+{
+    char label[96];
+    double off[SHOWN][2];
+    pel_status status = PEL_OK;
+    cli_picture force = {.caption = "force of the pressure on the vertices at rest",
+                         .run_count = shown(experiment),
+                         .frames = {0},
+                         .frame_count = 1,
+                         .columns = shown(experiment),
+                         .field = "pressure",
+                         .unit = "N",
+                         .azimuth = 35,
+                         .elevation = 20};
+    static char names[SHOWN][64];
+    for (int body = 0; status == PEL_OK && body < shown(experiment); body++) {
+        const char *settings[] = {"bodies.0.pressure.form=vertex-normal", "stop.frames=1",
+                                  "output.fields=[pressure, normal]", "output.precision=double", NULL};
+        pel_run_summary summary;
+        pel_mesh *mesh = NULL;
+        status = cli_shrink(experiment, body, "rest", settings, &summary);
+        force.runs[body] = cli_shrink_name(experiment, body, "rest", names[body]);
+        if (status == PEL_OK)
+            status = cli_shrink_read(experiment, names[body], 0, &mesh);
+        if (status == PEL_OK)
+            status = check_pressure(mesh, 3, off[body], experiment->error);
+        pel_mesh_destroy(mesh);
+        force.labels[body] = experiment->bodies[body].name;
+    }
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER, "the force on a vertex is -P n times a third of its triangles' area",
+                         NULL);
+    for (int body = 0; body < shown(experiment); body++)
+        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "force off, of the largest", label),
+                             off[body][0], 0, 1e-9, CLI_SHRINK_PAPER ", equation of section 2");
+    cli_experiment_claim(experiment, CLI_PAPER, "cos alpha is that of the inward normal with the vertical", NULL);
+    for (int body = 0; body < shown(experiment); body++)
+        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "cos alpha off", label), off[body][1], 0,
+                             1e-9, CLI_SHRINK_PAPER ", figure 2");
+    status = cli_experiment_draw(experiment, &force);
+    cli_picture angle = force;
+    angle.caption = "vertical part of the outward normal: minus the paper's cos alpha";
+    angle.field = "normal";
+    angle.component = 3;
+    angle.unit = "";
+    return status == PEL_OK ? cli_experiment_draw(experiment, &angle) : status;
+}
+
+const cli_experiment_case cli_b_figure_2 = {
+    .name = "b-figure2",
+    .doc = "pressure on the bodies at rest: its size and its direction",
+    .group = "paper B",
+    .run = run_figure_2,
+};
+
+/* ---- figures 5 and 9 ---- */
+
+/* bodies that shrink for 200 frames, and how they are in frame 100 */
+static pel_status run_sequence(cli_experiment *experiment, const char *what, bool fibres, cli_shrunk shapes[SHOWN],
+                               pel_run_summary summaries[SHOWN])
+{
+    pel_status status = PEL_OK;
+    for (int body = 0; status == PEL_OK && body < shown(experiment); body++) {
+        char region[512], name[64];
+        const char *settings[] = {"stop.frames=200",
+                                  fibres ? cli_shrink_fibres(experiment, body, "arap", region) : NULL, NULL};
+        status = cli_shrink(experiment, body, what, settings, &summaries[body]);
+        if (status == PEL_OK)
+            status =
+                cli_shrink_measure(experiment, body, cli_shrink_name(experiment, body, what, name), 100, &shapes[body]);
+    }
+    return status;
+}
+
+static void claim_contact(cli_experiment *experiment, const pel_run_summary *summaries, int count)
+{
+    cli_experiment_claim(experiment, CLI_PAPER, "step 4 leaves no self-intersection", NULL);
+    for (int i = 0; i < count; i++) {
+        char label[96];
+        cli_experiment_limit(experiment, cli_shrink_label(experiment, i, "intersections at the end", label),
+                             (double)summaries[i].self_intersections_final, 0, CLI_SHRINK_PAPER ", section 5, step 4");
+    }
+}
+
+static pel_status draw_sequence(cli_experiment *experiment, const char *caption, const char *what)
+{
+    static char names[SHOWN][64];
+    cli_picture picture = {.caption = caption,
+                           .run_count = shown(experiment),
+                           .frames = {0, 50, 100, 150, -1},
+                           .frame_count = 5,
+                           .field = "none",
+                           .azimuth = 35,
+                           .elevation = 20};
+    for (int body = 0; body < picture.run_count; body++) {
+        picture.runs[body] = cli_shrink_name(experiment, body, what, names[body]);
+        picture.labels[body] = experiment->bodies[body].name;
+    }
+    return cli_experiment_draw(experiment, &picture);
+}
+
+static pel_status run_figure_5(cli_experiment *experiment)
+{
+    cli_shrunk shapes[SHOWN];
+    pel_run_summary summaries[SHOWN];
+    pel_status status = run_sequence(experiment, isotropic, false, shapes, summaries);
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(
+        experiment, CLI_PAPER, "parts like a sphere stay stable under isotropic energies and deform less than the rest",
+        "a scan has few parts like a sphere; where the wall behind the cap gives way, the cap goes along");
+    for (int body = 0; body < shown(experiment); body++) {
+        char label[96];
+        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "way of the cap / of the body", label),
+                             shapes[body].cap_way / shapes[body].body_way, 1, CLI_SHRINK_PAPER ", figure 5");
+        cli_experiment_tell(experiment, cli_shrink_label(experiment, body, "depth of the cap [m]", label),
+                            shapes[body].cap_depth, (double)NAN, "");
+    }
+    claim_contact(experiment, summaries, shown(experiment));
+    return draw_sequence(experiment, "E_S and E_B alone: frames 0, 50, 100, 150 and 200, or the last", isotropic);
+}
+
+const cli_experiment_case cli_b_figure_5 = {
+    .name = "b-figure5",
+    .doc = "bodies that shrink under stretch and bending energy, 200 frames",
+    .group = "paper B",
+    .run = run_figure_5,
+};
+
+static pel_status run_figure_9(cli_experiment *experiment)
+{
+    cli_shrunk plain[SHOWN], shapes[SHOWN];
+    pel_run_summary summaries[SHOWN];
+    pel_status status = run_sequence(experiment, isotropic, false, plain, summaries);
+    if (status == PEL_OK)
+        status = run_sequence(experiment, fibred, true, shapes, summaries);
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER, "with the fibres the parts like a sphere cave in quickly and clearly",
+                         NULL);
+    for (int body = 0; body < shown(experiment); body++) {
+        char label[96];
+        cli_experiment_least(
+            experiment, cli_shrink_label(experiment, body, "depth of the cap, frame 100, more than without [m]", label),
+            shapes[body].cap_depth - plain[body].cap_depth, 0.02, CLI_SHRINK_PAPER ", figure 9");
+        cli_experiment_tell(experiment, cli_shrink_label(experiment, body, "depth of the cap [m]", label),
+                            shapes[body].cap_depth, plain[body].cap_depth, "without fibres");
+    }
+    claim_contact(experiment, summaries, shown(experiment));
+    return draw_sequence(experiment, "with fibres at the roundest part: frames 0, 50, 100, 150 and 200, or the last",
+                         fibred);
+}
+
+const cli_experiment_case cli_b_figure_9 = {
+    .name = "b-figure9",
+    .doc = "bodies that shrink with fibres at their roundest part, 200 frames",
+    .group = "paper B",
+    .run = run_figure_9,
+};
+
+/* ---- figure 6 ---- */
+
+static pel_status run_figure_6(cli_experiment *experiment)
+{
+    /* a ball, whatever the other bodies are */
+    static const cli_body ball = {.name = "ball",
+                                  .mesh = "bodies.0.mesh={ shape: geodesic-sphere, frequency: 12 }",
+                                  .cap = "{ center: [0, 0, 1], radius: 0.5 }",
+                                  .cap_center = {0, 0, 1},
+                                  .cap_radius = 0.5};
+    const cli_body *bodies = experiment->bodies;
+    experiment->bodies = &ball;
+    char region[512];
+    cli_shrunk plain, caved;
+    pel_run_summary summary;
+    const char *without[] = {"bodies.0.pressure.outside=10", "stop.frames=40", NULL};
+    const char *with[] = {cli_shrink_fibres(experiment, 0, "arap", region), without[0], without[1], NULL};
+    pel_status status = cli_shrink(experiment, 0, isotropic, without, &summary);
+    if (status == PEL_OK)
+        status = cli_shrink(experiment, 0, fibred, with, &summary);
+    if (status == PEL_OK)
+        status = cli_shrink_measure(experiment, 0, "ball-plain", 40, &plain);
+    if (status == PEL_OK)
+        status = cli_shrink_measure(experiment, 0, "ball-fibres", 40, &caved);
+    experiment->bodies = bodies;
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER, "the region with fibres, and what is near it, caves in", NULL);
+    cli_experiment_least(experiment, "depth of the cap, with fibres / without", caved.cap_depth / plain.cap_depth, 1.5,
+                         CLI_SHRINK_PAPER ", figure 6");
+    cli_experiment_limit(experiment, "mean curvature of the cap, with fibres / without",
+                         caved.cap_curvature / plain.cap_curvature, 0.5, CLI_SHRINK_PAPER ", figure 6");
+    const cli_picture picture = {.caption = "a ball without and with fibres at its pole: displacement, frame 40",
+                                 .runs = {"ball-plain", "ball-fibres"},
+                                 .labels = {"without", "with fibres"},
+                                 .run_count = 2,
+                                 .frames = {0, 40},
+                                 .frame_count = 2,
+                                 .arrows = "displacement",
+                                 .azimuth = 35,
+                                 .elevation = 45};
+    return cli_experiment_draw(experiment, &picture);
+}
+
+const cli_experiment_case cli_b_figure_6 = {
+    .name = "b-figure6",
+    .doc = "a ball before and after fibres are added to a region",
+    .group = "paper B",
+    .run = run_figure_6,
+};
+
+/* ---- figure 8 ---- */
+
+enum { WAYS = 4, STRETCH = 0, STIFF = 1, SOFT = 2, FIBRES = 3 };
+
+static const char *const way_names[WAYS] = {"stretch", "bending-1", "bending-0.01", "fibres"};
+
+static pel_status draw_figure_8(cli_experiment *experiment, char names[WAYS][64])
+{
+    static const char *const captions[3] = {"frame 100: E_S, E_S + E_B (k_B 1), E_S + E_B (k_B 0.01), all with E_A",
+                                            "the same, mean curvature", "the same, membrane energy per area"};
+    static const char *const fields[3] = {"none", "mean_curvature", "membrane_energy_density"};
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < 3; i++) {
+        cli_picture picture = {.caption = captions[i],
+                               .labels = {"E_S", "k_B 1", "k_B 0.01", "with E_A"},
+                               .run_count = WAYS,
+                               .frames = {100},
+                               .frame_count = 1,
+                               .columns = WAYS,
+                               .field = fields[i],
+                               .azimuth = 35,
+                               .elevation = 20};
+        if (i == 1) {
+            picture.range[0] = -15;
+            picture.range[1] = 15;
+        }
+        if (i == 2)
+            picture.range[1] = 0.3;
+        for (int k = 0; k < WAYS; k++)
+            picture.runs[k] = names[k];
+        status = cli_experiment_draw(experiment, &picture);
+    }
+    return status;
+}
+
+static pel_status run_figure_8(cli_experiment *experiment)
+{
+    char names[WAYS][64], region[512];
+    cli_shrunk shapes[WAYS] = {{0}};
+    double volumes[WAYS] = {0};
+    static const char fields[] = "output.fields=[displacement, mean_curvature, membrane_energy_density]";
+    cli_shrink_fibres(experiment, 0, "arap", region);
+    const char *settings[WAYS][4] = {
+        {"bodies.0.bending.weight=0", fields}, {"bodies.0.bending.weight=1", fields}, {fields}, {region, fields}};
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < WAYS; i++) {
+        pel_run_summary summary;
+        int rises;
+        status = cli_shrink(experiment, 0, way_names[i], settings[i], &summary);
+        cli_shrink_name(experiment, 0, way_names[i], names[i]);
+        if (status == PEL_OK)
+            status = cli_shrink_volume(experiment, names[i], 100, &volumes[i], &rises);
+        if (status == PEL_OK)
+            status = cli_shrink_measure(experiment, 0, names[i], 100, &shapes[i]);
+    }
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER, "with k_B 1 the body does not visibly shrink", NULL);
+    cli_experiment_check(experiment, "volume in frame 100, k_B 1", volumes[STIFF], 1, 0.1,
+                         CLI_SHRINK_PAPER ", figure 8");
+    cli_experiment_claim(experiment, CLI_PAPER, "with k_B 0.01 it shrinks", NULL);
+    cli_experiment_limit(experiment, "volume in frame 100, k_B 0.01", volumes[SOFT], 0.85,
+                         CLI_SHRINK_PAPER ", figure 8");
+    cli_experiment_claim(experiment, CLI_PAPER, "without E_B the surface is rougher and parts are stretched too far",
+                         NULL);
+    cli_experiment_limit(experiment, "roughness of the mean curvature, k_B 0.01 / without E_B",
+                         shapes[SOFT].roughness / shapes[STRETCH].roughness, 1, CLI_SHRINK_PAPER ", figure 8");
+    cli_experiment_limit(experiment, "membrane energy, k_B 0.01 / without E_B",
+                         shapes[SOFT].energy / shapes[STRETCH].energy, 1, CLI_SHRINK_PAPER ", figure 8");
+    cli_experiment_claim(experiment, CLI_PAPER, "with E_A the roundest part caves in and its curvature vanishes", NULL);
+    cli_experiment_least(experiment, "depth of the cap, more than without E_A [m]",
+                         shapes[FIBRES].cap_depth - shapes[SOFT].cap_depth, 0.02, CLI_SHRINK_PAPER ", figure 8");
+    cli_experiment_limit(experiment, "mean curvature of the cap, less than without E_A [1/m]",
+                         shapes[FIBRES].cap_curvature - shapes[SOFT].cap_curvature, 0, CLI_SHRINK_PAPER ", figure 8");
+    return draw_figure_8(experiment, names);
+}
+
+const cli_experiment_case cli_b_figure_8 = {
+    .name = "b-figure8",
+    .doc = "energies one by one: shape, mean curvature and energy in frame 100",
+    .group = "paper B",
+    .run = run_figure_8,
+};
+
+/* ---- figure 10 ---- */
+
+static pel_status draw_figure_10(cli_experiment *experiment, char names[CLI_BODIES][64])
+{
+    static const struct {
+        const char *field, *caption;
+        double range;
+    } maps[4] = {{"pressure", "pressure on the vertices, at rest and in the end", 0},
+                 {"none", "shape, at rest and in the end", 0},
+                 {"mean_curvature", "mean curvature, at rest and in the end", 15},
+                 {"gaussian_curvature", "Gaussian curvature, at rest and in the end", 60}};
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < 4; i++) {
+        cli_picture picture = {.caption = maps[i].caption,
+                               .run_count = experiment->body_count,
+                               .frames = {0, -1},
+                               .frame_count = 2,
+                               .field = maps[i].field,
+                               .unit = i == 0 ? "N" : NULL,
+                               .range = {-maps[i].range, maps[i].range},
+                               .azimuth = 35,
+                               .elevation = 20};
+        for (int body = 0; body < experiment->body_count; body++) {
+            picture.runs[body] = names[body];
+            picture.labels[body] = experiment->bodies[body].name;
+        }
+        status = cli_experiment_draw(experiment, &picture);
+    }
+    return status;
+}
+
+static pel_status run_figure_10(cli_experiment *experiment)
+{
+    static char names[CLI_BODIES][64];
+    cli_shrunk rest[CLI_BODIES], shapes[CLI_BODIES];
+    pel_run_summary summaries[CLI_BODIES];
+    pel_status status = PEL_OK;
+    for (int body = 0; status == PEL_OK && body < experiment->body_count; body++) {
+        char region[512];
+        const char *settings[] = {cli_shrink_fibres(experiment, body, "arap", region),
+                                  "output.fields=[displacement, pressure, mean_curvature, gaussian_curvature]", NULL};
+        status = cli_shrink(experiment, body, fibred, settings, &summaries[body]);
+        cli_shrink_name(experiment, body, fibred, names[body]);
+        if (status == PEL_OK)
+            status = cli_shrink_measure(experiment, body, names[body], 0, &rest[body]);
+        if (status == PEL_OK)
+            status = cli_shrink_measure(experiment, body, names[body], -1, &shapes[body]);
+    }
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER, "the curvature of the parts like a sphere falls: they cave in", NULL);
+    for (int body = 0; body < experiment->body_count; body++) {
+        char label[96];
+        cli_experiment_limit(
+            experiment, cli_shrink_label(experiment, body, "mean curvature of the cap / at rest", label),
+            shapes[body].cap_curvature / rest[body].cap_curvature, 0.5, CLI_SHRINK_PAPER ", figure 10");
+        cli_experiment_tell(experiment, cli_shrink_label(experiment, body, "volume in frame 100", label),
+                            summaries[body].volume_ratio_final, (double)NAN, "");
+    }
+    claim_contact(experiment, summaries, experiment->body_count);
+    return draw_figure_10(experiment, names);
+}
+
+const cli_experiment_case cli_b_figure_10 = {
+    .name = "b-figure10",
+    .doc = "several bodies with their pressure and curvatures, before and after",
+    .group = "paper B",
+    .run = run_figure_10,
+};

@@ -1,0 +1,491 @@
+/* Figures 11 to 15 and table 1 of paper B: materials, sizes, distances and minimisation beside the paper's method, and
+   the method of Bender and others 2014 (continuous_pbd.h) that it compares itself with. */
+#include "continuous_pbd.h"
+#include "experiment_shrink.h"
+
+#include <pellicle/measure.h>
+#include <pellicle/mesh_io.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MATERIALS = 4, SHOWN = 3 };
+
+static const char *const materials[MATERIALS] = {"corotated", "stvk", "linear", "mooney-rivlin"};
+
+static int shown(const cli_experiment *experiment)
+{
+    return experiment->body_count < SHOWN ? experiment->body_count : SHOWN;
+}
+
+/* ---- figure 11 ---- */
+
+static pel_status run_figure_11(cli_experiment *experiment)
+{
+    static char names[SHOWN][MATERIALS][64];
+    double volumes[SHOWN][MATERIALS] = {{0}}, intersections[SHOWN] = {0};
+    pel_status status = PEL_OK;
+    for (int body = 0; body < shown(experiment); body++)
+        for (int i = 0; status == PEL_OK && i < MATERIALS; i++) {
+            char material[64];
+            pel_run_summary summary = {0};
+            snprintf(material, sizeof material, "bodies.0.membrane.material=%s", materials[i]);
+            /* stretch alone, as in the paper */
+            const char *settings[] = {material, "bodies.0.bending.weight=0", "stop.frames=50", NULL};
+            status = cli_shrink(experiment, body, materials[i], settings, &summary);
+            cli_shrink_name(experiment, body, materials[i], names[body][i]);
+            volumes[body][i] = summary.volume_ratio_final;
+            intersections[body] += (double)summary.self_intersections_final;
+        }
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER, "the method suits all four materials; their shapes differ little",
+                         NULL);
+    for (int body = 0; body < shown(experiment); body++) {
+        double least = 1, most = 0;
+        char label[96];
+        for (int i = 0; i < MATERIALS; i++) {
+            char text[64];
+            least = fmin(least, volumes[body][i]);
+            most = fmax(most, volumes[body][i]);
+            snprintf(text, sizeof text, "volume in frame 50, %s", materials[i]);
+            cli_experiment_tell(experiment, cli_shrink_label(experiment, body, text, label), volumes[body][i],
+                                (double)NAN, "");
+        }
+        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "largest difference of volume", label),
+                             most - least, 0.05, CLI_SHRINK_PAPER ", figure 11; 0.05 is ours");
+    }
+    cli_experiment_claim(experiment, CLI_PAPER, "step 4 leaves no self-intersection", NULL);
+    for (int body = 0; body < shown(experiment); body++) {
+        char label[96];
+        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "intersections, all four", label),
+                             intersections[body], 0, CLI_SHRINK_PAPER ", section 5, step 4");
+    }
+    cli_picture picture = {.caption = "frame 50 with stretch energy alone: four materials",
+                           .run_count = 0,
+                           .frames = {50},
+                           .frame_count = 1,
+                           .columns = MATERIALS,
+                           .field = "none",
+                           .azimuth = 35,
+                           .elevation = 20};
+    for (int body = 0; body < shown(experiment) && body < 2; body++)
+        for (int i = 0; i < MATERIALS; i++) {
+            picture.labels[picture.run_count] = materials[i];
+            picture.runs[picture.run_count++] = names[body][i];
+        }
+    return cli_experiment_draw(experiment, &picture);
+}
+
+const cli_experiment_case cli_b_figure_11 = {
+    .name = "b-figure11",
+    .doc = "four materials in frame 50",
+    .group = "paper B",
+    .run = run_figure_11,
+};
+
+/* ---- Bender and others 2014 ---- */
+
+/* cells of the solid along the longest side */
+enum { CELLS = 18 };
+
+/* A solid with the mass of the shell at scale 1. Volumes (frame_count + 1) of its frames; surface (vertex_count x 3) of
+   the last one, nullable. */
+static pel_status run_solid(cli_experiment *experiment, int body, double scale, double *volumes, int frame_count,
+                            double (*surface)[3])
+{
+    char name[64], what[32];
+    pel_mesh *mesh;
+    cli_solid *solid = NULL;
+    snprintf(what, sizeof what, "solid-%g", scale);
+    if (experiment->progress != NULL)
+        experiment->progress(experiment, cli_shrink_name(experiment, body, what, name));
+    pel_status status = cli_shrink_read(experiment, cli_shrink_name(experiment, body, "stvk", name), 0, &mesh);
+    if (status != PEL_OK)
+        return status;
+    double area = pel_surface_area(mesh->positions[0], mesh->triangles[0], mesh->triangle_count);
+    double volume = pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, NULL);
+    status = cli_solid_create(mesh, scale, CELLS, 1000 * 0.01 * area / volume, &solid, experiment->error);
+    for (int frame = 0; status == PEL_OK && frame <= frame_count; frame++) {
+        if (frame > 0)
+            cli_solid_step(solid, 3);
+        volumes[frame] = cli_solid_volume_ratio(solid);
+    }
+    if (status == PEL_OK && surface != NULL)
+        cli_solid_surface(solid, surface);
+    cli_solid_destroy(solid);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* ---- figure 12 ---- */
+
+/* the surface of a mesh with its membrane energy, as folder/name.ply */
+static pel_status write_energy(const cli_experiment *experiment, const pel_mesh *rest, const double *positions,
+                               const char *name, cli_shrunk *shape)
+{
+    char path[CLI_EXPERIMENT_PATH];
+    pel_mesh *mesh;
+    pel_status status = pel_mesh_create(positions, rest->vertex_count, rest->triangles[0], rest->triangle_count, &mesh,
+                                        experiment->error);
+    if (status != PEL_OK)
+        return status;
+    double *density = calloc((size_t)rest->vertex_count, sizeof *density);
+    if (density == NULL) {
+        pel_mesh_destroy(mesh);
+        return pel_fail_memory(experiment->error);
+    }
+    cli_shrink_energy(rest, mesh, density);
+    status = pel_mesh_add_field(mesh, "energy_over_mu", 1, density, experiment->error);
+    if (status == PEL_OK)
+        status = cli_shrink_compare(&experiment->bodies[0], rest, mesh, shape, experiment->error);
+    if (status == PEL_OK)
+        status =
+            pel_mesh_write(cli_experiment_path(experiment, name, path), PEL_FORMAT_AUTO, mesh, NULL, experiment->error);
+    free(density);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+static pel_status run_figure_12(cli_experiment *experiment)
+{
+    const char *settings[] = {"bodies.0.bending.weight=0", "stop.frames=50", NULL};
+    char name[64];
+    double volumes[51];
+    pel_run_summary summary;
+    pel_mesh *rest = NULL, *shell = NULL;
+    cli_shrunk shapes[2] = {{0}};
+    double(*surface)[3] = NULL;
+    pel_status status = cli_shrink(experiment, 0, "stvk", settings, &summary);
+    cli_shrink_name(experiment, 0, "stvk", name);
+    if (status == PEL_OK)
+        status = cli_shrink_read(experiment, name, 0, &rest);
+    if (status == PEL_OK)
+        status = cli_shrink_read(experiment, name, 50, &shell);
+    if (status == PEL_OK && (surface = calloc((size_t)rest->vertex_count, sizeof *surface)) == NULL)
+        status = pel_fail_memory(experiment->error);
+    if (status == PEL_OK)
+        status = run_solid(experiment, 0, 1, volumes, 50, surface);
+    if (status == PEL_OK)
+        status = write_energy(experiment, rest, shell->positions[0], "paper-b.ply", &shapes[0]);
+    if (status == PEL_OK)
+        status = write_energy(experiment, rest, surface[0], "bender-2014.ply", &shapes[1]);
+    free(surface);
+    pel_mesh_destroy(rest);
+    pel_mesh_destroy(shell);
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(
+        experiment, CLI_PAPER, "the elastic energy is more even than with the method of Bender and others 2014",
+        "our solid of tetrahedra hardly deforms, and evenly; paper B does not say how its tetrahedra and "
+        "masses were chosen");
+    cli_experiment_limit(experiment, "spread of the energy on the surface, shell / solid",
+                         shapes[0].energy_spread / shapes[1].energy_spread, 1, CLI_SHRINK_PAPER ", figure 12");
+    cli_experiment_tell(experiment, "spread of the energy, shell", shapes[0].energy_spread, (double)NAN, "");
+    cli_experiment_tell(experiment, "spread of the energy, solid", shapes[1].energy_spread, (double)NAN, "");
+    cli_experiment_tell(experiment, "volume in frame 50, shell", summary.volume_ratio_final, volumes[50], "solid");
+    const cli_picture picture = {.caption = "St. Venant and Kirchhoff in frame 50: energy per area at rest over mu",
+                                 .runs = {"paper-b.ply", "bender-2014.ply"},
+                                 .labels = {"shell, paper B", "solid, Bender and others 2014"},
+                                 .run_count = 2,
+                                 .frames = {0},
+                                 .frame_count = 1,
+                                 .columns = 2,
+                                 .field = "energy_over_mu",
+                                 .unit = "",
+                                 .azimuth = 35,
+                                 .elevation = 20};
+    return cli_experiment_draw(experiment, &picture);
+}
+
+const cli_experiment_case cli_b_figure_12 = {
+    .name = "b-figure12",
+    .doc = "energy of a shell in frame 50 beside that of a solid (Bender and others 2014)",
+    .group = "paper B",
+    .run = run_figure_12,
+};
+
+/* ---- figure 13 ---- */
+
+enum { SIZES = 3, BARS = 4, FRAMES = 100 };
+
+static const double parts[SIZES] = {1, 0.25, 0.0625};
+static const char *const size_names[SIZES] = {"V0", "V0-4", "V0-16"};
+
+/* the first body at a part of its volume; pressure 3 Pa, or one that goes with its size */
+static pel_status run_size(cli_experiment *experiment, int size, int material, bool scaled, double volumes[FRAMES + 1])
+{
+    char name[64], what[64], setting[64], pressure[64], mesh[sizeof experiment->bodies[0].mesh];
+    cli_body body = experiment->bodies[0];
+    const cli_body *bodies = experiment->bodies;
+    double factor = cbrt(parts[size]);
+    pel_run_summary summary;
+    cli_series series;
+    /* all of the placing by a factor: the mesh is about the origin */
+    snprintf(mesh, sizeof mesh, "%s", body.mesh);
+    char *scale = strstr(mesh, ", scale: ");
+    double was = strtod(scale + 9, NULL);
+    const char *rest = strchr(scale + 9, ','), *shift = strstr(body.mesh, ", translate: [");
+    double at[3];
+    sscanf(shift + 14, "%lf, %lf, %lf", &at[0], &at[1], &at[2]);
+    int head = (int)(scale - mesh), turn = (int)(strstr(rest, ", translate") - rest);
+    snprintf(body.mesh, sizeof body.mesh, "%.*s, scale: %.9g%.*s, translate: [%.9g, %.9g, %.9g] }", head, mesh,
+             was * factor, turn, rest, at[0] * factor, at[1] * factor, at[2] * factor);
+    snprintf(setting, sizeof setting, "bodies.0.membrane.material=%s", materials[material]);
+    snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.15g", scaled ? 3 * factor : 3.0);
+    snprintf(what, sizeof what, "%s%s%s%s", materials[material], size > 0 ? "-" : "", size > 0 ? size_names[size] : "",
+             scaled ? "-scaled" : "");
+    const char *settings[] = {setting, pressure, NULL};
+    experiment->bodies = &body;
+    pel_status status = cli_shrink(experiment, 0, what, settings, &summary);
+    cli_shrink_name(experiment, 0, what, name);
+    experiment->bodies = bodies;
+    if (status == PEL_OK)
+        status = cli_series_read(experiment, name, "frame", "volume_ratio", &series);
+    if (status != PEL_OK)
+        return status;
+    for (int frame = 0; frame <= FRAMES; frame++)
+        volumes[frame] = series.y[frame < series.count ? frame : series.count - 1];
+    cli_series_free(&series);
+    return PEL_OK;
+}
+
+static pel_status plot_bars(cli_experiment *experiment, int size, double volumes[BARS][FRAMES + 1])
+{
+    static const char *const names[BARS] = {"corotated", "stvk", "linear", "stvk, Bender and others 2014"};
+    enum { GROUPS = 10 };
+    double x[GROUPS], y[BARS][GROUPS];
+    char title[96];
+    snprintf(title, sizeof title, "volume of shells and a solid at %s",
+             size == 0   ? "V0"
+             : size == 1 ? "V0 / 4"
+                         : "V0 / 16");
+    cli_plot plot = {
+        .title = title, .x_name = "frame", .y_name = "volume / volume at rest", .bars = true, .curve_count = BARS};
+    for (int i = 0; i < BARS; i++) {
+        for (int k = 0; k < GROUPS; k++) {
+            x[k] = 10 * (k + 1);
+            y[i][k] = volumes[i][10 * (k + 1)];
+        }
+        plot.curves[i] = (cli_curve){names[i], x, y[i], GROUPS, false};
+    }
+    return cli_experiment_plot(experiment, &plot);
+}
+
+static double largest_difference(double volumes[SIZES][BARS][FRAMES + 1], int bar)
+{
+    double most = 0;
+    for (int size = 1; size < SIZES; size++)
+        for (int frame = 0; frame <= FRAMES; frame++)
+            most = fmax(most, fabs(volumes[size][bar][frame] - volumes[0][bar][frame]));
+    return most;
+}
+
+static pel_status run_figure_13(cli_experiment *experiment)
+{
+    static double volumes[SIZES][BARS][FRAMES + 1], scaled[SIZES][FRAMES + 1];
+    pel_status status = PEL_OK;
+    for (int size = 0; size < SIZES; size++) {
+        for (int i = 0; status == PEL_OK && i < BARS - 1; i++)
+            status = run_size(experiment, size, i, false, volumes[size][i]);
+        if (status == PEL_OK)
+            status = run_solid(experiment, 0, cbrt(parts[size]), volumes[size][BARS - 1], FRAMES, NULL);
+        if (status == PEL_OK)
+            status = run_size(experiment, size, 1, true, scaled[size]);
+        if (status == PEL_OK)
+            status = plot_bars(experiment, size, volumes[size]);
+    }
+    if (status != PEL_OK)
+        return status;
+    cli_experiment_claim(experiment, CLI_PAPER, "materials differ very little at each size", NULL);
+    for (int size = 0; size < SIZES; size++) {
+        double most = 0;
+        char name[96];
+        for (int i = 0; i < BARS - 1; i++)
+            for (int frame = 0; frame <= FRAMES; frame++)
+                most = fmax(most, fabs(volumes[size][i][frame] - volumes[size][1][frame]));
+        snprintf(name, sizeof name, "%s: largest difference of volume from stvk", size_names[size]);
+        cli_experiment_limit(experiment, name, most, 0.1, CLI_SHRINK_PAPER ", figure 13; 0.1 is ours");
+    }
+    cli_experiment_claim(
+        experiment, CLI_PAPER, "the size of the body has little influence",
+        "pbd does not feel stiffness: the acceleration p / (rho h) is the same at all sizes, so a small "
+        "body is crushed sooner; with a pressure that goes with the size the claim holds exactly");
+    cli_experiment_limit(experiment, "one pressure: largest difference over sizes, stvk",
+                         largest_difference(volumes, 1), 0.1, CLI_SHRINK_PAPER ", figure 13; 0.1 is ours");
+    cli_experiment_claim(experiment, CLI_THEORY,
+                         "pbd is scale covariant: a pressure that goes with the size gives one curve", NULL);
+    double off = 0;
+    for (int size = 1; size < SIZES; size++)
+        for (int frame = 0; frame <= 40; frame++)
+            off = fmax(off, fabs(scaled[size][frame] - scaled[0][frame]));
+    cli_experiment_limit(experiment, "pressure with size: largest difference of volume to frame 40", off, 1e-3,
+                         "theory.md, section 9; meshes scale to 9 digits");
+    cli_experiment_claim(experiment, CLI_PAPER, "the method of Bender and others depends on the size more",
+                         "our solid keeps its volume at all three sizes: five sweeps over its tetrahedra hold it");
+    double ours = largest_difference(volumes, 1), theirs = largest_difference(volumes, BARS - 1);
+    cli_experiment_least(experiment, "largest difference over sizes, solid / shell", theirs / ours, 1,
+                         CLI_SHRINK_PAPER ", figure 13");
+    for (int size = 0; size < SIZES; size++) {
+        char name[96];
+        snprintf(name, sizeof name, "%s: volume in frame 100, shell", size_names[size]);
+        cli_experiment_tell(experiment, name, volumes[size][1][FRAMES], volumes[size][BARS - 1][FRAMES], "solid");
+    }
+    return PEL_OK;
+}
+
+const cli_experiment_case cli_b_figure_13 = {
+    .name = "b-figure13",
+    .doc = "volumes of three materials and of a solid (Bender and others 2014) at three sizes",
+    .group = "paper B",
+    .run = run_figure_13,
+};
+
+/* ---- figure 14 ---- */
+
+static pel_status run_figure_14(cli_experiment *experiment)
+{
+    static const char *const methods[2] = {"pbd", "pbd-distance"};
+    static char names[SHOWN][2][64];
+    cli_shrunk shapes[SHOWN][2] = {{{0}}}, early[SHOWN][2] = {{{0}}};
+    double energies[SHOWN][2] = {{0}};
+    pel_status status = PEL_OK;
+    for (int body = 0; body < shown(experiment); body++)
+        for (int i = 0; status == PEL_OK && i < 2; i++) {
+            char method[64];
+            pel_run_summary summary;
+            snprintf(method, sizeof method, "solver.method=%s", methods[i]);
+            const char *settings[] = {method, NULL};
+            status = cli_shrink(experiment, body, methods[i], settings, &summary);
+            cli_shrink_name(experiment, body, methods[i], names[body][i]);
+            if (status == PEL_OK)
+                status = cli_shrink_last(experiment, names[body][i], "membrane_energy", &energies[body][i]);
+            if (status == PEL_OK)
+                status = cli_shrink_measure(experiment, body, names[body][i], 50, &early[body][i]);
+            if (status == PEL_OK)
+                status = cli_shrink_measure(experiment, body, names[body][i], -1, &shapes[body][i]);
+        }
+    if (status != PEL_OK)
+        return status;
+    char label[96];
+    cli_experiment_claim(experiment, CLI_PAPER, "in frame 50 energies and distances do not differ clearly",
+                         "distances resist nothing but the lengths of edges, and have given way by then");
+    for (int body = 0; body < shown(experiment); body++)
+        cli_experiment_check(
+            experiment, cli_shrink_label(experiment, body, "way of the body, distances / energies, frame 50", label),
+            early[body][1].body_way / early[body][0].body_way, 1, 0.25, CLI_SHRINK_PAPER ", figure 14; 0.25 is ours");
+    cli_experiment_claim(experiment, CLI_PAPER, "in frame 100 distances have stretched the surface too far", NULL);
+    for (int body = 0; body < shown(experiment); body++) {
+        cli_experiment_limit(experiment,
+                             cli_shrink_label(experiment, body, "stretch energy, energies / distances", label),
+                             energies[body][0] / energies[body][1], 1, CLI_SHRINK_PAPER ", figure 14");
+        cli_experiment_tell(experiment, cli_shrink_label(experiment, body, "longest edge / at rest, distances", label),
+                            shapes[body][1].most_stretch, shapes[body][0].most_stretch, "energies");
+    }
+    cli_picture picture = {.caption = "energies and distances as constraints, frames 50 and 100 (or the last)",
+                           .frames = {50, -1},
+                           .frame_count = 2,
+                           .columns = 4,
+                           .field = "none",
+                           .azimuth = 35,
+                           .elevation = 20};
+    for (int body = 0; body < shown(experiment); body++)
+        for (int i = 0; i < 2; i++) {
+            picture.labels[picture.run_count] = i == 0 ? "energies" : "distances";
+            picture.runs[picture.run_count++] = names[body][i];
+        }
+    return cli_experiment_draw(experiment, &picture);
+}
+
+const cli_experiment_case cli_b_figure_14 = {
+    .name = "b-figure14",
+    .doc = "energies as constraints beside distances of edges",
+    .group = "paper B",
+    .run = run_figure_14,
+};
+
+/* ---- figure 15 and table 1 ---- */
+
+enum { METHODS = 4 };
+
+static pel_status run_method(cli_experiment *experiment, int body, int method, char name[64], double *milliseconds)
+{
+    static const char *const methods[METHODS] = {"pbd", "pbd-distance", "gradient", "lbfgs"};
+    static const char *const solvers[METHODS] = {"solver.method=pbd", "solver.method=pbd-distance",
+                                                 "solver.method=descent", "solver.method=descent"};
+    pel_run_summary summary = {0};
+    const char *settings[] = {
+        solvers[method],
+        method == 2 ? "solver.descent=gradient" : "solver.descent=lbfgs",
+        method < 2 ? "solver.iterations=5" : "solver.iterations=200",
+        /* one shape for all: a pressure beyond that of buckling has no balance that could be minimised */
+        "bodies.0.pressure={ volume: { target: { keys: [[0, 1], [0.5, 0.8]] }, bulk: 500 } }",
+        "stop.frames=30",
+        "contact.self=false",
+        "solver.threads=1",
+        NULL,
+    };
+    pel_status status = cli_shrink(experiment, body, methods[method], settings, &summary);
+    cli_shrink_name(experiment, body, methods[method], name);
+    *milliseconds = 1e3 / summary.steps_per_second;
+    return status;
+}
+
+static pel_status run_figure_15(cli_experiment *experiment)
+{
+    static char names[SHOWN][METHODS][64];
+    double times[SHOWN][METHODS] = {{0}};
+    cli_shrunk shapes[SHOWN][METHODS] = {{{0}}};
+    pel_status status = PEL_OK;
+    for (int body = 0; body < shown(experiment); body++)
+        for (int i = 0; status == PEL_OK && i < METHODS; i++) {
+            status = run_method(experiment, body, i, names[body][i], &times[body][i]);
+            if (status == PEL_OK)
+                status = cli_shrink_measure(experiment, body, names[body][i], 30, &shapes[body][i]);
+        }
+    if (status != PEL_OK)
+        return status;
+    char label[96];
+    cli_experiment_claim(experiment, CLI_PAPER, "minimisation by gradient descent takes far longer (table 1)", NULL);
+    for (int body = 0; body < shown(experiment); body++) {
+        static const char *const columns[METHODS] = {"pbd", "distances", "gradient descent", "L-BFGS"};
+        cli_experiment_least(experiment, cli_shrink_label(experiment, body, "time, gradient descent / pbd", label),
+                             times[body][2] / times[body][0], 5, CLI_SHRINK_PAPER ", table 1; 5 is ours");
+        for (int i = 0; i < METHODS; i++) {
+            char text[64];
+            snprintf(text, sizeof text, "ms a frame, %s", columns[i]);
+            cli_experiment_tell(experiment, cli_shrink_label(experiment, body, text, label), times[body][i],
+                                (double)NAN, "");
+        }
+    }
+    cli_experiment_claim(experiment, CLI_PAPER, "distances take less time than energies (table 1)", NULL);
+    for (int body = 0; body < shown(experiment); body++)
+        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "time, distances / pbd", label),
+                             times[body][1] / times[body][0], 1, CLI_SHRINK_PAPER ", table 1");
+    cli_experiment_claim(experiment, CLI_PAPER, "the two shapes are alike, that of gradient descent is rougher",
+                         "200 steps of gradient descent leave less noise from edge to edge than five sweeps of pbd do");
+    for (int body = 0; body < shown(experiment); body++)
+        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "roughness, pbd / gradient descent", label),
+                             shapes[body][0].roughness / shapes[body][2].roughness, 1, CLI_SHRINK_PAPER ", figure 15");
+    cli_picture picture = {.caption = "frame 30 by position-based dynamics and by gradient descent",
+                           .frames = {30},
+                           .frame_count = 1,
+                           .columns = 2 * shown(experiment),
+                           .field = "none",
+                           .azimuth = 35,
+                           .elevation = 20};
+    for (int body = 0; body < shown(experiment); body++)
+        for (int i = 0; i < 2; i++) {
+            picture.labels[picture.run_count] = i == 0 ? "pbd" : "gradient descent";
+            picture.runs[picture.run_count++] = names[body][2 * i];
+        }
+    return cli_experiment_draw(experiment, &picture);
+}
+
+const cli_experiment_case cli_b_figure_15 = {
+    .name = "b-figure15",
+    .doc = "position-based dynamics beside minimisation of the energy; times of table 1",
+    .group = "paper B",
+    .run = run_figure_15,
+};
