@@ -42,6 +42,14 @@ typedef enum pel_analysis {
                              body by linear theory */
 } pel_analysis;
 
+/* static: which loads the steps go through */
+typedef enum pel_path {
+    PEL_PATH_TIME,      /* those at the time of each step */
+    PEL_PATH_ARC_LENGTH /* loads, gravity and given pressure times one factor that starts at 0: each step goes a length
+                           along the path of balances, also where the factor falls (limit points). The path ends where
+                           the factor reaches 1. For loads without keys, without tools and contact */
+} pel_path;
+
 typedef struct pel_solver_def {
     pel_method method;
     double dt;          /* s, one step */
@@ -59,6 +67,7 @@ typedef struct pel_solver_def {
     bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
     pel_analysis analysis;   /* static; tools and contact have no part in modes */
     int32_t mode_count;      /* of an analysis: modes to find, 1 to 1000 */
+    pel_path path;           /* static, without an analysis */
 } pel_solver_def;
 
 /* What a load's force means. */
@@ -388,6 +397,7 @@ typedef struct pel_solver_reading {
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
+    bool unstable;       /* static: the state is a balance but no minimum of the energy, and none was found beside it */
     bool converged;   /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
                          act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
     int32_t substeps; /* of the last step; of the next one before the first step */
@@ -404,6 +414,18 @@ int32_t pel_sim_get_modes(const pel_sim *sim, double *values);
 pel_analysis pel_sim_analysis(const pel_sim *sim);
 /* that of the mode that the present state shows; 0 = none */
 double pel_sim_mode_value(const pel_sim *sim);
+
+/* The factor of all loads, gravity and given pressure in the present state: 1 but along PEL_PATH_ARC_LENGTH. */
+double pel_sim_load_factor(const pel_sim *sim);
+pel_path pel_sim_path_kind(const pel_sim *sim);
+
+/* Whether further steps along PEL_PATH_ARC_LENGTH go on; at its end they change nothing. */
+typedef enum pel_path_end {
+    PEL_PATH_GOES_ON,
+    PEL_PATH_END_FULL_LOAD, /* the factor is 1 */
+    PEL_PATH_END_LOST       /* no step however short finds a balance: two paths cross, or the bodies give way */
+} pel_path_end;
+pel_path_end pel_sim_get_path_end(const pel_sim *sim);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {

@@ -66,6 +66,7 @@ typedef struct pel_tangent_input {
     /* springs of stiffness k to points: energy k/2 |x - point|^2 for each vertex; both null = none */
     const double *point_stiffness; /* (vertex_count) N/m */
     const double (*points)[3];     /* (vertex_count) */
+    const double *load_factor;     /* of given pressure; null = 1 */
 } pel_tangent_input;
 
 typedef struct pel_tangent_energy {
@@ -77,6 +78,9 @@ typedef struct pel_tangent_energy {
 /* Evaluates at the input; gradient (unknown_count) may be null. Same bits for any number of threads. */
 pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_input *input, pel_pool *pool,
                                         double *gradient);
+
+/* y += the sum of coefficient g (g . x) over the rank ones, on unknowns (unknown_count) that are not fixed. */
+void pel_tangent_add_rank_ones(const pel_tangent_pattern *pattern, const uint8_t *fixed, const double *x, double *y);
 
 /* Matrices of `count` elements at the input of the last evaluation, whose arrays have to live: blocks (count x n x n)
    for elements of n unknowns, all of one kind. From any number of threads at once; has the form of a

@@ -76,7 +76,8 @@ static double moment_of(const pel_sim *sim, const pel_edge_load *at, double time
     const pel_load *load = &sim->loads[at->load];
     if (!(time >= load->from && time < load->until))
         return 0;
-    return pel_curve_value(load->keys, load->key_count, time) * pel_vec3_dot(load->force, at->along);
+    return sim->state->load_factor * pel_curve_value(load->keys, load->key_count, time) *
+           pel_vec3_dot(load->force, at->along);
 }
 
 void pel_edge_loads_add(const pel_sim *sim, double time, double *moments)

@@ -201,6 +201,9 @@ typedef struct pel_sim_descent pel_sim_descent;
 /* (step_modes.h) of an analysis */
 typedef struct pel_sim_modes pel_sim_modes;
 
+/* (step_path.h) of a path by arc length */
+typedef struct pel_sim_path pel_sim_path;
+
 /* (hold.h) supports of single components */
 typedef struct pel_sim_holds pel_sim_holds;
 
@@ -250,6 +253,7 @@ struct pel_sim {
     pel_shell_forces *shells; /* null = no body is a shell */
     pel_sim_descent *descent; /* null = another method */
     pel_sim_modes *modes;     /* null = no analysis */
+    pel_sim_path *path;       /* null = loads by time */
     pel_relax *relax;         /* quasi-static method on bodies that refine, else null */
     double relax_shell_rate;
     pel_sim_substeps substeps;     /* of xpbd */

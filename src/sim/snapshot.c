@@ -6,12 +6,13 @@
 #include "sim/contact.h"
 #include "sim/hold.h"
 #include "sim/step_modes.h"
+#include "sim/step_path.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 7 };
+enum { SNAPSHOT_VERSION = 8 };
 
 typedef struct header {
     char magic[8];
@@ -260,6 +261,15 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
         transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
         transfer(at, &sim->descent->accepted, sizeof sim->descent->accepted);
     }
+    if (sim->path != NULL) {
+        pel_newton_path *path = &sim->path->path;
+        transfer(at, &path->length, sizeof path->length);
+        transfer(at, &path->first_change, sizeof path->first_change);
+        transfer(at, &path->stiffness, sizeof path->stiffness);
+        transfer(at, &sim->path->ended, sizeof sim->path->ended);
+        transfer(at, &state->load_factor, sizeof state->load_factor);
+        transfer(at, &state->load_factor_before, sizeof state->load_factor_before);
+    }
     if (sim->modes != NULL) {
         transfer(at, sim->modes->values, (size_t)sim->solver.mode_count * sizeof *sim->modes->values);
         transfer(at, &sim->modes->count, sizeof sim->modes->count);
@@ -386,6 +396,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     transfer_sim(&place, sim);
     sim->state->step = head.step;
     rest_unused_places(sim);
+    pel_shell_forces_set_load_factor(sim->shells, sim->state->load_factor);
     if (sim->contacts != NULL) {
         sim->contacts->tangles.is_known = false;
         sim->contacts->is_loaded = true;

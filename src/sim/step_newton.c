@@ -12,7 +12,7 @@
 #define DYNAMIC_REDUCTION 1e-3
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
-enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
+enum { DYNAMIC_ITERATIONS = 20 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
@@ -310,8 +310,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
         .short_move = problem->short_move,
-        .iterations =
-            sim->solver.iterations > 0 ? sim->solver.iterations : (is_dynamic ? DYNAMIC_ITERATIONS : STATIC_ITERATIONS),
+        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations
+                                                 : (is_dynamic ? DYNAMIC_ITERATIONS : PEL_STATIC_ITERATIONS),
         .keeps_factor = is_dynamic,
         .is_dynamic = is_dynamic,
     };
@@ -330,6 +330,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .converged = run.converged,
         .is_near = run.is_near,
         .stuck = run.stuck,
+        .unstable = run.unstable,
     };
     pel_edge_loads_add_work(sim, context->time, pel_newton_turns(newton->newton));
     return status;

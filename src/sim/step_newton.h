@@ -5,6 +5,9 @@
 #include "sim/descent.h"
 #include "solve/newton.h"
 
+/* of a state of rest, at most */
+enum { PEL_STATIC_ITERATIONS = 200 };
+
 struct pel_sim_newton {
     pel_newton *newton;
     double *unknowns;             /* (unknown_count) positions at the end of the step, and the xi of edges */

@@ -111,15 +111,7 @@ static void add_rank_ones(void *context, pel_pool *pool, const double *x, double
 {
     const pel_modes *modes = context;
     (void)pool;
-    for (int32_t r = 0; r < modes->pattern->rank_one_count; r++) {
-        const pel_rank_one *one = &modes->pattern->rank_ones[r];
-        const int32_t begin = 3 * one->first_vertex, count = 3 * one->vertex_count;
-        double product = 0;
-        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
-            product += modes->fixed[begin + i] ? 0 : one->gradient[i] * x[begin + i];
-        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
-            y[begin + i] += modes->fixed[begin + i] ? 0 : one->coefficient * product * one->gradient[i];
-    }
+    pel_tangent_add_rank_ones(modes->pattern, modes->fixed, x, y);
 }
 
 static void multiply_stiffness(void *context, const double *x, double *y)
