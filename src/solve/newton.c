@@ -315,7 +315,7 @@ static void balance_start(newton_run *run)
     run->share = 0;
     pel_newton_evaluate(run);
     memcpy(newton->balance, newton->gradient, (size_t)newton->pattern->unknown_count * sizeof(double));
-    pel_newton_turn_back(run, newton->balance);
+    pel_newton_frames_turn_back(&run->problem->frames, newton->balance);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         newton->way[u] = pel_newton_way_to_target(run, u);
 }
@@ -428,7 +428,7 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
     }
     if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK)
         leave_balance(&run);
-    pel_newton_turn_back(&run, newton->gradient);
+    pel_newton_frames_turn_back(&problem->frames, newton->gradient);
     return run.status;
 }
 
