@@ -56,7 +56,7 @@ static pel_status press_to(const cli_experiment *experiment, double volume, doub
     cli_trial trial;
     double target = volume + pressure / bulk;
     snprintf(text, sizeof text,
-             BALLOON "    pressure: { target_volume: { keys: [[0, 1], [10, %.17g]] }, bulk: %.17g }\n"
+             BALLOON "    pressure: { volume: { target: { keys: [[0, 1], [10, %.17g]] }, bulk: %.17g } }\n"
                      "solver: { method: static, steps: 10 }\n",
              target, bulk);
     pel_status status = cli_trial_open(experiment, text, &trial);

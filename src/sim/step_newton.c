@@ -198,6 +198,11 @@ static void support_free_body(pel_sim *sim, int32_t body)
 pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free)
 {
     take_positions(sim);
+    return pel_sim_newton_gather_at(sim, time, supports_free);
+}
+
+pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free)
+{
     const pel_newton_frames frames =
         pel_holds_fix(sim, time, sim->descent->newton->fixed, sim->descent->newton->target);
     find_loads(sim, time);
