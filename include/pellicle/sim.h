@@ -42,6 +42,14 @@ typedef enum pel_analysis {
                              body by linear theory */
 } pel_analysis;
 
+/* static: which loads the steps go through */
+typedef enum pel_path {
+    PEL_PATH_TIME,      /* those at the time of each step */
+    PEL_PATH_ARC_LENGTH /* loads, gravity and given pressure times one factor that starts at 0: each step goes a length
+                           along the path of balances, also where the factor falls (limit points). The path ends where
+                           the factor reaches 1. For loads without keys, without tools and contact */
+} pel_path;
+
 typedef struct pel_solver_def {
     pel_method method;
     double dt;          /* s, one step */
@@ -59,6 +67,7 @@ typedef struct pel_solver_def {
     bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
     pel_analysis analysis;   /* static; tools and contact have no part in modes */
     int32_t mode_count;      /* of an analysis: modes to find, 1 to 1000 */
+    pel_path path;           /* static, without an analysis */
 } pel_solver_def;
 
 /* What a load's force means. */
@@ -390,6 +399,7 @@ typedef struct pel_solver_reading {
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
+    bool unstable;       /* static: the state is a balance but no minimum of the energy, and none was found beside it */
     bool converged;   /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
                          act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
     int32_t substeps; /* of the last step; of the next one before the first step */
@@ -406,6 +416,50 @@ PEL_API int32_t pel_sim_get_modes(const pel_sim *sim, double *values);
 PEL_API pel_analysis pel_sim_analysis(const pel_sim *sim);
 /* that of the mode that the present state shows; 0 = none */
 PEL_API double pel_sim_mode_value(const pel_sim *sim);
+
+/* The factor of all loads, gravity and given pressure in the present state: 1 but along PEL_PATH_ARC_LENGTH. */
+double pel_sim_load_factor(const pel_sim *sim);
+pel_path pel_sim_path_kind(const pel_sim *sim);
+
+/* Whether further steps along PEL_PATH_ARC_LENGTH go on; at its end they change nothing. */
+typedef enum pel_path_end {
+    PEL_PATH_GOES_ON,
+    PEL_PATH_END_FULL_LOAD, /* the factor is 1 */
+    PEL_PATH_END_LOST       /* no step however short finds a balance: two paths cross, or the bodies give way */
+} pel_path_end;
+pel_path_end pel_sim_get_path_end(const pel_sim *sim);
+
+/* Derivatives of a function f of the positions by the numbers of one body's material. Bending goes with young,
+   thickness and poisson where its stiffness was left to follow from them. */
+typedef struct pel_adjoint_material {
+    double young, thickness; /* by a factor, 1 at present, on all of it: df/dE = young / E for a uniform E */
+    double poisson;          /* by the ratio */
+    double bending;          /* by a factor on the stiffness of bending alone */
+    double pressure;         /* by a factor on the pressure */
+} pel_adjoint_material;
+
+/* What pel_sim_adjoint reads and fills. Arrays of vertices: bodies one after the other, vertices of their meshes. */
+typedef struct pel_adjoint_def {
+    const double *positions; /* (vertices x 3) df/dx [1/m] at the present state */
+    /* results, nullable */
+    double *forces;                  /* (vertices x 3) by a force on each vertex, 1/N; 0 where it is held */
+    double *rest_positions;          /* (vertices x 3) by rest positions, 1/m, of membranes and mid-edge bending; masses
+                                        and forces of vertices as they are, what is held goes along */
+    double *loads;                   /* (load_count of the def) by a factor, 1 at present, on each load */
+    double *gravity;                 /* (3) by gravity, s2/m */
+    pel_adjoint_material *materials; /* (body_count) */
+} pel_adjoint_def;
+
+pel_adjoint_def pel_adjoint_def_default(void);
+
+/* Derivatives of a function of the positions by the numbers of the model, all from one linear system with the matrix of
+   the present state (adjoint method: Strang, Computational Science and Engineering, section 8.7). PEL_METHOD_STATIC: of
+   the state of rest, which must have converged; bodies that nothing holds stay where three of their vertices are.
+   PEL_METHOD_IMPLICIT: of the end of the last step, with the state at its start as it is. Not along time.
+
+   Without tools and contact; pressure with a potential. PEL_BAD_ARGUMENT for what cannot be asked, and where the state
+   is not a stable balance; PEL_OUT_OF_MEMORY. Changes nothing in the simulation. */
+pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint_def *def, pel_error *error);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {

@@ -5,13 +5,14 @@
 /* a gas squeezed to less than this share of its volume at rest presses as it does there */
 #define LEAST_GAS_VOLUME 1e-3
 
-double pel_pressure_difference(const pel_shell *shell, double time, double volume, double rest_volume)
+double pel_pressure_difference(const pel_shell *shell, double time, double load_factor, double volume,
+                               double rest_volume)
 {
     const pel_pressure_def *def = &shell->pressure;
     double ratio = volume / rest_volume;
     switch (def->kind) {
     case PEL_PRESSURE_GIVEN:
-        return -def->outside.value * pel_curve_value(shell->outside.keys, shell->outside.key_count, time);
+        return -load_factor * def->outside.value * pel_curve_value(shell->outside.keys, shell->outside.key_count, time);
     case PEL_PRESSURE_GAS:
         return def->value * (pow(fmax(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1);
     case PEL_PRESSURE_VOLUME:
@@ -46,12 +47,13 @@ static double gas_work(double ratio, double gamma)
     return gamma > 1 ? (1 - pow(ratio, 1 - gamma)) / (gamma - 1) : log(ratio);
 }
 
-double pel_pressure_potential(const pel_shell *shell, double time, double volume, double rest_volume)
+double pel_pressure_potential(const pel_shell *shell, double time, double load_factor, double volume,
+                              double rest_volume)
 {
     const pel_pressure_def *def = &shell->pressure;
     double ratio = volume / rest_volume;
     if (def->kind == PEL_PRESSURE_GIVEN)
-        return -pel_pressure_difference(shell, time, volume, rest_volume) * (volume - rest_volume);
+        return -pel_pressure_difference(shell, time, load_factor, volume, rest_volume) * (volume - rest_volume);
     if (def->kind == PEL_PRESSURE_GAS)
         return def->value * rest_volume * (ratio - 1 - gas_work(ratio, def->gamma));
     if (def->kind != PEL_PRESSURE_VOLUME)

@@ -5,8 +5,10 @@
 #include "model/shell.h"
 
 /* What is inside presses outward by so much more than what is outside [Pa]: positive inflates, a positive outside
-   pressure gives a negative number. Triangles multiply it by their weight. volume is read by gas and target volume. */
-double pel_pressure_difference(const pel_shell *shell, double time, double volume, double rest_volume);
+   pressure gives a negative number. Triangles multiply it by their weight. The load factor multiplies a given
+   pressure; volume is read by gas and target volume. */
+double pel_pressure_difference(const pel_shell *shell, double time, double load_factor, double volume,
+                               double rest_volume);
 
 /* Its derivative by the volume [Pa/m3], <= 0. */
 double pel_pressure_slope(const pel_shell *shell, double volume, double rest_volume);
@@ -15,7 +17,8 @@ double pel_pressure_slope(const pel_shell *shell, double volume, double rest_vol
 bool pel_pressure_is_conservative(const pel_body *body);
 
 /* That potential [J] at a volume: minus the integral of the difference over the volume, 0 at the rest volume. */
-double pel_pressure_potential(const pel_shell *shell, double time, double volume, double rest_volume);
+double pel_pressure_potential(const pel_shell *shell, double time, double load_factor, double volume,
+                              double rest_volume);
 
 /* Signed volume of a body at some positions, about its first vertex. */
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position);

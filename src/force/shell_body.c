@@ -139,6 +139,7 @@ pel_status pel_shell_forces_create(pel_batches *batches, pel_shell_forces **forc
     if (made == NULL)
         return pel_fail_memory(error);
     made->model = batches->model;
+    made->load_factor = 1;
     made->batches = batches;
     pel_status status = fill_forces(made, error);
     if (status == PEL_OK)
@@ -146,6 +147,12 @@ pel_status pel_shell_forces_create(pel_batches *batches, pel_shell_forces **forc
     else
         pel_shell_forces_destroy(made);
     return status;
+}
+
+void pel_shell_forces_set_load_factor(pel_shell_forces *forces, double factor)
+{
+    if (forces != NULL)
+        forces->load_factor = factor;
 }
 
 void pel_shell_forces_destroy(pel_shell_forces *forces)

@@ -34,6 +34,7 @@ struct pel_shell_forces {
     pel_record *area_vectors;               /* (vertex_count) weighted, of the vertex-normal form: sums around a vertex,
                                                and of their lengths; null without that form */
     double *sums;                           /* (vertex_count) scratch of bounds */
+    double load_factor;                     /* of given pressure */
 };
 
 static inline bool pel_shell_is_normal_form(const pel_shell *shell)

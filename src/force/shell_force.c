@@ -102,10 +102,11 @@ static double find_pressure(const shell_loop *loop, pel_shell_body *own, bool wi
     with_potential &= own->pressure_part == PEL_SHELL_CONSERVATIVE;
     if (with_potential || shell->pressure.kind != PEL_PRESSURE_GIVEN)
         volume = find_volume(loop, own, pool);
-    own->pressure = pel_pressure_difference(shell, loop->time, volume, rest_volume);
+    own->pressure = pel_pressure_difference(shell, loop->time, loop->forces->load_factor, volume, rest_volume);
     if (pel_shell_is_normal_form(shell))
         memset(loop->forces->area_vectors + own->first_place, 0, (size_t)own->place_count * sizeof(pel_record));
-    return with_potential ? pel_pressure_potential(shell, loop->time, volume, rest_volume) : 0;
+    return with_potential ? pel_pressure_potential(shell, loop->time, loop->forces->load_factor, volume, rest_volume)
+                          : 0;
 }
 
 typedef struct normal_job {

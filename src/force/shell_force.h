@@ -39,6 +39,9 @@ void pel_shell_forces_destroy(pel_shell_forces *forces);
 /* Sets directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions: once for each state. */
 void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *position);
 
+/* The factor of given pressure from now on; 1 at first. forces may be null. */
+void pel_shell_forces_set_load_factor(pel_shell_forces *forces, double factor);
+
 /* Adds the forces of some parts (a sum of pel_shell_part) at a time to force (model vertex_count), which may be null;
    returns the energies of these parts. */
 pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, double time, int parts,

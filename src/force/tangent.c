@@ -295,12 +295,13 @@ static double find_pressure(const tangent_loop *loop, pel_tangent_shell *own)
         return 0;
     bool conservative = pel_pressure_is_conservative(body);
     double time = loop->input->time, volume = body->rest_volume;
+    double factor = loop->input->load_factor != NULL ? *loop->input->load_factor : 1;
     if (conservative || own->rank_one != NULL)
         volume = shell_volume(loop, own);
-    own->pressure = pel_pressure_difference(shell, time, volume, body->rest_volume);
+    own->pressure = pel_pressure_difference(shell, time, factor, volume, body->rest_volume);
     if (own->rank_one != NULL && loop->gradient != NULL)
         fill_rank_one(loop, own, pel_pressure_slope(shell, volume, body->rest_volume));
-    return conservative ? pel_pressure_potential(shell, time, volume, body->rest_volume) : 0;
+    return conservative ? pel_pressure_potential(shell, time, factor, volume, body->rest_volume) : 0;
 }
 
 /* the paper's pressure: a third of the areas around along the vertex's normal */
@@ -364,6 +365,19 @@ pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_
     tangent->input = *input;
     tangent_loop loop = {tangent, input, gradient, NULL, NULL};
     return run_loop(&loop, pool);
+}
+
+void pel_tangent_add_rank_ones(const pel_tangent_pattern *pattern, const uint8_t *fixed, const double *x, double *y)
+{
+    for (int32_t r = 0; r < pattern->rank_one_count; r++) {
+        const pel_rank_one *one = &pattern->rank_ones[r];
+        const int32_t begin = 3 * one->first_vertex, count = 3 * one->vertex_count;
+        double product = 0;
+        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
+            product += fixed[begin + i] ? 0 : one->gradient[i] * x[begin + i];
+        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
+            y[begin + i] += fixed[begin + i] ? 0 : one->coefficient * product * one->gradient[i];
+    }
 }
 
 double pel_tangent_energy_sum(const pel_tangent_energy *energy)

@@ -16,6 +16,7 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
     made->contact = pel_allocate(count, sizeof *made->contact);
     made->factors = pel_allocate((size_t)model->body_count, sizeof *made->factors);
     made->bending = pel_allocate((size_t)model->body_count, sizeof *made->bending);
+    made->load_factor = made->load_factor_before = 1;
     if (with_velocity) {
         made->velocity = pel_allocate_aligned(count, sizeof *made->velocity);
         made->velocity_next = pel_allocate_aligned(count, sizeof *made->velocity);

@@ -23,6 +23,8 @@ struct pel_state {
     uint8_t *contact;    /* (vertex_count) 1 = a tool touches or holds it */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) present factor of each keyed parameter */
     pel_bending_control *bending;           /* (body_count) */
+    double load_factor, load_factor_before; /* of loads, gravity and given pressure: now and one step ago; 1 but along a
+                                               path (PEL_PATH_ARC_LENGTH) */
 };
 
 static inline void pel_vertex_position(const pel_record *positions, int32_t v, double x[3])

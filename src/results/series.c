@@ -107,11 +107,16 @@ static bool has_contact(const pel_sim *sim)
     return pel_sim_contact_thickness(sim) > 0;
 }
 
-/* the column of an analysis; null = none */
+static bool has_path(const pel_sim *sim)
+{
+    return pel_sim_analysis(sim) == PEL_ANALYSIS_NONE && pel_sim_path_kind(sim) == PEL_PATH_ARC_LENGTH;
+}
+
+/* the column of an analysis or a path; null = none */
 static const char *mode_column(const pel_sim *sim)
 {
     static const char *const columns[] = {NULL, "frequency", "load_factor"};
-    return columns[pel_sim_analysis(sim)];
+    return has_path(sim) ? "load_factor" : columns[pel_sim_analysis(sim)];
 }
 
 static void put_header(pel_run_series *series, const pel_sim *sim)
@@ -348,7 +353,7 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
     if (has_contact(sim))
         put_contact(series, row);
     if (mode_column(sim) != NULL)
-        put_number(series, pel_sim_mode_value(sim));
+        put_number(series, has_path(sim) ? pel_sim_load_factor(sim) : pel_sim_mode_value(sim));
     put_text(series, "\n");
 }
 

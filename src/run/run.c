@@ -300,6 +300,10 @@ static const char *find_stop(const pel_run_state *run, bool at_frame)
         return "self_contact";
     if (at_frame && is_settled(run))
         return "at_rest";
+    if (pel_sim_get_path_end(run->sim) == PEL_PATH_END_FULL_LOAD)
+        return "full_load";
+    if (pel_sim_get_path_end(run->sim) == PEL_PATH_END_LOST)
+        return "path_lost";
     if (scene->frame_limit > 0 && pel_sim_step_count(run->sim) >= scene->frame_limit)
         return "frames";
     if (scene->time_limit > 0 && pel_sim_time(run->sim) >= scene->time_limit * (1 - 1e-12))

@@ -30,12 +30,19 @@ enum { JAM_STEPS = 10 };
 #define LEAST_ENERGY 1e-6
 
 static const char *const codes[PEL_WARN_COUNT] = {
-    [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
-    [PEL_WARN_MILLIMETRES] = "millimetres",         [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
-    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
-    [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
-    [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
-    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
+    [PEL_WARN_SOFT] = "softer-than-material",
+    [PEL_WARN_COARSE] = "coarse-mesh",
+    [PEL_WARN_MILLIMETRES] = "millimetres",
+    [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
+    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume",
+    [PEL_WARN_UNCONVERGED] = "unconverged",
+    [PEL_WARN_UNSTABLE] = "unstable-balance",
+    [PEL_WARN_ENERGY] = "energy-appears",
+    [PEL_WARN_JAMMED] = "jammed",
+    [PEL_WARN_TOOL_HELD] = "tool-held-back",
+    [PEL_WARN_GRASP_LOST] = "grasp-lost",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
+    [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -235,6 +242,8 @@ void pel_warnings_check_step(pel_run_state *run)
     pel_sim_get_solver(run->sim, &solver);
     if (solver.solves && !solver.converged)
         pel_warn(tallies, PEL_WARN_UNCONVERGED, frame, solver.residual);
+    if (solver.unstable)
+        pel_warn(tallies, PEL_WARN_UNSTABLE, frame, 0);
     if (solver.softness > SOFTNESS_LIMIT)
         pel_warn(tallies, PEL_WARN_SOFT, frame, solver.softness);
     pel_sim_get_contact_statistics(run->sim, &now);
@@ -337,6 +346,14 @@ static void tell_inverted_volume(const text_context *at)
 static void tell_unconverged(const text_context *at)
 {
     const pel_sim_def *sim = &at->run->scene->sim;
+    if (pel_sim_get_path_end(at->run->sim) == PEL_PATH_END_LOST) {
+        snprintf(
+            at->text, at->size,
+            "the path ends at load factor %.6g: no step however short finds a balance beyond it. two paths may cross "
+            "there (buckling): add a small load that chooses one, or find the factor with analysis: buckling",
+            pel_sim_load_factor(at->run->sim));
+        return;
+    }
     bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
     int32_t automatic = in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS;
     snprintf(at->text, at->size,
@@ -344,6 +361,15 @@ static void tell_unconverged(const text_context *at)
              "solver.iterations above %d, or let loads and tools move over more steps",
              at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst,
              (int)(sim->solver.iterations > 0 ? sim->solver.iterations : automatic));
+}
+
+static void tell_unstable(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "%" PRId64 " of %" PRId64
+             " states are balances that the smallest push makes the body leave (buckling), and "
+             "no stable one was found near them. add a small load that says where it goes, or use path: arc-length",
+             at->tally->count, pel_sim_step_count(at->run->sim));
 }
 
 static const char *energy_remedy(const pel_sim_def *sim)
@@ -466,6 +492,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_INVERTED_MESH] = tell_inverted_mesh,
     [PEL_WARN_INVERTED_VOLUME] = tell_inverted_volume,
     [PEL_WARN_UNCONVERGED] = tell_unconverged,
+    [PEL_WARN_UNSTABLE] = tell_unstable,
     [PEL_WARN_ENERGY] = tell_energy,
     [PEL_WARN_JAMMED] = tell_jam,
     [PEL_WARN_TOOL_HELD] = tell_tool,

@@ -12,7 +12,7 @@
 /* dt of the table */
 #define DEFAULT_DT 0.01
 
-enum { MOST_PRESETS = 64, DEFAULT_MODES = 6, MOST_STATIC_STEPS = 1000 };
+enum { MOST_PRESETS = 64, DEFAULT_MODES = 6, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
 
 /* the entry of a map; one without value counts as left out */
 static pel_scene_value *find(pel_scene_value *map, const char *key)
@@ -198,7 +198,7 @@ static pel_status imply_static(pel_scene_reader *reader, pel_scene_value *root)
 {
     pel_scene_value *solver = find_map(root, "solver");
     bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
-    return has_modes ? set_text(reader, solver, "method", "static") : PEL_OK;
+    return has_modes || is_word(solver, "path", "arc-length") ? set_text(reader, solver, "method", "static") : PEL_OK;
 }
 
 /* the greatest time of which two times are multiples, and where keys of `least` are as good as any */
@@ -242,7 +242,7 @@ static void take_times(const pel_scene_value *value, key_times *times)
 }
 
 /* A step, and a frame, for each time that all keys are multiples of; with `steps`, so many to the last one; for each
-   mode; one where nothing is keyed. */
+   mode; for each step of a path; one where nothing is keyed. */
 static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *root)
 {
     pel_scene_value *solver = find_map(root, "solver"), *output = find(root, "output");
@@ -257,6 +257,8 @@ static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *
     step = steps > 0 ? last / steps : fmax(step, last / MOST_STATIC_STEPS);
     if (has_modes)
         last = (modes > 0 ? modes : DEFAULT_MODES) * (step = dt > 0 ? dt : 1);
+    else if (is_word(solver, "path", "arc-length"))
+        last = (steps > 0 ? steps : DEFAULT_PATH_STEPS) * (step = dt > 0 ? dt : 1);
     if (output == NULL && (output = add(reader, root, "output", PEL_SCENE_MAP)) == NULL)
         return PEL_OUT_OF_MEMORY;
     pel_status status = set_number(reader, solver, "dt", step);

@@ -336,7 +336,13 @@ static const pel_scene_row rows[] = {
     {"solver.descent", WORD("lbfgs", "gradient"), .preset = "lbfgs",
      .doc = "descent: L-BFGS, or plain gradient descent (paper B's comparison)"},
     {"solver.steps", INTEGER, COUNT_FROM(1),
-     .doc = "static without `duration`: steps to the last key; left out: one for each key"},
+     .doc =
+         "static without `duration`: steps to the last key; left out: one for each key. With path arc-length: the most "
+         "steps, 100 if left out"},
+    {"solver.path", WORD("time", "arc-length"), .preset = "time",
+     .doc = "static: arc-length multiplies all loads, gravity and given pressures by one factor that starts at 0, and "
+            "follows the balances through limit points (snapping, a balloon beyond its largest pressure) to the factor "
+            "1. A step and a frame for each length, which adapts itself; the factor is a column of series.csv"},
     {"solver.analysis", WORD("none", "modal", "buckling"), .preset = "none",
      .doc = "static: modal finds the lowest frequencies and modes of the body under its loads; buckling the lowest "
             "factors of all loads, gravity and pressure together, under which it buckles by linear theory. A frame "

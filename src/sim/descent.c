@@ -253,6 +253,22 @@ static double tolerance_of(const pel_sim *sim, double loads)
     return acting > 0 ? LOAD_SHARE * acting : ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * descent->stiff_force;
 }
 
+double pel_descent_tolerance(pel_sim *sim, double time)
+{
+    double loads = find_external(sim, time);
+    return loads > 0 ? LOAD_SHARE * loads : ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sim->descent->stiff_force;
+}
+
+double pel_descent_held_share(void)
+{
+    return LOAD_SHARE;
+}
+
+double pel_descent_short_move(const pel_sim *sim)
+{
+    return SHORT_SHARE * sim->descent->size;
+}
+
 /* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */
 static void remember_acting(pel_sim *sim, double loads, double first_residual)
 {

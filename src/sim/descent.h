@@ -99,6 +99,12 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, 
 /* One step. */
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
+/* Ends of a minimisation without constraints: N, by the loads at a time (N, and the share of what is held), or m.
+   Clears sim->force and the external forces. */
+double pel_descent_tolerance(pel_sim *sim, double time);
+double pel_descent_held_share(void);
+double pel_descent_short_move(const pel_sim *sim);
+
 /* After a step that is accepted: its result is the one that is told. */
 void pel_sim_descent_accept(pel_sim *sim);
 

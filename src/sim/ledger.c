@@ -199,8 +199,9 @@ static void book_gravity(pel_sim *sim, const pel_record *position)
 
 static void add_gravity(pel_sim *sim)
 {
-    if (sim->active != NULL)
-        sim->ledger.sums.work_gravity += gravity_work(sim, sim->state->position, sim->state->position_next);
+    double factor = 0.5 * (sim->state->load_factor_before + sim->state->load_factor);
+    if (sim->active != NULL || sim->solver.path == PEL_PATH_ARC_LENGTH)
+        sim->ledger.sums.work_gravity += factor * gravity_work(sim, sim->state->position, sim->state->position_next);
     else if (sim->state->step % GRAVITY_INTERVAL == GRAVITY_INTERVAL - 1)
         book_gravity(sim, sim->state->position_next);
 }
@@ -219,10 +220,10 @@ static double potential_work(pel_sim *sim, int32_t b, double time, double next)
     double after = is_moved || isnan(checked) ? pel_body_volume(sim->model, b, sim->state->position_next) : checked;
     sim->ledger.checked_volumes[b] = (double)NAN;
     *known = after;
-    const double times[2] = {time, next};
+    const double times[2] = {time, next}, factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
     for (int i = 0; i < 2; i++)
-        work += 0.5 * (pel_pressure_potential(body->shell, times[i], before, body->rest_volume) -
-                       pel_pressure_potential(body->shell, times[i], after, body->rest_volume));
+        work += 0.5 * (pel_pressure_potential(body->shell, times[i], factors[i], before, body->rest_volume) -
+                       pel_pressure_potential(body->shell, times[i], factors[i], after, body->rest_volume));
     return work;
 }
 
@@ -232,7 +233,9 @@ static double follower_work(pel_sim *sim, double time, double next)
     const pel_state *state = sim->state;
     double work = 0;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_shell_forces_set_load_factor(sim->shells, state->load_factor_before);
     pel_shell_forces_add(sim->shells, state->position, time, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
+    pel_shell_forces_set_load_factor(sim->shells, state->load_factor);
     pel_shell_forces_add(sim->shells, state->position_next, next, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         work += 0.5 * sum_of(sim->force[v] * (state->position_next[v] - state->position[v]));

@@ -267,11 +267,11 @@ void pel_loads_destroy(pel_sim *sim)
 }
 
 /* force of a load on a vertex of weight 1 at a time; false when it does not act */
-static bool load_force(const pel_load *load, double time, double force[3])
+static bool load_force(const pel_sim *sim, const pel_load *load, double time, double force[3])
 {
     if (!(time >= load->from && time < load->until))
         return false;
-    double factor = pel_curve_value(load->keys, load->key_count, time);
+    double factor = sim->state->load_factor * pel_curve_value(load->keys, load->key_count, time);
     for (int i = 0; i < 3; i++)
         force[i] = factor * load->force[i];
     return true;
@@ -319,7 +319,7 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
     bool inside = true;
     for (int32_t l = 0; l < sim->load_count; l++) {
         const pel_load *load = &sim->loads[l];
-        if (!load_force(load, time, force))
+        if (!load_force(sim, load, time, force))
             continue;
         pel_record full = record_of(force);
         for (int32_t i = 0; i < load->vertex_count; i++) {
@@ -335,12 +335,23 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
     return inside;
 }
 
+double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors)
+{
+    const pel_load *at = &sim->loads[load];
+    double force[3], sum = 0;
+    if (!load_force(sim, at, time, force))
+        return 0;
+    for (int32_t i = 0; i < at->vertex_count; i++)
+        sum += at->weights[i] * pel_vec3_dot(force, vectors + 3 * (size_t)at->vertices[i]);
+    return sum;
+}
+
 void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
 {
     double each[3];
     for (int32_t l = 0; l < sim->load_count; l++) {
         const pel_load *load = &sim->loads[l];
-        if (!load_force(load, time, each))
+        if (!load_force(sim, load, time, each))
             continue;
         pel_record full = record_of(each);
         for (int32_t i = 0; i < load->vertex_count; i++)
@@ -349,7 +360,7 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
     for (int32_t v = 0; sim->external != NULL && v < sim->model->vertex_count; v++)
         force[v] += sim->external[v];
     if (has_gravity(sim->model)) {
-        pel_record gravity = record_of(sim->model->gravity);
+        pel_record gravity = (pel_real)sim->state->load_factor * record_of(sim->model->gravity);
         for (int32_t v = 0; v < sim->model->vertex_count; v++)
             force[v] += sim->model->mass[v] * gravity;
     }
@@ -362,8 +373,9 @@ static double mean_factor(const pel_sim *sim, const pel_load *load, double from,
     bool at_from = from >= load->from && from < load->until, at_to = to >= load->from && to < load->until;
     if (!pel_sim_is_explicit(sim))
         at_from = at_to = sim->stepper->is_at_end ? at_to : at_from;
-    return 0.5 * ((at_from ? pel_curve_value(load->keys, load->key_count, from) : 0) +
-                  (at_to ? pel_curve_value(load->keys, load->key_count, to) : 0));
+    double before = sim->state->load_factor_before, now = sim->state->load_factor;
+    return 0.5 * ((at_from ? before * pel_curve_value(load->keys, load->key_count, from) : 0) +
+                  (at_to ? now * pel_curve_value(load->keys, load->key_count, to) : 0));
 }
 
 double pel_loads_work(const pel_sim *sim, double from, double to)

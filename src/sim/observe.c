@@ -287,5 +287,6 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     reading->evaluations = result->evaluations;
     reading->energy = result->energy;
     reading->residual = result->residual;
+    reading->unstable = result->unstable;
     reading->converged = result->converged;
 }

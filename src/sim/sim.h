@@ -201,6 +201,9 @@ typedef struct pel_sim_descent pel_sim_descent;
 /* (step_modes.h) of an analysis */
 typedef struct pel_sim_modes pel_sim_modes;
 
+/* (step_path.h) of a path by arc length */
+typedef struct pel_sim_path pel_sim_path;
+
 /* (hold.h) supports of single components */
 typedef struct pel_sim_holds pel_sim_holds;
 
@@ -254,6 +257,7 @@ struct pel_sim {
     pel_shell_forces *shells; /* null = no body is a shell */
     pel_sim_descent *descent; /* null = another method */
     pel_sim_modes *modes;     /* null = no analysis */
+    pel_sim_path *path;       /* null = loads by time */
     pel_relax *relax;         /* quasi-static method on bodies that refine, else null */
     double relax_shell_rate;
     pel_sim_substeps substeps;     /* of xpbd */
@@ -410,6 +414,8 @@ void pel_loads_destroy(pel_sim *sim);
 /* Moves the new positions and velocities by the loads at the present time. False when a vertex leaves the bound. */
 bool pel_loads_apply(pel_sim *sim, pel_gains gains);
 /* Adds the loads at a time, gravity included, to force (vertex_count). */
+/* N m: the product of a load at a time with vectors on vertices (3 vertex_count) */
+double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors);
 void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 
 /* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. */

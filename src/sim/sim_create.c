@@ -8,6 +8,7 @@
 #include "sim/observe_field.h"
 #include "sim/pick.h"
 #include "sim/step_modes.h"
+#include "sim/step_path.h"
 #include "sim/tool_solid.h"
 
 enum { SIM_COOKIE = 0x73696d21 };
@@ -241,6 +242,7 @@ void pel_sim_release(pel_sim *sim)
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
     pel_sim_modes_destroy(sim);
+    pel_sim_path_destroy(sim);
     pel_sim_descent_destroy(sim);
     pel_relax_destroy(sim->relax);
     pel_projector_destroy(sim->projector);

@@ -7,12 +7,13 @@
 #include "sim/contact.h"
 #include "sim/hold.h"
 #include "sim/step_modes.h"
+#include "sim/step_path.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 8 };
+enum { SNAPSHOT_VERSION = 9 };
 
 typedef struct header {
     char magic[8];
@@ -361,9 +362,24 @@ static void transfer_modes(cursor *at, const pel_sim *sim)
     transfer(at, &sim->modes->count, sizeof sim->modes->count);
 }
 
+static void transfer_path(cursor *at, const pel_sim *sim)
+{
+    if (sim->path == NULL)
+        return;
+    pel_state *state = sim->state;
+    pel_newton_path *path = &sim->path->path;
+    transfer(at, &path->length, sizeof path->length);
+    transfer(at, &path->first_change, sizeof path->first_change);
+    transfer(at, &path->stiffness, sizeof path->stiffness);
+    transfer(at, &sim->path->ended, sizeof sim->path->ended);
+    transfer(at, &state->load_factor, sizeof state->load_factor);
+    transfer(at, &state->load_factor_before, sizeof state->load_factor_before);
+}
+
 static void transfer_ledger(cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
+    /* the cursor writes to the sim only while it loads */
     pel_ledger *ledger = (pel_ledger *)(uintptr_t)&sim->ledger;
     transfer(at, &ledger->sums, sizeof ledger->sums);
     transfer(at, &ledger->gravity_level, sizeof ledger->gravity_level);
@@ -392,6 +408,7 @@ static void transfer_sim(cursor *at, const pel_sim *sim)
     transfer_statistics(at, sim, 0);
     transfer_collider(at, sim, 0);
     transfer_descent(at, sim, 0);
+    transfer_path(at, sim);
     transfer_modes(at, sim);
     transfer_ledger(at, sim, 0);
 }
@@ -522,6 +539,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     for (int32_t l = 0; l < sim->load_count; l++)
         memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads[l].force, sizeof sim->loads[l].force);
     rest_unused_places(sim);
+    pel_shell_forces_set_load_factor(sim->shells, sim->state->load_factor);
     if (sim->contacts != NULL) {
         sim->contacts->tangles.is_known = false;
         sim->contacts->is_loaded = true;

@@ -12,7 +12,7 @@
 #define DYNAMIC_REDUCTION 1e-3
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
-enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
+enum { DYNAMIC_ITERATIONS = 20 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
@@ -198,6 +198,11 @@ static void support_free_body(pel_sim *sim, int32_t body)
 pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free)
 {
     take_positions(sim);
+    return pel_sim_newton_gather_at(sim, time, supports_free);
+}
+
+pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free)
+{
     const pel_newton_frames frames =
         pel_holds_fix(sim, time, sim->descent->newton->fixed, sim->descent->newton->target);
     find_loads(sim, time);
@@ -310,8 +315,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
         .short_move = problem->short_move,
-        .iterations =
-            sim->solver.iterations > 0 ? sim->solver.iterations : (is_dynamic ? DYNAMIC_ITERATIONS : STATIC_ITERATIONS),
+        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations
+                                                 : (is_dynamic ? DYNAMIC_ITERATIONS : PEL_STATIC_ITERATIONS),
         .keeps_factor = is_dynamic,
         .is_dynamic = is_dynamic,
     };
@@ -330,6 +335,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .converged = run.converged,
         .is_near = run.is_near,
         .stuck = run.stuck,
+        .unstable = run.unstable,
     };
     pel_edge_loads_add_work(sim, context->time, pel_newton_turns(newton->newton));
     return status;

@@ -2,6 +2,7 @@
 #include "base/status.h"
 #include "sim/hold.h"
 #include "sim/step_modes.h"
+#include "sim/step_path.h"
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -9,20 +10,27 @@ static pel_status create(pel_sim *sim, pel_error *error)
     if (status == PEL_OK)
         status = pel_sim_newton_create(sim, false, error);
     bool has_modes = sim->solver.analysis != PEL_ANALYSIS_NONE;
-    return status == PEL_OK && has_modes ? pel_sim_modes_create(sim, error) : status;
+    if (status == PEL_OK && has_modes)
+        status = pel_sim_modes_create(sim, error);
+    bool has_path = !has_modes && sim->solver.path == PEL_PATH_ARC_LENGTH;
+    return status == PEL_OK && has_path ? pel_sim_path_create(sim, error) : status;
 }
 
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     if (sim->modes != NULL)
         return pel_sim_modes_step(sim, result, error);
+    if (sim->path != NULL)
+        return pel_sim_path_step(sim, result, error);
     pel_sim_newton_begin(sim);
     return pel_sim_descent_step(sim, result, error);
 }
 
 static pel_status check_start(pel_sim *sim, pel_error *error)
 {
-    pel_status status = sim->modes != NULL ? pel_sim_modes_check(sim, error) : PEL_OK;
+    pel_status status = sim->modes != NULL  ? pel_sim_modes_check(sim, error)
+                        : sim->path != NULL ? pel_sim_path_check(sim, error)
+                                            : PEL_OK;
     if (status == PEL_OK)
         status = pel_descent_check_start(sim, error);
     /* free motions are modes of frequency 0 */

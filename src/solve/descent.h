@@ -37,8 +37,9 @@ typedef struct pel_descent_result {
     double first_residual; /* N, that at the start */
     double held_force;     /* N, root of the sum of squares of the forces on the vertices that are held */
     bool converged;
-    bool is_near; /* by short_move */
-    bool stuck;   /* no step downhill could be found: as near as rounding allows, or the energy is not smooth */
+    bool is_near;  /* by short_move */
+    bool unstable; /* (Newton's method) no minimum was found beside the balance */
+    bool stuck;    /* no step downhill could be found: as near as rounding allows, or the energy is not smooth */
 } pel_descent_result;
 
 typedef struct pel_descent pel_descent;

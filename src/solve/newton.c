@@ -1,26 +1,14 @@
-#include "solve/newton.h"
+#include "solve/newton_run.h"
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "linear/pcg.h"
 
 #include <math.h>
 #include <string.h>
 
-/* full steps of mixed integration points without a new least residual, after which steps of least energy follow */
-enum { PATIENCE = 12 };
-/* no vertex goes farther than this share of the model's size in one step */
-#define LONGEST_SHARE 0.5
-/* fixed unknowns this near to their targets, of the size, are there: rounding */
-#define SHORT_SHARE 1e-12
-/* of conjugate gradients, relative */
-#define SOLVE_TOLERANCE 1e-8
-/* products with a new factor at most; with a kept one, more of them ask for a new one */
-enum { MOST_PRODUCTS = 200, KEPT_PRODUCTS = 8 };
-/* on the diagonal of a float factor near its limit of condition */
-#define FLOAT_SHIFT 1e-7
-/* a pivot in float, over its diagonal, that is below minus this is none of rounding */
-#define ROUGH_PIVOT 1e-3
+/* full steps of mixed integration points without a new least residual, after which steps of least energy follow; such
+   steps in a part of the loads */
+enum { PATIENCE = 12, PART_ITERATIONS = 30 };
 /* multiples of the masses: the first one, of the stiffness over mass; by how much they shrink and grow */
 #define FIRST_SHIFT 1e-2
 #define LEAST_SHIFT 1e-12
@@ -32,42 +20,11 @@ enum { MOST_PRODUCTS = 200, KEPT_PRODUCTS = 8 };
 #define ROUNDING 1e-13
 /* of the size, by which a balance that is no minimum is left */
 #define NUDGE 1e-7
-
-struct pel_newton {
-    const pel_model *model;
-    pel_pool *pool;
-    pel_tangent *tangent;
-    const pel_tangent_pattern *pattern;
-    pel_matrix *matrix;
-    pel_factor_plan *plan;
-    pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
-    pel_factor_precision precision;
-    bool has_factor;
-    pel_pcg *pcg;
-    double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
-    double *walked;                                           /* (unknown_count) sum of the steps of a run */
-    double *move;                                             /* (unknown_count) the step along x, y, z */
-    int32_t *frame;                                           /* (node_count) number of its axes, or -1 */
-    double *stresses;                                         /* (stress_count) */
-    double *masses;                                           /* (unknown_count) kg, 0 on edges */
-    uint8_t *fixed;                                           /* (unknown_count) */
-    double size;                                              /* m, of the model */
-    double edge;                                              /* m, mean length of edges with an unknown */
-};
-
-/* one run */
-typedef struct newton_run {
-    pel_newton *newton;
-    const pel_newton_problem *problem;
-    double *unknowns;
-    pel_newton_result *result;
-    pel_error *error;
-    pel_status status;
-    pel_tangent_kind kind;
-    bool has_stresses;
-    double shift; /* 1/s2, of the masses */
-    double parts; /* J, sum of the sizes of the energy's parts */
-} newton_run;
+/* parts of the loads, where all at once lead nowhere: the first one, the least; by how much they grow and shrink */
+#define FIRST_PART 0.25
+#define LEAST_PART (1.0 / 1024)
+#define PART_GROWTH 1.5
+#define PART_SHRINK 0.5
 
 /* ---- creation ---- */
 
@@ -145,8 +102,10 @@ static bool make_room(pel_newton *newton)
     newton->stresses = pel_allocate((size_t)pattern->stress_count + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
     newton->frame = pel_allocate((size_t)pattern->vertex_count + (size_t)pattern->edge_count, sizeof *newton->frame);
-    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start,
-                          &newton->start_gradient, &newton->masses, &newton->walked, &newton->move};
+    double **vectors[] = {&newton->gradient,   &newton->right,   &newton->step, &newton->start, &newton->start_gradient,
+                          &newton->masses,     &newton->walked,  &newton->move, &newton->path,  &newton->load,
+                          &newton->answer,     &newton->balance, &newton->way,  &newton->begin, &newton->part_start,
+                          &newton->part_walked};
     bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
@@ -187,14 +146,17 @@ void pel_newton_destroy(pel_newton *newton)
     if (newton == NULL)
         return;
     pel_pcg_destroy(newton->pcg);
+    pel_minres_destroy(newton->minres);
     for (int p = 0; p < 2; p++)
         pel_factor_destroy(newton->factors[p]);
     pel_factor_plan_destroy(newton->plan);
     pel_matrix_destroy(newton->matrix);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {newton->gradient, newton->right,          newton->step,     newton->start,
-                      newton->masses,   newton->start_gradient, newton->stresses, newton->fixed,
-                      newton->walked,   newton->move,           newton->frame};
+    void *arrays[] = {newton->gradient, newton->right,          newton->step,       newton->start,
+                      newton->masses,   newton->start_gradient, newton->stresses,   newton->fixed,
+                      newton->walked,   newton->move,           newton->frame,      newton->path,
+                      newton->load,     newton->answer,         newton->balance,    newton->way,
+                      newton->begin,    newton->part_start,     newton->part_walked};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -226,313 +188,6 @@ pel_newton_system pel_newton_system_of(const pel_newton *newton)
                                newton->plan,  newton->pool,    newton->masses};
 }
 
-/* ---- energy, forces, matrix ---- */
-
-/* loads are constant forces on positions and moments on edges; a moment has no part in the energy */
-static double add_loads(const newton_run *run)
-{
-    const pel_newton *newton = run->newton;
-    const double *force = run->problem->force;
-    double sum = 0;
-    for (int32_t u = 0; force != NULL && u < newton->pattern->unknown_count; u++) {
-        newton->gradient[u] -= force[u];
-        if (u < 3 * newton->pattern->vertex_count)
-            sum -= force[u] * (run->unknowns[u] - (double)newton->model->rest[u / 3][u % 3]);
-    }
-    return sum;
-}
-
-/* vectors of unknowns: from x, y, z to the axes of the vertices that have some, and back */
-static void turn(const newton_run *run, double *vector)
-{
-    const pel_newton_frames *frames = &run->problem->frames;
-    for (int32_t f = 0; f < frames->count; f++) {
-        double *x = vector + 3 * (size_t)frames->vertices[f], turned[3];
-        for (int k = 0; k < 3; k++)
-            turned[k] = pel_vec3_dot(frames->axes[f][k], x);
-        pel_vec3_copy(turned, x);
-    }
-}
-
-static void turn_back(const newton_run *run, double *vector)
-{
-    const pel_newton_frames *frames = &run->problem->frames;
-    for (int32_t f = 0; f < frames->count; f++) {
-        double *x = vector + 3 * (size_t)frames->vertices[f], turned[3] = {0};
-        for (int k = 0; k < 3; k++)
-            pel_vec3_along(turned, x[k], frames->axes[f][k], turned);
-        pel_vec3_copy(turned, x);
-    }
-}
-
-/* gradients of volumes lie as those of pel_tangent_evaluate */
-static void turn_rank_ones(const newton_run *run)
-{
-    const pel_newton_frames *frames = &run->problem->frames;
-    const pel_tangent_pattern *pattern = run->newton->pattern;
-    for (int32_t r = 0; r < pattern->rank_one_count; r++)
-        for (int32_t f = 0; f < frames->count; f++) {
-            const pel_rank_one *one = &pattern->rank_ones[r];
-            int32_t v = frames->vertices[f] - one->first_vertex;
-            if (v < 0 || v >= one->vertex_count)
-                continue;
-            double *x = one->gradient + 3 * (size_t)v, turned[3];
-            for (int k = 0; k < 3; k++)
-                turned[k] = pel_vec3_dot(frames->axes[f][k], x);
-            pel_vec3_copy(turned, x);
-        }
-}
-
-/* a moment as the force that it is at the end of an edge */
-static double force_of(const pel_newton *newton, int32_t u)
-{
-    return u < 3 * newton->pattern->vertex_count ? newton->gradient[u] : newton->gradient[u] / newton->edge;
-}
-
-static void measure_forces(const newton_run *run)
-{
-    const pel_newton *newton = run->newton;
-    double free = 0, held = 0;
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
-        double force = force_of(newton, u);
-        *(newton->fixed[u] ? &held : &free) += force * force;
-    }
-    run->result->residual = sqrt(free);
-    run->result->held_force = sqrt(held);
-}
-
-/* energy at the unknowns, and gradient along the axes of the vertices */
-static void evaluate(newton_run *run)
-{
-    pel_newton *newton = run->newton;
-    const pel_newton_problem *problem = run->problem;
-    const pel_tangent_input input = {
-        .unknowns = run->unknowns,
-        .time = problem->time,
-        .state = problem->state,
-        .kind = run->kind,
-        .stresses = run->has_stresses ? newton->stresses : NULL,
-        .point_stiffness = problem->point_stiffness,
-        .points = problem->points,
-    };
-    pel_tangent_energy energy = pel_tangent_evaluate(newton->tangent, &input, newton->pool, newton->gradient);
-    double loads = add_loads(run), terms = 0;
-    if (problem->terms != NULL)
-        terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
-    run->parts = fabs(energy.membrane) + fabs(energy.fibres) + fabs(energy.bending) + fabs(energy.edges) +
-                 fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) + fabs(terms);
-    run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms;
-    turn(run, newton->gradient);
-    turn_rank_ones(run);
-    measure_forces(run);
-}
-
-static bool is_finite(const newton_run *run)
-{
-    return isfinite(run->result->energy) && isfinite(run->result->residual) && isfinite(run->result->held_force);
-}
-
-/* of a position, along the axes of its vertex */
-static double coordinate(const newton_run *run, int32_t u)
-{
-    int32_t frame = run->newton->frame[u / 3];
-    if (frame < 0)
-        return run->unknowns[u];
-    return pel_vec3_dot(run->problem->frames.axes[frame][u % 3], run->unknowns + 3 * (size_t)(u / 3));
-}
-
-/* what fixed unknowns have before them */
-static double way_to_target(const newton_run *run, int32_t u)
-{
-    const pel_newton *newton = run->newton;
-    bool is_position = u < 3 * newton->pattern->vertex_count;
-    if (run->problem->fixed == NULL || !run->problem->fixed[u])
-        return 0;
-    return run->problem->target[u] - (is_position ? coordinate(run, u) : newton->walked[u]);
-}
-
-/* ---- linear systems ---- */
-
-/* y += sum of coefficient g (g . x) over bodies with a gas or a kept volume, on unknowns that move */
-static void add_rank_ones(void *context, pel_pool *pool, const double *x, double *y)
-{
-    const pel_newton *newton = context;
-    (void)pool;
-    for (int32_t r = 0; r < newton->pattern->rank_one_count; r++) {
-        const pel_rank_one *one = &newton->pattern->rank_ones[r];
-        const int32_t begin = 3 * one->first_vertex, count = 3 * one->vertex_count;
-        double product = 0;
-        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
-            product += newton->fixed[begin + i] ? 0 : one->gradient[i] * x[begin + i];
-        for (int32_t i = 0; one->coefficient > 0 && i < count; i++)
-            y[begin + i] += newton->fixed[begin + i] ? 0 : one->coefficient * product * one->gradient[i];
-    }
-}
-
-/* what the ways of fixed unknowns do through these */
-static void shift_rank_ones(const newton_run *run)
-{
-    pel_newton *newton = run->newton;
-    for (int32_t r = 0; r < newton->pattern->rank_one_count; r++) {
-        const pel_rank_one *one = &newton->pattern->rank_ones[r];
-        const int32_t begin = 3 * one->first_vertex, count = 3 * one->vertex_count;
-        double product = 0;
-        for (int32_t i = 0; i < count; i++)
-            product += newton->fixed[begin + i] ? one->gradient[i] * newton->step[begin + i] : 0;
-        for (int32_t i = 0; i < count; i++)
-            newton->right[begin + i] -= newton->fixed[begin + i] ? 0 : one->coefficient * product * one->gradient[i];
-    }
-}
-
-static bool has_volume_terms(const pel_newton *newton)
-{
-    for (int32_t r = 0; r < newton->pattern->rank_one_count; r++)
-        if (newton->pattern->rank_ones[r].coefficient > 0)
-            return true;
-    return false;
-}
-
-/* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
-static void assemble(newton_run *run)
-{
-    pel_newton *newton = run->newton;
-    pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
-    if (run->problem->terms != NULL)
-        run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
-    if (run->shift > 0)
-        pel_matrix_add_diagonal(newton->matrix, run->shift, newton->masses);
-    if (run->problem->frames.count > 0)
-        pel_matrix_turn(newton->matrix, newton->pool, newton->frame, run->problem->frames.axes);
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
-        newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
-        newton->right[u] = newton->fixed[u] ? 0 : -newton->gradient[u];
-    }
-    shift_rank_ones(run);
-    pel_matrix_fix(newton->matrix, newton->pool, newton->fixed, newton->step, newton->right);
-}
-
-static bool compute_factor(newton_run *run, double shift, double *pivot)
-{
-    pel_newton *newton = run->newton;
-    pel_factor_result made =
-        pel_factor_compute(newton->factors[newton->precision], newton->matrix, shift, newton->pool);
-    newton->has_factor = made.positive_definite;
-    *pivot = made.pivot;
-    return made.positive_definite;
-}
-
-/* in float, with a little on the diagonal, then in double from now on; false where the matrix is not positive */
-static bool make_factor(newton_run *run)
-{
-    pel_newton *newton = run->newton;
-    double pivot;
-    if (compute_factor(run, 0, &pivot))
-        return true;
-    if (newton->precision == PEL_FACTOR_DOUBLE || pivot < -ROUGH_PIVOT)
-        return false;
-    if (compute_factor(run, FLOAT_SHIFT, &pivot))
-        return true;
-    if (pivot < -ROUGH_PIVOT)
-        return false;
-    pel_factor **factor = &newton->factors[PEL_FACTOR_DOUBLE];
-    if (*factor == NULL)
-        run->status = pel_factor_create(newton->plan, PEL_FACTOR_DOUBLE, factor, run->error);
-    if (run->status != PEL_OK)
-        return false;
-    newton->precision = PEL_FACTOR_DOUBLE;
-    return compute_factor(run, 0, &pivot);
-}
-
-static pel_pcg_end solve(newton_run *run, int32_t products)
-{
-    pel_newton *newton = run->newton;
-    const pel_pcg_def def = {
-        .matrix = newton->matrix,
-        .add_product = has_volume_terms(newton) ? add_rank_ones : NULL,
-        .added = newton,
-        .precondition = pel_factor_solve,
-        .preconditioner = newton->factors[newton->precision],
-        .tolerance = SOLVE_TOLERANCE,
-        .iterations = products,
-    };
-    return pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step).end;
-}
-
-/* The step of the matrix; false where that is not positive definite. */
-static bool find_step(newton_run *run)
-{
-    assemble(run);
-    if (run->problem->keeps_factor && run->newton->has_factor && solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED)
-        return true;
-    if (!make_factor(run))
-        return false;
-    pel_pcg_end end = solve(run, MOST_PRODUCTS);
-    return end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT;
-}
-
-/* ---- steps ---- */
-
-static double longest_move(const pel_newton *newton)
-{
-    double longest = 0;
-    for (int32_t v = 0; v < newton->pattern->vertex_count; v++)
-        longest = fmax(longest, pel_vec3_length(newton->step + 3 * (size_t)v));
-    return longest;
-}
-
-/* the step along x, y, z, times a scale */
-static const double *find_move(const newton_run *run, double scale)
-{
-    pel_newton *newton = run->newton;
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
-        newton->move[u] = scale * newton->step[u];
-    turn_back(run, newton->move);
-    return newton->move;
-}
-
-/* of the step, as far as it is good for */
-static double find_share(const pel_newton *newton)
-{
-    double longest = longest_move(newton), limit = LONGEST_SHARE * newton->size;
-    return longest > limit ? limit / longest : 1;
-}
-
-/* goes a share of the step */
-static void go(newton_run *run, double scale)
-{
-    pel_newton *newton = run->newton;
-    pel_tangent_advance(newton->tangent, run->unknowns, find_move(run, 1), scale, newton->pool);
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
-        newton->walked[u] += scale * newton->step[u];
-    run->result->iterations++;
-}
-
-static bool has_converged(newton_run *run)
-{
-    const pel_newton_problem *problem = run->problem;
-    pel_newton_result *result = run->result;
-    for (int32_t u = 0; u < run->newton->pattern->unknown_count; u++)
-        if (run->newton->fixed[u] && fabs(way_to_target(run, u)) > SHORT_SHARE * run->newton->size)
-            return false;
-    double held = problem->held_share * result->held_force;
-    bool reduced = result->residual <= problem->reduction * result->first_residual;
-    result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held) ||
-                        (reduced && result->residual <= problem->enough);
-    return result->converged;
-}
-
-static void extrapolate(newton_run *run, double scale)
-{
-    pel_newton *newton = run->newton;
-    const pel_tangent_input input = {
-        .unknowns = run->unknowns,
-        .time = run->problem->time,
-        .state = run->problem->state,
-    };
-    pel_tangent_extrapolate(newton->tangent, &input, find_move(run, scale), newton->pool, newton->stresses);
-    run->has_stresses = true;
-}
-
 /* Full steps of mixed integration points. False where they lead nowhere. */
 static bool go_full_steps(newton_run *run)
 {
@@ -541,51 +196,36 @@ static bool go_full_steps(newton_run *run)
     int since = 0;
     for (;;) {
         run->kind = PEL_TANGENT_EXACT;
-        evaluate(run);
-        if (!is_finite(run))
+        pel_newton_evaluate(run);
+        if (!pel_newton_is_finite(run))
             return false;
         if (result->iterations == 0)
             result->first_residual = result->residual;
-        if (has_converged(run) || result->iterations >= run->problem->iterations)
+        if (pel_newton_has_converged(run) || result->iterations >= run->limit)
             return true;
         since = result->residual < best ? 0 : since + 1;
         best = fmin(best, result->residual);
         if (since > PATIENCE)
             return false;
-        if (!find_step(run)) {
+        if (!pel_newton_find_step(run)) {
             run->kind = PEL_TANGENT_POSITIVE;
             run->has_stresses = false;
-            evaluate(run);
-            if (run->status != PEL_OK || !find_step(run))
+            pel_newton_evaluate(run);
+            if (run->status != PEL_OK || !pel_newton_find_step(run))
                 return false;
         }
-        double share = find_share(run->newton);
-        extrapolate(run, share);
-        go(run, share);
-        if (share == 1 && longest_move(run->newton) <= run->problem->short_move) {
-            evaluate(run);
-            result->converged = result->is_near = is_finite(run);
+        double share = pel_newton_find_share(run->newton);
+        pel_newton_extrapolate(run, share);
+        pel_newton_go(run, share);
+        if (share == 1 && pel_newton_longest_move(run->newton) <= run->problem->short_move) {
+            pel_newton_evaluate(run);
+            result->converged = result->is_near = pel_newton_is_finite(run);
             return result->converged;
         }
     }
 }
 
 /* ---- steps of least energy ---- */
-
-/* stiffness over mass, a bound of what the shift has to do with */
-static double stiffness_scale(const pel_newton *newton)
-{
-    double stiffness = 0, mass = 0;
-    for (int32_t v = 0; v < newton->pattern->vertex_count; v++) {
-        int32_t block = pel_matrix_block(newton->matrix, v, v);
-        const double *diagonal = newton->matrix->values + newton->matrix->block_start[block];
-        if (newton->fixed[3 * v])
-            continue;
-        stiffness += diagonal[0] + diagonal[4] + diagonal[8];
-        mass += 3 * newton->masses[3 * v];
-    }
-    return stiffness / mass;
-}
 
 static double slope_of(const pel_newton *newton)
 {
@@ -599,7 +239,7 @@ static double slope_of(const pel_newton *newton)
 static bool find_shifted_step(newton_run *run, double most)
 {
     while (run->shift <= most) {
-        if (find_step(run))
+        if (pel_newton_find_step(run))
             return true;
         if (run->status != PEL_OK)
             return false;
@@ -618,18 +258,18 @@ static bool go_downhill(newton_run *run, double most)
     memcpy(newton->start_gradient, newton->gradient, bytes);
     while (find_shifted_step(run, most)) {
         double slope = slope_of(newton);
-        go(run, find_share(newton));
-        evaluate(run);
+        pel_newton_go(run, pel_newton_find_share(newton));
+        pel_newton_evaluate(run);
         double fall = energy - run->result->energy;
-        if (is_finite(run) && (fall >= -DECREASE * slope - ROUNDING * parts ||
-                               (fall >= -ROUNDING * parts && run->result->residual < residual))) {
+        if (pel_newton_is_finite(run) && (fall >= -DECREASE * slope - ROUNDING * parts ||
+                                          (fall >= -ROUNDING * parts && run->result->residual < residual))) {
             run->shift = run->shift > LEAST_SHIFT * most ? SHRINK * run->shift : 0;
             return true;
         }
         memcpy(run->unknowns, newton->start, bytes);
-        evaluate(run);
+        pel_newton_evaluate(run);
         run->shift = fmax(GROW * run->shift, LEAST_SHIFT * most);
-        if (run->result->iterations >= run->problem->iterations)
+        if (run->result->iterations >= run->limit)
             return false;
     }
     return false;
@@ -640,10 +280,10 @@ static void go_to_targets(newton_run *run)
 {
     pel_newton *newton = run->newton;
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
-        newton->step[u] = newton->fixed[u] ? way_to_target(run, u) : 0;
+        newton->step[u] = newton->fixed[u] ? pel_newton_way_to_target(run, u) : 0;
         newton->walked[u] += newton->step[u];
     }
-    pel_tangent_advance(newton->tangent, run->unknowns, find_move(run, 1), 1, newton->pool);
+    pel_tangent_advance(newton->tangent, run->unknowns, pel_newton_find_move(run, 1), 1, newton->pool);
 }
 
 static void go_down(newton_run *run)
@@ -652,16 +292,62 @@ static void go_down(newton_run *run)
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     go_to_targets(run);
-    evaluate(run);
-    assemble(run);
-    double most = MOST_SHIFT * stiffness_scale(newton);
+    pel_newton_evaluate(run);
+    pel_newton_assemble(run);
+    double most = MOST_SHIFT * pel_newton_stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
-    while (run->status == PEL_OK && !has_converged(run) && run->result->iterations < run->problem->iterations)
+    while (run->status == PEL_OK && !pel_newton_has_converged(run) && run->result->iterations < run->limit)
         if (!go_downhill(run, most)) {
             run->result->stuck = run->status == PEL_OK;
             break;
         }
     run->shift = 0;
+}
+
+/* ---- loads in parts ---- */
+
+/* forces that hold the start, and the ways of what is moved */
+static void balance_start(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    run->kind = PEL_TANGENT_EXACT;
+    run->has_stresses = false;
+    run->share = 0;
+    pel_newton_evaluate(run);
+    memcpy(newton->balance, newton->gradient, (size_t)newton->pattern->unknown_count * sizeof(double));
+    pel_newton_frames_turn_back(&run->problem->frames, newton->balance);
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        newton->way[u] = pel_newton_way_to_target(run, u);
+}
+
+/* Forces that balance the start fade out part by part, each a run of full steps that begins where the last one ended;
+   false where even the least part finds no balance. For what has no energy to go down (moments on edges), or too long a
+   way. */
+static bool go_in_parts(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    double left = 1, part = FIRST_PART;
+    balance_start(run);
+    while (left > 0 && part >= LEAST_PART) {
+        memcpy(newton->part_start, run->unknowns, bytes);
+        memcpy(newton->part_walked, newton->walked, bytes);
+        run->share = left - part > LEAST_PART ? left - part : 0;
+        run->limit = run->result->iterations + PART_ITERATIONS;
+        run->has_stresses = false;
+        if (go_full_steps(run) && run->result->converged) {
+            left = run->share;
+            part *= PART_GROWTH;
+            continue;
+        }
+        if (run->status != PEL_OK)
+            break;
+        memcpy(run->unknowns, newton->part_start, bytes);
+        memcpy(newton->walked, newton->part_walked, bytes);
+        part *= PART_SHRINK;
+    }
+    run->share = 0;
+    return left == 0;
 }
 
 /* ---- stability ---- */
@@ -672,9 +358,9 @@ static bool is_stable(newton_run *run)
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     run->shift = 0;
-    evaluate(run);
-    assemble(run);
-    return make_factor(run);
+    pel_newton_evaluate(run);
+    pel_newton_assemble(run);
+    return pel_newton_make_factor(run);
 }
 
 /* A small move of all free vertices, always the same; the steps downhill find where it grows. */
@@ -689,46 +375,60 @@ static void nudge(newton_run *run)
     }
 }
 
-/* ---- a run ---- */
-
-static void fix_unknowns(newton_run *run)
+/* From a balance that is no minimum downhill to one that is; where there is none within reach, back to the balance. */
+static void leave_balance(newton_run *run)
 {
     pel_newton *newton = run->newton;
-    bool changed = false;
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
-        bool is_vertex = u < 3 * newton->pattern->vertex_count;
-        bool rests = is_vertex && !(newton->model->inverse_mass[u / 3] > 0);
-        uint8_t fixed = rests || (run->problem->fixed != NULL && run->problem->fixed[u]);
-        changed |= fixed != newton->fixed[u];
-        newton->fixed[u] = fixed;
-        newton->walked[u] = 0;
-    }
-    if (changed)
-        newton->has_factor = false;
-    for (int32_t n = 0; n < newton->pattern->vertex_count + newton->pattern->edge_count; n++)
-        newton->frame[n] = -1;
-    for (int32_t f = 0; f < run->problem->frames.count; f++)
-        newton->frame[run->problem->frames.vertices[f]] = f;
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    memcpy(newton->part_start, run->unknowns, bytes);
+    memcpy(newton->part_walked, newton->walked, bytes);
+    run->limit = run->result->iterations + run->problem->iterations;
+    nudge(run);
+    go_down(run);
+    if (run->status != PEL_OK || (run->result->converged && is_stable(run)))
+        return;
+    memcpy(run->unknowns, newton->part_start, bytes);
+    memcpy(newton->walked, newton->part_walked, bytes);
+    run->kind = PEL_TANGENT_EXACT;
+    run->has_stresses = false;
+    pel_newton_evaluate(run);
+    run->result->converged = run->status == PEL_OK;
+    run->result->stuck = false;
+    run->result->unstable = true;
+}
+
+/* ---- a run ---- */
+
+static void return_to_begin(newton_run *run)
+{
+    size_t bytes = (size_t)run->newton->pattern->unknown_count * sizeof(double);
+    memcpy(run->unknowns, run->newton->begin, bytes);
+    memset(run->newton->walked, 0, bytes);
+    run->has_stresses = false;
+    run->limit += run->problem->iterations;
 }
 
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                           pel_newton_result *result, pel_error *error)
 {
-    newton_run run = {.newton = newton, .problem = problem, .unknowns = unknowns, .result = result, .error = error};
+    newton_run run = pel_newton_run_of(newton, problem, unknowns, result, error);
     size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
     *result = (pel_newton_result){0};
-    fix_unknowns(&run);
+    pel_newton_fix_unknowns(&run);
     memcpy(newton->start, unknowns, bytes);
+    memcpy(newton->begin, unknowns, bytes);
+    run.limit = problem->iterations;
     if (!go_full_steps(&run) && run.status == PEL_OK) {
-        memcpy(unknowns, newton->start, bytes);
-        memset(newton->walked, 0, bytes);
+        return_to_begin(&run);
         go_down(&run);
     }
-    if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK) {
-        nudge(&run);
-        go_down(&run);
+    if (run.status == PEL_OK && !result->converged && !problem->is_dynamic) {
+        return_to_begin(&run);
+        go_in_parts(&run);
     }
-    turn_back(&run, newton->gradient);
+    if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK)
+        leave_balance(&run);
+    pel_newton_frames_turn_back(&problem->frames, newton->gradient);
     return run.status;
 }
 
@@ -744,13 +444,13 @@ bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *proble
 {
     pel_newton_result result = {0};
     memcpy(newton->start, unknowns, (size_t)newton->pattern->unknown_count * sizeof *unknowns);
-    newton_run run = {.newton = newton, .problem = problem, .unknowns = newton->start, .result = &result};
+    newton_run run = pel_newton_run_of(newton, problem, newton->start, &result, NULL);
     run.kind = PEL_TANGENT_POSITIVE;
     double pivot;
-    fix_unknowns(&run);
-    evaluate(&run);
-    assemble(&run);
-    return compute_factor(&run, shift, &pivot);
+    pel_newton_fix_unknowns(&run);
+    pel_newton_evaluate(&run);
+    pel_newton_assemble(&run);
+    return pel_newton_compute_factor(&run, shift, &pivot);
 }
 
 void pel_newton_precondition(pel_newton *newton, double *vector)

@@ -5,7 +5,9 @@
    It goes in full steps and gets by with some ten of them where membrane and bending stiffness are far apart, but
    nothing makes it go downhill. Where it finds no end, steps of least energy follow: the tangent plus a multiple of
    the masses (a step of implicit Euler from rest, of Levenberg and Marquardt), smaller whenever the energy falls. Those
-   end in a minimum; a balance whose exact tangent is not positive definite is left along them.
+   end in a minimum; a balance whose exact tangent is not positive definite is left along them. Where they find no end
+   either (moments on edges have no energy), the loads come in parts of automatic size: forces that balance the start
+   fade out.
 
    Linear systems are solved by conjugate gradients with a Cholesky factor in float, in double where float does not
    carry; the factor may be kept from one run to the next. */
@@ -32,10 +34,16 @@ typedef struct pel_newton_frames {
     const double (*axes)[3][3]; /* (count) rows, orthonormal */
 } pel_newton_frames;
 
+/* Vectors of unknowns from x, y, z to these axes, and back; gradients of volumes to them. */
+void pel_newton_frames_turn(const pel_newton_frames *frames, double *vector);
+void pel_newton_frames_turn_back(const pel_newton_frames *frames, double *vector);
+void pel_newton_frames_turn_rank_ones(const pel_newton_frames *frames, const pel_tangent_pattern *pattern);
+
 typedef struct pel_newton_problem {
-    double time;            /* of keyed curves */
-    const pel_state *state; /* factors of keyed parameters */
-    const double *force;    /* (unknown_count) N, loads that stay; null = none */
+    double time;               /* of keyed curves */
+    const pel_state *state;    /* factors of keyed parameters */
+    const double *force;       /* (unknown_count) N, loads that stay; null = none */
+    const double *load_factor; /* of force and given pressure; null = 1 */
     /* inertia: springs of the vertices to points; both null in statics */
     const double *point_stiffness; /* (vertex_count) N/m */
     const double (*points)[3];     /* (vertex_count) m */
@@ -60,8 +68,9 @@ typedef struct pel_newton_result {
     double first_residual; /* N, that at the start, held vertices at their targets apart */
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
     bool converged;
-    bool is_near; /* by short_move */
-    bool stuck;   /* no step makes the energy fall: as near as rounding allows */
+    bool is_near;  /* by short_move */
+    bool stuck;    /* no step makes the energy fall: as near as rounding allows */
+    bool unstable; /* a balance, but no minimum of the energy, and no minimum was found beside it */
 } pel_newton_result;
 
 typedef struct pel_newton pel_newton;
@@ -95,6 +104,28 @@ pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matri
    a factor in double is needed: PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                           pel_newton_result *result, pel_error *error);
+
+/* Where a path of balances under growing loads stands. */
+typedef struct pel_newton_path {
+    double factor;       /* of loads and given pressure */
+    double length;       /* m, of the next step: root of the mean square of the displacements, in the metric of masses;
+                            0 = not begun */
+    double first_change; /* of the factor, that sets the length of the first step */
+    double stiffness;    /* N/m along the path when it began */
+    double *direction;   /* (unknown_count) m, the last step */
+    int32_t iterations;  /* of the last step */
+} pel_newton_path;
+
+/* One step along the path, from a balance (newton_path.c). The factor of the problem is that of the path. Where it does
+   not converge, unknowns and factor stay: a shorter step may. Errors as of a run. */
+pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
+                             pel_newton_path *path, pel_newton_result *result, pel_error *error);
+
+/* Solves K m = gradient (unknown_count) at a balance, K exact, and fixed unknowns 0: multipliers m (unknown_count). On
+   fixed ones, held = gradient - K m, the derivative by their places, elsewhere 0. gradient is written over.
+   PEL_BAD_ARGUMENT where the balance is not stable; PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_adjoint(pel_newton *newton, const pel_newton_problem *problem, double *unknowns, double *gradient,
+                              double *multipliers, double *held, pel_error *error);
 
 /* Forgets the factor that is kept, so that what follows does not depend on the runs before. */
 void pel_newton_forget(pel_newton *newton);

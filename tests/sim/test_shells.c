@@ -476,7 +476,8 @@ static void test_principal_fibres(void **unused)
         draw_out(mesh, methods[m], PEL_FIBRE_PRINCIPAL, across, x);
         draw_out(mesh, methods[m], PEL_FIBRE_ALONG, along, laid);
         draw_out(mesh, methods[m], PEL_FIBRE_ALONG, across, other);
-        assert_true(distance(x, laid, count) < 0.1 * distance(other, laid, count));
+        /* without loads the state of rest is the same for all fibres */
+        assert_true(distance(x, laid, count) < 0.1 * distance(other, laid, count) + 1e-14);
     }
     free(x);
     pel_mesh_destroy(mesh);

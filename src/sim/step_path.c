@@ -1,0 +1,242 @@
+#include "sim/step_path.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "sim/hold.h"
+
+#include <string.h>
+
+/* of the load factor, in the first step */
+#define FIRST_CHANGE 0.05
+/* systems of a step whose length is right; lengths change by these factors at most */
+#define GOOD_ITERATIONS 6.0
+#define SHRINK 0.5
+#define GROWTH 1.6
+/* of the size of the bodies, that a step is long at most */
+#define MOST_SHARE 0.05
+/* shorter steps after one that does not converge; steps that meet the factor 1 */
+enum { MOST_HALVINGS = 8, MOST_MEETINGS = 8 };
+#define MEETING_ERROR 1e-9
+
+pel_status pel_sim_path_create(pel_sim *sim, pel_error *error)
+{
+    pel_sim_path *made = sim->path = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    size_t count = (size_t)pel_newton_pattern(sim->descent->newton->newton)->unknown_count;
+    made->path.direction = pel_allocate(count, sizeof *made->path.direction);
+    if (made->path.direction == NULL)
+        return pel_fail_memory(error);
+    made->path.first_change = FIRST_CHANGE;
+    sim->state->load_factor = sim->state->load_factor_before = 0;
+    pel_shell_forces_set_load_factor(sim->shells, 0);
+    return PEL_OK;
+}
+
+void pel_sim_path_destroy(pel_sim *sim)
+{
+    if (sim->path == NULL)
+        return;
+    pel_free(sim->path->path.direction);
+    pel_free(sim->path);
+}
+
+/* ---- what a path is not for ---- */
+
+static bool is_keyed(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t l = 0; l < sim->load_count; l++)
+        any |= sim->loads[l].key_count > 0 || sim->loads[l].from > 0 || isfinite(sim->loads[l].until);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        any |= shell != NULL && (shell->outside.key_count > 0 || shell->target.key_count > 0);
+    }
+    for (int32_t h = 0; sim->holds != NULL && h < sim->holds->hold_count; h++)
+        any |= sim->holds->holds[h].key_count > 0;
+    return any;
+}
+
+pel_status pel_sim_path_check(const pel_sim *sim, pel_error *error)
+{
+    if (sim->tool_count > 0 || sim->contacts != NULL) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "a path by arc length has no %s", sim->tool_count > 0 ? "tools" : "contact");
+        pel_fail_remedy(error, "remove the %s, or take path: time", sim->tool_count > 0 ? "tools" : "contact");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!is_keyed(sim))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT,
+             "a path by arc length finds the load factor, but a load, pressure or support has "
+             "keys, from or until");
+    pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
+    return PEL_BAD_ARGUMENT;
+}
+
+/* ---- a step ---- */
+
+static void set_factor(pel_sim *sim, double factor)
+{
+    sim->state->load_factor = factor;
+    pel_shell_forces_set_load_factor(sim->shells, factor);
+}
+
+static pel_newton_problem make_problem(pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    pel_newton_problem problem = {.time = pel_sim_next_time(sim), .state = sim->state, .force = newton->loads};
+    double factor = sim->state->load_factor;
+    /* loads and the tolerance are those of factor 1 */
+    set_factor(sim, 1);
+    problem.tolerance = pel_descent_tolerance(sim, problem.time);
+    problem.frames = pel_sim_newton_gather(sim, problem.time, true);
+    set_factor(sim, factor);
+    problem.held_share = pel_descent_held_share();
+    problem.short_move = pel_descent_short_move(sim);
+    problem.fixed = newton->fixed;
+    problem.target = newton->target;
+    problem.iterations = sim->solver.iterations > 0 ? sim->solver.iterations : PEL_STATIC_ITERATIONS;
+    problem.load_factor = &sim->state->load_factor;
+    return problem;
+}
+
+/* from the state before to the present one, along x, y, z */
+static void find_direction(const pel_sim *sim)
+{
+    double *direction = sim->path->path.direction;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            direction[3 * v + k] = (double)sim->state->position[v][k] - (double)sim->state->position_before[v][k];
+}
+
+/* a shorter step where one does not converge */
+static pel_status follow(pel_sim *sim, const pel_newton_problem *problem, pel_newton_result *result, pel_error *error)
+{
+    pel_newton_path *path = &sim->path->path;
+    pel_sim_newton *newton = sim->descent->newton;
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < MOST_HALVINGS; i++) {
+        int32_t before = sim->descent->result.iterations;
+        status = pel_newton_follow(newton->newton, problem, newton->unknowns, path, result, error);
+        sim->descent->result.iterations = before + result->iterations;
+        if (result->converged)
+            return status;
+        path->length *= SHRINK;
+        path->first_change *= SHRINK;
+    }
+    return status;
+}
+
+/* the step that crosses the factor 1 ends there: a shorter one from the same start, by regula falsi */
+static pel_status meet_full_load(pel_sim *sim, const pel_newton_problem *problem, double start,
+                                 pel_newton_result *result, pel_error *error)
+{
+    pel_newton_path *path = &sim->path->path;
+    pel_sim_newton *newton = sim->descent->newton;
+    double low = 0, high = path->length, low_factor = start, high_factor = path->factor;
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < MOST_MEETINGS && fabs(path->factor - 1) > MEETING_ERROR; i++) {
+        pel_newton_result met;
+        double length = low + (high - low) * (1 - low_factor) / (high_factor - low_factor);
+        path->length = length;
+        path->factor = start;
+        newton->goes_on = false;
+        pel_sim_newton_gather(sim, problem->time, true);
+        find_direction(sim);
+        status = pel_newton_follow(newton->newton, problem, newton->unknowns, path, &met, error);
+        sim->descent->result.iterations += met.iterations;
+        result->converged = met.converged;
+        if (status != PEL_OK || !met.converged)
+            break;
+        *result = met;
+        *(path->factor < 1 ? &low : &high) = length;
+        *(path->factor < 1 ? &low_factor : &high_factor) = path->factor;
+    }
+    return status;
+}
+
+static void take(pel_sim *sim, const pel_newton_result *result)
+{
+    const pel_sim_newton *newton = sim->descent->newton;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
+            sim->state->position_next[v][k] = (pel_real)newton->unknowns[3 * v + k];
+    pel_descent_result *own = &sim->descent->result;
+    own->evaluations = 2 * own->iterations + 1;
+    own->energy = result->energy;
+    own->residual = result->residual;
+    own->held_force = result->held_force;
+    own->converged = result->converged;
+}
+
+static void adapt_length(pel_sim *sim)
+{
+    pel_newton_path *path = &sim->path->path;
+    double change = sqrt(GOOD_ITERATIONS / fmax(path->iterations, 1));
+    path->length *= fmin(fmax(change, SHRINK), GROWTH);
+    path->length = fmin(path->length, MOST_SHARE * sim->descent->size);
+}
+
+/* a balance without loads to begin with: bodies may be under stress of their own, or supports displaced */
+static pel_status begin(pel_sim *sim, const pel_newton_problem *problem, pel_newton_result *result, pel_error *error)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    return pel_newton_run(newton->newton, problem, newton->unknowns, result, error);
+}
+
+pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *error)
+{
+    pel_sim_path *own = sim->path;
+    pel_state *state = sim->state;
+    pel_newton_result result = {.converged = true};
+    pel_status status = PEL_OK;
+    *step = (pel_step_result){.diverged = false};
+    memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
+    state->load_factor_before = state->load_factor;
+    sim->descent->result = (pel_descent_result){.converged = own->ended != PEL_PATH_END_LOST};
+    if (own->ended != PEL_PATH_GOES_ON)
+        return PEL_OK;
+    pel_sim_newton_begin(sim);
+    pel_shell_forces_follow(sim->shells, state->position);
+    const pel_newton_problem problem = make_problem(sim);
+    double start = own->path.factor = state->load_factor;
+    if (own->path.length > 0)
+        find_direction(sim);
+    else
+        status = begin(sim, &problem, &result, error);
+    if (status == PEL_OK && result.converged)
+        status = follow(sim, &problem, &result, error);
+    double length = own->path.length;
+    if (status == PEL_OK && result.converged && start < 1 && own->path.factor >= 1) {
+        own->ended = PEL_PATH_END_FULL_LOAD;
+        if (state->step > 0)
+            status = meet_full_load(sim, &problem, start, &result, error);
+        own->path.length = length;
+    }
+    if (status != PEL_OK)
+        return status;
+    if (!result.converged)
+        own->ended = PEL_PATH_END_LOST;
+    take(sim, &result);
+    adapt_length(sim);
+    set_factor(sim, own->path.factor);
+    step->diverged = !pel_sim_all_inside(sim);
+    return PEL_OK;
+}
+
+/* ---- questions ---- */
+
+double pel_sim_load_factor(const pel_sim *sim)
+{
+    return sim->state->load_factor;
+}
+
+pel_path pel_sim_path_kind(const pel_sim *sim)
+{
+    return sim->solver.path;
+}
+
+pel_path_end pel_sim_get_path_end(const pel_sim *sim)
+{
+    return sim->path != NULL ? (pel_path_end)sim->path->ended : PEL_PATH_GOES_ON;
+}

@@ -1,0 +1,103 @@
+/* Inside of Newton's method: one run at work, and what full steps, steps of least energy and paths are made of. */
+#ifndef PEL_SOLVE_NEWTON_RUN_H
+#define PEL_SOLVE_NEWTON_RUN_H
+
+#include "linear/minres.h"
+#include "solve/newton.h"
+
+struct pel_newton {
+    const pel_model *model;
+    pel_pool *pool;
+    pel_tangent *tangent;
+    const pel_tangent_pattern *pattern;
+    pel_matrix *matrix;
+    pel_factor_plan *plan;
+    pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
+    pel_factor_precision precision;
+    bool has_factor;
+    pel_pcg *pcg;
+    pel_minres *minres;                                       /* of paths, made when first needed */
+    double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
+    double *walked;                                           /* (unknown_count) sum of the steps of a run */
+    double *path, *load, *answer;     /* (unknown_count) of a path: its direction, dF/dfactor, the step under that */
+    double *move;                     /* (unknown_count) the step along x, y, z */
+    double *balance;                  /* (unknown_count) N, forces that balance the start */
+    double *begin;                    /* (unknown_count) unknowns when the run began */
+    double *part_start, *part_walked; /* (unknown_count) unknowns, walked before a part */
+    double *way;                      /* (unknown_count) of fixed ones from start to target */
+    int32_t *frame;                   /* (node_count) number of its axes, or -1 */
+    double *stresses;                 /* (stress_count) */
+    double *masses;                   /* (unknown_count) kg, 0 on edges */
+    uint8_t *fixed;                   /* (unknown_count) */
+    double size;                      /* m, of the model */
+    double edge;                      /* m, mean length of edges with an unknown */
+};
+
+/* one run */
+typedef struct newton_run {
+    pel_newton *newton;
+    const pel_newton_problem *problem;
+    double *unknowns;
+    pel_newton_result *result;
+    pel_error *error;
+    pel_status status;
+    pel_tangent_kind kind;
+    bool has_stresses;
+    double shift;          /* 1/s2, of the masses */
+    double parts;          /* J, sum of the sizes of the energy's parts */
+    double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
+    int32_t limit;         /* of iterations so far */
+    double factor;         /* of loads and given pressure */
+    double path_stiffness; /* N/m along newton->path; 0 = none */
+} newton_run;
+
+/* a run with all loads at once */
+static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
+                                           pel_newton_result *result, pel_error *error)
+{
+    return (newton_run){.newton = newton,
+                        .problem = problem,
+                        .unknowns = unknowns,
+                        .result = result,
+                        .error = error,
+                        .factor = problem->load_factor != NULL ? *problem->load_factor : 1,
+                        .limit = problem->iterations};
+}
+
+/* ---- newton_step.c: energy, forces, matrix, linear systems ---- */
+/* energy at the unknowns, and gradient along the axes of the vertices */
+void pel_newton_evaluate(newton_run *run);
+bool pel_newton_is_finite(const newton_run *run);
+/* what fixed unknowns have before them */
+double pel_newton_way_to_target(const newton_run *run, int32_t u);
+/* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
+void pel_newton_assemble(newton_run *run);
+bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot);
+/* in float, with a little on the diagonal, then in double from now on; false where the matrix is not positive */
+bool pel_newton_make_factor(newton_run *run);
+/* newton->step of newton->right by conjugate gradients with the factor */
+pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
+/* what the system of a run (context) has beyond the matrix: volumes, and the stiffness along the direction of a path */
+void pel_newton_add_product(void *context, pel_pool *pool, const double *x, double *y);
+/* The step of the matrix; false where that is not positive definite. */
+bool pel_newton_find_step(newton_run *run);
+/* sum over all unknowns */
+double pel_newton_dot(const pel_newton *newton, const double *a, const double *b);
+/* the step along x, y, z, times a scale */
+const double *pel_newton_find_move(const newton_run *run, double scale);
+double pel_newton_longest_move(const pel_newton *newton);
+/* of the step, as far as it is good for */
+double pel_newton_find_share(const pel_newton *newton);
+/* goes a share of the step */
+void pel_newton_go(newton_run *run, double scale);
+/* mixed integration points: the stresses that a share of the step promises */
+void pel_newton_extrapolate(newton_run *run, double scale);
+bool pel_newton_has_converged(newton_run *run);
+/* stiffness over mass, 1/s2, of the free vertices and the last matrix */
+double pel_newton_stiffness_scale(const pel_newton *newton);
+/* flags of what is fixed, frames; sums of the run at zero */
+void pel_newton_fix_unknowns(newton_run *run);
+/* products with a new factor at most */
+enum { PEL_NEWTON_PRODUCTS = 200 };
+
+#endif
