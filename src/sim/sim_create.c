@@ -172,7 +172,7 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = sim->stepper->create(sim, error);
     if (status == PEL_OK && sim->active != NULL)
         status = pel_refine_start(sim, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK && !sim->goes_on)
         pel_substeps_follow(sim);
     if (status == PEL_OK)
         status = pel_loads_create(sim, def->loads, def->load_count, error);

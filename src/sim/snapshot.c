@@ -659,8 +659,7 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error
                                                transfer_statistics,    transfer_descent, transfer_ledger};
         for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
             carry(&c, parts[i], 0, 0);
-        if (has_run)
-            pel_substeps_carry(from, to);
+        pel_substeps_carry(from, to);
         for (int32_t b = 0; b < to->model->body_count; b++) {
             const pel_shell *old = from->model->bodies[b].shell, *new = to->model->bodies[b].shell;
             if (old != NULL && new != NULL && old->bending_weight == new->bending_weight)

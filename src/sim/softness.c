@@ -119,18 +119,22 @@ static void look(pel_sim *sim)
     now->is_stale = false;
 }
 
+static void choose_first(pel_sim *sim)
+{
+    look(sim);
+    if (sim->substeps.is_automatic)
+        sim->solver.substeps = clamp_substeps(sim, needed_substeps(sim));
+    note(sim);
+}
+
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
 {
     if (!sim->stepper->is_compliant)
         return PEL_OK;
     pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
-    if (status != PEL_OK)
-        return status;
-    look(sim);
-    if (sim->substeps.is_automatic)
-        sim->solver.substeps = clamp_substeps(sim, needed_substeps(sim));
-    note(sim);
-    return PEL_OK;
+    if (status == PEL_OK && !sim->goes_on)
+        choose_first(sim);
+    return status;
 }
 
 void pel_substeps_destroy(pel_sim *sim)
@@ -165,21 +169,29 @@ bool pel_substeps_restore(pel_sim *sim)
     return true;
 }
 
+/* whether what is known of the softness holds in the changed simulation */
+static bool is_as_soft(const pel_sim *from, const pel_sim *to)
+{
+    return from->given == to->given && from->substeps.is_automatic == to->substeps.is_automatic &&
+           from->substeps.least == to->substeps.least && from->solver.second_order == to->solver.second_order &&
+           from->solver.iterations == to->solver.iterations && from->solver.max_substeps == to->solver.max_substeps;
+}
+
 void pel_substeps_carry(const pel_sim *from, pel_sim *to)
 {
-    const pel_substeps_now *old = &from->substeps.now;
     pel_substeps_now *now = &to->substeps.now;
     if (!to->stepper->is_compliant)
         return;
-    now->is_stale = true;
-    if (to->substeps.is_automatic && from->substeps.is_automatic) {
-        to->solver.substeps = now->count = clamp_substeps(to, old->count);
-        pel_projector_set_substeps(to->projector, NULL, now->count);
+    if (from->state->step == 0) {
+        choose_first(to);
+    } else {
+        *now = from->substeps.now;
+        now->is_stale |= !is_as_soft(from, to);
+        if (to->substeps.is_automatic && from->substeps.is_automatic)
+            to->solver.substeps = clamp_substeps(to, now->count);
+        now->count = to->solver.substeps;
     }
-    now->least = now->count < old->least ? now->count : old->least;
-    now->most = now->count > old->most ? now->count : old->most;
-    now->needed = now->needed > old->needed ? now->needed : old->needed;
-    now->softness = fmax(now->softness, old->softness);
+    pel_projector_set_substeps(to->projector, NULL, to->solver.substeps);
 }
 
 /* edges are halved on each level of a body that is refined everywhere */
