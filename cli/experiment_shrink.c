@@ -22,7 +22,7 @@ static const char scene[] = "version: 1\n"
                             "contact: { self: true }\n"
                             "solver: { method: pbd, dt: 0.0166666667, iterations: 5 }\n"
                             "stop: { frames: 100, volume_ratio_below: 0.1 }\n"
-                            "output: { every_frame: 1, fields: [displacement] }\n";
+                            "output: { every_frame: 1, fields: [displacement], compress: true }\n";
 
 const char *cli_shrink_name(const cli_experiment *experiment, int body, const char *what, char *name)
 {
