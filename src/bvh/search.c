@@ -4,11 +4,13 @@
 #include "base/status.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 enum {
     TASK_LIMIT = 1024,        /* pairs of subtrees */
     TASK_GROWTH = 3,          /* the most that one is cut into */
     LEAF_MEMBERS = 24,        /* vertices or edges of a leaf, at most */
+    LEAST_ROOM = 256,         /* pairs of a list that has any: few pairs more take no memory */
     DEPTH_LIMIT = 64,         /* of a tree: the logarithm of its leaves is below 32 */
     REPORT_INTERVAL = 1 << 14 /* pairs after which a chunk adds to the common count */
 };
@@ -65,12 +67,46 @@ size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind)
     return count;
 }
 
+/* The pairs of two leaves gather here, so that the lists grow by what is found alone. */
+typedef struct leaf_pairs {
+    pel_pair pairs[LEAF_MEMBERS * LEAF_MEMBERS];
+    size_t count;
+} leaf_pairs;
+
 /* where the next `count` pairs can be written */
 static pel_pair *make_room(pel_pair_list *list, size_t count)
 {
-    if (!pel_reserve((void **)&list->pairs, &list->capacity, list->count + count, sizeof *list->pairs))
+    size_t needed = list->count + count > LEAST_ROOM ? list->count + count : LEAST_ROOM;
+    if (!pel_reserve((void **)&list->pairs, &list->capacity, needed, sizeof *list->pairs))
         return NULL;
     return list->pairs + list->count;
+}
+
+/* takes out what the search is not to keep */
+static void drop_unwanted(walk *w, pel_pair_kind kind, leaf_pairs *found)
+{
+    const pel_pair_search *search = w->plan->search;
+    size_t kept = 0;
+    for (size_t i = 0; i < found->count; i++)
+        if (search->keep(search->context, (int32_t)(w->chunk - search->chunks), kind, found->pairs[i]))
+            found->pairs[kept++] = found->pairs[i];
+    w->dropped += found->count - kept;
+    found->count = kept;
+}
+
+static bool add_pairs(walk *w, pel_pair_kind kind, leaf_pairs *found)
+{
+    pel_pair_list *list = &w->chunk->lists[kind];
+    if (w->plan->search->keep != NULL)
+        drop_unwanted(w, kind, found);
+    if (found->count == 0)
+        return true;
+    pel_pair *pairs = make_room(list, found->count);
+    if (pairs == NULL)
+        return false;
+    memcpy(pairs, found->pairs, found->count * sizeof *pairs);
+    list->count += found->count;
+    return true;
 }
 
 /* adds what the chunk found since the last time to the common count; false beyond the limit */
@@ -137,13 +173,11 @@ static int next_lane(unsigned *lanes)
 }
 
 /* vertices of leaf p (of tree a) against the triangles of leaf q (of tree b, with this box) */
-static bool vertices_with_faces(const walk *w, const pel_tree *a, const pel_leaf *p, const pel_tree *b,
-                                const pel_leaf *q, const pel_box *q_box, bool swapped)
+static bool vertices_with_faces(walk *w, const pel_tree *a, const pel_leaf *p, const pel_tree *b, const pel_leaf *q,
+                                const pel_box *q_box, bool swapped)
 {
-    pel_pair_list *list = &w->chunk->lists[swapped && !w->plan->within ? PEL_PAIR_FACE_VERTEX : PEL_PAIR_VERTEX_FACE];
-    pel_pair *pairs = make_room(list, LEAF_MEMBERS * PEL_LANES);
-    if (pairs == NULL)
-        return false;
+    leaf_pairs found;
+    pel_pair *pairs = found.pairs;
     bool within = w->plan->within, face_first = swapped && !within;
     for (int32_t g = p->group + 1; g < p->edge_group; g++)
         for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
@@ -156,8 +190,8 @@ static bool vertices_with_faces(const walk *w, const pel_tree *a, const pel_leaf
                 *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
             }
         }
-    list->count = (size_t)(pairs - list->pairs);
-    return true;
+    found.count = (size_t)(pairs - found.pairs);
+    return add_pairs(w, face_first ? PEL_PAIR_FACE_VERTEX : PEL_PAIR_VERTEX_FACE, &found);
 }
 
 static pel_pair ordered(int32_t first, int32_t second)
@@ -171,14 +205,12 @@ static unsigned later_lanes(int32_t g, int32_t of, int lane)
     return g > of ? ~0u : ~0u << (lane + 1);
 }
 
-static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
+static bool edges_with_edges(walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
 {
     const pel_tree *a = w->plan->a, *b = w->plan->b;
     bool within = w->plan->within, same = within && p == q;
-    pel_pair_list *list = &w->chunk->lists[PEL_PAIR_EDGE_EDGE];
-    pel_pair *pairs = make_room(list, LEAF_MEMBERS * LEAF_MEMBERS);
-    if (pairs == NULL)
-        return false;
+    leaf_pairs found;
+    pel_pair *pairs = found.pairs;
     for (int32_t g = p->edge_group; g < p->group_end; g++)
         for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
             int lane = next_lane(&lanes);
@@ -193,51 +225,36 @@ static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q
                 }
             }
         }
-    list->count = (size_t)(pairs - list->pairs);
-    return true;
+    found.count = (size_t)(pairs - found.pairs);
+    return add_pairs(w, PEL_PAIR_EDGE_EDGE, &found);
 }
 
 static bool faces_with_faces(walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
 {
-    const pel_pair_search *search = w->plan->search;
-    int32_t chunk = (int32_t)(w->chunk - search->chunks);
     const pel_tree *a = w->plan->a, *b = w->plan->b;
     bool within = w->plan->within, same = within && p == q;
-    pel_pair_list *list = &w->chunk->lists[PEL_PAIR_FACE_FACE];
-    pel_pair *pairs = make_room(list, PEL_LANES * PEL_LANES);
-    if (pairs == NULL)
-        return false;
+    leaf_pairs found;
+    pel_pair *pairs = found.pairs;
     for (unsigned lanes = touching(a, p->group, q_box); lanes != 0;) {
         int lane = next_lane(&lanes);
         probe face = get_probe(a, p->group, lane);
         unsigned others = touched(b, q->group, &face) & (same ? later_lanes(0, 0, lane) : ~0u);
         while (others != 0) {
             int32_t t = b->members[q->group].element[next_lane(&others)];
-            pel_pair pair = within ? ordered(face.element, t) : (pel_pair){face.element, t};
-            bool kept = search->keep == NULL || search->keep(search->context, chunk, pair);
-            *pairs = pair;
-            pairs += kept;
-            w->dropped += !kept;
+            *pairs++ = within ? ordered(face.element, t) : (pel_pair){face.element, t};
         }
     }
-    list->count = (size_t)(pairs - list->pairs);
-    return true;
-}
-
-static pel_box box_before(const search_plan *plan, const int32_t *vertices, int count)
-{
-    pel_box box = plan->growth->before[vertices[0]];
-    for (int i = 1; i < count; i++)
-        box = pel_box_join(box, plan->growth->before[vertices[i]]);
-    return box;
+    found.count = (size_t)(pairs - found.pairs);
+    return add_pairs(w, PEL_PAIR_FACE_FACE, &found);
 }
 
 static bool overlapped_before(const search_plan *plan, pel_pair_kind kind, pel_pair pair)
 {
+    const pel_tree *tree = plan->a;
+    const pel_box *before = plan->growth->before;
     bool edges = kind == PEL_PAIR_EDGE_EDGE;
-    pel_box a = edges ? box_before(plan, plan->a->edges[pair.first], 2) : plan->growth->before[pair.first];
-    pel_box b =
-        edges ? box_before(plan, plan->a->edges[pair.second], 2) : box_before(plan, plan->a->triangles[pair.second], 3);
+    pel_box a = edges ? pel_tree_edge_box(tree, before, pair.first) : before[pair.first];
+    pel_box b = edges ? pel_tree_edge_box(tree, before, pair.second) : pel_tree_triangle_box(tree, before, pair.second);
     return pel_box_overlaps(&a, &b);
 }
 

@@ -37,8 +37,8 @@ typedef struct pel_pair_search {
     pel_pair_chunk chunks[PEL_SEARCH_CHUNKS];
     int64_t limit; /* the most pairs that may be found, of all kinds, those that `keep` turned down included; beyond it
                       the search is given up */
-    /* false = the pair of triangles is not put on the list of this chunk; called from several threads; nullable */
-    bool (*keep)(void *context, int32_t chunk, pel_pair pair);
+    /* false = the pair is not put on the list of this chunk; called from several threads; nullable */
+    bool (*keep)(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair);
     void *context;
 } pel_pair_search;
 

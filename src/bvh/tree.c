@@ -295,22 +295,11 @@ void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
 
 /* ---- boxes ---- */
 
-static pel_box box_of_edge(const pel_tree *tree, const pel_box *boxes, int32_t e)
-{
-    return pel_box_join(boxes[tree->edges[e][0]], boxes[tree->edges[e][1]]);
-}
-
-static pel_box box_of_triangle(const pel_tree *tree, const pel_box *boxes, int32_t t)
-{
-    const int32_t *v = tree->triangles[t];
-    return pel_box_join(pel_box_join(boxes[v[0]], boxes[v[1]]), boxes[v[2]]);
-}
-
 static pel_box refit_leaf(pel_tree *tree, const pel_leaf *leaf, const pel_box *boxes)
 {
     pel_box whole = pel_box_empty();
     for (int lane = 0; lane < PEL_LANES && tree->members[leaf->group].element[lane] >= 0; lane++) {
-        pel_box box = box_of_triangle(tree, boxes, tree->members[leaf->group].element[lane]);
+        pel_box box = pel_tree_triangle_box(tree, boxes, tree->members[leaf->group].element[lane]);
         pel_box_group_set(&tree->groups[leaf->group], lane, box);
         whole = pel_box_join(whole, box);
     }
@@ -319,7 +308,7 @@ static pel_box refit_leaf(pel_tree *tree, const pel_leaf *leaf, const pel_box *b
             pel_box_group_set(&tree->groups[g], lane, boxes[tree->members[g].element[lane]]);
     for (int32_t g = leaf->edge_group; g < leaf->group_end; g++)
         for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
-            pel_box_group_set(&tree->groups[g], lane, box_of_edge(tree, boxes, tree->members[g].element[lane]));
+            pel_box_group_set(&tree->groups[g], lane, pel_tree_edge_box(tree, boxes, tree->members[g].element[lane]));
     return whole;
 }
 
@@ -425,31 +414,4 @@ double pel_tree_cost(const pel_tree *tree)
     for (int32_t n = 0; n < tree->node_count; n++)
         sum += pel_box_area(&tree->nodes[n]);
     return sum / fmax(pel_box_area(&tree->nodes[0]), 1e-300);
-}
-
-/* boxes of features from those of vertices */
-typedef struct feature_boxes {
-    const pel_tree *tree;
-    const pel_box *vertices;
-    pel_box *edges, *triangles;
-} feature_boxes;
-
-enum { FEATURES_PER_CHUNK = 4096 };
-
-static void feature_chunk(void *context, int32_t chunk)
-{
-    const feature_boxes *f = context;
-    int32_t begin = chunk * FEATURES_PER_CHUNK, end = begin + FEATURES_PER_CHUNK;
-    for (int32_t e = begin; e < end && e < f->tree->edge_count; e++)
-        f->edges[e] = box_of_edge(f->tree, f->vertices, e);
-    for (int32_t t = begin; t < end && t < f->tree->triangle_count; t++)
-        f->triangles[t] = box_of_triangle(f->tree, f->vertices, t);
-}
-
-void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool, pel_box *edge_boxes,
-                            pel_box *triangle_boxes)
-{
-    feature_boxes f = {tree, vertex_boxes, edge_boxes, triangle_boxes};
-    int32_t most = tree->edge_count > tree->triangle_count ? tree->edge_count : tree->triangle_count;
-    pel_pool_run(pool, 1 + (most - 1) / FEATURES_PER_CHUNK, feature_chunk, &f);
 }

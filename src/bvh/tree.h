@@ -75,9 +75,17 @@ void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const u
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);
 
-/* Boxes of the edges (edge_count) and triangles (triangle_count). */
-void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool, pel_box *edge_boxes,
-                            pel_box *triangle_boxes);
+/* The box of an edge or triangle from those of the vertices (vertex_count). */
+static inline pel_box pel_tree_edge_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t e)
+{
+    return pel_box_join(vertex_boxes[tree->edges[e][0]], vertex_boxes[tree->edges[e][1]]);
+}
+
+static inline pel_box pel_tree_triangle_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t t)
+{
+    const int32_t *v = tree->triangles[t];
+    return pel_box_join(pel_box_join(vertex_boxes[v[0]], vertex_boxes[v[1]]), vertex_boxes[v[2]]);
+}
 
 static inline int32_t pel_tree_middle(int32_t begin, int32_t end)
 {

@@ -208,7 +208,7 @@ static void check_within(const surface *s, double reach)
         if (rebuilt)
             pel_tree_rebuild(tree, (const double(*)[3])s->end);
         fit(tree, s, reach, boxes.vertices);
-        pel_tree_feature_boxes(tree, boxes.vertices, NULL, boxes.edges, boxes.triangles);
+        fill_feature_boxes(tree, &boxes);
         assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, NULL), PEL_OK);
         pair_set vertex_face = brute_vertex_face(tree, &boxes), edge_edge = brute_edge_edge(tree, &boxes);
         pair_set face_face = brute_face_face(tree, &boxes);
@@ -250,8 +250,8 @@ static void test_pairs_between(void **unused)
         feature_boxes x = make_feature_boxes(first), y = make_feature_boxes(second);
         fit(first, &a, 0.01, x.vertices);
         fit(second, &b, 0.01, y.vertices);
-        pel_tree_feature_boxes(first, x.vertices, NULL, x.edges, x.triangles);
-        pel_tree_feature_boxes(second, y.vertices, NULL, y.edges, y.triangles);
+        fill_feature_boxes(first, &x);
+        fill_feature_boxes(second, &y);
         pel_pair_search search;
         pel_pair_search_begin(&search, INT64_MAX);
         assert_int_equal(pel_find_pairs(first, second, 15u, NULL, &search, NULL), PEL_OK);
@@ -281,7 +281,7 @@ static void test_in_box(void **unused)
     pel_tree *tree = make_tree(&s, PEL_TREE_FEATURES);
     feature_boxes boxes = make_feature_boxes(tree);
     fit(tree, &s, 0, boxes.vertices);
-    pel_tree_feature_boxes(tree, boxes.vertices, NULL, boxes.edges, boxes.triangles);
+    fill_feature_boxes(tree, &boxes);
     random_state random = {11};
     pel_element_list list = {0};
     for (int trial = 0; trial < 200; trial++) {
