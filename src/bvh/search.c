@@ -126,7 +126,7 @@ static bool report(walk *w, size_t interval)
 
 /* one element with its box, to be held against the lanes of the other leaf */
 typedef struct probe {
-    int32_t element, vertices[3];
+    int32_t element, vertices[2];
     float low[3], high[3];
 } probe;
 
@@ -135,9 +135,14 @@ static probe get_probe(const pel_tree *tree, int32_t group, int lane)
     const pel_box_group *boxes = &tree->groups[group];
     const pel_member_group *members = &tree->members[group];
     return (probe){members->element[lane],
-                   {members->vertices[0][lane], members->vertices[1][lane], members->vertices[2][lane]},
+                   {members->vertices[0][lane], members->vertices[1][lane]},
                    {boxes->low[0][lane], boxes->low[1][lane], boxes->low[2][lane]},
                    {boxes->high[0][lane], boxes->high[1][lane], boxes->high[2][lane]}};
+}
+
+static probe vertex_probe(int32_t v, const pel_box *box)
+{
+    return (probe){v, {v, v}, {box->low[0], box->low[1], box->low[2]}, {box->high[0], box->high[1], box->high[2]}};
 }
 
 /* bit i: lane i of the group overlaps */
@@ -179,17 +184,19 @@ static bool vertices_with_faces(walk *w, const pel_tree *a, const pel_leaf *p, c
     leaf_pairs found;
     pel_pair *pairs = found.pairs;
     bool within = w->plan->within, face_first = swapped && !within;
-    for (int32_t g = p->group + 1; g < p->edge_group; g++)
-        for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
-            probe vertex = get_probe(a, g, next_lane(&lanes));
-            unsigned faces = touched(b, q->group, &vertex);
-            if (within && faces != 0)
-                faces &= ~neighbours(b, q->group, &vertex, 1);
-            while (faces != 0) {
-                int32_t t = b->members[q->group].element[next_lane(&faces)];
-                *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
-            }
+    for (int32_t i = p->vertex_begin; i < p->vertex_end; i++) {
+        const pel_box *box = &a->vertex_boxes[a->leaf_vertices[i]];
+        if (!pel_box_overlaps(box, q_box))
+            continue;
+        probe vertex = vertex_probe(a->leaf_vertices[i], box);
+        unsigned faces = touched(b, q->group, &vertex);
+        if (within && faces != 0)
+            faces &= ~neighbours(b, q->group, &vertex, 1);
+        while (faces != 0) {
+            int32_t t = b->members[q->group].element[next_lane(&faces)];
+            *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
         }
+    }
     found.count = (size_t)(pairs - found.pairs);
     return add_pairs(w, face_first ? PEL_PAIR_FACE_VERTEX : PEL_PAIR_VERTEX_FACE, &found);
 }
@@ -211,11 +218,11 @@ static bool edges_with_edges(walk *w, const pel_leaf *p, const pel_leaf *q, cons
     bool within = w->plan->within, same = within && p == q;
     leaf_pairs found;
     pel_pair *pairs = found.pairs;
-    for (int32_t g = p->edge_group; g < p->group_end; g++)
+    for (int32_t g = p->group + 1; g < p->group_end; g++)
         for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
             int lane = next_lane(&lanes);
             probe edge = get_probe(a, g, lane);
-            for (int32_t h = same ? g : q->edge_group; h < q->group_end; h++) {
+            for (int32_t h = same ? g : q->group + 1; h < q->group_end; h++) {
                 unsigned others = touched(b, h, &edge) & (same ? later_lanes(h, g, lane) : ~0u);
                 if (within && others != 0)
                     others &= ~neighbours(b, h, &edge, 2);
@@ -469,19 +476,7 @@ static bool add_lanes(const pel_tree *tree, int32_t group, unsigned lanes, pel_e
     return true;
 }
 
-static bool find_in_leaf(const pel_tree *tree, const pel_leaf *leaf, const pel_box *box, pel_element_kind kind,
-                         pel_element_list *list)
-{
-    int32_t begin = kind == PEL_ELEMENT_TRIANGLE ? leaf->group : leaf->group + 1;
-    int32_t end = kind == PEL_ELEMENT_TRIANGLE ? leaf->group + 1 : leaf->edge_group;
-    for (int32_t g = begin; g < end; g++)
-        if (!add_lanes(tree, g, touching(tree, g, box), list))
-            return false;
-    return true;
-}
-
-pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_kind kind, pel_element_list *list,
-                           pel_error *error)
+pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_list *list, pel_error *error)
 {
     subtree stack[DEPTH_LIMIT];
     int depth = 0;
@@ -492,7 +487,8 @@ pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element
         if (!pel_box_overlaps(&tree->nodes[s.node], box))
             continue;
         if (is_leaf(s)) {
-            if (!find_in_leaf(tree, &tree->leaves[s.begin], box, kind, list))
+            int32_t group = tree->leaves[s.begin].group;
+            if (!add_lanes(tree, group, touching(tree, group, box), list))
                 return pel_fail_memory(error);
             continue;
         }

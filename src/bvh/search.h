@@ -65,16 +65,13 @@ pel_status pel_find_new_pairs(const pel_tree *tree, unsigned kinds, const pel_pa
 /* pairs of one kind in all chunks */
 size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind);
 
-/* Numbers of triangles, or of vertices, whose boxes overlap a box, in the order of the tree. */
+/* Numbers of triangles whose boxes overlap a box, in the order of the tree. */
 typedef struct pel_element_list {
     int32_t *elements;
     size_t count, capacity;
 } pel_element_list;
 
-typedef enum pel_element_kind { PEL_ELEMENT_TRIANGLE, PEL_ELEMENT_VERTEX } pel_element_kind;
-
 /* Fills the list anew. PEL_OUT_OF_MEMORY. */
-pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_kind kind, pel_element_list *list,
-                           pel_error *error);
+pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_list *list, pel_error *error);
 
 #endif
