@@ -70,7 +70,8 @@ static void add_part(pel_sim *sim, double share)
         forces->vertex[v] = before + (pel_real)share * forces->vertex_next[v];
     }
     for (size_t slice = 0; slice < flag_count(sim); slice++)
-        forces->is_touched[slice] = (uint8_t)((!is_first && forces->is_touched[slice]) | forces->is_touched_next[slice]);
+        forces->is_touched[slice] =
+            (uint8_t)((!is_first && forces->is_touched[slice]) | forces->is_touched_next[slice]);
     for (size_t i = 0; i < pair_count(sim) * sizeof *forces->pair / sizeof *sum; i++)
         sum[i] = (is_first ? 0 : sum[i]) + share * own[i];
 }

@@ -23,15 +23,19 @@ void pel_parts_destroy(pel_sim *sim)
     pel_free(sim->parts.before);
 }
 
-/* the state before the step; most runs never halve one, so that the first to do so finds the memory for it */
+/* The state before the step. Most runs never halve one, so that the first step that is halved finds the memory for it;
+   forces of the caller that come or go change its size. */
 static pel_status save_before(pel_sim *sim, pel_error *error)
 {
     pel_sim_parts *parts = &sim->parts;
-    if (parts->before == NULL) {
-        parts->before_size = pel_sim_save_size(sim);
-        parts->before = pel_allocate(parts->before_size, 1);
-        if (parts->before == NULL)
+    size_t size = pel_sim_save_size(sim);
+    if (parts->before == NULL || size != parts->before_size) {
+        void *before = pel_allocate(size, 1);
+        if (before == NULL)
             return pel_fail_memory(error);
+        pel_free(parts->before);
+        parts->before = before;
+        parts->before_size = size;
     }
     pel_sim_save(sim, parts->before);
     return PEL_OK;
