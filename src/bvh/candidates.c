@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "pellicle/geometry.h"
 
 #include <string.h>
 
@@ -22,16 +23,14 @@ static const unsigned both_kinds = 1u << PEL_PAIR_VERTEX_FACE | 1u << PEL_PAIR_E
 static pel_status allocate_boxes(pel_candidates *c)
 {
     const pel_tree *tree = c->tree;
-    size_t vertex_count = (size_t)tree->vertex_count, edge_count = (size_t)tree->edge_count;
+    size_t vertex_count = (size_t)tree->vertex_count;
     c->vertex_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
     c->kept_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
     c->left = pel_allocate(vertex_count, 1);
     c->node_grew = pel_allocate((size_t)tree->node_count, 1);
-    c->edge_boxes = pel_allocate_aligned(vertex_count > edge_count ? vertex_count : edge_count, sizeof(pel_box));
-    c->triangle_boxes = pel_allocate_aligned((size_t)tree->triangle_count, sizeof(pel_box));
     c->kept_positions = pel_allocate(vertex_count, sizeof *c->kept_positions);
     bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->left != NULL && c->node_grew != NULL &&
-                c->edge_boxes != NULL && c->triangle_boxes != NULL && c->kept_positions != NULL;
+                c->kept_positions != NULL;
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
@@ -65,8 +64,7 @@ void pel_candidates_destroy(pel_candidates *c)
     pel_free(c->vertex_face);
     pel_free(c->edge_edge);
     pel_free(c->vertex_boxes);
-    pel_free(c->edge_boxes);
-    pel_free(c->triangle_boxes);
+    pel_free(c->overlaps);
     pel_free(c->kept_boxes);
     pel_free(c->left);
     pel_free(c->node_grew);
@@ -157,16 +155,16 @@ static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const p
 }
 
 /* Gives room to the vertices that left their boxes and adds the pairs that this brings. Boxes only grow, so that a pair
-   is on the list exactly when its boxes overlap. */
+   is on the list exactly when its boxes overlap. The boxes of the update make place for those before. */
 static pel_status extend_kept(pel_candidates *c, pel_pool *pool, pel_error *error)
 {
-    /* those of the edges are made anew after the search */
-    pel_box *before = c->edge_boxes;
-    const pel_pair_growth growth = {c->node_grew, before};
-    memcpy(before, c->kept_boxes, (size_t)c->tree->vertex_count * sizeof *c->kept_boxes);
-    for (int32_t v = 0; v < c->tree->vertex_count; v++)
+    const pel_pair_growth growth = {c->node_grew, c->vertex_boxes};
+    for (int32_t v = 0; v < c->tree->vertex_count; v++) {
+        pel_box before = c->kept_boxes[v];
         if (c->left[v])
-            c->kept_boxes[v] = pel_box_join(c->kept_boxes[v], roomy_box(c, v));
+            c->kept_boxes[v] = pel_box_join(before, roomy_box(c, v));
+        c->vertex_boxes[v] = before;
+    }
     pel_tree_refit_changed(c->tree, c->kept_boxes, c->left, c->node_grew);
     c->counts.extensions++;
     return pel_find_new_pairs(c->tree, both_kinds, &growth, pool, &c->search, error);
@@ -174,81 +172,94 @@ static pel_status extend_kept(pel_candidates *c, pel_pool *pool, pel_error *erro
 
 /* ---- candidates among the pairs that were found ---- */
 
-/* one kind of pairs: where they come from and go to */
-typedef struct sieve {
-    const pel_pair_search *search;
-    pel_pair_kind kind;
-    const pel_tree *tree;
-    const pel_collision_groups *groups;
-    const pel_box *first_boxes, *second_boxes;
-    pel_pair *kept; /* room for all pairs of the chunks, one after the other */
-    size_t offset[PEL_SEARCH_CHUNKS], kept_count[PEL_SEARCH_CHUNKS];
-} sieve;
-
-static bool may_meet(const sieve *s, pel_pair pair)
+static bool may_meet(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
 {
-    const pel_collision_groups *groups = s->groups;
-    bool edges = s->kind == PEL_PAIR_EDGE_EDGE;
-    int32_t first = edges ? s->tree->edges[pair.first][0] : pair.first;
-    int32_t second = edges ? s->tree->edges[pair.second][0] : s->tree->triangles[pair.second][0];
+    const pel_collision_groups *groups = &c->groups;
+    bool edges = kind == PEL_PAIR_EDGE_EDGE;
+    int32_t first = edges ? c->tree->edges[pair.first][0] : pair.first;
+    int32_t second = edges ? c->tree->edges[pair.second][0] : c->tree->triangles[pair.second][0];
     return groups->may_meet[groups->group_of_vertex[first] * groups->group_count + groups->group_of_vertex[second]];
 }
 
-/* takes out what may not meet; returns how many are left */
-static size_t drop_strangers(const sieve *s, pel_pair *pairs, size_t count)
+/* One kind of pairs. A first pass marks those whose boxes overlap by a bit, a second one copies them: most that are
+   kept do not, so that a list with room for all would be much longer. */
+typedef struct sieve {
+    pel_candidates *c;
+    pel_pair_kind kind;
+    pel_pair *pairs;                                               /* what is left, chunk after chunk */
+    size_t word[PEL_SEARCH_CHUNKS], offset[PEL_SEARCH_CHUNKS + 1]; /* of each chunk, in the bits and the pairs */
+} sieve;
+
+static size_t word_count(const pel_pair_list *list)
 {
-    size_t kept = 0;
-    for (size_t i = 0; i < count; i++) {
-        pairs[kept] = pairs[i];
-        kept += may_meet(s, pairs[i]);
-    }
-    return kept;
+    return (list->count + 63) / 64;
 }
 
-static void sieve_chunk(void *context, int32_t chunk)
+static bool overlap_now(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
+{
+    const pel_box *boxes = c->vertex_boxes;
+    bool edges = kind == PEL_PAIR_EDGE_EDGE;
+    pel_box a = edges ? pel_tree_edge_box(c->tree, boxes, pair.first) : boxes[pair.first];
+    pel_box b =
+        edges ? pel_tree_edge_box(c->tree, boxes, pair.second) : pel_tree_triangle_box(c->tree, boxes, pair.second);
+    return pel_box_overlaps(&a, &b) && (c->groups.group_of_vertex == NULL || may_meet(c, kind, pair));
+}
+
+static void mark_overlaps(void *context, int32_t chunk)
 {
     sieve *s = context;
-    const pel_pair_list *list = &s->search->chunks[chunk].lists[s->kind];
-    pel_pair *begin = s->kept + s->offset[chunk], *out = begin;
-    for (size_t i = 0; i < list->count; i++) {
-        pel_pair pair = list->pairs[i];
-        *out = pair;
-        out += pel_box_overlaps(&s->first_boxes[pair.first], &s->second_boxes[pair.second]);
+    const pel_pair_list *list = &s->c->search.chunks[chunk].lists[s->kind];
+    uint64_t *words = s->c->overlaps + s->word[chunk];
+    size_t count = 0;
+    for (size_t begin = 0; begin < list->count; begin += 64) {
+        size_t end = begin + 64 < list->count ? begin + 64 : list->count;
+        uint64_t word = 0;
+        for (size_t i = begin; i < end; i++)
+            word |= (uint64_t)overlap_now(s->c, s->kind, list->pairs[i]) << (i - begin);
+        words[begin / 64] = word;
+        count += (size_t)__builtin_popcountll(word);
     }
-    s->kept_count[chunk] = (size_t)(out - begin);
-    if (s->groups->group_of_vertex != NULL)
-        s->kept_count[chunk] = drop_strangers(s, begin, s->kept_count[chunk]);
+    s->offset[chunk + 1] = count;
+}
+
+static void copy_overlaps(void *context, int32_t chunk)
+{
+    sieve *s = context;
+    const pel_pair_list *list = &s->c->search.chunks[chunk].lists[s->kind];
+    const uint64_t *words = s->c->overlaps + s->word[chunk];
+    pel_pair *out = s->pairs + s->offset[chunk];
+    for (size_t w = 0; w < word_count(list); w++)
+        for (uint64_t word = words[w]; word != 0; word &= word - 1)
+            *out++ = list->pairs[64 * w + (size_t)__builtin_ctzll(word)];
 }
 
 static pel_status sieve_pairs(pel_candidates *c, pel_pair_kind kind, pel_pool *pool, pel_pair **pairs, size_t *count,
                               size_t *capacity)
 {
-    bool edges = kind == PEL_PAIR_EDGE_EDGE;
-    sieve s = {.search = &c->search, .kind = kind, .tree = c->tree, .groups = &c->groups};
-    s.first_boxes = edges ? c->edge_boxes : c->vertex_boxes;
-    s.second_boxes = edges ? c->edge_boxes : c->triangle_boxes;
-    size_t total = 0;
+    sieve s = {.c = c, .kind = kind};
+    size_t words = 0;
     for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
-        s.offset[chunk] = total;
-        total += c->search.chunks[chunk].lists[kind].count;
+        s.word[chunk] = words;
+        words += word_count(&c->search.chunks[chunk].lists[kind]);
     }
-    if (!pel_reserve((void **)pairs, capacity, total, sizeof **pairs))
+    c->counts.kept += (int64_t)pel_pair_search_count(&c->search, kind);
+    if (!pel_reserve((void **)&c->overlaps, &c->overlap_capacity, words, sizeof *c->overlaps))
         return PEL_OUT_OF_MEMORY;
-    c->counts.kept += (int64_t)total;
-    if (total == 0)
+    if (words == 0)
         return PEL_OK;
-    s.kept = *pairs;
-    pel_pool_run(pool, PEL_SEARCH_CHUNKS, sieve_chunk, &s);
-    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
-        memmove(*pairs + *count, *pairs + s.offset[chunk], s.kept_count[chunk] * sizeof **pairs);
-        *count += s.kept_count[chunk];
-    }
+    pel_pool_run(pool, PEL_SEARCH_CHUNKS, mark_overlaps, &s);
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++)
+        s.offset[chunk + 1] += s.offset[chunk];
+    *count = s.offset[PEL_SEARCH_CHUNKS];
+    if (!pel_reserve((void **)pairs, capacity, *count, sizeof **pairs))
+        return PEL_OUT_OF_MEMORY;
+    s.pairs = *pairs;
+    pel_pool_run(pool, PEL_SEARCH_CHUNKS, copy_overlaps, &s);
     return PEL_OK;
 }
 
 static pel_status sieve_all(pel_candidates *c, pel_pool *pool, pel_error *error)
 {
-    pel_tree_feature_boxes(c->tree, c->vertex_boxes, pool, c->edge_boxes, c->triangle_boxes);
     c->counts.kept = 0;
     if (sieve_pairs(c, PEL_PAIR_VERTEX_FACE, pool, &c->vertex_face, &c->vertex_face_count, &c->vertex_face_capacity) !=
             PEL_OK ||
@@ -294,7 +305,8 @@ static int32_t mark_left(pel_candidates *c, pel_pool *pool)
 }
 
 /* what is kept serves this update too, extended or not; false = the tree is to be searched anew */
-static pel_status use_kept(pel_candidates *c, pel_pool *pool, bool *serves, pel_error *error)
+static pel_status use_kept(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, double thickness,
+                           pel_pool *pool, bool *serves, pel_error *error)
 {
     int32_t left = mark_left(c, pool);
     pel_status status = PEL_OK;
@@ -302,6 +314,8 @@ static pel_status use_kept(pel_candidates *c, pel_pool *pool, bool *serves, pel_
     if (left > 0 && left <= few_left * c->tree->vertex_count && found_count(c) <= c->kept_limit) {
         status = extend_kept(c, pool, error);
         *serves = status == PEL_OK;
+        if (status == PEL_OK)
+            status = make_boxes(c, frame, motion, thickness, pool, error);
     }
     c->kept_uses += *serves;
     return status == PEL_BAD_ARGUMENT ? PEL_OK : status;
@@ -317,7 +331,7 @@ static pel_status update(pel_candidates *c, const pel_motion *motion, double thi
         frame = pel_frame_follow(motion, (const double(*)[3])c->kept_positions);
         status = make_boxes(c, &frame, motion, thickness, pool, error);
         if (status == PEL_OK)
-            status = use_kept(c, pool, &serves, error);
+            status = use_kept(c, &frame, motion, thickness, pool, &serves, error);
         if (status != PEL_OK || serves)
             return status == PEL_OK ? sieve_all(c, pool, error) : status;
     }
@@ -342,22 +356,69 @@ pel_status pel_candidates_update(pel_candidates *c, const double (*start)[3], co
     return status;
 }
 
-pel_status pel_candidates_at_rest(pel_candidates *c, const double (*positions)[3], double thickness, pel_pool *pool,
-                                  pel_error *error)
+/* ---- pairs by their distance ---- */
+
+typedef struct near_pairs {
+    const pel_candidates *c;
+    const double (*positions)[3];
+    double square; /* of the reach */
+} near_pairs;
+
+static bool keep_near(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair)
+{
+    const near_pairs *near = context;
+    const pel_tree *tree = near->c->tree;
+    const double(*x)[3] = near->positions;
+    double weights[4], square;
+    (void)chunk;
+    if (near->c->groups.group_of_vertex != NULL && !may_meet(near->c, kind, pair))
+        return false;
+    if (kind == PEL_PAIR_EDGE_EDGE) {
+        const int32_t *a = tree->edges[pair.first], *b = tree->edges[pair.second];
+        square = pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights);
+    } else {
+        const int32_t *t = tree->triangles[pair.second];
+        square = pel_closest_point_triangle(x[pair.first], x[t[0]], x[t[1]], x[t[2]], weights);
+    }
+    return !(square > near->square);
+}
+
+/* all pairs of one kind that the search has found */
+static pel_status list_found(const pel_candidates *c, pel_pair_kind kind, pel_pair_list *list, pel_error *error)
+{
+    list->count = 0;
+    if (!pel_reserve((void **)&list->pairs, &list->capacity, pel_pair_search_count(&c->search, kind),
+                     sizeof *list->pairs))
+        return pel_fail_memory(error);
+    for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++) {
+        const pel_pair_list *found = &c->search.chunks[chunk].lists[kind];
+        if (found->count > 0)
+            memcpy(list->pairs + list->count, found->pairs, found->count * sizeof *found->pairs);
+        list->count += found->count;
+    }
+    return PEL_OK;
+}
+
+pel_status pel_candidates_near(pel_candidates *c, const double (*positions)[3], double reach, pel_pool *pool,
+                               pel_pair_list *vertex_face, pel_pair_list *edge_edge, pel_error *error)
 {
     pel_motion motion = {positions, positions, c->tree->vertex_count};
     pel_frame frame = pel_frame_centre(&motion);
+    near_pairs near = {c, positions, reach * reach};
     c->has_kept = false;
     c->vertex_face_count = c->edge_edge_count = 0;
     c->counts.updates++;
-    pel_status status = make_boxes(c, &frame, &motion, thickness, pool, error);
+    pel_status status = make_boxes(c, &frame, &motion, reach, pool, error);
+    c->search.keep = keep_near;
+    c->search.context = &near;
     if (status == PEL_OK)
         status = search_boxes(c, &motion, c->vertex_boxes, pool, error);
+    c->search.keep = NULL;
+    c->search.context = NULL;
+    c->counts.kept = (int64_t)found_count(c);
     if (status == PEL_OK)
-        status = sieve_all(c, pool, error);
-    if (status != PEL_OK)
-        c->vertex_face_count = c->edge_edge_count = 0;
-    return status;
+        status = list_found(c, PEL_PAIR_VERTEX_FACE, vertex_face, error);
+    return status == PEL_OK ? list_found(c, PEL_PAIR_EDGE_EDGE, edge_edge, error) : status;
 }
 
 /* ---- memory ---- */

@@ -50,12 +50,14 @@ typedef struct pel_candidates {
     size_t vertex_face_count, edge_edge_count;
     size_t vertex_face_capacity, edge_edge_capacity;
 
-    pel_box *vertex_boxes, *edge_boxes, *triangle_boxes; /* of the last update; edges have room for vertices too */
-    pel_box *kept_boxes;                                 /* (vertex_count) that the kept pairs allow for */
-    uint8_t *left;                                       /* (vertex_count) 1 = it is not in its box any more */
-    uint8_t *node_grew;                                  /* (nodes of the tree) */
-    size_t kept_limit;                                   /* pairs beyond which it pays to search anew */
-    double (*kept_positions)[3];                         /* (vertex_count x 3) what the frame follows */
+    pel_box *vertex_boxes;       /* (vertex_count) of the last update */
+    pel_box *kept_boxes;         /* (vertex_count) that the kept pairs allow for */
+    uint8_t *left;               /* (vertex_count) 1 = it is not in its box any more */
+    uint8_t *node_grew;          /* (nodes of the tree) */
+    uint64_t *overlaps;          /* a bit for each kept pair of one kind: its boxes overlap in this update */
+    size_t overlap_capacity;     /* words */
+    size_t kept_limit;           /* pairs beyond which it pays to search anew */
+    double (*kept_positions)[3]; /* (vertex_count x 3) what the frame follows */
     bool has_kept;
     int32_t kept_uses;           /* updates served by the kept pairs */
     int32_t pause, pause_length; /* updates to go without a margin; length of the last such pause */
@@ -77,9 +79,10 @@ void pel_candidates_destroy(pel_candidates *candidates);
 pel_status pel_candidates_update(pel_candidates *candidates, const double (*start)[3], const double (*end)[3],
                                  double thickness, pel_pool *pool, pel_error *error);
 
-/* The same for a surface that does not move, without a margin: what was kept is forgotten. */
-pel_status pel_candidates_at_rest(pel_candidates *candidates, const double (*positions)[3], double thickness,
-                                  pel_pool *pool, pel_error *error);
+/* Instead of an update: the pairs nearer to each other than `reach` at these positions, by their distances, put on the
+   lists. What was kept is forgotten. Errors as for an update. */
+pel_status pel_candidates_near(pel_candidates *candidates, const double (*positions)[3], double reach, pel_pool *pool,
+                               pel_pair_list *vertex_face, pel_pair_list *edge_edge, pel_error *error);
 
 /* What past updates decide of those to come, beside the surface; the kept pairs follow from it. The pieces are of the
    same sizes for any surface with as many vertices. */

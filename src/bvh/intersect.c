@@ -92,8 +92,9 @@ static bool triangles_intersect(const certificate *it, pel_pair pair)
 }
 
 /* counts the pair when its triangles intersect; no chunk keeps more than can be listed */
-static bool keep_pair(void *context, int32_t chunk, pel_pair pair)
+static bool keep_pair(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair)
 {
+    (void)kind;
     certificate *it = context;
     return triangles_intersect(it, pair) && ++it->counts[chunk] <= it->pair_limit;
 }

@@ -85,7 +85,7 @@ static pel_status fill(pel_mesh_query *query, const pel_mesh *mesh, pel_error *e
     } else {
         status = pel_fail_memory(error);
     }
-    pel_free(boxes);
+    pel_free(boxes); /* only triangles are searched */
     return status;
 }
 
@@ -123,7 +123,7 @@ bool pel_mesh_query_is_closed(const pel_mesh_query *query)
 static void find(pel_mesh_query *query, const double low[3], const double high[3])
 {
     const pel_box box = make_box(low, high);
-    pel_find_in_box(query->tree, &box, PEL_ELEMENT_TRIANGLE, &query->found, NULL);
+    pel_find_in_box(query->tree, &box, &query->found, NULL);
 }
 
 /* an edge from a to b passes the point on the side of rising y: 1 upward in z, -1 downward, 0 not */

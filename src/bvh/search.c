@@ -4,11 +4,13 @@
 #include "base/status.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 enum {
     TASK_LIMIT = 1024,        /* pairs of subtrees */
     TASK_GROWTH = 3,          /* the most that one is cut into */
     LEAF_MEMBERS = 24,        /* vertices or edges of a leaf, at most */
+    LEAST_ROOM = 256,         /* pairs of a list that has any: few pairs more take no memory */
     DEPTH_LIMIT = 64,         /* of a tree: the logarithm of its leaves is below 32 */
     REPORT_INTERVAL = 1 << 14 /* pairs after which a chunk adds to the common count */
 };
@@ -65,12 +67,46 @@ size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind)
     return count;
 }
 
+/* The pairs of two leaves gather here, so that the lists grow by what is found alone. */
+typedef struct leaf_pairs {
+    pel_pair pairs[LEAF_MEMBERS * LEAF_MEMBERS];
+    size_t count;
+} leaf_pairs;
+
 /* where the next `count` pairs can be written */
 static pel_pair *make_room(pel_pair_list *list, size_t count)
 {
-    if (!pel_reserve((void **)&list->pairs, &list->capacity, list->count + count, sizeof *list->pairs))
+    size_t needed = list->count + count > LEAST_ROOM ? list->count + count : LEAST_ROOM;
+    if (!pel_reserve((void **)&list->pairs, &list->capacity, needed, sizeof *list->pairs))
         return NULL;
     return list->pairs + list->count;
+}
+
+/* takes out what the search is not to keep */
+static void drop_unwanted(walk *w, pel_pair_kind kind, leaf_pairs *found)
+{
+    const pel_pair_search *search = w->plan->search;
+    size_t kept = 0;
+    for (size_t i = 0; i < found->count; i++)
+        if (search->keep(search->context, (int32_t)(w->chunk - search->chunks), kind, found->pairs[i]))
+            found->pairs[kept++] = found->pairs[i];
+    w->dropped += found->count - kept;
+    found->count = kept;
+}
+
+static bool add_pairs(walk *w, pel_pair_kind kind, leaf_pairs *found)
+{
+    pel_pair_list *list = &w->chunk->lists[kind];
+    if (w->plan->search->keep != NULL)
+        drop_unwanted(w, kind, found);
+    if (found->count == 0)
+        return true;
+    pel_pair *pairs = make_room(list, found->count);
+    if (pairs == NULL)
+        return false;
+    memcpy(pairs, found->pairs, found->count * sizeof *pairs);
+    list->count += found->count;
+    return true;
 }
 
 /* adds what the chunk found since the last time to the common count; false beyond the limit */
@@ -90,7 +126,7 @@ static bool report(walk *w, size_t interval)
 
 /* one element with its box, to be held against the lanes of the other leaf */
 typedef struct probe {
-    int32_t element, vertices[3];
+    int32_t element, vertices[2];
     float low[3], high[3];
 } probe;
 
@@ -99,9 +135,14 @@ static probe get_probe(const pel_tree *tree, int32_t group, int lane)
     const pel_box_group *boxes = &tree->groups[group];
     const pel_member_group *members = &tree->members[group];
     return (probe){members->element[lane],
-                   {members->vertices[0][lane], members->vertices[1][lane], members->vertices[2][lane]},
+                   {members->vertices[0][lane], members->vertices[1][lane]},
                    {boxes->low[0][lane], boxes->low[1][lane], boxes->low[2][lane]},
                    {boxes->high[0][lane], boxes->high[1][lane], boxes->high[2][lane]}};
+}
+
+static probe vertex_probe(int32_t v, const pel_box *box)
+{
+    return (probe){v, {v, v}, {box->low[0], box->low[1], box->low[2]}, {box->high[0], box->high[1], box->high[2]}};
 }
 
 /* bit i: lane i of the group overlaps */
@@ -137,27 +178,27 @@ static int next_lane(unsigned *lanes)
 }
 
 /* vertices of leaf p (of tree a) against the triangles of leaf q (of tree b, with this box) */
-static bool vertices_with_faces(const walk *w, const pel_tree *a, const pel_leaf *p, const pel_tree *b,
-                                const pel_leaf *q, const pel_box *q_box, bool swapped)
+static bool vertices_with_faces(walk *w, const pel_tree *a, const pel_leaf *p, const pel_tree *b, const pel_leaf *q,
+                                const pel_box *q_box, bool swapped)
 {
-    pel_pair_list *list = &w->chunk->lists[swapped && !w->plan->within ? PEL_PAIR_FACE_VERTEX : PEL_PAIR_VERTEX_FACE];
-    pel_pair *pairs = make_room(list, LEAF_MEMBERS * PEL_LANES);
-    if (pairs == NULL)
-        return false;
+    leaf_pairs found;
+    pel_pair *pairs = found.pairs;
     bool within = w->plan->within, face_first = swapped && !within;
-    for (int32_t g = p->group + 1; g < p->edge_group; g++)
-        for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
-            probe vertex = get_probe(a, g, next_lane(&lanes));
-            unsigned faces = touched(b, q->group, &vertex);
-            if (within && faces != 0)
-                faces &= ~neighbours(b, q->group, &vertex, 1);
-            while (faces != 0) {
-                int32_t t = b->members[q->group].element[next_lane(&faces)];
-                *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
-            }
+    for (int32_t i = p->vertex_begin; i < p->vertex_end; i++) {
+        const pel_box *box = &a->vertex_boxes[a->leaf_vertices[i]];
+        if (!pel_box_overlaps(box, q_box))
+            continue;
+        probe vertex = vertex_probe(a->leaf_vertices[i], box);
+        unsigned faces = touched(b, q->group, &vertex);
+        if (within && faces != 0)
+            faces &= ~neighbours(b, q->group, &vertex, 1);
+        while (faces != 0) {
+            int32_t t = b->members[q->group].element[next_lane(&faces)];
+            *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
         }
-    list->count = (size_t)(pairs - list->pairs);
-    return true;
+    }
+    found.count = (size_t)(pairs - found.pairs);
+    return add_pairs(w, face_first ? PEL_PAIR_FACE_VERTEX : PEL_PAIR_VERTEX_FACE, &found);
 }
 
 static pel_pair ordered(int32_t first, int32_t second)
@@ -171,19 +212,17 @@ static unsigned later_lanes(int32_t g, int32_t of, int lane)
     return g > of ? ~0u : ~0u << (lane + 1);
 }
 
-static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
+static bool edges_with_edges(walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
 {
     const pel_tree *a = w->plan->a, *b = w->plan->b;
     bool within = w->plan->within, same = within && p == q;
-    pel_pair_list *list = &w->chunk->lists[PEL_PAIR_EDGE_EDGE];
-    pel_pair *pairs = make_room(list, LEAF_MEMBERS * LEAF_MEMBERS);
-    if (pairs == NULL)
-        return false;
-    for (int32_t g = p->edge_group; g < p->group_end; g++)
+    leaf_pairs found;
+    pel_pair *pairs = found.pairs;
+    for (int32_t g = p->group + 1; g < p->group_end; g++)
         for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
             int lane = next_lane(&lanes);
             probe edge = get_probe(a, g, lane);
-            for (int32_t h = same ? g : q->edge_group; h < q->group_end; h++) {
+            for (int32_t h = same ? g : q->group + 1; h < q->group_end; h++) {
                 unsigned others = touched(b, h, &edge) & (same ? later_lanes(h, g, lane) : ~0u);
                 if (within && others != 0)
                     others &= ~neighbours(b, h, &edge, 2);
@@ -193,51 +232,36 @@ static bool edges_with_edges(const walk *w, const pel_leaf *p, const pel_leaf *q
                 }
             }
         }
-    list->count = (size_t)(pairs - list->pairs);
-    return true;
+    found.count = (size_t)(pairs - found.pairs);
+    return add_pairs(w, PEL_PAIR_EDGE_EDGE, &found);
 }
 
 static bool faces_with_faces(walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
 {
-    const pel_pair_search *search = w->plan->search;
-    int32_t chunk = (int32_t)(w->chunk - search->chunks);
     const pel_tree *a = w->plan->a, *b = w->plan->b;
     bool within = w->plan->within, same = within && p == q;
-    pel_pair_list *list = &w->chunk->lists[PEL_PAIR_FACE_FACE];
-    pel_pair *pairs = make_room(list, PEL_LANES * PEL_LANES);
-    if (pairs == NULL)
-        return false;
+    leaf_pairs found;
+    pel_pair *pairs = found.pairs;
     for (unsigned lanes = touching(a, p->group, q_box); lanes != 0;) {
         int lane = next_lane(&lanes);
         probe face = get_probe(a, p->group, lane);
         unsigned others = touched(b, q->group, &face) & (same ? later_lanes(0, 0, lane) : ~0u);
         while (others != 0) {
             int32_t t = b->members[q->group].element[next_lane(&others)];
-            pel_pair pair = within ? ordered(face.element, t) : (pel_pair){face.element, t};
-            bool kept = search->keep == NULL || search->keep(search->context, chunk, pair);
-            *pairs = pair;
-            pairs += kept;
-            w->dropped += !kept;
+            *pairs++ = within ? ordered(face.element, t) : (pel_pair){face.element, t};
         }
     }
-    list->count = (size_t)(pairs - list->pairs);
-    return true;
-}
-
-static pel_box box_before(const search_plan *plan, const int32_t *vertices, int count)
-{
-    pel_box box = plan->growth->before[vertices[0]];
-    for (int i = 1; i < count; i++)
-        box = pel_box_join(box, plan->growth->before[vertices[i]]);
-    return box;
+    found.count = (size_t)(pairs - found.pairs);
+    return add_pairs(w, PEL_PAIR_FACE_FACE, &found);
 }
 
 static bool overlapped_before(const search_plan *plan, pel_pair_kind kind, pel_pair pair)
 {
+    const pel_tree *tree = plan->a;
+    const pel_box *before = plan->growth->before;
     bool edges = kind == PEL_PAIR_EDGE_EDGE;
-    pel_box a = edges ? box_before(plan, plan->a->edges[pair.first], 2) : plan->growth->before[pair.first];
-    pel_box b =
-        edges ? box_before(plan, plan->a->edges[pair.second], 2) : box_before(plan, plan->a->triangles[pair.second], 3);
+    pel_box a = edges ? pel_tree_edge_box(tree, before, pair.first) : before[pair.first];
+    pel_box b = edges ? pel_tree_edge_box(tree, before, pair.second) : pel_tree_triangle_box(tree, before, pair.second);
     return pel_box_overlaps(&a, &b);
 }
 
@@ -452,19 +476,7 @@ static bool add_lanes(const pel_tree *tree, int32_t group, unsigned lanes, pel_e
     return true;
 }
 
-static bool find_in_leaf(const pel_tree *tree, const pel_leaf *leaf, const pel_box *box, pel_element_kind kind,
-                         pel_element_list *list)
-{
-    int32_t begin = kind == PEL_ELEMENT_TRIANGLE ? leaf->group : leaf->group + 1;
-    int32_t end = kind == PEL_ELEMENT_TRIANGLE ? leaf->group + 1 : leaf->edge_group;
-    for (int32_t g = begin; g < end; g++)
-        if (!add_lanes(tree, g, touching(tree, g, box), list))
-            return false;
-    return true;
-}
-
-pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_kind kind, pel_element_list *list,
-                           pel_error *error)
+pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_list *list, pel_error *error)
 {
     subtree stack[DEPTH_LIMIT];
     int depth = 0;
@@ -475,7 +487,8 @@ pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element
         if (!pel_box_overlaps(&tree->nodes[s.node], box))
             continue;
         if (is_leaf(s)) {
-            if (!find_in_leaf(tree, &tree->leaves[s.begin], box, kind, list))
+            int32_t group = tree->leaves[s.begin].group;
+            if (!add_lanes(tree, group, touching(tree, group, box), list))
                 return pel_fail_memory(error);
             continue;
         }

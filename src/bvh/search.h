@@ -37,8 +37,8 @@ typedef struct pel_pair_search {
     pel_pair_chunk chunks[PEL_SEARCH_CHUNKS];
     int64_t limit; /* the most pairs that may be found, of all kinds, those that `keep` turned down included; beyond it
                       the search is given up */
-    /* false = the pair of triangles is not put on the list of this chunk; called from several threads; nullable */
-    bool (*keep)(void *context, int32_t chunk, pel_pair pair);
+    /* false = the pair is not put on the list of this chunk; called from several threads; nullable */
+    bool (*keep)(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair);
     void *context;
 } pel_pair_search;
 
@@ -65,16 +65,13 @@ pel_status pel_find_new_pairs(const pel_tree *tree, unsigned kinds, const pel_pa
 /* pairs of one kind in all chunks */
 size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind);
 
-/* Numbers of triangles, or of vertices, whose boxes overlap a box, in the order of the tree. */
+/* Numbers of triangles whose boxes overlap a box, in the order of the tree. */
 typedef struct pel_element_list {
     int32_t *elements;
     size_t count, capacity;
 } pel_element_list;
 
-typedef enum pel_element_kind { PEL_ELEMENT_TRIANGLE, PEL_ELEMENT_VERTEX } pel_element_kind;
-
 /* Fills the list anew. PEL_OUT_OF_MEMORY. */
-pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_kind kind, pel_element_list *list,
-                           pel_error *error);
+pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_list *list, pel_error *error);
 
 #endif

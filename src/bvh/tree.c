@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { GROUPS_PER_LEAF = 7 }; /* at most: triangles 1, vertices 3, edges 3 */
+enum { GROUPS_PER_LEAF = 4 }; /* at most: triangles 1, edges 3 */
 
 /* ---- creation ---- */
 
@@ -35,29 +35,30 @@ static pel_status find_edges(pel_tree *tree)
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
-/* At most: each leaf leaves a group of vertices and one of edges unfilled. */
+/* At most: each leaf leaves a group of edges unfilled. */
 static size_t group_limit(const pel_tree *tree, pel_tree_content content)
 {
     size_t leaf_count = (size_t)tree->leaf_count, full;
     if (content == PEL_TREE_TRIANGLES)
         return leaf_count;
-    full = ((size_t)tree->vertex_count + (size_t)tree->edge_count + 2 * (PEL_LANES - 1) * leaf_count) / PEL_LANES;
+    full = ((size_t)tree->edge_count + (PEL_LANES - 1) * leaf_count) / PEL_LANES;
     return leaf_count + (full < (GROUPS_PER_LEAF - 1) * leaf_count ? full : (GROUPS_PER_LEAF - 1) * leaf_count);
 }
 
 static pel_status allocate_tree(pel_tree *tree, pel_tree_content content)
 {
-    size_t leaf_count = (size_t)tree->leaf_count, triangle_count = (size_t)tree->triangle_count;
+    size_t leaf_count = (size_t)tree->leaf_count;
     size_t group_count = group_limit(tree, content);
     tree->nodes = pel_allocate_aligned((size_t)tree->node_count, sizeof *tree->nodes);
     tree->leaves = pel_allocate(leaf_count, sizeof *tree->leaves);
     tree->groups = pel_allocate_aligned(group_count, sizeof *tree->groups);
     tree->members = pel_allocate_aligned(group_count, sizeof *tree->members);
-    tree->keys = pel_allocate(triangle_count, sizeof *tree->keys);
-    tree->centroids = pel_allocate(triangle_count, sizeof *tree->centroids);
-    tree->seen = pel_allocate((size_t)tree->vertex_count + (size_t)tree->edge_count, sizeof *tree->seen);
-    bool made = tree->nodes != NULL && tree->leaves != NULL && tree->groups != NULL && tree->members != NULL &&
-                tree->keys != NULL && tree->centroids != NULL && tree->seen != NULL;
+    bool made = tree->nodes != NULL && tree->leaves != NULL && tree->groups != NULL && tree->members != NULL;
+    if (made && content == PEL_TREE_FEATURES) {
+        tree->leaf_vertices = pel_allocate((size_t)tree->vertex_count, sizeof *tree->leaf_vertices);
+        tree->vertex_seen = pel_allocate((size_t)tree->vertex_count, 1);
+        made = tree->leaf_vertices != NULL && tree->vertex_seen != NULL;
+    }
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
@@ -106,23 +107,44 @@ void pel_tree_destroy(pel_tree *tree)
     pel_free(tree->leaves);
     pel_free(tree->groups);
     pel_free(tree->members);
-    pel_free(tree->keys);
-    pel_free(tree->centroids);
-    pel_free(tree->seen);
+    pel_free(tree->leaf_vertices);
+    pel_free(tree->vertex_seen);
     pel_free(tree);
 }
 
 /* ---- order of the triangles ---- */
 
-static void find_centroids(pel_tree *tree, const double (*positions)[3])
+/* Scratch of a build, in the memory of the boxes, which a build leaves empty: a group has 24 bytes a triangle or edge,
+   keys and centroids take 20, and all edges come after the triangles. */
+typedef struct build {
+    pel_tree *tree;
+    uint64_t *keys;        /* (triangle_count) place along an axis, triangle */
+    float (*centroids)[3]; /* (triangle_count) */
+    uint8_t *seen_edges;   /* (edge_count) */
+} build;
+
+static build begin_build(pel_tree *tree)
 {
+    char *memory = (char *)tree->groups;
+    size_t count = (size_t)tree->triangle_count;
+    build b = {.tree = tree, .keys = (uint64_t *)(void *)memory};
+    memory += count * sizeof *b.keys;
+    b.centroids = (float(*)[3])(void *)memory;
+    memory += count * sizeof *b.centroids;
+    b.seen_edges = (uint8_t *)memory;
+    return b;
+}
+
+static void find_centroids(build *b, const double (*positions)[3])
+{
+    const pel_tree *tree = b->tree;
     const double *origin = positions[tree->triangles[0][0]];
     for (int32_t t = 0; t < tree->triangle_count; t++) {
         const int32_t *v = tree->triangles[t];
         for (int k = 0; k < 3; k++) {
             double sum = (positions[v[0]][k] - origin[k]) + (positions[v[1]][k] - origin[k]);
             sum += positions[v[2]][k] - origin[k];
-            tree->centroids[t][k] = isfinite(sum) ? (float)sum : 0;
+            b->centroids[t][k] = isfinite(sum) ? (float)sum : 0;
         }
     }
 }
@@ -136,14 +158,14 @@ static uint64_t make_key(float coordinate, int32_t triangle)
     return (uint64_t)bits << 32 | (uint32_t)triangle;
 }
 
-static int longest_axis(const pel_tree *tree, int32_t begin, int32_t end)
+static int longest_axis(const build *b, int32_t begin, int32_t end)
 {
     float low[3], high[3];
     for (int k = 0; k < 3; k++)
-        low[k] = high[k] = tree->centroids[(uint32_t)tree->keys[begin]][k];
+        low[k] = high[k] = b->centroids[(uint32_t)b->keys[begin]][k];
     for (int32_t i = begin + 1; i < end; i++)
         for (int k = 0; k < 3; k++) {
-            float x = tree->centroids[(uint32_t)tree->keys[i]][k];
+            float x = b->centroids[(uint32_t)b->keys[i]][k];
             low[k] = x < low[k] ? x : low[k];
             high[k] = x > high[k] ? x : high[k];
         }
@@ -190,20 +212,21 @@ static void select_key(uint64_t *keys, int32_t begin, int32_t end, int32_t nth)
 }
 
 /* leaves begin..end; depth is the logarithm of their number */
-static void sort_triangles(pel_tree *tree, int32_t begin, int32_t end)
+static void sort_triangles(build *b, int32_t begin, int32_t end)
 {
     if (end - begin < 2)
         return;
+    const pel_tree *tree = b->tree;
     int32_t first = PEL_LANES * begin, middle = pel_tree_middle(begin, end);
     int32_t last = end == tree->leaf_count ? tree->triangle_count : PEL_LANES * end;
-    int axis = longest_axis(tree, first, last);
+    int axis = longest_axis(b, first, last);
     for (int32_t i = first; i < last; i++) {
-        uint32_t t = (uint32_t)tree->keys[i];
-        tree->keys[i] = make_key(tree->centroids[t][axis], (int32_t)t);
+        uint32_t t = (uint32_t)b->keys[i];
+        b->keys[i] = make_key(b->centroids[t][axis], (int32_t)t);
     }
-    select_key(tree->keys, first, last, PEL_LANES * middle);
-    sort_triangles(tree, begin, middle);
-    sort_triangles(tree, middle, end);
+    select_key(b->keys, first, last, PEL_LANES * middle);
+    sort_triangles(b, begin, middle);
+    sort_triangles(b, middle, end);
 }
 
 /* ---- content of the leaves ---- */
@@ -218,43 +241,64 @@ static int32_t add_member(pel_tree *tree, int32_t first, int32_t count, int32_t 
     return count + 1;
 }
 
-/* elements of a leaf's triangles that no earlier triangle has; returns the group after the last */
-static int32_t add_new(pel_tree *tree, int32_t triangle_group, int32_t group, const int32_t (*elements)[3],
-                       uint8_t *seen)
+/* edges of a leaf's triangles that no earlier triangle has; returns the group after the last */
+static int32_t add_edges(build *b, int32_t triangle_group)
 {
-    int32_t count = 0;
+    pel_tree *tree = b->tree;
+    int32_t count = 0, group = triangle_group + 1;
     for (int lane = 0; lane < PEL_LANES; lane++) {
         int32_t t = tree->members[triangle_group].element[lane];
-        for (int i = 0; i < 3 && t >= 0; i++)
-            if (!seen[elements[t][i]]) {
-                seen[elements[t][i]] = 1;
-                count = add_member(tree, group, count, elements[t][i]);
-            }
+        for (int i = 0; i < 3 && t >= 0; i++) {
+            int32_t e = tree->triangle_edges[t][i];
+            if (!b->seen_edges[e])
+                count = add_member(tree, group, count, e);
+            b->seen_edges[e] = 1;
+        }
     }
     return group + (count + PEL_LANES - 1) / PEL_LANES;
 }
 
-static void add_triangles(pel_tree *tree, int32_t leaf, int32_t group)
+static void add_triangles(const build *b, int32_t leaf, int32_t group)
 {
+    pel_tree *tree = b->tree;
     int32_t end = PEL_LANES * (leaf + 1) < tree->triangle_count ? PEL_LANES * (leaf + 1) : tree->triangle_count;
     for (int32_t i = PEL_LANES * leaf, count = 0; i < end; i++)
-        count = add_member(tree, group, count, (int32_t)(uint32_t)tree->keys[i]);
+        count = add_member(tree, group, count, (int32_t)(uint32_t)b->keys[i]);
 }
 
-static void fill_leaves(pel_tree *tree)
+static void fill_groups(build *b)
 {
-    uint8_t *seen_edges = tree->seen + tree->vertex_count;
+    pel_tree *tree = b->tree;
     int32_t group = 0;
-    memset(tree->seen, 0, (size_t)tree->vertex_count + (size_t)tree->edge_count);
+    memset(b->seen_edges, 0, (size_t)tree->edge_count);
     for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
         pel_leaf *at = &tree->leaves[leaf];
-        add_triangles(tree, leaf, group);
-        *at = (pel_leaf){group, group + 1, group + 1};
-        if (tree->edges != NULL) {
-            at->edge_group = add_new(tree, group, group + 1, (const int32_t(*)[3])tree->triangles, tree->seen);
-            at->group_end = add_new(tree, group, at->edge_group, (const int32_t(*)[3])tree->triangle_edges, seen_edges);
-        }
+        *at = (pel_leaf){.group = group, .group_end = group + 1};
+        add_triangles(b, leaf, group);
+        if (tree->edges != NULL)
+            at->group_end = add_edges(b, group);
         group = at->group_end;
+    }
+}
+
+/* vertices of a leaf's triangles that no earlier triangle has */
+static void fill_vertices(pel_tree *tree)
+{
+    int32_t count = 0;
+    memset(tree->vertex_seen, 0, (size_t)tree->vertex_count);
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
+        pel_leaf *at = &tree->leaves[leaf];
+        at->vertex_begin = count;
+        for (int lane = 0; lane < PEL_LANES; lane++) {
+            int32_t t = tree->members[at->group].element[lane];
+            for (int i = 0; i < 3 && t >= 0; i++) {
+                int32_t v = tree->triangles[t][i];
+                if (!tree->vertex_seen[v])
+                    tree->leaf_vertices[count++] = v;
+                tree->vertex_seen[v] = 1;
+            }
+        }
+        at->vertex_end = count;
     }
 }
 
@@ -269,7 +313,7 @@ static void set_vertices(pel_tree *tree, int32_t leaf)
                 int32_t v = i;
                 if (i >= 0 && g == at->group)
                     v = tree->triangles[i][corner];
-                else if (i >= 0 && g >= at->edge_group)
+                else if (i >= 0)
                     v = tree->edges[i][corner < 2 ? corner : 1];
                 members->vertices[corner][lane] = v;
             }
@@ -278,11 +322,14 @@ static void set_vertices(pel_tree *tree, int32_t leaf)
 
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
 {
-    find_centroids(tree, positions);
+    build b = begin_build(tree);
+    find_centroids(&b, positions);
     for (int32_t t = 0; t < tree->triangle_count; t++)
-        tree->keys[t] = (uint64_t)t;
-    sort_triangles(tree, 0, tree->leaf_count);
-    fill_leaves(tree);
+        b.keys[t] = (uint64_t)t;
+    sort_triangles(&b, 0, tree->leaf_count);
+    fill_groups(&b);
+    if (tree->leaf_vertices != NULL)
+        fill_vertices(tree);
     for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
         set_vertices(tree, leaf);
     for (int32_t n = 0; n < tree->node_count; n++)
@@ -295,31 +342,17 @@ void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
 
 /* ---- boxes ---- */
 
-static pel_box box_of_edge(const pel_tree *tree, const pel_box *boxes, int32_t e)
-{
-    return pel_box_join(boxes[tree->edges[e][0]], boxes[tree->edges[e][1]]);
-}
-
-static pel_box box_of_triangle(const pel_tree *tree, const pel_box *boxes, int32_t t)
-{
-    const int32_t *v = tree->triangles[t];
-    return pel_box_join(pel_box_join(boxes[v[0]], boxes[v[1]]), boxes[v[2]]);
-}
-
 static pel_box refit_leaf(pel_tree *tree, const pel_leaf *leaf, const pel_box *boxes)
 {
     pel_box whole = pel_box_empty();
     for (int lane = 0; lane < PEL_LANES && tree->members[leaf->group].element[lane] >= 0; lane++) {
-        pel_box box = box_of_triangle(tree, boxes, tree->members[leaf->group].element[lane]);
+        pel_box box = pel_tree_triangle_box(tree, boxes, tree->members[leaf->group].element[lane]);
         pel_box_group_set(&tree->groups[leaf->group], lane, box);
         whole = pel_box_join(whole, box);
     }
-    for (int32_t g = leaf->group + 1; g < leaf->edge_group; g++)
+    for (int32_t g = leaf->group + 1; g < leaf->group_end; g++)
         for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
-            pel_box_group_set(&tree->groups[g], lane, boxes[tree->members[g].element[lane]]);
-    for (int32_t g = leaf->edge_group; g < leaf->group_end; g++)
-        for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
-            pel_box_group_set(&tree->groups[g], lane, box_of_edge(tree, boxes, tree->members[g].element[lane]));
+            pel_box_group_set(&tree->groups[g], lane, pel_tree_edge_box(tree, boxes, tree->members[g].element[lane]));
     return whole;
 }
 
@@ -380,6 +413,7 @@ static void refit_chunk(void *context, int32_t chunk)
 void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool)
 {
     fit f = {.tree = tree, .boxes = vertex_boxes};
+    tree->vertex_boxes = vertex_boxes;
     pel_pool_run(pool, 1 + (tree->leaf_count - 1) / (LEAVES_PER_CHUNK / 2), refit_chunk, &f);
     refit_above(&f, 0, 0, tree->leaf_count);
     if (!(tree->built_cost > 0))
@@ -416,6 +450,7 @@ void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const u
                             uint8_t *node_changed)
 {
     fit f = {tree, vertex_boxes, vertex_changed, node_changed};
+    tree->vertex_boxes = vertex_boxes;
     refit_changed(&f, 0, 0, tree->leaf_count);
 }
 
@@ -425,31 +460,4 @@ double pel_tree_cost(const pel_tree *tree)
     for (int32_t n = 0; n < tree->node_count; n++)
         sum += pel_box_area(&tree->nodes[n]);
     return sum / fmax(pel_box_area(&tree->nodes[0]), 1e-300);
-}
-
-/* boxes of features from those of vertices */
-typedef struct feature_boxes {
-    const pel_tree *tree;
-    const pel_box *vertices;
-    pel_box *edges, *triangles;
-} feature_boxes;
-
-enum { FEATURES_PER_CHUNK = 4096 };
-
-static void feature_chunk(void *context, int32_t chunk)
-{
-    const feature_boxes *f = context;
-    int32_t begin = chunk * FEATURES_PER_CHUNK, end = begin + FEATURES_PER_CHUNK;
-    for (int32_t e = begin; e < end && e < f->tree->edge_count; e++)
-        f->edges[e] = box_of_edge(f->tree, f->vertices, e);
-    for (int32_t t = begin; t < end && t < f->tree->triangle_count; t++)
-        f->triangles[t] = box_of_triangle(f->tree, f->vertices, t);
-}
-
-void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool, pel_box *edge_boxes,
-                            pel_box *triangle_boxes)
-{
-    feature_boxes f = {tree, vertex_boxes, edge_boxes, triangle_boxes};
-    int32_t most = tree->edge_count > tree->triangle_count ? tree->edge_count : tree->triangle_count;
-    pel_pool_run(pool, 1 + (most - 1) / FEATURES_PER_CHUNK, feature_chunk, &f);
 }

@@ -19,13 +19,14 @@
 #include "base/pool.h"
 #include "bvh/box.h"
 
-/* groups of a leaf: one of triangles, then those of its vertices, then those of its edges, up to group_end */
+/* groups of a leaf: one of triangles, then those of its edges, up to group_end; its vertices */
 typedef struct pel_leaf {
-    int32_t group, edge_group, group_end;
+    int32_t group, group_end;
+    int32_t vertex_begin, vertex_end; /* in leaf_vertices */
 } pel_leaf;
 
-/* what is in the lanes of a group: a triangle, vertex or edge, -1 = nothing; and its vertices, of a vertex or an edge
-   the last one repeated */
+/* what is in the lanes of a group: a triangle or edge, -1 = nothing; and its vertices, of an edge the last one
+   repeated */
 typedef struct pel_member_group {
     pel_box8_mask element, vertices[3];
 } pel_member_group;
@@ -38,15 +39,14 @@ typedef struct pel_tree {
     int32_t (*opposite)[2]; /* (edge_count x 2) vertices across from an edge in its first two triangles, -1 = none */
 
     int32_t leaf_count, node_count;
-    pel_box *nodes;            /* (node_count) */
-    pel_leaf *leaves;          /* (leaf_count) */
-    pel_box_group *groups;     /* (leaves[leaf_count - 1].group_end) */
-    pel_member_group *members; /* (as groups) */
-    double built_cost;         /* pel_tree_cost after the first refit since the last build; 0 = not yet */
-
-    uint64_t *keys; /* (triangle_count) scratch of a build: place along an axis, triangle */
-    float (*centroids)[3];
-    uint8_t *seen; /* (vertex_count, then edge_count) */
+    pel_box *nodes;              /* (node_count) */
+    pel_leaf *leaves;            /* (leaf_count) */
+    pel_box_group *groups;       /* (leaves[leaf_count - 1].group_end) */
+    pel_member_group *members;   /* (as groups) */
+    int32_t *leaf_vertices;      /* (used vertices) leaf after leaf; none when only triangles are asked for */
+    uint8_t *vertex_seen;        /* (vertex_count) scratch of a build */
+    const pel_box *vertex_boxes; /* (vertex_count) not owned: what the tree was fitted to, as long as it is searched */
+    double built_cost;           /* pel_tree_cost after the first refit since the last build; 0 = not yet */
 } pel_tree;
 
 /* what is in the leaves */
@@ -65,7 +65,8 @@ void pel_tree_destroy(pel_tree *tree);
 /* Sorts the triangles anew; no memory is allocated. Boxes are to be refitted. */
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3]);
 
-/* All boxes from those of the vertices (vertex_count). pool is nullable. */
+/* All boxes from those of the vertices (vertex_count), which have to live on while pairs with vertices are searched.
+   pool is nullable. */
 void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool);
 
 /* The same where a vertex changed (vertex_count, 1 = it did); marks the nodes that were fitted (node_count). */
@@ -75,9 +76,17 @@ void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const u
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);
 
-/* Boxes of the edges (edge_count) and triangles (triangle_count). */
-void pel_tree_feature_boxes(const pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool, pel_box *edge_boxes,
-                            pel_box *triangle_boxes);
+/* The box of an edge or triangle from those of the vertices (vertex_count). */
+static inline pel_box pel_tree_edge_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t e)
+{
+    return pel_box_join(vertex_boxes[tree->edges[e][0]], vertex_boxes[tree->edges[e][1]]);
+}
+
+static inline pel_box pel_tree_triangle_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t t)
+{
+    const int32_t *v = tree->triangles[t];
+    return pel_box_join(pel_box_join(vertex_boxes[v[0]], vertex_boxes[v[1]]), vertex_boxes[v[2]]);
+}
 
 static inline int32_t pel_tree_middle(int32_t begin, int32_t end)
 {

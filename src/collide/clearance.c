@@ -4,7 +4,6 @@
 #include "base/status.h"
 #include "geom/wide4.h"
 #include "math/vec3.h"
-#include "pellicle/geometry.h"
 
 #include <math.h>
 #include <string.h>
@@ -129,66 +128,6 @@ bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], co
 
 /* ---- pairs ---- */
 
-/* pairs of one kind, of which the near ones are kept: those of a part at the beginning of its range */
-typedef struct near_job {
-    const pel_tree *tree;
-    const double (*positions)[3];
-    double square;
-    bool edge_edge;
-    pel_pair *pairs;
-    size_t count, kept[PARTS];
-} near_job;
-
-static size_t part_begin(const near_job *job, int32_t part)
-{
-    return job->count * (size_t)part / PARTS;
-}
-
-static bool is_near(const near_job *job, pel_pair pair)
-{
-    const double(*x)[3] = job->positions;
-    double weights[4];
-    if (job->edge_edge) {
-        const int32_t *a = job->tree->edges[pair.first], *b = job->tree->edges[pair.second];
-        return !(pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights) > job->square);
-    }
-    const int32_t *t = job->tree->triangles[pair.second];
-    return !(pel_closest_point_triangle(x[pair.first], x[t[0]], x[t[1]], x[t[2]], weights) > job->square);
-}
-
-static void keep_near_of_part(void *context, int32_t part)
-{
-    near_job *job = context;
-    size_t begin = part_begin(job, part), end = part_begin(job, part + 1), kept = begin;
-    for (size_t i = begin; i < end; i++) {
-        job->pairs[kept] = job->pairs[i];
-        kept += is_near(job, job->pairs[i]);
-    }
-    job->kept[part] = kept - begin;
-}
-
-/* copies the pairs that are near to the list; they are reordered */
-static bool keep_near(near_job *job, pel_pair *pairs, size_t count, pel_pool *pool, pel_pair_list *list)
-{
-    job->pairs = pairs;
-    job->count = count;
-    list->count = 0;
-    if (count == 0)
-        return true;
-    pel_pool_run(pool, PARTS, keep_near_of_part, job);
-    size_t total = 0;
-    for (int part = 0; part < PARTS; part++)
-        total += job->kept[part];
-    if (!pel_reserve((void **)&list->pairs, &list->capacity, total, sizeof *list->pairs))
-        return false;
-    for (int part = 0; part < PARTS; part++) {
-        if (job->kept[part] > 0)
-            memcpy(list->pairs + list->count, pairs + part_begin(job, part), job->kept[part] * sizeof *pairs);
-        list->count += job->kept[part];
-    }
-    return true;
-}
-
 /* counts slow steps in which a try is put off, longer each time that the last one served few */
 static bool is_worth_it(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double margin,
                         pel_pool *pool)
@@ -205,22 +144,6 @@ static bool is_worth_it(pel_clearance *clearance, const double (*start)[3], cons
     return clearance->pause == 0;
 }
 
-/* all pairs nearer than `reach` at some positions */
-static pel_status find_near(pel_clearance *clearance, pel_candidates *candidates, const double (*positions)[3],
-                            double reach, pel_pool *pool, pel_error *error)
-{
-    pel_status status = pel_candidates_at_rest(candidates, positions, reach, pool, error);
-    near_job job = {.tree = candidates->tree, .positions = positions, .square = reach * reach};
-    if (status != PEL_OK)
-        return status;
-    if (!keep_near(&job, candidates->vertex_face, candidates->vertex_face_count, pool, &clearance->vertex_face))
-        return pel_fail_memory(error);
-    job.edge_edge = true;
-    if (!keep_near(&job, candidates->edge_edge, candidates->edge_edge_count, pool, &clearance->edge_edge))
-        return pel_fail_memory(error);
-    return PEL_OK;
-}
-
 bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, const double (*start)[3],
                          const double (*end)[3], double needed, double margin, pel_pool *pool)
 {
@@ -228,7 +151,8 @@ bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, c
         return false;
     double reach = needed * (1 + 2 * SLACK) + margin;
     clearance->uses = 0;
-    if (find_near(clearance, candidates, start, reach, pool, NULL) != PEL_OK)
+    if (pel_candidates_near(candidates, start, reach, pool, &clearance->vertex_face, &clearance->edge_edge, NULL) !=
+        PEL_OK)
         return false;
     memcpy(clearance->positions, start, (size_t)clearance->point_count * sizeof *start);
     clearance->reach = reach;
@@ -259,7 +183,8 @@ pel_status pel_clearance_recall(pel_clearance *clearance, pel_candidates *candid
         return pel_fail(error, PEL_BAD_FORMAT, "the memory of the search for pairs is damaged");
     if (!(reach > 0))
         return PEL_OK;
-    pel_status status = find_near(clearance, candidates, (const double(*)[3])clearance->positions, reach, pool, error);
+    pel_status status = pel_candidates_near(candidates, (const double(*)[3])clearance->positions, reach, pool,
+                                            &clearance->vertex_face, &clearance->edge_edge, error);
     if (status == PEL_OK)
         clearance->reach = reach;
     return status;

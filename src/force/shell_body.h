@@ -59,8 +59,6 @@ double pel_shell_sweep_volumes(const pel_batch *batch, int32_t begin, int32_t en
                                pel_record origin);
 
 /* ---- shell_element.c ---- */
-/* the law of triangle t */
-pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t);
 /* Energy of the membrane of triangle t and its gradient, which may be null. */
 double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3]);
 /* The same of the fibres of a region in a triangle. */

@@ -41,7 +41,7 @@ const pel_shell_fibre *pel_shell_find_fibre(const pel_shell_region *region, int3
                                                                                            : NULL;
 }
 
-pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t)
+static pel_membrane_law law_of(const pel_shell_body *own, int32_t t)
 {
     pel_membrane_law law = own->law;
     law.modulus *= own->shell->triangles[t].young * own->shell->triangles[t].thickness;
@@ -50,7 +50,7 @@ pel_membrane_law pel_shell_law(const pel_shell_body *own, int32_t t)
 
 double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3])
 {
-    const pel_membrane_law law = pel_shell_law(own, t);
+    const pel_membrane_law law = law_of(own, t);
     return pel_membrane_law_energy(&own->shell->triangles[t].rest, &law, x, gradient);
 }
 

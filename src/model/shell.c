@@ -33,7 +33,8 @@ pel_anisotropy_def pel_anisotropy_def_default(void)
     };
 }
 
-bool pel_shell_is_on(const pel_shell_def *def)
+/* whether a def switches anything on */
+static bool is_on(const pel_shell_def *def)
 {
     return def->membrane.on || def->bending.model != PEL_BENDING_OFF || def->anisotropy_count > 0 ||
            def->pressure.kind != PEL_PRESSURE_NONE;
@@ -465,7 +466,7 @@ static pel_status check_closed(const pel_body_def *def, const pel_body *body, in
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
                                  pel_error *error)
 {
-    if (!pel_shell_is_on(&def->shell))
+    if (!is_on(&def->shell))
         return PEL_OK;
     pel_body *b = &model->bodies[body];
     pel_shell *shell = b->shell = pel_allocate(1, sizeof *shell);

@@ -102,9 +102,6 @@ static inline pel_bending_isometric pel_shell_isometric(const pel_record *rest, 
 /* Refuses numbers out of range (PEL_BAD_ARGUMENT with the body). */
 pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *error);
 
-/* True when a def switches anything on. */
-bool pel_shell_is_on(const pel_shell_def *def);
-
 /* Fills the body's shell when its def asks for one; its vertices have to be in the model already. PEL_BAD_MESH for a
    triangle without area, PEL_OUT_OF_MEMORY. */
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,

@@ -8,6 +8,12 @@
 
 #include <string.h>
 
+/* slices of a flag each: which of them a force was written to */
+static size_t flag_count(const pel_sim *sim)
+{
+    return (size_t)sim->model->vertex_count / PEL_WIDTH;
+}
+
 static size_t pair_count(const pel_sim *sim)
 {
     return (size_t)sim->model->body_count * (size_t)sim->contact_forces.group_count;
@@ -20,10 +26,12 @@ pel_status pel_contact_forces_create(pel_sim *sim, pel_error *error)
     forces->group_count = sim->model->body_count + sim->tool_count;
     forces->vertex = pel_allocate_aligned(count, sizeof *forces->vertex);
     forces->vertex_next = pel_allocate_aligned(count, sizeof *forces->vertex_next);
+    forces->is_touched = pel_allocate(flag_count(sim), 1);
+    forces->is_touched_next = pel_allocate(flag_count(sim), 1);
     forces->pair = pel_allocate(pair_count(sim), sizeof *forces->pair);
     forces->pair_next = pel_allocate(pair_count(sim), sizeof *forces->pair_next);
-    bool made =
-        forces->vertex != NULL && forces->vertex_next != NULL && forces->pair != NULL && forces->pair_next != NULL;
+    bool made = forces->vertex != NULL && forces->vertex_next != NULL && forces->is_touched != NULL &&
+                forces->is_touched_next != NULL && forces->pair != NULL && forces->pair_next != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -32,6 +40,8 @@ void pel_contact_forces_destroy(pel_sim *sim)
     pel_contact_forces *forces = &sim->contact_forces;
     pel_free(forces->vertex);
     pel_free(forces->vertex_next);
+    pel_free(forces->is_touched);
+    pel_free(forces->is_touched_next);
     pel_free(forces->pair);
     pel_free(forces->pair_next);
 }
@@ -41,7 +51,10 @@ void pel_contact_forces_begin(pel_sim *sim)
     pel_contact_forces *forces = &sim->contact_forces;
     if (forces->vertex == NULL)
         return;
-    memset(forces->vertex_next, 0, (size_t)sim->model->vertex_count * sizeof *forces->vertex_next);
+    for (size_t slice = 0; slice < flag_count(sim); slice++)
+        if (forces->is_touched_next[slice])
+            memset(forces->vertex_next + slice * PEL_WIDTH, 0, PEL_WIDTH * sizeof *forces->vertex_next);
+    memset(forces->is_touched_next, 0, flag_count(sim));
     memset(forces->pair_next, 0, pair_count(sim) * sizeof *forces->pair_next);
 }
 
@@ -56,6 +69,9 @@ static void add_part(pel_sim *sim, double share)
         pel_record before = is_first ? (pel_record){0} : forces->vertex[v];
         forces->vertex[v] = before + (pel_real)share * forces->vertex_next[v];
     }
+    for (size_t slice = 0; slice < flag_count(sim); slice++)
+        forces->is_touched[slice] =
+            (uint8_t)((!is_first && forces->is_touched[slice]) | forces->is_touched_next[slice]);
     for (size_t i = 0; i < pair_count(sim) * sizeof *forces->pair / sizeof *sum; i++)
         sum[i] = (is_first ? 0 : sum[i]) + share * own[i];
 }
@@ -68,11 +84,20 @@ void pel_contact_forces_accept(pel_sim *sim)
         return;
     }
     pel_record *vertex = forces->vertex;
+    uint8_t *is_touched = forces->is_touched;
     pel_pair_force *pair = forces->pair;
     forces->vertex = forces->vertex_next;
     forces->vertex_next = vertex;
+    forces->is_touched = forces->is_touched_next;
+    forces->is_touched_next = is_touched;
     forces->pair = forces->pair_next;
     forces->pair_next = pair;
+}
+
+void pel_contact_forces_loaded(pel_sim *sim)
+{
+    if (sim->contact_forces.vertex != NULL)
+        memset(sim->contact_forces.is_touched, 1, flag_count(sim));
 }
 
 /* ---- actions ---- */
@@ -84,6 +109,7 @@ static int32_t body_of(const pel_sim *sim, int32_t v)
 
 static void add_to_vertex(pel_sim *sim, int32_t v, double share, const double force[3])
 {
+    sim->contact_forces.is_touched_next[v / PEL_WIDTH] = 1;
     for (int k = 0; k < 3; k++)
         sim->contact_forces.vertex_next[v][k] += (pel_real)(share * force[k]);
 }

@@ -8,23 +8,37 @@
 
 #include <string.h>
 
-pel_status pel_parts_create(pel_sim *sim, pel_error *error)
+void pel_parts_create(pel_sim *sim)
 {
     pel_sim_parts *parts = &sim->parts;
     parts->step_size = PEL_PART_LIMIT;
     parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
     parts->substeps = sim->solver.substeps;
     /* a collision with a restitution of its own is told by steps */
-    if (!pel_sim_is_projected(sim) || sim->contacts == NULL || sim->collisions != NULL)
-        return PEL_OK;
-    parts->before_size = pel_sim_save_size(sim);
-    parts->before = pel_allocate(parts->before_size, 1);
-    return parts->before != NULL ? PEL_OK : pel_fail_memory(error);
+    parts->can_halve = pel_sim_is_projected(sim) && sim->contacts != NULL && sim->collisions == NULL;
 }
 
 void pel_parts_destroy(pel_sim *sim)
 {
     pel_free(sim->parts.before);
+}
+
+/* The state before the step. Most runs never halve one, so that the first step that is halved finds the memory for it;
+   forces of the caller that come or go change its size. */
+static pel_status save_before(pel_sim *sim, pel_error *error)
+{
+    pel_sim_parts *parts = &sim->parts;
+    size_t size = pel_sim_save_size(sim);
+    if (parts->before == NULL || size != parts->before_size) {
+        void *before = pel_allocate(size, 1);
+        if (before == NULL)
+            return pel_fail_memory(error);
+        pel_free(parts->before);
+        parts->before = before;
+        parts->before_size = size;
+    }
+    pel_sim_save(sim, parts->before);
+    return PEL_OK;
 }
 
 /* time and substeps of the solver for parts of a size; the length of a substep stays */
@@ -39,7 +53,7 @@ static void set_size(pel_sim *sim, int32_t size)
     pel_projector_set_time(sim->projector, sim->state, sim->step.dt, sim->solver.substeps);
 }
 
-void pel_parts_begin(pel_sim *sim)
+pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
 {
     pel_sim_parts *parts = &sim->parts;
     parts->at = 0;
@@ -53,22 +67,26 @@ void pel_parts_begin(pel_sim *sim)
         memset(sim->tools[t].torque_sum, 0, sizeof sim->tools[t].torque_sum);
     }
     if (parts->now.size == PEL_PART_LIMIT)
-        return;
-    pel_sim_save(sim, parts->before);
-    set_size(sim, parts->now.size);
+        return PEL_OK;
+    pel_status status = save_before(sim, error);
+    if (status == PEL_OK)
+        set_size(sim, parts->now.size);
+    return status;
 }
 
-void pel_parts_halve(pel_sim *sim)
+pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
 {
     pel_sim_parts *parts = &sim->parts;
     parts->is_refused = false;
-    if (parts->step_size == PEL_PART_LIMIT)
-        pel_sim_save(sim, parts->before);
+    pel_status status = parts->step_size == PEL_PART_LIMIT ? save_before(sim, error) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
     if (parts->now.calm == 0)
         parts->now.patience = parts->now.patience < PEL_MOST_PATIENCE ? 2 * parts->now.patience : PEL_MOST_PATIENCE;
     parts->now.calm = 0;
     parts->now.size /= 2;
     set_size(sim, parts->now.size);
+    return PEL_OK;
 }
 
 /* readings of the step are means of its parts */

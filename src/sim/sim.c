@@ -138,10 +138,8 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
         status = keep_apart(sim, next, longest, error);
     /* a shorter part has fewer pairs, and does not go that far */
     bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;
-    if (sim->parts.is_refused || (is_too_long && pel_parts_can_halve(sim))) {
-        pel_parts_halve(sim);
-        return PEL_OK;
-    }
+    if (sim->parts.is_refused || (is_too_long && pel_parts_can_halve(sim)))
+        return pel_parts_halve(sim, error);
     if (status == PEL_OK)
         accept_part(sim, next);
     return status;
@@ -156,7 +154,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         return status;
     /* substeps go by the stiffness at this time */
     pel_sim_update_factors(sim, pel_sim_time(sim));
-    pel_parts_begin(sim);
+    status = pel_parts_begin(sim, error);
     while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
         status = step_part(sim, error);
     pel_parts_end(sim, status);

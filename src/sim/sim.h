@@ -192,7 +192,8 @@ typedef struct pel_sim_parts {
     int32_t step_size; /* of the present part */
     int32_t substeps;  /* of a whole step */
     bool is_refused;   /* the present part is to be done anew, shorter */
-    void *before;      /* (before_size) snapshot before a step in parts; null = all steps are whole */
+    bool can_halve;    /* false = all steps are whole */
+    void *before;      /* (before_size) snapshot before a step in parts; null until there is one */
     size_t before_size;
 } pel_sim_parts;
 
@@ -229,10 +230,11 @@ typedef struct pel_collision_state {
 
 /* Forces of contacts and tools in a step, means where it has substeps (contact_force.c). */
 typedef struct pel_contact_forces {
-    pel_record *vertex, *vertex_next; /* (vertex_count) N, in the last step and in the present one; null without
-                                         contact and tools */
-    pel_pair_force *pair, *pair_next; /* (body_count x group_count) on the body of the row; groups are bodies, then
-                                         tools; of two bodies the lower one has the row */
+    pel_record *vertex, *vertex_next;      /* (vertex_count) N, in the last step and in the present one; null without
+                                              contact and tools */
+    uint8_t *is_touched, *is_touched_next; /* (slices) 0 = the forces of a slice are zero, so that a step clears few */
+    pel_pair_force *pair, *pair_next;      /* (body_count x group_count) on the body of the row; groups are bodies, then
+                                              tools; of two bodies the lower one has the row */
     int32_t group_count;
 } pel_contact_forces;
 
@@ -372,15 +374,15 @@ void pel_substeps_remedy(const pel_sim *sim, pel_error *error);
 void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading);
 
 /* ---- parts.c ---- */
-/* After all that a snapshot holds is there. PEL_OUT_OF_MEMORY. */
-pel_status pel_parts_create(pel_sim *sim, pel_error *error);
+/* After contacts and restitution. */
+void pel_parts_create(pel_sim *sim);
 void pel_parts_destroy(pel_sim *sim);
-/* At the start of a step: chooses substeps and the size of the first part. */
-void pel_parts_begin(pel_sim *sim);
+/* At the start of a step: chooses substeps and the size of the first part. PEL_OUT_OF_MEMORY. */
+pel_status pel_parts_begin(pel_sim *sim, pel_error *error);
 /* Whether the present part may be refused, and done anew in two. */
 static inline bool pel_parts_can_halve(const pel_sim *sim)
 {
-    return sim->parts.before != NULL && sim->parts.step_size > 1;
+    return sim->parts.can_halve && sim->parts.step_size > 1;
 }
 /* of the present part in its step */
 static inline double pel_part_share(const pel_sim *sim)
@@ -392,7 +394,8 @@ static inline bool pel_parts_are_last(const pel_sim *sim)
 {
     return sim->parts.at + sim->parts.step_size == PEL_PART_LIMIT;
 }
-void pel_parts_halve(pel_sim *sim);
+/* PEL_OUT_OF_MEMORY. */
+pel_status pel_parts_halve(pel_sim *sim, pel_error *error);
 /* After a part: the next one begins. */
 void pel_parts_accept(pel_sim *sim);
 /* After the last part, or the first failure, which takes the state back to the start of the step. */
@@ -437,6 +440,8 @@ void pel_contact_forces_destroy(pel_sim *sim);
 void pel_contact_forces_begin(pel_sim *sim);
 /* The forces of the step become the present ones; those of a part are added to the mean. */
 void pel_contact_forces_accept(pel_sim *sim);
+/* After those of the last step were read from a snapshot. */
+void pel_contact_forces_loaded(pel_sim *sim);
 
 /* ---- restitution.c ---- */
 /* After contacts. PEL_BAD_ARGUMENT for a number out of range or a method without velocities, PEL_OUT_OF_MEMORY. */

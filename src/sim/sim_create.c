@@ -198,8 +198,7 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = sim->stepper->check_start(sim, error);
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
-    if (status == PEL_OK)
-        status = pel_parts_create(sim, error);
+    pel_parts_create(sim);
     if (status == PEL_OK)
         status = keep_def(sim, def, error);
     if (status == PEL_OK)

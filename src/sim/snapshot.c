@@ -535,6 +535,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
             return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
+    pel_contact_forces_loaded(sim);
     sim->state->step = head.step;
     for (int32_t l = 0; l < sim->load_count; l++)
         memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads[l].force, sizeof sim->loads[l].force);

@@ -143,8 +143,6 @@ void pel_tools_list_held(pel_sim *sim);
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
 
 /* ---- tool_start.c ---- */
-/* m, the least way after which a tool is outside a body */
-double pel_tool_way_out(const pel_sim *sim, const pel_tool *tool, int32_t body);
 /* PEL_BAD_ARGUMENT with that way */
 pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t body, pel_error *error);
 /* the same where a solid starts inside a body */

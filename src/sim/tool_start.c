@@ -156,7 +156,8 @@ static double find_directions(const overlap *o, double directions[DIRECTION_LIMI
     return farthest + 2 * pel_tool_size(o->tool);
 }
 
-double pel_tool_way_out(const pel_sim *sim, const pel_tool *tool, int32_t body)
+/* m, the least way after which a tool is outside a body */
+static double way_out(const pel_sim *sim, const pel_tool *tool, int32_t body)
 {
     const overlap o = {sim, tool, body};
     double directions[DIRECTION_LIMIT][3];
@@ -188,7 +189,7 @@ pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t bod
 {
     const pel_tool *tool = &sim->tools[index];
     pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' starts inside body '%s' (by %.3g m)", tool->name,
-             sim->model->bodies[body].name, pel_tool_way_out(sim, tool, body));
+             sim->model->bodies[body].name, way_out(sim, tool, body));
     pel_fail_element(error, "tool", index);
     pel_fail_remedy(error, "move its first key away from the body by at least that much");
     return PEL_BAD_ARGUMENT;

@@ -74,18 +74,6 @@ static void list_arrays(pel_front *front, const front_size *size, array_entry en
     memcpy(entries, all, sizeof all);
 }
 
-size_t pel_front_bytes(const pel_topology *base, int32_t depth)
-{
-    pel_front none;
-    array_entry entries[ARRAY_COUNT];
-    front_size size = size_of(base, depth);
-    list_arrays(&none, &size, entries);
-    size_t bytes = sizeof(pel_front);
-    for (int i = 0; i < ARRAY_COUNT; i++)
-        bytes += (size_t)entries[i].count * entries[i].size;
-    return bytes;
-}
-
 static void set_shape(pel_front *front, int32_t node, uint8_t shape);
 static void update_edge(pel_front *front, int32_t edge, bool active);
 static void update_vertex(pel_front *front, int32_t v, bool active);

@@ -98,8 +98,6 @@ typedef struct pel_front {
 /* A front without marks: its surface is the base. The forest has to live as long. Errors: PEL_OUT_OF_MEMORY. */
 pel_status pel_front_create(const pel_lod_forest *forest, pel_front **front, pel_error *error);
 void pel_front_destroy(pel_front *front);
-/* bytes that pel_front_create takes for a forest of this depth on this base */
-size_t pel_front_bytes(const pel_topology *base, int32_t depth);
 
 /* ---- an event: any number of marks, then close, then commit ---- */
 

@@ -155,6 +155,14 @@ static inline feature_boxes make_feature_boxes(const pel_tree *tree)
                            aligned_alloc(32, (size_t)tree->triangle_count * sizeof(pel_box))};
 }
 
+static inline void fill_feature_boxes(const pel_tree *tree, feature_boxes *boxes)
+{
+    for (int32_t e = 0; e < tree->edge_count; e++)
+        boxes->edges[e] = pel_tree_edge_box(tree, boxes->vertices, e);
+    for (int32_t t = 0; t < tree->triangle_count; t++)
+        boxes->triangles[t] = pel_tree_triangle_box(tree, boxes->vertices, t);
+}
+
 static inline void free_feature_boxes(feature_boxes *boxes)
 {
     free(boxes->vertices);

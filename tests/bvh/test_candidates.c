@@ -37,10 +37,13 @@ static bool same_list(const pel_pair *pairs, size_t count, pair_set *expected)
 /* the list is exactly what all pairs of boxes give, kept or not */
 static void check_lists(const pel_candidates *c)
 {
-    feature_boxes boxes = {c->vertex_boxes, c->edge_boxes, c->triangle_boxes};
+    feature_boxes boxes = make_feature_boxes(c->tree);
+    memcpy(boxes.vertices, c->vertex_boxes, (size_t)c->tree->vertex_count * sizeof *c->vertex_boxes);
+    fill_feature_boxes(c->tree, &boxes);
     pair_set vertex_face = brute_vertex_face(c->tree, &boxes), edge_edge = brute_edge_edge(c->tree, &boxes);
     assert_true(same_list(c->vertex_face, c->vertex_face_count, &vertex_face));
     assert_true(same_list(c->edge_edge, c->edge_edge_count, &edge_edge));
+    free_feature_boxes(&boxes);
 }
 
 /* every pair that comes within the thickness at some time is on the list: checked by distances, without any box */

@@ -186,7 +186,7 @@ static void test_allocations(void **unused)
 {
     (void)unused;
     surface s = make_soup(60, 0.3, 2);
-    assert_true(for_every_allocation_failure(find_case, &s) > 10);
+    assert_true(for_every_allocation_failure(find_case, &s) > 6);
     free_surface(&s);
 }
 

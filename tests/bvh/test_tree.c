@@ -29,14 +29,14 @@ static void check_members(const pel_tree *tree)
         const pel_leaf *at = &tree->leaves[leaf];
         assert_int_equal(at->group, next);
         for (int32_t g = at->group; g < at->group_end; g++) {
-            int32_t offset = g == at->group       ? 0
-                             : g < at->edge_group ? tree->triangle_count
-                                                  : tree->triangle_count + tree->vertex_count;
+            int32_t offset = g == at->group ? 0 : tree->triangle_count + tree->vertex_count;
             for (int lane = 0; lane < PEL_LANES; lane++)
                 if (tree->members[g].element[lane] >= 0)
                     seen[offset + tree->members[g].element[lane]]++;
         }
         next = at->group_end;
+        for (int32_t i = at->vertex_begin; i < at->vertex_end; i++)
+            seen[tree->triangle_count + tree->leaf_vertices[i]]++;
     }
     for (int32_t i = 0; i < tree->triangle_count; i++)
         assert_int_equal(seen[i], 1);
@@ -208,7 +208,7 @@ static void check_within(const surface *s, double reach)
         if (rebuilt)
             pel_tree_rebuild(tree, (const double(*)[3])s->end);
         fit(tree, s, reach, boxes.vertices);
-        pel_tree_feature_boxes(tree, boxes.vertices, NULL, boxes.edges, boxes.triangles);
+        fill_feature_boxes(tree, &boxes);
         assert_int_equal(pel_find_pairs(tree, tree, 15u, NULL, &search, NULL), PEL_OK);
         pair_set vertex_face = brute_vertex_face(tree, &boxes), edge_edge = brute_edge_edge(tree, &boxes);
         pair_set face_face = brute_face_face(tree, &boxes);
@@ -250,8 +250,8 @@ static void test_pairs_between(void **unused)
         feature_boxes x = make_feature_boxes(first), y = make_feature_boxes(second);
         fit(first, &a, 0.01, x.vertices);
         fit(second, &b, 0.01, y.vertices);
-        pel_tree_feature_boxes(first, x.vertices, NULL, x.edges, x.triangles);
-        pel_tree_feature_boxes(second, y.vertices, NULL, y.edges, y.triangles);
+        fill_feature_boxes(first, &x);
+        fill_feature_boxes(second, &y);
         pel_pair_search search;
         pel_pair_search_begin(&search, INT64_MAX);
         assert_int_equal(pel_find_pairs(first, second, 15u, NULL, &search, NULL), PEL_OK);
@@ -281,7 +281,7 @@ static void test_in_box(void **unused)
     pel_tree *tree = make_tree(&s, PEL_TREE_FEATURES);
     feature_boxes boxes = make_feature_boxes(tree);
     fit(tree, &s, 0, boxes.vertices);
-    pel_tree_feature_boxes(tree, boxes.vertices, NULL, boxes.edges, boxes.triangles);
+    fill_feature_boxes(tree, &boxes);
     random_state random = {11};
     pel_element_list list = {0};
     for (int trial = 0; trial < 200; trial++) {
@@ -292,17 +292,13 @@ static void test_in_box(void **unused)
                 box.low[k] = x < box.low[k] ? x : box.low[k];
                 box.high[k] = x > box.high[k] ? x : box.high[k];
             }
-        for (int kind = 0; kind < 2; kind++) {
-            const pel_box *of = kind == PEL_ELEMENT_TRIANGLE ? boxes.triangles : boxes.vertices;
-            int32_t count = kind == PEL_ELEMENT_TRIANGLE ? s.triangle_count : s.vertex_count;
-            size_t expected = 0;
-            for (int32_t i = 0; i < count; i++)
-                expected += pel_box_overlaps(&of[i], &box);
-            assert_int_equal(pel_find_in_box(tree, &box, (pel_element_kind)kind, &list, NULL), PEL_OK);
-            assert_int_equal(list.count, expected);
-            for (size_t i = 0; i < list.count; i++)
-                assert_true(pel_box_overlaps(&of[list.elements[i]], &box));
-        }
+        size_t expected = 0;
+        for (int32_t t = 0; t < s.triangle_count; t++)
+            expected += pel_box_overlaps(&boxes.triangles[t], &box);
+        assert_int_equal(pel_find_in_box(tree, &box, &list, NULL), PEL_OK);
+        assert_int_equal(list.count, expected);
+        for (size_t i = 0; i < list.count; i++)
+            assert_true(pel_box_overlaps(&boxes.triangles[list.elements[i]], &box));
     }
     pel_free(list.elements);
     free_feature_boxes(&boxes);
@@ -384,7 +380,7 @@ static pel_status search_case(const void *data, pel_error *error)
     pel_pair_search_begin(&search, INT64_MAX);
     status = pel_find_pairs(tree, tree, 15u, NULL, &search, error);
     if (status == PEL_OK)
-        status = pel_find_in_box(tree, &all, PEL_ELEMENT_VERTEX, &list, error);
+        status = pel_find_in_box(tree, &all, &list, error);
     pel_pair_search_clear(&search);
     pel_free(list.elements);
     pel_tree_destroy(tree);

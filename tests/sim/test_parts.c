@@ -84,7 +84,7 @@ static void test_failure(void **unused)
     pel_sim *sim = bullet(&scene);
     run_free(sim, 3);
     uint64_t before = pel_sim_hash(sim);
-    pel_parts_begin(sim);
+    assert_int_equal(pel_parts_begin(sim, NULL), PEL_OK);
     assert_true(sim->step.dt < 0.01);
     sim->state->position[0][2] += 1;
     sim->parts.at += sim->parts.step_size;
