@@ -236,6 +236,8 @@ static pel_status solve(adjoint *a, pel_error *error)
 
 pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint_def *def, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(def, error);
     pel_status status = check(sim, def, error);
     if (status != PEL_OK)
         return status;

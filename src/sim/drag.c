@@ -86,6 +86,9 @@ static pel_status check(const pel_sim *sim, const pel_pick_hit *hit, double stif
 pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffness, double reach, pel_drag **drag,
                           pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(hit, error);
+    PEL_REFUSE_NULL(drag, error);
     *drag = NULL;
     pel_status status = check(sim, hit, stiffness, reach, error);
     if (status != PEL_OK)
@@ -141,6 +144,8 @@ static void learn(pel_drag *drag, const pel_tool_reading *now)
 
 pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error)
 {
+    PEL_REFUSE_NULL(drag, error);
+    PEL_REFUSE_NULL(target, error);
     pel_tool_reading now;
     double next[3];
     int32_t tool = pel_sim_find_tool(drag->sim, drag->name);
@@ -159,6 +164,8 @@ pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *erro
 
 void pel_drag_get(const pel_drag *drag, pel_drag_reading *reading)
 {
+    if (drag == NULL || reading == NULL)
+        return;
     pel_tool_reading now = {0};
     int32_t tool = pel_sim_find_tool(drag->sim, drag->name);
     *reading = (pel_drag_reading){0};

@@ -60,6 +60,8 @@ const pel_field_info *pel_field_at(int32_t field)
 
 int32_t pel_field_find(const char *name)
 {
+    if (name == NULL)
+        return -1;
     for (int32_t f = 0; f < PEL_FIELD_COUNT; f++)
         if (strcmp(fields[f].name, name) == 0)
             return f;

@@ -48,16 +48,22 @@ static pel_status resize_tools(pel_change *change, const pel_tool_def *added, in
 
 int32_t pel_sim_load_count(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->load_count;
 }
 
 const char *pel_sim_load_name(const pel_sim *sim, int32_t load)
 {
+    if (load < 0 || load >= pel_sim_load_count(sim))
+        return "";
     return sim->loads[load].name;
 }
 
 pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(def, error);
     pel_change change;
     for (int32_t l = 0; def->name != NULL && def->name[0] != '\0' && l < sim->load_count; l++)
         if (strcmp(sim->loads[l].name, def->name) == 0)
@@ -73,6 +79,7 @@ pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *er
 
 pel_status pel_sim_remove_load(pel_sim *sim, int32_t load, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
     pel_change change;
     if (load < 0 || load >= sim->load_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "load %d does not exist", (int)load);
@@ -89,6 +96,8 @@ pel_status pel_sim_remove_load(pel_sim *sim, int32_t load, pel_error *error)
 
 pel_status pel_sim_add_tool(pel_sim *sim, const pel_tool_def *def, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(def, error);
     pel_change change;
     if (def->shape == PEL_TOOL_SUPPORT) {
         pel_fail(error, PEL_BAD_ARGUMENT, "a support that moves on keys starts at rest");
@@ -111,6 +120,7 @@ static pel_status refuse_tool(int32_t tool, pel_error *error)
 
 pel_status pel_sim_remove_tool(pel_sim *sim, int32_t tool, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
     pel_change change;
     if (tool < 0 || tool >= sim->tool_count)
         return refuse_tool(tool, error);
@@ -126,6 +136,8 @@ pel_status pel_sim_remove_tool(pel_sim *sim, int32_t tool, pel_error *error)
 pel_status pel_sim_set_tool_keys(pel_sim *sim, int32_t tool, const pel_pose_key *keys, int32_t key_count,
                                  pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(keys, error);
     pel_change change;
     if (tool < 0 || tool >= sim->tool_count)
         return refuse_tool(tool, error);
@@ -149,6 +161,7 @@ pel_status pel_sim_set_tool_keys(pel_sim *sim, int32_t tool, const pel_pose_key 
 
 pel_status pel_sim_set_pins(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
     pel_change change;
     if (body < 0 || body >= sim->model->body_count || vertex_count < 0 || (vertices == NULL && vertex_count > 0))
         return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist, or its pins are not given", (int)body);
@@ -167,6 +180,7 @@ pel_status pel_sim_set_pins(pel_sim *sim, int32_t body, const int32_t *vertices,
 
 pel_status pel_sim_set_forces(pel_sim *sim, int32_t body, const double *forces, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
     if (body < 0 || body >= sim->model->body_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist", (int)body);
     const pel_body *own = &sim->model->bodies[body];

@@ -267,6 +267,8 @@ static void put_mechanics(const pel_field_mechanics *at, int32_t count, int32_t 
 
 pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(values, error);
     view *v;
     pel_status status = look(sim, field, body, &v, error);
     if (status != PEL_OK)
@@ -307,6 +309,8 @@ pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values
 
 pel_status pel_observe_triangles(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(values, error);
     view *v;
     pel_status status = look(sim, field, body, &v, error);
     if (status == PEL_OK && !pel_field_is_mechanics(field)) {

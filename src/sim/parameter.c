@@ -313,6 +313,8 @@ static void fill_info(const pel_sim *sim, place at, pel_parameter_info *info)
 
 int32_t pel_parameter_count(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     int32_t count = 0;
     for (place at = before_first; next_place(defs_of(sim), &at);)
         count++;
@@ -321,8 +323,10 @@ int32_t pel_parameter_count(const pel_sim *sim)
 
 void pel_parameter_at(const pel_sim *sim, int32_t index, pel_parameter_info *info)
 {
+    if (info == NULL)
+        return;
     place at = before_first;
-    bool is_there = next_place(defs_of(sim), &at);
+    bool is_there = sim != NULL && next_place(defs_of(sim), &at);
     for (int32_t i = 0; is_there && i < index; i++)
         is_there = next_place(defs_of(sim), &at);
     if (is_there)
@@ -333,6 +337,9 @@ void pel_parameter_at(const pel_sim *sim, int32_t index, pel_parameter_info *inf
 
 pel_status pel_parameter_find(const pel_sim *sim, const char *path, pel_parameter_info *info, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(info, error);
     place at;
     pel_status status = find_place(defs_of(sim), path, &at, error);
     if (status == PEL_OK)
@@ -527,17 +534,27 @@ static pel_status change(pel_sim *sim, const char *path, const setting *set, pel
 
 pel_status pel_set_parameter(pel_sim *sim, const char *path, double value, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(path, error);
     return change(sim, path, &(setting){.values = &value, .value_count = 1}, error);
 }
 
 pel_status pel_set_parameter_vector(pel_sim *sim, const char *path, const double value[3], pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(value, error);
     return change(sim, path, &(setting){.values = value, .value_count = 3}, error);
 }
 
 pel_status pel_set_parameter_keys(pel_sim *sim, const char *path, const pel_key *keys, int32_t key_count,
                                   pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(path, error);
+    if (key_count < 0 || (key_count > 0 && keys == NULL))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "key_count is %d, and keys is null or the count below 0",
+                        (int)key_count);
     static const pel_key none;
     return change(sim, path, &(setting){.keys = keys != NULL ? keys : &none, .key_count = key_count}, error);
 }
@@ -592,6 +609,9 @@ static bool parse_value(const pel_parameter_row *row, const char *text, double *
 
 pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const char *text, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(text, error);
     place at;
     double values[3];
     pel_status status = find_place(defs_of(sim), path, &at, error);

@@ -159,6 +159,10 @@ static void describe(const pel_sim *sim, const pel_picker *picker, const pel_ray
 pel_status pel_pick(pel_sim *sim, const double origin[3], const double direction[3], pel_pick_hit *hit,
                     pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(origin, error);
+    PEL_REFUSE_NULL(direction, error);
+    PEL_REFUSE_NULL(hit, error);
     pel_ray ray;
     memset(hit, 0, sizeof *hit);
     double length = pel_vec3_length(direction);

@@ -58,6 +58,8 @@ static pel_status allocate(pel_potential *potential, pel_error *error)
 
 pel_status pel_potential_create(pel_sim *sim, pel_potential **potential, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(potential, error);
     *potential = NULL;
     if (sim->active != NULL) {
         pel_fail(error, PEL_BAD_ARGUMENT, "a body refines: its potential has other positions after each event");
@@ -95,6 +97,8 @@ void pel_potential_destroy(pel_potential *potential)
 
 int32_t pel_potential_vertex_count(const pel_potential *potential)
 {
+    if (potential == NULL)
+        return 0;
     return potential->vertex_count;
 }
 
@@ -147,6 +151,9 @@ static double add_dead_loads(pel_potential *potential)
 pel_status pel_potential_evaluate(pel_potential *potential, const double *positions, double *energy, double *gradient,
                                   pel_error *error)
 {
+    PEL_REFUSE_NULL(potential, error);
+    PEL_REFUSE_NULL(positions, error);
+    PEL_REFUSE_NULL(energy, error);
     pel_status status = take_positions(potential, positions, error);
     if (status != PEL_OK)
         return status;
@@ -287,6 +294,9 @@ static pel_status write_hessian(const pel_potential *potential, pel_hessian **re
 pel_status pel_potential_hessian(pel_potential *potential, const double *positions, pel_hessian **hessian,
                                  pel_error *error)
 {
+    PEL_REFUSE_NULL(potential, error);
+    PEL_REFUSE_NULL(positions, error);
+    PEL_REFUSE_NULL(hessian, error);
     *hessian = NULL;
     pel_status status = create_matrix(potential, error);
     if (status == PEL_OK)

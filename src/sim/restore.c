@@ -42,6 +42,8 @@ static pel_status copy_meshes(pel_snapshot *snapshot, pel_error *error)
 
 pel_status pel_snapshot_create(const pel_sim *sim, pel_snapshot **snapshot, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(snapshot, error);
     *snapshot = NULL;
     pel_snapshot *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
@@ -82,11 +84,15 @@ void pel_snapshot_destroy(pel_snapshot *snapshot)
 
 size_t pel_snapshot_size(const pel_snapshot *snapshot)
 {
+    if (snapshot == NULL)
+        return 0;
     return sizeof *snapshot + snapshot->size;
 }
 
 pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_error *error)
 {
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(snapshot, error);
     if (snapshot->sim != sim) {
         pel_fail(error, PEL_BAD_ARGUMENT, "the snapshot is of another simulation");
         pel_fail_remedy(error, "restore the simulation that it was made from");

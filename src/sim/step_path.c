@@ -228,15 +228,21 @@ pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *err
 
 double pel_sim_load_factor(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return 0;
     return sim->state->load_factor;
 }
 
 pel_path pel_sim_path_kind(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return (pel_path)0;
     return sim->solver.path;
 }
 
 pel_path_end pel_sim_get_path_end(const pel_sim *sim)
 {
+    if (sim == NULL)
+        return (pel_path_end)0;
     return sim->path != NULL ? (pel_path_end)sim->path->ended : PEL_PATH_GOES_ON;
 }

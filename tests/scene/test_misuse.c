@@ -8,10 +8,13 @@
 #include <pellicle/frames.h>
 #include <pellicle/import.h>
 #include <pellicle/intersect.h>
+#include <pellicle/live.h>
 #include <pellicle/measure.h>
 #include <pellicle/mesh_check.h>
 #include <pellicle/mesh_io.h>
+#include <pellicle/observe.h>
 #include <pellicle/parallel.h>
+#include <pellicle/potential.h>
 #include <pellicle/preset.h>
 #include <pellicle/region.h>
 #include <pellicle/report.h>
@@ -920,6 +923,108 @@ static void test_sim_calls(void **unused)
     finish();
 }
 
+/* ---- changes while a simulation goes on, looks into it ---- */
+
+static void test_live(void **unused)
+{
+    (void)unused;
+    pel_parameter_info info;
+    const pel_key nan_key = {nan_value, nan_value};
+    const double nan3[3] = {nan_value, 0, 0};
+    double *some = calloc(10000, sizeof *some);
+    GIVES(pel_parameter_count(NULL) == 0);
+    SURVIVES(pel_parameter_at(NULL, 0, &info));
+    SURVIVES(pel_parameter_at(sim, 0, NULL));
+    SURVIVES(pel_parameter_at(sim, INT32_MIN, &info));
+    SURVIVES(pel_parameter_at(sim, INT32_MAX, &info));
+    REFUSED("sim", pel_parameter_find(NULL, "x", &info, &error));
+    REFUSED("path", pel_parameter_find(sim, NULL, &info, &error));
+    REFUSED("info", pel_parameter_find(sim, "x", NULL, &error));
+    FAILS(pel_parameter_find(sim, "nonsense[7].x", &info, &error));
+    REFUSED("sim", pel_set_parameter(NULL, "x", 1, &error));
+    REFUSED("path", pel_set_parameter(sim, NULL, 1, &error));
+    FAILS(pel_set_parameter(sim, "solver.dt", nan_value, &error));
+    FAILS(pel_set_parameter(sim, "solver.dt", -1, &error));
+    REFUSED("sim", pel_set_parameter_vector(NULL, "x", zero3, &error));
+    REFUSED("value", pel_set_parameter_vector(sim, "x", NULL, &error));
+    FAILS(pel_set_parameter_vector(sim, "gravity", nan3, &error));
+    REFUSED("path", pel_set_parameter_keys(sim, NULL, &nan_key, 1, &error));
+    REFUSED("keys", pel_set_parameter_keys(sim, "bodies.ball.springs.stiffness", NULL, 2, &error));
+    REFUSED("key_count", pel_set_parameter_keys(sim, "bodies.ball.springs.stiffness", &nan_key, -1, &error));
+    FAILS(pel_set_parameter_keys(sim, "bodies.ball.springs.stiffness", &nan_key, 1, &error));
+    REFUSED("text", pel_set_parameter_text(sim, "x", NULL, &error));
+    FAILS(pel_set_parameter_text(sim, "solver.dt", "", &error));
+    pel_load_def load = pel_load_def_default();
+    pel_tool_def tool = make_tool();
+    REFUSED("def", pel_sim_add_load(sim, NULL, &error));
+    REFUSED("sim", pel_sim_add_load(NULL, &load, &error));
+    load.body = 7;
+    FAILS(pel_sim_add_load(sim, &load, &error));
+    REFUSED("def", pel_sim_add_tool(sim, NULL, &error));
+    tool.shape = (pel_tool_shape)50;
+    FAILS(pel_sim_add_tool(sim, &tool, &error));
+    FAILS(pel_sim_remove_load(sim, -1, &error));
+    REFUSED("sim", pel_sim_remove_load(NULL, 0, &error));
+    FAILS(pel_sim_remove_tool(sim, 99, &error));
+    REFUSED("sim", pel_sim_remove_tool(NULL, 0, &error));
+    GIVES(pel_sim_load_count(NULL) == 0 && pel_sim_load_name(NULL, 0)[0] == '\0' &&
+          pel_sim_load_name(sim, -1)[0] == '\0');
+    REFUSED("keys", pel_sim_set_tool_keys(sim, 0, NULL, 1, &error));
+    FAILS(pel_sim_set_tool_keys(sim, 0, &still, -1, &error));
+    FAILS(pel_sim_set_tool_keys(sim, -1, &still, 1, &error));
+    REFUSED("sim", pel_sim_set_pins(NULL, 0, NULL, 0, &error));
+    FAILS(pel_sim_set_pins(sim, 9, NULL, 0, &error));
+    FAILS(pel_sim_set_pins(sim, 0, NULL, 3, &error));
+    FAILS(pel_sim_set_pins(sim, 0, (const int32_t[]){-1}, 1, &error));
+    FAILS(pel_sim_set_pins(sim, 0, (const int32_t[]){1}, -1, &error));
+    REFUSED("sim", pel_sim_set_forces(NULL, 0, some, &error));
+    FAILS(pel_sim_set_forces(sim, 9, some, &error));
+    pel_pick_hit hit = {.is_hit = true, .body = 7, .triangle = -4};
+    pel_drag *drag;
+    REFUSED("origin", pel_pick(sim, NULL, zero3, &hit, &error));
+    REFUSED("hit", pel_pick(sim, zero3, zero3, NULL, &error));
+    FAILS(pel_pick(sim, nan3, nan3, &hit, &error));
+    REFUSED("hit", pel_drag_begin(sim, NULL, 1, 1, &drag, &error));
+    REFUSED("drag", pel_drag_begin(sim, &hit, 1, 1, NULL, &error));
+    FAILS(pel_drag_begin(sim, &hit, nan_value, nan_value, &drag, &error));
+    REFUSED("drag", pel_drag_move(NULL, zero3, &error));
+    SURVIVES(pel_drag_get(NULL, NULL));
+    GIVES(pel_drag_end(NULL, NULL) == PEL_OK);
+    pel_snapshot *snapshot;
+    REFUSED("sim", pel_snapshot_create(NULL, &snapshot, &error));
+    REFUSED("snapshot", pel_snapshot_create(sim, NULL, &error));
+    SURVIVES(pel_snapshot_destroy(NULL));
+    REFUSED("snapshot", pel_snapshot_restore(sim, NULL, &error));
+    GIVES(pel_snapshot_size(NULL) == 0);
+    GIVES(pel_field_count() > 0 && pel_field_at(-1) == NULL && pel_field_at(INT32_MAX) == NULL);
+    GIVES(pel_field_find(NULL) < 0);
+    REFUSED("sim", pel_observe(NULL, 0, 0, some, &error));
+    REFUSED("values", pel_observe(sim, 0, 0, NULL, &error));
+    FAILS(pel_observe(sim, -1, 0, some, &error));
+    FAILS(pel_observe(sim, 0, 7, some, &error));
+    REFUSED("values", pel_observe_triangles(sim, 0, 0, NULL, &error));
+    FAILS(pel_observe_triangles(sim, INT32_MAX, 0, some, &error));
+    pel_potential *potential;
+    pel_hessian *hessian;
+    REFUSED("sim", pel_potential_create(NULL, &potential, &error));
+    REFUSED("potential", pel_potential_create(sim, NULL, &error));
+    SURVIVES(pel_potential_destroy(NULL));
+    GIVES(pel_potential_vertex_count(NULL) == 0);
+    REFUSED("potential", pel_potential_evaluate(NULL, some, some, NULL, &error));
+    REFUSED("potential", pel_potential_hessian(NULL, some, &hessian, &error));
+    SURVIVES(pel_hessian_destroy(NULL));
+    pel_adjoint_def adjoint = pel_adjoint_def_default();
+    REFUSED("sim", pel_sim_adjoint(NULL, &adjoint, &error));
+    REFUSED("def", pel_sim_adjoint(sim, NULL, &error));
+    FAILS(pel_sim_adjoint(sim, &adjoint, &error));
+    SURVIVES(pel_sim_load_factor(NULL));
+    SURVIVES(pel_sim_path_kind(NULL));
+    SURVIVES(pel_sim_get_path_end(NULL));
+    GIVES(strlen(pel_version()) > 0 && strlen(pel_kernels()) > 0);
+    free(some);
+    finish();
+}
+
 /* ---- scenes and runs ---- */
 
 static void test_scenes(void **unused)
@@ -966,7 +1071,7 @@ int main(void)
         cmocka_unit_test(test_files),     cmocka_unit_test(test_results),  cmocka_unit_test(test_shapes),
         cmocka_unit_test(test_measures),  cmocka_unit_test(test_collider), cmocka_unit_test(test_model),
         cmocka_unit_test(test_shell),     cmocka_unit_test(test_sim),      cmocka_unit_test(test_loads_and_tools),
-        cmocka_unit_test(test_sim_calls), cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_sim_calls), cmocka_unit_test(test_live),     cmocka_unit_test(test_scenes),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
