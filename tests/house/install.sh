@@ -21,6 +21,7 @@ outside() {
     quietly cmake --build "$place/$1"
 }
 outside press "$source/examples/press"
+outside drag "$source/examples/drag"
 outside core "$source/tests/house/outside"
 "$place/core/outside"
 outside core-shared "$source/tests/house/outside" -DSHARED=ON
@@ -55,6 +56,9 @@ for package in pellicle pellicle-static; do
 done
 awk '/force/ { force[NR] = $7 } END { exit !(NR == 12 && force[4] > 0 && force[12] == 0) }' "$place/press.txt" ||
     fail "the force on the ball does not rise and fall"
+
+"$place/drag/drag" | tee "$place/drag.txt"
+grep -q "the same bits as at the start" "$place/drag.txt" || fail "the example does not take its changes back"
 
 if [ -f "$PKG_CONFIG_PATH/pellicle-scene.pc" ]; then
     outside scene "$source/tests/house/outside" -DSCENE=ON
