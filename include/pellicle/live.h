@@ -56,51 +56,51 @@ typedef struct pel_parameter_info {
 
 /* The parameters that apply to a simulation as it is: no membrane, no Young's modulus. The number changes when loads
    and tools are added or removed. */
-int32_t pel_parameter_count(const pel_sim *sim);
+PEL_API int32_t pel_parameter_count(const pel_sim *sim);
 /* The parameter of an index 0 .. pel_parameter_count - 1, in the order of the reference page, body by body. */
-void pel_parameter_at(const pel_sim *sim, int32_t index, pel_parameter_info *info);
+PEL_API void pel_parameter_at(const pel_sim *sim, int32_t index, pel_parameter_info *info);
 /* The parameter of a path. PEL_BAD_ARGUMENT names the nearest path for an unknown one. */
-pel_status pel_parameter_find(const pel_sim *sim, const char *path, pel_parameter_info *info, pel_error *error);
+PEL_API pel_status pel_parameter_find(const pel_sim *sim, const char *path, pel_parameter_info *info, pel_error *error);
 
 /* Sets a number, integer, switch (0 or 1) or word (its index); NAN is `auto` where may_be_auto says so. Keys or a field
    are replaced by the number. PEL_BAD_ARGUMENT for an unknown path, a value out of range, one that the method cannot
    do, and for what cannot change while running, with reason and remedy; PEL_UNSTABLE with the limit where the method
    would be unstable; PEL_OUT_OF_MEMORY. The simulation is unchanged then. */
-pel_status pel_set_parameter(pel_sim *sim, const char *path, double value, pel_error *error);
+PEL_API pel_status pel_set_parameter(pel_sim *sim, const char *path, double value, pel_error *error);
 /* Sets a vector, such as "gravity" or "loads.pull.force". Errors as above. */
-pel_status pel_set_parameter_vector(pel_sim *sim, const char *path, const double value[3], pel_error *error);
+PEL_API pel_status pel_set_parameter_vector(pel_sim *sim, const char *path, const double value[3], pel_error *error);
 /* Sets a curve over time (key_count >= 1, times increasing; copied). Errors as above. */
-pel_status pel_set_parameter_keys(pel_sim *sim, const char *path, const pel_key *keys, int32_t key_count,
-                                  pel_error *error);
+PEL_API pel_status pel_set_parameter_keys(pel_sim *sim, const char *path, const pel_key *keys, int32_t key_count,
+                                          pel_error *error);
 /* Sets any kind from text as in `--set`: "2e4", "true", "auto", "neo-hookean", "[0, 0, -9.81]". Errors as above. */
-pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const char *text, pel_error *error);
+PEL_API pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const char *text, pel_error *error);
 
 /* ---- loads, tools, pins, forces ---- */
 
 /* Adds what the def says, checked like that of pel_sim_create, but against the present state: a tool that would start
    inside a body is refused. Names are unique among loads and among tools. The number of what was added is the last one:
    pel_sim_tool_count - 1. Keys are in the time of the simulation. */
-pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *error);
-pel_status pel_sim_add_tool(pel_sim *sim, const pel_tool_def *def, pel_error *error);
+PEL_API pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *error);
+PEL_API pel_status pel_sim_add_tool(pel_sim *sim, const pel_tool_def *def, pel_error *error);
 /* Removes it; what a tool holds is released. Numbers of those behind it fall by one. PEL_BAD_ARGUMENT for one that does
    not exist. */
-pel_status pel_sim_remove_load(pel_sim *sim, int32_t load, pel_error *error);
-pel_status pel_sim_remove_tool(pel_sim *sim, int32_t tool, pel_error *error);
-int32_t pel_sim_load_count(const pel_sim *sim);
-const char *pel_sim_load_name(const pel_sim *sim, int32_t load); /* "" = none; lives until the next change */
+PEL_API pel_status pel_sim_remove_load(pel_sim *sim, int32_t load, pel_error *error);
+PEL_API pel_status pel_sim_remove_tool(pel_sim *sim, int32_t tool, pel_error *error);
+PEL_API int32_t pel_sim_load_count(const pel_sim *sim);
+PEL_API const char *pel_sim_load_name(const pel_sim *sim, int32_t load); /* "" = none; lives until the next change */
 
 /* New keys of a tool (key_count >= 1, times increasing; copied): from the next step on it follows them, and a pose that
    was set is given up. */
-pel_status pel_sim_set_tool_keys(pel_sim *sim, int32_t tool, const pel_pose_key *keys, int32_t key_count,
-                                 pel_error *error);
+PEL_API pel_status pel_sim_set_tool_keys(pel_sim *sim, int32_t tool, const pel_pose_key *keys, int32_t key_count,
+                                         pel_error *error);
 
 /* Replaces the pinned vertices of a body (mesh vertices; vertex_count 0 = none). They are held where they are now. */
-pel_status pel_sim_set_pins(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count,
-                            pel_error *error);
+PEL_API pel_status pel_sim_set_pins(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count,
+                                    pel_error *error);
 
 /* Forces [N] on the vertices of the body's mesh (mesh vertex_count x 3), beside the loads, until they are set again;
    null = none. They are part of snapshots, and their work is that of loads. Allocates at the first call only. */
-pel_status pel_sim_set_forces(pel_sim *sim, int32_t body, const double *forces, pel_error *error);
+PEL_API pel_status pel_sim_set_forces(pel_sim *sim, int32_t body, const double *forces, pel_error *error);
 
 /* ---- picking and dragging ---- */
 
@@ -120,8 +120,8 @@ typedef struct pel_pick_hit {
 /* Casts a ray from origin [m] along direction (any length but 0) at the present surfaces of all bodies; both sides of
    triangles count. The tree that it searches is built at the first call and fitted to the state after a step.
    PEL_BAD_ARGUMENT for numbers that are not finite, PEL_OUT_OF_MEMORY. */
-pel_status pel_pick(pel_sim *sim, const double origin[3], const double direction[3], pel_pick_hit *hit,
-                    pel_error *error);
+PEL_API pel_status pel_pick(pel_sim *sim, const double origin[3], const double direction[3], pel_pick_hit *hit,
+                            pel_error *error);
 
 /* A hand that holds a piece of surface through a spring. */
 typedef struct pel_drag pel_drag;
@@ -136,13 +136,13 @@ typedef struct pel_drag_reading {
 /* Takes hold of the vertices within `reach` [m] of a hit (the nearest one at least). stiffness [N/m] > 0 is that of the
    spring. Adds a tool named "drag", "drag-2", ...; end it with pel_drag_end, or with the simulation. PEL_BAD_ARGUMENT,
    PEL_OUT_OF_MEMORY. */
-pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffness, double reach, pel_drag **drag,
-                          pel_error *error);
+PEL_API pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffness, double reach,
+                                  pel_drag **drag, pel_error *error);
 /* Before each step: the target [m], and the point follows until spring and surface balance. */
-pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error);
-void pel_drag_get(const pel_drag *drag, pel_drag_reading *reading);
+PEL_API pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error);
+PEL_API void pel_drag_get(const pel_drag *drag, pel_drag_reading *reading);
 /* Lets go and frees the drag, whatever is returned; after PEL_OUT_OF_MEMORY its tool stays, but holds nothing. */
-pel_status pel_drag_end(pel_drag *drag, pel_error *error);
+PEL_API pel_status pel_drag_end(pel_drag *drag, pel_error *error);
 
 /* ---- snapshots ---- */
 
@@ -150,14 +150,14 @@ pel_status pel_drag_end(pel_drag *drag, pel_error *error);
 typedef struct pel_snapshot pel_snapshot;
 
 /* PEL_OUT_OF_MEMORY. Free with pel_snapshot_destroy, before or after the simulation. */
-pel_status pel_snapshot_create(const pel_sim *sim, pel_snapshot **snapshot, pel_error *error);
-void pel_snapshot_destroy(pel_snapshot *snapshot);
+PEL_API pel_status pel_snapshot_create(const pel_sim *sim, pel_snapshot **snapshot, pel_error *error);
+PEL_API void pel_snapshot_destroy(pel_snapshot *snapshot);
 /* Takes the simulation that the snapshot was made from back to it, what was added or changed since included. The hash
    is that of then, and so are the bits of the steps to come. Drags that are open are ended first by the caller.
    PEL_BAD_ARGUMENT for another simulation, PEL_OUT_OF_MEMORY; the simulation is unchanged then. */
-pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_error *error);
+PEL_API pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_error *error);
 /* bytes that it takes */
-size_t pel_snapshot_size(const pel_snapshot *snapshot);
+PEL_API size_t pel_snapshot_size(const pel_snapshot *snapshot);
 
 #ifdef __cplusplus
 }

@@ -169,8 +169,8 @@ typedef struct pel_fill_summary {
    of the mesh stay first; fields are carried along. The rim of an open surface is a hole like any other.
    pel_mesh_repair afterwards turns what is closed now outward. Errors: PEL_BAD_ARGUMENT, PEL_BAD_MESH as
    pel_topology_create, PEL_OUT_OF_MEMORY; *filled is null then. summary is nullable. */
-pel_status pel_mesh_fill_holes(const pel_mesh *mesh, int32_t edge_limit, pel_mesh **filled, pel_fill_summary *summary,
-                               pel_error *error);
+PEL_API pel_status pel_mesh_fill_holes(const pel_mesh *mesh, int32_t edge_limit, pel_mesh **filled,
+                                       pel_fill_summary *summary, pel_error *error);
 
 #ifdef __cplusplus
 }

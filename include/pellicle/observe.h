@@ -29,18 +29,18 @@ typedef struct pel_field_info {
 } pel_field_info;
 
 /* The table. */
-int32_t pel_field_count(void);
-const pel_field_info *pel_field_at(int32_t field);
+PEL_API int32_t pel_field_count(void);
+PEL_API const pel_field_info *pel_field_at(int32_t field);
 /* -1 when there is none of that name */
-int32_t pel_field_find(const char *name);
+PEL_API int32_t pel_field_find(const char *name);
 
 /* Values of a field on the vertices of a body (pel_sim_vertex_count x component_count), rows as those of
    pel_sim_get_positions. What several fields need is computed once for a state. PEL_BAD_ARGUMENT for a field or body
    that does not exist, PEL_OUT_OF_MEMORY. */
-pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error);
+PEL_API pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error);
 /* The same on triangles (pel_sim_triangle_count x component_count), in the order of pel_sim_get_triangles;
    PEL_BAD_ARGUMENT for a field on vertices alone. */
-pel_status pel_observe_triangles(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error);
+PEL_API pel_status pel_observe_triangles(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error);
 
 #ifdef __cplusplus
 }

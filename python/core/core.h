@@ -89,6 +89,8 @@ extern PyType_Spec core_sim_spec;
 int core_sim_check(core_sim *self);
 /* The number of a body given by name or number; -1 with an exception, also where core_sim_check fails. */
 int32_t core_sim_body(core_sim *self, PyObject *body);
+/* a tuple of (name, components, unit, doc, is on triangles too): the table of fields, in its order */
+PyObject *core_field_table(void);
 /* a tuple of (name, type, components, is on triangles): what `get` can fill, in its order */
 PyObject *core_array_table(void);
 
@@ -97,10 +99,7 @@ PyObject *core_array_table(void);
 PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_set_load(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_set_tool(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
-#if __has_include(<pellicle/live.h>)
-#define CORE_IS_LIVE /* parameters change while a simulation runs */
 PyObject *core_sim_set_parameter(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
-#endif
 PyObject *core_sim_save(core_sim *self, PyObject *unused);
 PyObject *core_sim_load(core_sim *self, PyObject *snapshot);
 PyObject *core_sim_evaluate(core_sim *self, PyObject *const *arguments, Py_ssize_t count);

@@ -49,8 +49,8 @@ PyMODINIT_FUNC PyInit__core(void)
         PyModule_AddObjectRef(module, "Error", core_error) < 0 ||
         PyModule_AddObjectRef(module, "Scene", (PyObject *)core_scene_type) < 0 ||
         PyModule_AddObjectRef(module, "Sim", (PyObject *)core_sim_type) < 0 ||
-        add(module, "ARRAYS", core_array_table()) < 0 || PyModule_AddFunctions(module, core_mesh_methods) < 0 ||
-        PyModule_AddFunctions(module, core_run_methods) < 0)
+        add(module, "ARRAYS", core_array_table()) < 0 || add(module, "FIELDS", core_field_table()) < 0 ||
+        PyModule_AddFunctions(module, core_mesh_methods) < 0 || PyModule_AddFunctions(module, core_run_methods) < 0)
         Py_CLEAR(module);
     return module;
 }

@@ -1,6 +1,8 @@
 /* A simulation: steps, and what can be read from it. */
 #include "core.h"
 
+#include <pellicle/observe.h>
+
 #include <time.h>
 
 PyTypeObject *core_sim_type;
@@ -91,12 +93,8 @@ typedef void pel_getter(core_sim *self, int32_t body, void *out);
 GETTER(positions, double)
 GETTER(velocities, double)
 GETTER(forces, double)
-GETTER(pressure_forces, double)
-GETTER(contact_forces, double)
-GETTER(contacts, double)
 GETTER(rest_positions, double)
 GETTER(masses, double)
-GETTER(spring_virials, double)
 GETTER(triangles, int32_t)
 GETTER(levels, int32_t)
 
@@ -112,10 +110,9 @@ typedef struct sim_array {
 #name, get_##name, type, components, on_triangles                                                              \
     }
 static const sim_array arrays[] = {
-    ARRAY(positions, 'd', 3, 0),       ARRAY(velocities, 'd', 3, 0),     ARRAY(forces, 'd', 3, 0),
-    ARRAY(pressure_forces, 'd', 3, 0), ARRAY(contact_forces, 'd', 3, 0), ARRAY(contacts, 'd', 1, 0),
-    ARRAY(rest_positions, 'd', 3, 0),  ARRAY(masses, 'd', 1, 0),         ARRAY(spring_virials, 'd', 1, 0),
-    ARRAY(triangles, 'i', 3, 1),       ARRAY(levels, 'i', 1, 0),
+    ARRAY(positions, 'd', 3, 0),      ARRAY(velocities, 'd', 3, 0), ARRAY(forces, 'd', 3, 0),
+    ARRAY(rest_positions, 'd', 3, 0), ARRAY(masses, 'd', 1, 0),     ARRAY(triangles, 'i', 3, 1),
+    ARRAY(levels, 'i', 1, 0),
 };
 enum { ARRAY_COUNT = sizeof arrays / sizeof *arrays };
 
@@ -158,39 +155,50 @@ static PyObject *sim_get(core_sim *self, PyObject *const *arguments, Py_ssize_t 
     return out;
 }
 
-/* energies(body, out): rows of spring, volumetric, membrane, bending and fibre energy (5 x vertex_count) */
-static PyObject *sim_energies(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+PyObject *core_field_table(void)
 {
-    Py_buffer view;
-    int32_t body = core_check_count("energies", count, 2) < 0 ? -1 : core_sim_body(self, arguments[0]);
-    if (body < 0)
-        return NULL;
-    Py_ssize_t rows = pel_sim_vertex_count(self->sim, body);
-    if (core_get_array(arguments[1], "out", 'd', 5 * rows, 1, &view) < 0)
-        return NULL;
-    double *out = view.buf;
-    memset(out, 0, (size_t)view.len);
-    pel_sim_get_energies(self->sim, body, out, out + rows);
-    if (pel_sim_has_shells(self->sim))
-        pel_sim_get_shell_energies(self->sim, body, out + 2 * rows, out + 3 * rows, out + 4 * rows);
-    PyBuffer_Release(&view);
-    return Py_NewRef(arguments[1]);
+    PyObject *table = PyTuple_New(pel_field_count());
+    for (int32_t f = 0; table != NULL && f < pel_field_count(); f++) {
+        const pel_field_info *info = pel_field_at(f);
+        PyObject *row = Py_BuildValue("sissO", info->name, (int)info->component_count, info->unit, info->doc,
+                                      info->place == PEL_FIELD_ON_BOTH ? Py_True : Py_False);
+        if (row == NULL || PyTuple_SetItem(table, f, row) < 0)
+            Py_CLEAR(table);
+    }
+    return table;
 }
 
-/* mechanics(body, out): the numbers of pel_triangle_mechanics (triangle_count x 30) */
-static PyObject *sim_mechanics(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+/* observe(field, body, on triangles instead of vertices, array to fill or None) */
+static PyObject *sim_observe(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
+    int32_t field, on_triangles;
     Py_buffer view;
-    const Py_ssize_t numbers = sizeof(pel_triangle_mechanics) / sizeof(double);
-    int32_t body = core_check_count("mechanics", count, 2) < 0 ? -1 : core_sim_body(self, arguments[0]);
-    if (body < 0 ||
-        core_get_array(arguments[1], "out", 'd', numbers * pel_sim_triangle_count(self->sim, body), 1, &view) < 0)
+    pel_error error;
+    if (core_check_count("observe", count, 4) < 0 ||
+        core_get_index(arguments[0], "field", 0, (int64_t)pel_field_count() - 1, &field) < 0 ||
+        core_get_index(arguments[2], "on_triangles", 0, 1, &on_triangles) < 0)
         return NULL;
-    memset(view.buf, 0, (size_t)view.len);
-    if (pel_sim_has_shells(self->sim))
-        pel_sim_get_mechanics(self->sim, body, view.buf);
+    int32_t body = core_sim_body(self, arguments[1]);
+    if (body < 0)
+        return NULL;
+    Py_ssize_t columns = pel_field_at(field)->component_count;
+    Py_ssize_t rows = on_triangles ? pel_sim_triangle_count(self->sim, body) : pel_sim_vertex_count(self->sim, body);
+    PyObject *out = arguments[3] == Py_None ? core_new_array('d', rows, columns) : Py_NewRef(arguments[3]);
+    if (out == NULL || core_get_array(out, "out", 'd', -1, 1, &view) < 0) {
+        Py_XDECREF(out);
+        return NULL;
+    }
+    int fits = core_check_shape(&view, "out", rows, columns) == 0;
+    pel_status status = PEL_OK;
+    if (fits && on_triangles)
+        status = pel_observe_triangles(self->sim, field, body, view.buf, &error);
+    else if (fits)
+        status = pel_observe(self->sim, field, body, view.buf, &error);
     PyBuffer_Release(&view);
-    return Py_NewRef(arguments[1]);
+    if (fits && status == PEL_OK)
+        return out;
+    Py_DECREF(out);
+    return fits ? core_raise(&error) : NULL;
 }
 
 /* counts(body): vertices, triangles, revision of the surface */
@@ -388,15 +396,12 @@ static PyObject *sim_intersections(core_sim *self, PyObject *unused)
 #name, (PyCFunction)(void (*)(void))sim_##name, flags, NULL                                                    \
     }
 static PyMethodDef methods[] = {
-#ifdef CORE_IS_LIVE
     CHANGE(set_parameter, METH_FASTCALL),
-#endif
     METHOD(step, METH_O),
     METHOD(get, METH_FASTCALL),
-    METHOD(energies, METH_FASTCALL),
+    METHOD(observe, METH_FASTCALL),
     METHOD(counts, METH_O),
     METHOD(measure, METH_NOARGS),
-    METHOD(mechanics, METH_FASTCALL),
     METHOD(ledger, METH_NOARGS),
     METHOD(solver, METH_NOARGS),
     METHOD(contact, METH_NOARGS),

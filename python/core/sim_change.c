@@ -1,8 +1,6 @@
 #include "core.h"
 
-#ifdef CORE_IS_LIVE
 #include <pellicle/live.h>
-#endif
 
 /* set(velocities instead of positions, body, values) */
 PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
@@ -55,7 +53,6 @@ PyObject *core_sim_set_tool(core_sim *self, PyObject *const *arguments, Py_ssize
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
 
-#ifdef CORE_IS_LIVE
 /* set_parameter(path, value as text) */
 PyObject *core_sim_set_parameter(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
@@ -76,7 +73,6 @@ PyObject *core_sim_set_parameter(core_sim *self, PyObject *const *arguments, Py_
         return core_raise(&error);
     return Py_NewRef(Py_None);
 }
-#endif
 
 PyObject *core_sim_save(core_sim *self, PyObject *unused)
 {

@@ -10,7 +10,6 @@ docs/python.md is the guide.
 
 from . import _core
 from ._core import Error
-from ._fields import FIELDS as _FIELDS
 from .mesh import Mesh
 from .results import Frame, Frames, Run, read_run, run
 from .simulation import Scene, Simulation, load_scene
@@ -18,7 +17,7 @@ from .simulation import Scene, Simulation, load_scene
 __version__: str = _core.version()
 
 #: Names that `Simulation.field` takes.
-field_names: tuple[str, ...] = tuple(_FIELDS)
+field_names: tuple[str, ...] = tuple(row[0] for row in _core.FIELDS)
 
 
 def kernels() -> str:

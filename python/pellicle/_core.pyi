@@ -15,6 +15,7 @@ class Error(RuntimeError):
     element_name: Optional[str]
     element: Optional[int]
 
+FIELDS: tuple[tuple[str, int, str, str, bool], ...]
 ARRAYS: tuple[tuple[str, str, int, bool], ...]
 
 class Scene:

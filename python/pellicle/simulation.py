@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 import tempfile
@@ -9,11 +10,12 @@ from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 
-from . import _core, _fields
+from . import _core
 from ._arrays import from_bytes, numbers, room
 from .mesh import Mesh, PathLike
 
 Source = Union[PathLike, Mapping[str, Any]]
+_FIELD = {row[0]: number for number, row in enumerate(_core.FIELDS)}
 _NUMBER = {row[0]: number for number, row in enumerate(_core.ARRAYS)}
 _POSITIONS = _NUMBER["positions"]
 
@@ -248,16 +250,27 @@ class Simulation:
         shape = (self._core.counts(body)[0], 3)
         self._core.set(1, body, numbers(velocities, "velocities", shape))
 
-    def field(self, body: Union[int, str], name: str, out: Optional[np.ndarray] = None) -> np.ndarray:
-        """A vertex field by its name: (vertex_count,) or (vertex_count, k).
+    def field(
+        self, body: Union[int, str], name: str, out: Optional[np.ndarray] = None, on: str = "vertices"
+    ) -> np.ndarray:
+        """A field by its name: (vertex_count,) or (vertex_count, k).
 
-        `field_names` lists them; docs/reference/scene.md (output.fields) says what they are and their units.
+        `pellicle.field_names` lists them; docs/reference/scene.md (fields) says what they are and their units.
+
+        Parameters
+        ----------
+        on : {"vertices", "triangles"}
+            Stress, strain and their like are also there for each triangle: (triangle_count,) or (triangle_count, k).
         """
-        values = _fields.observe(self, body, name)
-        if out is None:
-            return values
-        np.copyto(room(out, values.shape), values)
-        return out
+        if on not in ("vertices", "triangles"):
+            raise ValueError("on: must be 'vertices' or 'triangles'")
+        if not isinstance(name, str):
+            raise TypeError("name: must be a text")
+        number = _FIELD.get(name)
+        if number is None:
+            near = difflib.get_close_matches(name, _FIELD, 1)
+            raise KeyError(f"name: {name!r} is no field" + (f"; did you mean {near[0]!r}?" if near else ""))
+        return self._core.observe(number, body, on == "triangles", out)
 
     # ---- loads and tools ----
 
@@ -291,36 +304,16 @@ class Simulation:
         return self._core.support(body)
 
     def set(self, path: str, value: Any) -> None:
-        """Set a parameter by its path in the scene: ``sim.set("bodies.ball.membrane.young", 2e4)``.
+        """Set a parameter by its path in the scene, between two steps: ``sim.set("bodies.ball.membrane.young", 2e4)``.
 
-        The force of a named load (``loads.finger.force``) changes at any time. Everything else is set before the first
-        step, and remakes the simulation with the new value.
+        The simulation continues from the present state with the new value. include/pellicle/live.h says what can change.
 
         Raises
         ------
         Error
-            A path that does not exist, a value out of range, or a parameter that cannot change after the first step.
+            A path that does not exist, a value out of range, or a parameter that cannot change; nothing is changed then.
         """
-        if hasattr(self._core, "set_parameter"):
-            self._core.set_parameter(*_override(path, value).split("=", 1))
-            return
-        parts = path.split(".") if isinstance(path, str) else []
-        if len(parts) == 3 and parts[0] == "loads" and parts[2] == "force" and parts[1] in self.loads:
-            self.set_load(parts[1], value)
-            return
-        override = {**self.scene._overrides, path: value}
-        scene = Scene(self.scene._source, override)
-        if self.steps > 0:
-            error = _core.Error(f"{path} is set before the first step. set it on a simulation that has not been stepped")
-            error.status, error.what, error.remedy = "bad argument", str(error), "set it before the first step"
-            raise error
-        positions = [self.positions(body) for body in range(len(self.scene.bodies))]
-        moved = [(positions[b] != self.rest_positions(b)).any() for b in range(len(positions))]
-        other = scene.simulation()
-        for body, is_moved in enumerate(moved):
-            if is_moved:
-                other.set_positions(positions[body], body)
-        self.__init__(scene, other._core)  # type: ignore[misc]
+        self._core.set_parameter(*_override(path, value).split("=", 1))
 
     # ---- numbers ----
 

@@ -52,6 +52,20 @@ class Stepping(unittest.TestCase):
         other.step(20)
         self.assertEqual(sim.hash, other.hash)
 
+    def test_set_while_running(self):
+        sim = pellicle.load_scene(ball())
+        sim.step(50)
+        soft = 1 - sim.positions()[:, 2].max()
+        sim.energy()
+        sim.set("bodies.ball.springs.stiffness", 30)
+        sim.step(400)
+        self.assertLess(1 - sim.positions()[:, 2].max(), soft + 0.1)
+        # the functions are those of the new parameters
+        self.assertLess(abs(sim.gradient() + sim.forces()).max(), 1e-5 * abs(sim.forces()).max() + 1e-6)
+        for path, value in (("bodies.ball.springs.stifness", 1), ("gravity", "x"), ("solver.dt", -1)):
+            with self.assertRaises(pellicle.Error):
+                sim.set(path, value)
+
     def test_set_of_a_load(self):
         sim = pellicle.load_scene(ball())
         sim.step(10)
@@ -132,6 +146,14 @@ class State(unittest.TestCase):
                     np.testing.assert_allclose(abs((expected * values).sum(axis=1))[clear], 1, atol=1e-6, err_msg=name)
                 else:
                     np.testing.assert_allclose(values, expected, rtol=0, atol=tolerance, err_msg=name)
+
+    def test_fields_on_triangles(self):
+        sim = pellicle.load_scene(shell({"shape": "capsule"}))
+        sim.set_positions(sim.positions() * 1.1)
+        self.assertEqual(sim.field(0, "strain", on="triangles").shape, (len(sim.triangles()), 6))
+        for arguments, kind in (((0, "energy"), pellicle.Error), ((0, "strain"), ValueError)):
+            with self.assertRaises(kind):
+                sim.field(*arguments, on="triangles" if kind is pellicle.Error else "edges")
 
     def test_ledger_and_readings(self):
         sim = pellicle.load_scene(ball())
