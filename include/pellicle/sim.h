@@ -427,6 +427,38 @@ typedef enum pel_path_end {
 } pel_path_end;
 pel_path_end pel_sim_get_path_end(const pel_sim *sim);
 
+/* Derivatives of a function f of the positions by the numbers of one body's material. Bending goes with young,
+   thickness and poisson where its stiffness was left to follow from them. */
+typedef struct pel_adjoint_material {
+    double young, thickness; /* by a factor, 1 at present, on all of it: df/dE = young / E for a uniform E */
+    double poisson;          /* by the ratio */
+    double bending;          /* by a factor on the stiffness of bending alone */
+    double pressure;         /* by a factor on the pressure */
+} pel_adjoint_material;
+
+/* What pel_sim_adjoint reads and fills. Arrays of vertices: bodies one after the other, vertices of their meshes. */
+typedef struct pel_adjoint_def {
+    const double *positions; /* (vertices x 3) df/dx [1/m] at the present state */
+    /* results, nullable */
+    double *forces;                  /* (vertices x 3) by a force on each vertex, 1/N; 0 where it is held */
+    double *rest_positions;          /* (vertices x 3) by rest positions, 1/m, of membranes and mid-edge bending; masses
+                                        and forces of vertices as they are, what is held goes along */
+    double *loads;                   /* (load_count of the def) by a factor, 1 at present, on each load */
+    double *gravity;                 /* (3) by gravity, s2/m */
+    pel_adjoint_material *materials; /* (body_count) */
+} pel_adjoint_def;
+
+pel_adjoint_def pel_adjoint_def_default(void);
+
+/* Derivatives of a function of the positions by the numbers of the model, all from one linear system with the matrix of
+   the present state (adjoint method: Strang, Computational Science and Engineering, section 8.7). PEL_METHOD_STATIC: of
+   the state of rest, which must have converged; bodies that nothing holds stay where three of their vertices are.
+   PEL_METHOD_IMPLICIT: of the end of the last step, with the state at its start as it is. Not along time.
+
+   Without tools and contact; pressure with a potential. PEL_BAD_ARGUMENT for what cannot be asked, and where the state
+   is not a stable balance; PEL_OUT_OF_MEMORY. Changes nothing in the simulation. */
+pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint_def *def, pel_error *error);
+
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
     double volume_ratio;       /* enclosed volume of closed bodies over that at rest; 1 when none is closed */

@@ -82,6 +82,17 @@ pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_
 /* y += the sum of coefficient g (g . x) over the rank ones, on unknowns (unknown_count) that are not fixed. */
 void pel_tangent_add_rank_ones(const pel_tangent_pattern *pattern, const uint8_t *fixed, const double *x, double *y);
 
+/* Derivatives of m . gradient of one body: by factors, 1 at present, on the stiffness of membranes, on that of bending
+   (D) and on the pressure; by Poisson's ratio with D as it is. */
+typedef struct pel_tangent_derivative {
+    double membrane, bending, pressure, poisson;
+} pel_tangent_derivative;
+
+/* Adds the derivatives of m . g, with m (unknown_count) and the gradient g of the last evaluation: to bodies
+   (body_count), and those by rest positions to rest (3 vertex_count; null = not asked for), with directions of fibres,
+   volumes at rest and springs left out. Membranes and mid-edge bending. */
+void pel_tangent_derivatives(const pel_tangent *tangent, const double *m, pel_tangent_derivative *bodies, double *rest);
+
 /* Matrices of `count` elements at the input of the last evaluation, whose arrays have to live: blocks (count x n x n)
    for elements of n unknowns, all of one kind. From any number of threads at once; has the form of a
    pel_matrix_function. Pressure in the vertex-normal form has the matrices of the consistent form. */

@@ -80,6 +80,15 @@ static double moment_of(const pel_sim *sim, const pel_edge_load *at, double time
            pel_vec3_dot(load->force, at->along);
 }
 
+double pel_edge_load_product(const pel_sim *sim, int32_t load, double time, const double *turns)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < sim->edge_load_count; i++)
+        if (sim->edge_loads[i].load == load)
+            sum += moment_of(sim, &sim->edge_loads[i], time) * turns[sim->edge_loads[i].edge];
+    return sum;
+}
+
 void pel_edge_loads_add(const pel_sim *sim, double time, double *moments)
 {
     for (int32_t i = 0; i < sim->edge_load_count; i++)

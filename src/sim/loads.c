@@ -314,6 +314,17 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
     return inside;
 }
 
+double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors)
+{
+    const pel_load *at = &sim->loads[load];
+    double force[3], sum = 0;
+    if (!load_force(sim, at, time, force))
+        return 0;
+    for (int32_t i = 0; i < at->vertex_count; i++)
+        sum += at->weights[i] * pel_vec3_dot(force, vectors + 3 * (size_t)at->vertices[i]);
+    return sum;
+}
+
 void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
 {
     double each[3];

@@ -398,6 +398,8 @@ void pel_loads_destroy(pel_sim *sim);
 /* Moves the new positions and velocities by the loads at the present time. False when a vertex leaves the bound. */
 bool pel_loads_apply(pel_sim *sim, pel_gains gains);
 /* Adds the loads at a time, gravity included, to force (vertex_count). */
+/* N m: the product of a load at a time with vectors on vertices (3 vertex_count) */
+double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors);
 void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
 
 /* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. */

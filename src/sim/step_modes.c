@@ -71,19 +71,9 @@ static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *er
     return PEL_BAD_ARGUMENT;
 }
 
-/* the matrices of modes are along the axes of space, and know the bodies alone */
-static pel_status check_supports(const pel_sim *sim, const pel_newton_frames *frames, pel_error *error)
+static void add_springs(void *context, pel_matrix *matrix)
 {
-    bool is_turned = false, has_springs = sim->holds != NULL && sim->holds->spring_count > 0;
-    for (int32_t i = 0; i < frames->count; i++)
-        for (int a = 0; a < 3; a++)
-            is_turned |= !(frames->axes[i][a][a] == 1);
-    if (!is_turned && !has_springs)
-        return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "modes do not know %s",
-             has_springs ? "supports with a stiffness" : "frames of supports");
-    pel_fail_remedy(error, "fix components along x, y and z");
-    return PEL_BAD_ARGUMENT;
+    pel_holds_add_matrix(context, matrix);
 }
 
 static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
@@ -96,9 +86,9 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
     pel_newton_problem problem = {.time = sim->step.dt, .state = sim->state, .force = newton->loads};
     problem.fixed = newton->fixed;
     problem.frames = pel_sim_newton_gather(sim, problem.time, sim->solver.analysis == PEL_ANALYSIS_BUCKLING);
-    status = check_supports(sim, &problem.frames, error);
-    if (status == PEL_OK)
-        status = pel_modes_solve(own->modes, &problem, newton->unknowns, error);
+    const pel_newton_terms springs = {.context = sim, .add_matrix = add_springs};
+    problem.terms = &springs;
+    status = pel_modes_solve(own->modes, &problem, newton->unknowns, error);
     memcpy(sim->state->position, own->present, (size_t)sim->model->vertex_count * sizeof *own->present);
     own->is_solved = status == PEL_OK;
     own->count = status == PEL_OK ? sim->solver.mode_count : 0;

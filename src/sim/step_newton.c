@@ -198,6 +198,11 @@ static void support_free_body(pel_sim *sim, int32_t body)
 pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free)
 {
     take_positions(sim);
+    return pel_sim_newton_gather_at(sim, time, supports_free);
+}
+
+pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free)
+{
     const pel_newton_frames frames =
         pel_holds_fix(sim, time, sim->descent->newton->fixed, sim->descent->newton->target);
     find_loads(sim, time);
@@ -305,7 +310,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .target = newton->target,
         .frames = frames,
         .terms = context->is_constrained || has_springs ? &terms : NULL,
-        .tolerance = problem->tolerance,
+        .tolerance = hypot(problem->tolerance,
+                           pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads)),
         .held_share = problem->held_share,
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,

@@ -29,6 +29,8 @@ void pel_sim_newton_destroy(pel_sim_newton *newton);
 /* Unknowns, fixed ones, targets and loads of a run, the axes of supports; with supports of three vertices for bodies
    that nothing holds. */
 pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free);
+/* The same at the present state, which the unknowns are at. */
+pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free);
 /* Before the first run of a step, which goes the same way after a snapshot. */
 void pel_sim_newton_begin(pel_sim *sim);
 /* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */

@@ -38,9 +38,11 @@ struct pel_modes {
     double *right, *stresses; /* (unknown_count), (stress_count + 1) */
     double *values, *vectors; /* (count), (count x unknown_count) */
     const pel_tangent_pattern *pattern;
-    double largest_factor; /* of loads: beyond, the linear step is longer than the model */
-    uint8_t *fixed;        /* (unknown_count) of the solve */
-    double shift;          /* 1/s2 by the masses, or a factor of the loads */
+    double largest_factor;             /* of loads: beyond, the linear step is longer than the model */
+    uint8_t *fixed;                    /* (unknown_count) of the solve */
+    int32_t *frame;                    /* (node_count) number of the axes of a vertex, or -1 */
+    const pel_newton_problem *problem; /* of the solve */
+    double shift;                      /* 1/s2 by the masses, or a factor of the loads */
 };
 
 pel_status pel_modes_create(pel_newton *newton, pel_analysis analysis, int32_t count, pel_modes **modes,
@@ -61,8 +63,10 @@ pel_status pel_modes_create(pel_newton *newton, pel_analysis analysis, int32_t c
     made->values = pel_allocate((size_t)count, sizeof *made->values);
     made->vectors = pel_allocate((size_t)count * unknowns, sizeof *made->vectors);
     made->fixed = pel_allocate(unknowns, 1);
-    bool room = made->fixed != NULL && made->masses != NULL && made->right != NULL && made->stresses != NULL &&
-                made->values != NULL && made->vectors != NULL;
+    made->frame =
+        pel_allocate((size_t)made->pattern->vertex_count + (size_t)made->pattern->edge_count, sizeof *made->frame);
+    bool room = made->frame != NULL && made->fixed != NULL && made->masses != NULL && made->right != NULL &&
+                made->stresses != NULL && made->values != NULL && made->vectors != NULL;
     pel_status status = room ? PEL_OK : pel_fail_memory(error);
     if (status == PEL_OK && analysis == PEL_ANALYSIS_BUCKLING)
         status = pel_newton_create_matrix(newton, &made->geometric, error);
@@ -88,6 +92,7 @@ void pel_modes_destroy(pel_modes *modes)
     pel_factor_destroy(modes->factor);
     pel_matrix_destroy(modes->geometric);
     pel_free(modes->fixed);
+    pel_free(modes->frame);
     double *arrays[] = {modes->masses, modes->right, modes->stresses, modes->values, modes->vectors};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
@@ -163,6 +168,11 @@ static void apply_geometric(void *context, const double *x, double *y)
 
 static void take_masses(pel_modes *modes, const uint8_t *fixed)
 {
+    const pel_newton_frames *frames = &modes->problem->frames;
+    for (int32_t n = 0; n < modes->pattern->vertex_count + modes->pattern->edge_count; n++)
+        modes->frame[n] = -1;
+    for (int32_t f = 0; f < frames->count; f++)
+        modes->frame[frames->vertices[f]] = f;
     for (int32_t u = 0; u < modes->pattern->unknown_count; u++) {
         bool rests = u < 3 * modes->pattern->vertex_count && !(modes->system.model->inverse_mass[u / 3] > 0);
         modes->fixed[u] = rests || fixed[u];
@@ -187,8 +197,16 @@ static double stiffness_over_mass(const pel_modes *modes)
 
 static void evaluate(pel_modes *modes, const pel_tangent_input *input, pel_matrix *matrix, double *gradient)
 {
+    const pel_newton_problem *problem = modes->problem;
     pel_tangent_evaluate(modes->system.tangent, input, modes->system.pool, gradient);
     pel_matrix_assemble(matrix, modes->system.pool, pel_tangent_matrices, modes->system.tangent);
+    if (problem->terms != NULL)
+        problem->terms->add_matrix(problem->terms->context, matrix);
+    pel_matrix_turn(matrix, modes->system.pool, modes->frame, problem->frames.axes);
+    if (gradient == NULL)
+        return;
+    pel_newton_frames_turn(&problem->frames, gradient);
+    pel_newton_frames_turn_rank_ones(&problem->frames, modes->pattern);
 }
 
 static bool compute_factor(pel_modes *modes)
@@ -259,9 +277,13 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
     modes->shift = 0;
     own.kind = PEL_TANGENT_POSITIVE;
     evaluate(modes, &own, matrix, modes->right);
+    if (problem->force != NULL)
+        memcpy(modes->vectors, problem->force, (size_t)modes->pattern->unknown_count * sizeof *modes->vectors);
+    else
+        memset(modes->vectors, 0, (size_t)modes->pattern->unknown_count * sizeof *modes->vectors);
+    pel_newton_frames_turn(&problem->frames, modes->vectors);
     for (int32_t u = 0; u < modes->pattern->unknown_count; u++) {
-        double load = problem->force != NULL ? problem->force[u] : 0;
-        modes->right[u] = modes->fixed[u] ? 0 : load - modes->right[u];
+        modes->right[u] = modes->fixed[u] ? 0 : modes->vectors[u] - modes->right[u];
         most = u < 3 * modes->pattern->vertex_count ? fmax(most, fabs(modes->right[u])) : most;
     }
     if (!(most > rounding_force(modes))) {
@@ -273,6 +295,7 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
     if (!compute_factor(modes))
         return fail_unstable(error);
     solve(modes, modes->vectors);
+    pel_newton_frames_turn_back(&problem->frames, modes->vectors);
     modes->largest_factor = longest_factor(modes, modes->vectors);
     pel_tangent_extrapolate(modes->system.tangent, input, modes->vectors, modes->system.pool, modes->stresses);
     own.kind = PEL_TANGENT_EXACT;
@@ -325,8 +348,9 @@ static double value_of(const pel_modes *modes, double inverse)
 
 static void take_vector(pel_modes *modes, int32_t number)
 {
-    const double *from = pel_eigen_vector(modes->eigen, number);
-    double *to = modes->vectors + (size_t)number * (size_t)modes->pattern->unknown_count;
+    double *to = modes->vectors + (size_t)number * (size_t)modes->pattern->unknown_count, *from = modes->right;
+    memcpy(from, pel_eigen_vector(modes->eigen, number), (size_t)modes->pattern->unknown_count * sizeof *from);
+    pel_newton_frames_turn_back(&modes->problem->frames, from);
     double most = 0, component = 0;
     for (int32_t v = 0; v < modes->pattern->vertex_count; v++) {
         const double *x = from + 3 * (size_t)v;
@@ -366,6 +390,7 @@ pel_status pel_modes_solve(pel_modes *modes, const pel_newton_problem *problem, 
 {
     const pel_tangent_input input = {.unknowns = unknowns, .time = problem->time, .state = problem->state};
     bool buckles = modes->analysis == PEL_ANALYSIS_BUCKLING;
+    modes->problem = problem;
     take_masses(modes, problem->fixed);
     pel_status status = buckles ? prepare_buckling(modes, problem, &input, error) : prepare_modal(modes, &input, error);
     if (status != PEL_OK)

@@ -21,7 +21,8 @@ pel_status pel_modes_create(pel_newton *newton, pel_analysis analysis, int32_t c
 void pel_modes_destroy(pel_modes *modes);
 
 /* Finds the modes about `unknowns` (unknown_count), the lowest first: about a state of rest; of buckling about the
-   state without loads, which are those of the problem. Uses time, state, force and fixed of it. PEL_BAD_ARGUMENT where
+   state without loads, which are those of the problem. Uses time, state, force, fixed, frames
+   and the matrix of the terms of it. PEL_BAD_ARGUMENT where
    the state is not stable, nothing loads the model, or it has fewer modes. Allocates nothing. */
 pel_status pel_modes_solve(pel_modes *modes, const pel_newton_problem *problem, const double *unknowns,
                            pel_error *error);

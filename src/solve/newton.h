@@ -34,6 +34,11 @@ typedef struct pel_newton_frames {
     const double (*axes)[3][3]; /* (count) rows, orthonormal */
 } pel_newton_frames;
 
+/* Vectors of unknowns from x, y, z to these axes, and back; gradients of volumes to them. */
+void pel_newton_frames_turn(const pel_newton_frames *frames, double *vector);
+void pel_newton_frames_turn_back(const pel_newton_frames *frames, double *vector);
+void pel_newton_frames_turn_rank_ones(const pel_newton_frames *frames, const pel_tangent_pattern *pattern);
+
 typedef struct pel_newton_problem {
     double time;               /* of keyed curves */
     const pel_state *state;    /* factors of keyed parameters */
@@ -82,6 +87,9 @@ const double *pel_newton_gradient(const pel_newton *newton);
 /* (edge_count) sums of psi that the edges went through in the last run */
 const double *pel_newton_turns(const pel_newton *newton);
 
+/* N, root of the sum of squares of moments (those of unknown_count loads on edges), as forces at the ends of edges */
+double pel_newton_moment_force(const pel_newton *newton, const double *loads);
+
 /* What other solvers of the same unknowns share: between two runs they may use the matrix. */
 typedef struct pel_newton_system {
     const pel_model *model;
@@ -115,6 +123,12 @@ typedef struct pel_newton_path {
    not converge, unknowns and factor stay: a shorter step may. Errors as of a run. */
 pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                              pel_newton_path *path, pel_newton_result *result, pel_error *error);
+
+/* Solves K m = gradient (unknown_count) at a balance, K exact, and fixed unknowns 0: multipliers m (unknown_count). On
+   fixed ones, held = gradient - K m, the derivative by their places, elsewhere 0. gradient is written over.
+   PEL_BAD_ARGUMENT where the balance is not stable; PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_adjoint(pel_newton *newton, const pel_newton_problem *problem, double *unknowns, double *gradient,
+                              double *multipliers, double *held, pel_error *error);
 
 /* Forgets the factor that is kept, so that what follows does not depend on the runs before. */
 void pel_newton_forget(pel_newton *newton);

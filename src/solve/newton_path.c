@@ -187,7 +187,7 @@ static bool take_last_direction(newton_run *run, const pel_newton_path *path)
     memcpy(newton->answer, path->direction, (size_t)newton->pattern->unknown_count * sizeof(double));
     for (int32_t u = 3 * newton->pattern->vertex_count; u < newton->pattern->unknown_count; u++)
         newton->answer[u] = 0;
-    pel_newton_turn(run, newton->answer);
+    pel_newton_frames_turn(&run->problem->frames, newton->answer);
     return set_direction(run, newton->answer);
 }
 
@@ -230,6 +230,6 @@ pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *probl
     } else {
         memcpy(unknowns, newton->begin, bytes);
     }
-    pel_newton_turn_back(&run, newton->gradient);
+    pel_newton_frames_turn_back(&problem->frames, newton->gradient);
     return run.status;
 }

@@ -47,6 +47,7 @@ typedef struct newton_run {
     double parts;          /* J, sum of the sizes of the energy's parts */
     double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
     int32_t limit;         /* of iterations so far */
+    double loose;          /* N, residual that is enough in a part of the loads; 0 at the last one */
     double factor;         /* of loads and given pressure */
     double path_stiffness; /* N/m along newton->path; 0 = none */
 } newton_run;
@@ -65,10 +66,6 @@ static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_
 }
 
 /* ---- newton_step.c: energy, forces, matrix, linear systems ---- */
-/* vectors of unknowns from x, y, z to the axes of the vertices that have some */
-void pel_newton_turn(const newton_run *run, double *vector);
-/* vectors of unknowns from the axes of the vertices that have some back to x, y, z */
-void pel_newton_turn_back(const newton_run *run, double *vector);
 /* energy at the unknowns, and gradient along the axes of the vertices */
 void pel_newton_evaluate(newton_run *run);
 bool pel_newton_is_finite(const newton_run *run);

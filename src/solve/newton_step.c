@@ -35,10 +35,8 @@ static double add_loads(const newton_run *run)
     return sum;
 }
 
-/* vectors of unknowns: from x, y, z to the axes of the vertices that have some, and back */
-void pel_newton_turn(const newton_run *run, double *vector)
+void pel_newton_frames_turn(const pel_newton_frames *frames, double *vector)
 {
-    const pel_newton_frames *frames = &run->problem->frames;
     for (int32_t f = 0; f < frames->count; f++) {
         double *x = vector + 3 * (size_t)frames->vertices[f], turned[3];
         for (int k = 0; k < 3; k++)
@@ -47,9 +45,8 @@ void pel_newton_turn(const newton_run *run, double *vector)
     }
 }
 
-void pel_newton_turn_back(const newton_run *run, double *vector)
+void pel_newton_frames_turn_back(const pel_newton_frames *frames, double *vector)
 {
-    const pel_newton_frames *frames = &run->problem->frames;
     for (int32_t f = 0; f < frames->count; f++) {
         double *x = vector + 3 * (size_t)frames->vertices[f], turned[3] = {0};
         for (int k = 0; k < 3; k++)
@@ -58,11 +55,8 @@ void pel_newton_turn_back(const newton_run *run, double *vector)
     }
 }
 
-/* gradients of volumes lie as those of pel_tangent_evaluate */
-static void turn_rank_ones(const newton_run *run)
+void pel_newton_frames_turn_rank_ones(const pel_newton_frames *frames, const pel_tangent_pattern *pattern)
 {
-    const pel_newton_frames *frames = &run->problem->frames;
-    const pel_tangent_pattern *pattern = run->newton->pattern;
     for (int32_t r = 0; r < pattern->rank_one_count; r++)
         for (int32_t f = 0; f < frames->count; f++) {
             const pel_rank_one *one = &pattern->rank_ones[r];
@@ -116,8 +110,8 @@ void pel_newton_evaluate(newton_run *run)
     run->parts = fabs(energy.membrane) + fabs(energy.fibres) + fabs(energy.bending) + fabs(energy.edges) +
                  fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) + fabs(terms);
     run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms;
-    pel_newton_turn(run, newton->gradient);
-    turn_rank_ones(run);
+    pel_newton_frames_turn(&problem->frames, newton->gradient);
+    pel_newton_frames_turn_rank_ones(&problem->frames, newton->pattern);
     measure_forces(run);
 }
 
@@ -287,7 +281,7 @@ const double *pel_newton_find_move(const newton_run *run, double scale)
     pel_newton *newton = run->newton;
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         newton->move[u] = scale * newton->step[u];
-    pel_newton_turn_back(run, newton->move);
+    pel_newton_frames_turn_back(&run->problem->frames, newton->move);
     return newton->move;
 }
 
@@ -330,7 +324,7 @@ bool pel_newton_has_converged(newton_run *run)
     double held = problem->held_share * result->held_force;
     bool reduced = result->residual <= problem->reduction * result->first_residual;
     result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held) ||
-                        (reduced && result->residual <= problem->enough);
+                        (reduced && result->residual <= problem->enough) || result->residual <= run->loose;
     return result->converged;
 }
 
