@@ -8,7 +8,7 @@
 #include <pellicle/frames.h>
 #include <pellicle/run.h>
 
-enum { CLI_EXPERIMENT_NUMBERS = 96, CLI_EXPERIMENT_PATH = PEL_RUN_PATH_SIZE };
+enum { CLI_EXPERIMENT_NUMBERS = 256, CLI_EXPERIMENT_PATH = PEL_RUN_PATH_SIZE };
 
 /* A number that came out, beside the one it should be. */
 typedef struct cli_finding {

@@ -1,16 +1,15 @@
 /* Shells against mechanics: cases with a closed form, a solution of their own in one dimension, or an accepted number,
    over fineness, kinds of mesh and models of bending. */
-#include "experiment.h"
+#include "validation.h"
 
 #include <pellicle/mesh_io.h>
 #include <pellicle/shape.h>
-#include <pellicle/sim.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MESHES = 3, MODELS = 2, SIZES = 3, SCENE_SIZE = CLI_EXPERIMENT_PATH + 2000 };
+enum { MESHES = 3, MODELS = 2, SIZES = 3, SCENE_SIZE = CLI_SCENE_SIZE };
 
 static const char *const mesh_names[MESHES] = {"one-diagonal", "union-jack", "equilateral"};
 static const char *const model_names[MODELS] = {"midedge", "hinge"};
@@ -95,31 +94,54 @@ static pel_status read_answer(const pel_sim *sim, const double probe[3], answer 
     return PEL_OK;
 }
 
+pel_status cli_trial_open(const cli_experiment *experiment, const char *text, cli_trial *trial)
+{
+    *trial = (cli_trial){NULL, NULL, NULL};
+    pel_status status =
+        pel_scene_parse("validation", text, strlen(text), NULL, 0, NULL, &trial->scene, experiment->error);
+    if (status == PEL_OK)
+        status = pel_model_create(&trial->scene->model, &trial->model, experiment->error);
+    if (status == PEL_OK) {
+        trial->scene->sim.model = trial->model;
+        status = pel_sim_create(&trial->scene->sim, &trial->sim, experiment->error);
+    }
+    return status;
+}
+
+void cli_trial_close(cli_trial *trial)
+{
+    pel_sim_destroy(trial->sim);
+    pel_model_destroy(trial->model);
+    pel_scene_destroy(trial->scene);
+}
+
+pel_status cli_trial_modes(const cli_experiment *experiment, const char *text, int count, double *values)
+{
+    cli_trial trial;
+    pel_status status = cli_trial_open(experiment, text, &trial);
+    if (status == PEL_OK)
+        status = pel_sim_step(trial.sim, experiment->error);
+    if (status == PEL_OK && pel_sim_get_modes(trial.sim, NULL) == count)
+        pel_sim_get_modes(trial.sim, values);
+    cli_trial_close(&trial);
+    return status;
+}
+
 /* runs a scene to its end, without a folder */
 static pel_status solve(const cli_experiment *experiment, const char *text, const double probe[3], answer *found)
 {
-    pel_scene *scene;
-    pel_model *model = NULL;
-    pel_sim *sim = NULL;
+    cli_trial trial;
     *found = (answer){0};
-    pel_status status = pel_scene_parse("validation", text, strlen(text), NULL, 0, NULL, &scene, experiment->error);
-    if (status == PEL_OK)
-        status = pel_model_create(&scene->model, &model, experiment->error);
-    if (status == PEL_OK) {
-        scene->sim.model = model;
-        status = pel_sim_create(&scene->sim, &sim, experiment->error);
-    }
+    pel_status status = cli_trial_open(experiment, text, &trial);
     for (int i = 0; status == PEL_OK && i < 3; i++)
-        status = pel_sim_step(sim, experiment->error);
+        status = pel_sim_step(trial.sim, experiment->error);
     if (status == PEL_OK) {
         pel_sim_measures measures;
-        pel_sim_measure(sim, &measures);
-        status = read_answer(sim, probe, found, experiment->error);
+        pel_sim_measure(trial.sim, &measures);
+        status = read_answer(trial.sim, probe, found, experiment->error);
         found->volume_ratio = measures.volume_ratio;
     }
-    pel_sim_destroy(sim);
-    pel_model_destroy(model);
-    pel_scene_destroy(scene);
+    cli_trial_close(&trial);
     return status;
 }
 
@@ -226,11 +248,23 @@ static pel_status write_cantilever(const cli_experiment *experiment, int n, cons
                        text);
 }
 
-/* a grid of n x n cells about the origin, of side 1 */
-static pel_status make_grid(int n, const char *mesh, pel_mesh **grid, pel_error *error)
+/* rolled up to a full circle by a moment 2 pi E I / L at its end */
+static pel_status write_roll(const cli_experiment *experiment, int n, const char *mesh, const char *model, char *text)
+{
+    (void)experiment;
+    char load[200];
+    snprintf(load, sizeof load,
+             "loads: [{ force: [0, %.17g, 0], per: moment, at: { box: { min: [9.999, -9, -9], max: [11, 9, 9] } } }]\n",
+             -20 * 3.14159265358979323846);
+    return write_strip(n, mesh, model, load, text);
+}
+
+/* a grid of nx x ny cells about the origin, of side 1 */
+static pel_status make_grid(int nx, int ny, const char *mesh, pel_mesh **grid, pel_error *error)
 {
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GRID);
-    def.nx = def.ny = n;
+    def.nx = nx;
+    def.ny = ny;
     def.diagonals = strcmp(mesh, mesh_names[0]) == 0   ? PEL_GRID_ONE_DIAGONAL
                     : strcmp(mesh, mesh_names[1]) == 0 ? PEL_GRID_UNION_JACK
                                                        : PEL_GRID_EQUILATERAL;
@@ -241,7 +275,7 @@ static pel_status make_grid(int n, const char *mesh, pel_mesh **grid, pel_error 
 static pel_status write_border(int n, const char *mesh, char *text, size_t size, pel_error *error)
 {
     pel_mesh *grid;
-    pel_status status = make_grid(n, mesh, &grid, error);
+    pel_status status = make_grid(n, n, mesh, &grid, error);
     text[0] = '\0';
     for (int32_t v = 0; status == PEL_OK && v < grid->vertex_count; v++) {
         const double *x = grid->positions[v];
@@ -275,13 +309,13 @@ static pel_status write_plate(const cli_experiment *experiment, int n, const cha
 
 /* ---- curved shells: a quarter or an eighth, on symmetry planes ---- */
 
-/* a grid laid over the surface: u and v from 0 to 1 */
-static pel_status write_surface(const cli_experiment *experiment, const char *name, int n, const char *mesh,
-                                void (*place)(double u, double v, double x[3]), char *path)
+/* a grid laid over the surface: u and v from 0 to 1, cells_u of them along u */
+static pel_status write_surface(const cli_experiment *experiment, const char *name, int cells_u, int n,
+                                const char *mesh, void (*place)(double u, double v, double x[3]), char *path)
 {
     pel_mesh *grid;
     char file[64];
-    pel_status status = make_grid(n, mesh, &grid, experiment->error);
+    pel_status status = make_grid(cells_u, n, mesh, &grid, experiment->error);
     if (status != PEL_OK)
         return status;
     for (int32_t v = 0; v < grid->vertex_count; v++)
@@ -292,12 +326,12 @@ static pel_status write_surface(const cli_experiment *experiment, const char *na
     return status;
 }
 
-static pel_status write_shell(const cli_experiment *experiment, const char *name, int n, const char *mesh,
+static pel_status write_shell(const cli_experiment *experiment, const char *name, int cells_u, int n, const char *mesh,
                               const char *model, void (*place)(double u, double v, double x[3]), const char *rest,
                               char *text)
 {
     char path[CLI_EXPERIMENT_PATH];
-    pel_status status = write_surface(experiment, name, n, mesh, place, path);
+    pel_status status = write_surface(experiment, name, cells_u, n, mesh, place, path);
     snprintf(text, SCENE_SIZE,
              "version: 1\n"
              "bodies:\n"
@@ -322,7 +356,7 @@ static void place_roof(double u, double v, double x[3])
 /* a thousandth of the load, so that the answer is linear */
 static pel_status write_roof(const cli_experiment *experiment, int n, const char *mesh, const char *model, char *text)
 {
-    return write_shell(experiment, "roof", n, mesh, model, place_roof,
+    return write_shell(experiment, "roof", n, n, mesh, model, place_roof,
                        "    membrane: { young: 4.32e8, poisson: 0, thickness: 0.25 }\n"
                        "    mass: { density: 360 }\n"
                        "    supports:\n"
@@ -344,7 +378,7 @@ static void place_cylinder(double u, double v, double x[3])
 static pel_status write_cylinder(const cli_experiment *experiment, int n, const char *mesh, const char *model,
                                  char *text)
 {
-    return write_shell(experiment, "cylinder", n, mesh, model, place_cylinder,
+    return write_shell(experiment, "cylinder", n, n, mesh, model, place_cylinder,
                        "    membrane: { young: 3.0e6, poisson: 0.3, thickness: 3 }\n"
                        "    mass: { density: 1000 }\n"
                        "    supports:\n"
@@ -370,7 +404,7 @@ static void place_hemisphere(double u, double v, double x[3])
 static pel_status write_hemisphere(const cli_experiment *experiment, int n, const char *mesh, const char *model,
                                    char *text)
 {
-    return write_shell(experiment, "hemisphere", n, mesh, model, place_hemisphere,
+    return write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
                        "    membrane: { young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
                        "    mass: { density: 1000 }\n"
                        "    supports:\n"
@@ -380,6 +414,44 @@ static pel_status write_hemisphere(const cli_experiment *experiment, int n, cons
                        "loads:\n"
                        "  - { force: [0.01, 0, 0], at: { nearest: [10, 0, 0] } }\n"
                        "  - { force: [0, -0.01, 0], at: { nearest: [0, 10, 0] } }\n",
+                       text);
+}
+
+static pel_status write_deep_hemisphere(const cli_experiment *experiment, int n, const char *mesh, const char *model,
+                                        char *text)
+{
+    return write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
+                       "    membrane: { young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
+                       "    mass: { density: 1000 }\n"
+                       "    supports:\n"
+                       "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
+                       "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
+                       "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
+                       "loads:\n"
+                       "  - { force: [200, 0, 0], at: { nearest: [10, 0, 0] } }\n"
+                       "  - { force: [0, -200, 0], at: { nearest: [0, 10, 0] } }\n",
+                       text);
+}
+
+/* once around, but for a slit of a thousandth of the width */
+static void place_annulus(double u, double v, double x[3])
+{
+    double radius = 6 + 4 * u, angle = v * (2 * 3.14159265358979323846 - 4e-4);
+    x[0] = radius * cos(angle);
+    x[1] = radius * sin(angle);
+    x[2] = 0;
+}
+
+static pel_status write_annulus(const cli_experiment *experiment, int n, const char *mesh, const char *model,
+                                char *text)
+{
+    return write_shell(experiment, "annulus", n / 8, n, mesh, model, place_annulus,
+                       "    membrane: { young: 2.1e7, poisson: 0, thickness: 0.03 }\n"
+                       "    mass: { density: 1000 }\n"
+                       "    supports:\n"
+                       "      - { at: { box: { min: [5, -0.01, -1], max: [11, -1.0e-3, 1] } }, rotation: fixed }\n"
+                       "loads: [{ force: [0, 0, 0.8], per: length,\n"
+                       "          at: { box: { min: [5, -1.0e-6, -1], max: [11, 1.0e-6, 1] } } }]\n",
                        text);
 }
 
@@ -439,6 +511,46 @@ static pel_status check_studies(cli_experiment *experiment)
          0.094e-2,
          0.015,
          "Simo, Fox, Rifai 1989"},
+        {"roll",
+         "strip rolled up to a full circle by a moment at its end",
+         write_roll,
+         1,
+         {16, 32, 64},
+         {10, 0, 0},
+         {-1, 0, 0},
+         10,
+         0.01,
+         "a full circle"},
+        {"deep-hemisphere-out",
+         "pinched hemisphere under F = 400, way out",
+         write_deep_hemisphere,
+         1,
+         {8, 16, 32},
+         {10, 0, 0},
+         {1, 0, 0},
+         4.067,
+         0.015,
+         "Sze, Liu, Lo 2004"},
+        {"deep-hemisphere-in",
+         "pinched hemisphere under F = 400, way in",
+         write_deep_hemisphere,
+         1,
+         {8, 16, 32},
+         {0, 10, 0},
+         {0, -1, 0},
+         8.178,
+         0.015,
+         "Sze, Liu, Lo 2004"},
+        {"annulus",
+         "slit annular plate under a line force of 0.8, outer corner",
+         write_annulus,
+         1,
+         {32, 64, 96},
+         {10, 0, 0},
+         {0, 0, 1},
+         17.528,
+         0.015,
+         "Sze, Liu, Lo 2004"},
     };
     pel_status status = PEL_OK;
     for (size_t i = 0; status == PEL_OK && i < sizeof studies / sizeof *studies; i++)
@@ -564,7 +676,11 @@ static pel_status run_validation(cli_experiment *experiment)
         status = check_elastica(experiment);
     if (status == PEL_OK)
         status = check_spheres(experiment);
-    return status == PEL_OK ? check_presets(experiment) : status;
+    if (status == PEL_OK)
+        status = check_presets(experiment);
+    if (status == PEL_OK)
+        status = cli_validate_modes(experiment);
+    return status == PEL_OK ? cli_validate_paths(experiment) : status;
 }
 
 const cli_experiment_case cli_validation = {
