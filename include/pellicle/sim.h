@@ -418,8 +418,8 @@ PEL_API pel_analysis pel_sim_analysis(const pel_sim *sim);
 PEL_API double pel_sim_mode_value(const pel_sim *sim);
 
 /* The factor of all loads, gravity and given pressure in the present state: 1 but along PEL_PATH_ARC_LENGTH. */
-double pel_sim_load_factor(const pel_sim *sim);
-pel_path pel_sim_path_kind(const pel_sim *sim);
+PEL_API double pel_sim_load_factor(const pel_sim *sim);
+PEL_API pel_path pel_sim_path_kind(const pel_sim *sim);
 
 /* Whether further steps along PEL_PATH_ARC_LENGTH go on; at its end they change nothing. */
 typedef enum pel_path_end {
@@ -427,7 +427,7 @@ typedef enum pel_path_end {
     PEL_PATH_END_FULL_LOAD, /* the factor is 1 */
     PEL_PATH_END_LOST       /* no step however short finds a balance: two paths cross, or the bodies give way */
 } pel_path_end;
-pel_path_end pel_sim_get_path_end(const pel_sim *sim);
+PEL_API pel_path_end pel_sim_get_path_end(const pel_sim *sim);
 
 /* Derivatives of a function f of the positions by the numbers of one body's material. Bending goes with young,
    thickness and poisson where its stiffness was left to follow from them. */
@@ -450,7 +450,7 @@ typedef struct pel_adjoint_def {
     pel_adjoint_material *materials; /* (body_count) */
 } pel_adjoint_def;
 
-pel_adjoint_def pel_adjoint_def_default(void);
+PEL_API pel_adjoint_def pel_adjoint_def_default(void);
 
 /* Derivatives of a function of the positions by the numbers of the model, all from one linear system with the matrix of
    the present state (adjoint method: Strang, Computational Science and Engineering, section 8.7). PEL_METHOD_STATIC: of
@@ -459,7 +459,7 @@ pel_adjoint_def pel_adjoint_def_default(void);
 
    Without tools and contact; pressure with a potential. PEL_BAD_ARGUMENT for what cannot be asked, and where the state
    is not a stable balance; PEL_OUT_OF_MEMORY. Changes nothing in the simulation. */
-pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint_def *def, pel_error *error);
+PEL_API pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint_def *def, pel_error *error);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
