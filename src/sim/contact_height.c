@@ -47,6 +47,34 @@ static height measure_triangle(const int32_t *v, const pel_record *positions)
     return measure(x);
 }
 
+/* squares of the longest edge and of twice the area */
+static void measure_squares(const int32_t *v, const pel_record *positions, double *longest, double *area)
+{
+    double x[3][3], a[3], b[3], c[3], normal[3];
+    for (int i = 0; i < 3; i++)
+        pel_vertex_position(positions, v[i], x[i]);
+    pel_vec3_subtract(x[1], x[0], a);
+    pel_vec3_subtract(x[2], x[1], b);
+    pel_vec3_subtract(x[0], x[2], c);
+    pel_vec3_cross(a, b, normal);
+    double square = pel_vec3_squared_length(a), other = pel_vec3_squared_length(b);
+    double third = pel_vec3_squared_length(c);
+    square = square > other ? square : other;
+    *longest = square > third ? square : third;
+    *area = pel_vec3_squared_length(normal);
+}
+
+/* Most triangles are far from flat, which is seen without a root or a division: a height is twice the area over the
+   longest edge. A few percent of room, so that what is to be watched passes whatever the rounding. */
+static bool is_far_from_flat(const int32_t *v, const pel_record *rest, const pel_record *positions)
+{
+    const double bound = 1.05 * WATCH * LEAST_SHARE;
+    double rest_longest, rest_area, longest, area;
+    measure_squares(v, rest, &rest_longest, &rest_area);
+    measure_squares(v, positions, &longest, &area);
+    return area * rest_longest > bound * bound * rest_area * longest;
+}
+
 pel_status pel_contact_heights_find(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
@@ -55,6 +83,8 @@ pel_status pel_contact_heights_find(pel_sim *sim, pel_error *error)
     for (int32_t t = 0; t < contacts->triangle_count; t++) {
         const int32_t *v = contacts->triangles[t];
         if (v[0] >= contacts->place_count)
+            continue;
+        if (is_far_from_flat(v, sim->model->rest, sim->state->position))
             continue;
         double least = LEAST_SHARE * measure_triangle(v, sim->model->rest).length;
         if (!(measure_triangle(v, sim->state->position).length < WATCH * least))
