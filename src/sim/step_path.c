@@ -90,6 +90,8 @@ static pel_newton_problem make_problem(pel_sim *sim)
     set_factor(sim, 1);
     problem.tolerance = pel_descent_tolerance(sim, problem.time);
     problem.frames = pel_sim_newton_gather(sim, problem.time, true);
+    problem.tolerance =
+        hypot(problem.tolerance, pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads));
     set_factor(sim, factor);
     problem.held_share = pel_descent_held_share();
     problem.short_move = pel_descent_short_move(sim);

@@ -24,6 +24,8 @@ enum { PATIENCE = 12, PART_ITERATIONS = 30 };
 #define FIRST_PART 0.25
 #define LEAST_PART (1.0 / 1024)
 #define PART_GROWTH 1.5
+/* of the forces at the start, that a part but the last may leave */
+#define PART_TOLERANCE 1e-4
 #define PART_SHRINK 0.5
 
 /* ---- creation ---- */
@@ -182,6 +184,14 @@ const double *pel_newton_turns(const pel_newton *newton)
     return newton->walked + 3 * (size_t)newton->pattern->vertex_count;
 }
 
+double pel_newton_moment_force(const pel_newton *newton, const double *loads)
+{
+    double square = 0;
+    for (int32_t u = 3 * newton->pattern->vertex_count; u < newton->pattern->unknown_count; u++)
+        square += loads[u] * loads[u];
+    return sqrt(square) / newton->edge;
+}
+
 pel_newton_system pel_newton_system_of(const pel_newton *newton)
 {
     return (pel_newton_system){newton->model, newton->tangent, newton->matrix,
@@ -329,11 +339,13 @@ static bool go_in_parts(newton_run *run)
     size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
     double left = 1, part = FIRST_PART;
     balance_start(run);
+    double forces = run->result->residual;
     while (left > 0 && part >= LEAST_PART) {
         memcpy(newton->part_start, run->unknowns, bytes);
         memcpy(newton->part_walked, newton->walked, bytes);
         run->share = left - part > LEAST_PART ? left - part : 0;
-        run->limit = run->result->iterations + PART_ITERATIONS;
+        run->loose = run->share > 0 ? PART_TOLERANCE * forces : 0;
+        run->limit = run->result->iterations + (run->share > 0 ? PART_ITERATIONS : run->problem->iterations);
         run->has_stresses = false;
         if (go_full_steps(run) && run->result->converged) {
             left = run->share;
@@ -346,7 +358,7 @@ static bool go_in_parts(newton_run *run)
         memcpy(newton->walked, newton->part_walked, bytes);
         part *= PART_SHRINK;
     }
-    run->share = 0;
+    run->share = run->loose = 0;
     return left == 0;
 }
 

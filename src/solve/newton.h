@@ -87,6 +87,9 @@ const double *pel_newton_gradient(const pel_newton *newton);
 /* (edge_count) sums of psi that the edges went through in the last run */
 const double *pel_newton_turns(const pel_newton *newton);
 
+/* N, root of the sum of squares of moments (those of unknown_count loads on edges), as forces at the ends of edges */
+double pel_newton_moment_force(const pel_newton *newton, const double *loads);
+
 /* What other solvers of the same unknowns share: between two runs they may use the matrix. */
 typedef struct pel_newton_system {
     const pel_model *model;

@@ -47,6 +47,7 @@ typedef struct newton_run {
     double parts;          /* J, sum of the sizes of the energy's parts */
     double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
     int32_t limit;         /* of iterations so far */
+    double loose;          /* N, residual that is enough in a part of the loads; 0 at the last one */
     double factor;         /* of loads and given pressure */
     double path_stiffness; /* N/m along newton->path; 0 = none */
 } newton_run;

@@ -324,7 +324,7 @@ bool pel_newton_has_converged(newton_run *run)
     double held = problem->held_share * result->held_force;
     bool reduced = result->residual <= problem->reduction * result->first_residual;
     result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held) ||
-                        (reduced && result->residual <= problem->enough);
+                        (reduced && result->residual <= problem->enough) || result->residual <= run->loose;
     return result->converged;
 }
 

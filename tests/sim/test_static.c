@@ -1,0 +1,193 @@
+/* States of rest that one step of Newton's method does not reach, and paths through limit points. */
+#include "shell_fixture.h"
+
+#include "failing_malloc.h"
+
+#include <string.h>
+
+/* a strip of length 10 along x, clamped at x = 0, that a moment at its end rolls up */
+static pel_sim *make_strip(stage *s, double turns)
+{
+    s->mesh = make_grid(32, 4, 10, 1, PEL_GRID_UNION_JACK);
+    static int32_t ends[2][5];
+    int counts[2] = {0, 0};
+    for (int32_t v = 0; v < s->mesh->vertex_count; v++)
+        if (fabs(s->mesh->positions[v][0]) > 4.99) {
+            int side = s->mesh->positions[v][0] > 0;
+            ends[side][counts[side]++] = v;
+        }
+    pel_body_def body = shell_body(s->mesh, PEL_MEMBRANE_STVK);
+    body.shell.membrane.young.value = 1.2e6;
+    body.shell.membrane.poisson = 0;
+    body.shell.membrane.thickness.value = 0.1;
+    body.shell.bending.model = PEL_BENDING_MIDEDGE;
+    s->model = make_model(&body);
+    pel_support_def support = pel_support_def_default();
+    support.vertices = ends[0];
+    support.vertex_count = 5;
+    support.fix_rotation = true;
+    pel_load_def load = pel_load_def_default();
+    load.kind = PEL_LOAD_MOMENT;
+    load.force[1] = -turns * 2 * 3.14159265358979323846 * 100 / 10;
+    load.vertices = ends[1];
+    load.vertex_count = 5;
+    pel_sim_def def = lone_sim(s->model, PEL_METHOD_STATIC, 1);
+    def.supports = &support;
+    def.support_count = 1;
+    def.loads = &load;
+    def.load_count = 1;
+    s->sim = make_sim(&def);
+    return s->sim;
+}
+
+/* a full circle at once: the loads come in parts */
+static void test_roll_up(void **unused)
+{
+    (void)unused;
+    stage s;
+    pel_solver_reading reading;
+    double x[3 * 200];
+    pel_sim *sim = make_strip(&s, 1);
+    assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    pel_sim_get_solver(sim, &reading);
+    assert_true(reading.converged);
+    pel_sim_get_positions(sim, 0, x);
+    for (int32_t v = 0; v < s.mesh->vertex_count; v++)
+        if (s.mesh->positions[v][0] > 4.99)
+            assert_near(x[3 * v], -5, IN_FLOAT(0.02, 0.1)); /* back at the clamp */
+    end_stage(&s);
+}
+
+/* ---- paths ---- */
+
+static pel_sim *make_balloon(stage *s, double pressure, int32_t threads)
+{
+    s->mesh = make_sphere(4);
+    pel_body_def body = shell_body(s->mesh, PEL_MEMBRANE_NEO_HOOKEAN);
+    body.shell.membrane.young.value = 1e6;
+    body.shell.membrane.poisson = 0.5;
+    body.shell.membrane.thickness.value = 0.01;
+    body.shell.bending.model = PEL_BENDING_MIDEDGE;
+    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    body.shell.pressure.outside.value = -pressure;
+    s->model = make_model(&body);
+    pel_sim_def def = lone_sim(s->model, PEL_METHOD_STATIC, 1);
+    def.solver.path = PEL_PATH_ARC_LENGTH;
+    def.thread_count = threads;
+    s->sim = make_sim(&def);
+    return s->sim;
+}
+
+static double stretch_of(pel_sim *sim)
+{
+    return cbrt(pel_sim_volume_ratio(sim));
+}
+
+/* p = 2 mu h / R (1 / l - 1 / l^7), the largest at l = 7^(1/6) */
+static double balloon_pressure(double stretch)
+{
+    return 2e6 / 3 * 0.01 * (1 / stretch - pow(stretch, -7));
+}
+
+/* the pressure rises and falls as the membrane says; 320 triangles are 1.5 % too stiff, all alike */
+static void test_limit_point(void **unused)
+{
+    (void)unused;
+    stage s;
+    double largest = 0, last = 0, mesh = 0;
+    pel_sim *sim = make_balloon(&s, 6000, 1);
+    assert_true(pel_sim_load_factor(sim) == 0);
+    for (int i = 0; i < 18; i++) {
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+        assert_int_equal(pel_sim_get_path_end(sim), PEL_PATH_GOES_ON);
+        last = pel_sim_load_factor(sim);
+        largest = fmax(largest, last);
+        double ratio = 6000 * last / balloon_pressure(stretch_of(sim));
+        mesh = i == 0 ? ratio : mesh;
+        assert_near(ratio, mesh, IN_FLOAT(2e-3, 5e-2));
+    }
+    assert_near(mesh, 1, 0.02);
+    assert_near(6000 * largest, mesh * balloon_pressure(pow(7, 1.0 / 6)), IN_FLOAT(10, 100));
+    assert_true(stretch_of(sim) > 2 && last < 0.9 * largest);
+    end_stage(&s);
+}
+
+/* the path ends at the factor 1, and steps change nothing from there on */
+static void test_full_load(void **unused)
+{
+    (void)unused;
+    stage s;
+    pel_sim *sim = make_balloon(&s, 3000, 1);
+    for (int i = 0; i < 40 && pel_sim_get_path_end(sim) == PEL_PATH_GOES_ON; i++)
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    assert_int_equal(pel_sim_get_path_end(sim), PEL_PATH_END_FULL_LOAD);
+    assert_near(pel_sim_load_factor(sim), 1, IN_FLOAT(1e-8, 1e-3));
+    double stretch = stretch_of(sim);
+    assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    assert_true(stretch_of(sim) == stretch);
+    end_stage(&s);
+}
+
+/* the same bits with two threads, and from a snapshot beyond the limit point */
+static void test_bits(void **unused)
+{
+    (void)unused;
+    stage alone, both;
+    pel_sim *a = make_balloon(&alone, 6000, 1), *b = make_balloon(&both, 6000, 2);
+    for (int i = 0; i < 11; i++) {
+        pel_sim_step(a, NULL);
+        pel_sim_step(b, NULL);
+    }
+    assert_true(pel_sim_hash(a) == pel_sim_hash(b));
+    void *bytes = malloc(pel_sim_save_size(a));
+    pel_sim_save(a, bytes);
+    pel_sim_step(a, NULL);
+    assert_int_equal(pel_sim_load(b, bytes, pel_sim_save_size(a), NULL), PEL_OK);
+    pel_sim_step(b, NULL);
+    assert_true(pel_sim_hash(a) == pel_sim_hash(b));
+    assert_true(pel_sim_load_factor(a) == pel_sim_load_factor(b));
+    free(bytes);
+    end_stage(&alone);
+    end_stage(&both);
+}
+
+static pel_status step_once(const void *def, pel_error *error)
+{
+    pel_sim *sim;
+    pel_status status = pel_sim_create(def, &sim, error);
+    if (status == PEL_OK) {
+        status = pel_sim_step(sim, error);
+        pel_sim_destroy(sim);
+    }
+    return status;
+}
+
+static void test_refusals(void **unused)
+{
+    (void)unused;
+    stage s;
+    make_balloon(&s, 3000, 1);
+    pel_sim_def def = lone_sim(s.model, PEL_METHOD_STATIC, 1);
+    def.solver.path = PEL_PATH_ARC_LENGTH;
+    assert_true(for_every_allocation_failure(step_once, &def) > 40);
+    static const pel_key keys[2] = {{0, 0}, {1, 1}};
+    pel_load_def load = pel_load_def_default();
+    load.keys = keys;
+    load.key_count = 2;
+    def.loads = &load;
+    def.load_count = 1;
+    pel_sim *sim;
+    pel_error error;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "path by arc length finds the load factor"));
+    end_stage(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_roll_up), cmocka_unit_test(test_limit_point), cmocka_unit_test(test_full_load),
+        cmocka_unit_test(test_bits),    cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
