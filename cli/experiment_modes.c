@@ -172,7 +172,7 @@ static pel_status check_vibration(cli_experiment *experiment)
                                        "    membrane: { young: 1.0e6, poisson: 0.3, thickness: 0.002 }\n"
                                        "    mass: { density: 1000 }\n"
                                        "    bending: { model: midedge }\n"
-                                       "solver: { method: implicit, dt: 0.001 }\n"
+                                       "solver: { method: implicit, dt: 0.0005 }\n"
                                        "stop: { frames: 10000 }\n",
                                        &trial);
     if (status == PEL_OK) {
@@ -182,8 +182,8 @@ static pel_status check_vibration(cli_experiment *experiment)
         for (size_t v = 0; status == PEL_OK && v < count; v++) {
             if (v == 0)
                 pel_sim_get_positions(trial.sim, 0, x);
-            x[3 * v] *= 1.1;
-            x[3 * v + 1] *= 0.95;
+            x[3 * v] *= 1.02;
+            x[3 * v + 1] *= 0.99;
         }
         if (status == PEL_OK)
             status = pel_sim_set_positions(trial.sim, 0, x, experiment->error);

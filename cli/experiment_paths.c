@@ -138,7 +138,7 @@ static void write_scene(const char *file, const char *rim, const char *rest, cha
              "version: 1\n"
              "bodies:\n"
              "  - mesh: { file: \"%s\" }\n"
-             "    membrane: { young: 1.0e9, poisson: 0.3, thickness: 0.004 }\n"
+             "    membrane: { young: 1.0e9, poisson: 0.3, thickness: 0.008 }\n"
              "    bending: { model: midedge }\n"
              "    supports:\n"
              "      - { at: { vertices: [%s] } }\n"
@@ -163,7 +163,7 @@ static pel_status push_to(const cli_experiment *experiment, const char *file, co
         status = pel_sim_step(trial.sim, experiment->error);
     if (status == PEL_OK) {
         pel_sim_get_support_part(trial.sim, 1, &reading);
-        *force = -reading.force[2];
+        *force = reading.force[2];
     }
     cli_trial_close(&trial);
     return status;
@@ -177,13 +177,13 @@ static pel_status check_cap(cli_experiment *experiment)
     if (status != PEL_OK)
         return status;
     write_scene(file, rim,
-                "loads: [{ force: [0, 0, -1000], at: { vertices: [0] } }]\n"
+                "loads: [{ force: [0, 0, -4000], at: { vertices: [0] } }]\n"
                 "solver: { path: arc-length, steps: 40 }\n",
                 text);
     status = follow(experiment, text, false, &along);
-    for (int k = -1; status == PEL_OK && k < 4; k++) {
+    for (int k = -1; status == PEL_OK && k < 2; k++) {
         int at = along.limit + k;
-        double force = 1000 * along.factor[at], pushed = 0;
+        double force = 4000 * along.factor[at], pushed = 0;
         status = push_to(experiment, file, rim, along.way[at], &pushed);
         snprintf(line, sizeof line, "cap, top %.2f mm down: force", 1000 * along.way[at]);
         if (status == PEL_OK)
