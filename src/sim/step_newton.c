@@ -12,6 +12,8 @@
 #define DYNAMIC_REDUCTION 1e-3
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
+/* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
+#define NEAR_TOLERANCES 10
 enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
@@ -51,8 +53,8 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     if (newton == NULL)
         return;
     pel_newton_destroy(newton->newton);
-    void *arrays[] = {newton->unknowns, newton->target, newton->loads,           newton->fixed,
-                      newton->position, newton->force,  newton->point_stiffness, newton->points};
+    void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,    newton->position,
+                      newton->force,    newton->point_stiffness, newton->points, newton->couplings};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -238,19 +240,14 @@ static void add_block(pel_matrix *matrix, int32_t i, int32_t j, double weight, c
             values[a + 3 * b] += weight * stiffness[a][b];
 }
 
-/* pairs that the pattern has no block for are bounded by what stands on the diagonal */
 static void add_constraint(pel_matrix *matrix, const int32_t vertices[4], const double weights[4],
                            const double stiffness[3][3])
 {
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++) {
             double weight = weights[i] * weights[j];
-            if (weight == 0)
-                continue;
-            if (pel_matrix_block(matrix, vertices[i], vertices[j]) >= 0)
+            if (weight != 0)
                 add_block(matrix, vertices[i], vertices[j], weight, stiffness);
-            else
-                add_block(matrix, vertices[i], vertices[i], fabs(weight), stiffness);
         }
 }
 
@@ -284,6 +281,57 @@ static void add_constraints(void *context, pel_matrix *matrix)
     }
 }
 
+/* the elements of the model have blocks for the corners of a triangle */
+static bool has_tied_corners(const pel_sim *sim, int32_t v)
+{
+    const pel_body *body = &sim->model->bodies[sim->model->body_of_slice[v / PEL_WIDTH]];
+    return body->shell != NULL || body->plain_spring != 0;
+}
+
+/* the vertices that take part; the first of these for the others */
+static void copy_vertices(const pel_descent_contact *constraint, int32_t vertices[4])
+{
+    int first = 0;
+    while (first < 3 && constraint->weights[first] == 0)
+        first++;
+    for (int i = 0; i < 4; i++)
+        vertices[i] = constraint->vertices[constraint->weights[i] != 0 || constraint->triangle >= 0 ? i : first];
+}
+
+/* Lists the constraints that act, or (acts = false) those that do not but are near. */
+static int32_t list_constraints(pel_sim *sim, bool acts, int32_t count)
+{
+    const pel_sim_descent *descent = sim->descent;
+    pel_sim_newton *newton = descent->newton;
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        pel_contact_stiffness stiffness;
+        pel_gap_sample sample;
+        if (constraint->tool >= 0 && has_tied_corners(sim, constraint->vertices[0]))
+            continue;
+        if (pel_descent_contact_stiffness(sim, constraint, newton->position, &stiffness) != acts)
+            continue;
+        if (!acts) {
+            pel_descent_contact_meet(sim, constraint, newton->position, &sample);
+            if (sample.gap > NEAR_TOLERANCES * constraint->tolerance)
+                continue;
+        }
+        copy_vertices(constraint, newton->couplings[count++]);
+    }
+    return count;
+}
+
+static int32_t list_couplings(void *context, const int32_t (**vertices)[4], int32_t *acting)
+{
+    const pel_descent_context *at = context;
+    pel_sim *sim = at->sim;
+    if (!at->is_constrained)
+        return 0;
+    *acting = list_constraints(sim, true, 0);
+    *vertices = (const int32_t(*)[4])sim->descent->newton->couplings;
+    return list_constraints(sim, false, *acting);
+}
+
 /* ---- a run ---- */
 
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
@@ -293,7 +341,10 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
     bool has_springs = sim->holds != NULL && sim->holds->spring_count > 0;
-    const pel_newton_terms terms = {context, evaluate_constraints, add_constraints};
+    const pel_newton_terms terms = {context, evaluate_constraints, add_constraints, list_couplings};
+    if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
+                     sizeof *newton->couplings))
+        return pel_fail_memory(error);
     const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     const pel_newton_problem own = {
         .time = context->time,

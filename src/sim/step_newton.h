@@ -14,6 +14,8 @@ struct pel_sim_newton {
     pel_record *position, *force; /* (vertex_count) what constraints see of the unknowns, and answer */
     double *point_stiffness;      /* (vertex_count) N/m, inertia and drag; null in statics */
     double (*points)[3];          /* (vertex_count) m */
+    int32_t (*couplings)[4];      /* scratch: vertices of constraints */
+    size_t coupling_capacity;
     bool is_damped;               /* drag, or damping of springs */
     bool goes_on;                 /* the unknowns belong to the step in progress */
 };

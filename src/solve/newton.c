@@ -1,5 +1,6 @@
 #include "solve/newton.h"
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "linear/pcg.h"
@@ -43,6 +44,8 @@ struct pel_newton {
     pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
     pel_factor_precision precision;
     bool has_factor;
+    uint64_t couplings; /* hash of those in the pattern */
+    bool is_stale;      /* the pattern may have other couplings than the present run */
     pel_pcg *pcg;
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
     double *walked;                                           /* (unknown_count) sum of the steps of a run */
@@ -71,7 +74,8 @@ typedef struct newton_run {
 
 /* ---- creation ---- */
 
-pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error)
+static pel_status create_matrix(const pel_newton *newton, int32_t coupling_count, const int32_t (*couplings)[4],
+                                pel_matrix **matrix, pel_error *error)
 {
     const pel_tangent_pattern *pattern = newton->pattern;
     int32_t node_count = pattern->vertex_count + pattern->edge_count;
@@ -87,10 +91,17 @@ pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matri
         .element_start = pattern->node_begin,
         .element_node = pattern->nodes,
         .element_kind = pattern->element_kind,
+        .coupling_count = coupling_count,
+        .couplings = couplings,
     };
     pel_status status = pel_matrix_create(&def, matrix, error);
     pel_free(sizes);
     return status;
+}
+
+pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error)
+{
+    return create_matrix(newton, 0, NULL, matrix, error);
 }
 
 static void edge_midpoint(const pel_newton *newton, int32_t e, double middle[3])
@@ -112,6 +123,38 @@ static pel_status create_plan(pel_newton *newton, pel_error *error)
         edge_midpoint(newton, e, places[pattern->vertex_count + e]);
     pel_status status = pel_factor_plan_create(newton->matrix, (const double(*)[3])places, &newton->plan, error);
     pel_free(places);
+    return status;
+}
+
+static void destroy_system(pel_newton *newton)
+{
+    for (int p = 0; p < 2; p++) {
+        pel_factor_destroy(newton->factors[p]);
+        newton->factors[p] = NULL;
+    }
+    pel_factor_plan_destroy(newton->plan);
+    pel_matrix_destroy(newton->matrix);
+    newton->plan = NULL;
+    newton->matrix = NULL;
+    newton->has_factor = false;
+    newton->precision = PEL_FACTOR_FLOAT;
+}
+
+static uint64_t hash_couplings(int32_t count, const int32_t (*couplings)[4])
+{
+    return count > 0 ? pel_hash_bytes(PEL_HASH_START, couplings, (size_t)count * sizeof *couplings) : 0;
+}
+
+/* matrix, plan and factor with blocks for some couplings */
+static pel_status create_system(pel_newton *newton, int32_t count, const int32_t (*couplings)[4], pel_error *error)
+{
+    destroy_system(newton);
+    pel_status status = create_matrix(newton, count, couplings, &newton->matrix, error);
+    if (status == PEL_OK)
+        status = create_plan(newton, error);
+    if (status == PEL_OK)
+        status = pel_factor_create(newton->plan, PEL_FACTOR_FLOAT, &newton->factors[PEL_FACTOR_FLOAT], error);
+    newton->couplings = hash_couplings(count, couplings);
     return status;
 }
 
@@ -153,6 +196,43 @@ static bool make_room(pel_newton *newton)
     return room;
 }
 
+static void release_room(pel_newton *newton)
+{
+    pel_pcg_destroy(newton->pcg);
+    newton->pcg = NULL;
+    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start,   &newton->stresses,
+                          &newton->start_gradient, &newton->masses, &newton->walked, &newton->move};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
+        pel_free(*vectors[i]);
+        *vectors[i] = NULL;
+    }
+    pel_free(newton->fixed);
+    pel_free(newton->frame);
+    newton->fixed = NULL;
+    newton->frame = NULL;
+}
+
+/* all that goes by the number of unknowns */
+static pel_status build(pel_newton *newton, pel_error *error)
+{
+    newton->pattern = pel_tangent_pattern_of(newton->tangent);
+    pel_status status = make_room(newton) ? PEL_OK : pel_fail_memory(error);
+    if (status == PEL_OK)
+        status = create_system(newton, 0, NULL, error);
+    if (status == PEL_OK)
+        status = pel_pcg_create(newton->pattern->unknown_count, &newton->pcg, error);
+    if (status == PEL_OK)
+        measure(newton);
+    return status;
+}
+
+pel_status pel_newton_rebuild(pel_newton *newton, pel_error *error)
+{
+    pel_tangent_rebuild(newton->tangent);
+    release_room(newton);
+    return build(newton, error);
+}
+
 pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error)
 {
     *newton = NULL;
@@ -163,21 +243,12 @@ pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton 
     made->pool = pool;
     made->precision = PEL_FACTOR_FLOAT;
     pel_status status = pel_tangent_create(model, &made->tangent, error);
-    if (status == PEL_OK) {
-        made->pattern = pel_tangent_pattern_of(made->tangent);
-        status = make_room(made) ? pel_newton_create_matrix(made, &made->matrix, error) : pel_fail_memory(error);
-    }
     if (status == PEL_OK)
-        status = create_plan(made, error);
-    if (status == PEL_OK)
-        status = pel_factor_create(made->plan, PEL_FACTOR_FLOAT, &made->factors[PEL_FACTOR_FLOAT], error);
-    if (status == PEL_OK)
-        status = pel_pcg_create(made->pattern->unknown_count, &made->pcg, error);
+        status = build(made, error);
     if (status != PEL_OK) {
         pel_newton_destroy(made);
         return status;
     }
-    measure(made);
     *newton = made;
     return PEL_OK;
 }
@@ -186,17 +257,9 @@ void pel_newton_destroy(pel_newton *newton)
 {
     if (newton == NULL)
         return;
-    pel_pcg_destroy(newton->pcg);
-    for (int p = 0; p < 2; p++)
-        pel_factor_destroy(newton->factors[p]);
-    pel_factor_plan_destroy(newton->plan);
-    pel_matrix_destroy(newton->matrix);
+    release_room(newton);
+    destroy_system(newton);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {newton->gradient, newton->right,          newton->step,     newton->start,
-                      newton->masses,   newton->start_gradient, newton->stresses, newton->fixed,
-                      newton->walked,   newton->move,           newton->frame};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
     pel_free(newton);
 }
 
@@ -392,10 +455,41 @@ static bool has_volume_terms(const pel_newton *newton)
     return false;
 }
 
+static bool has_blocks(const pel_newton *newton, int32_t count, const int32_t (*couplings)[4])
+{
+    for (int32_t c = 0; c < count; c++)
+        for (int i = 1; i < 4; i++)
+            for (int j = 0; j < i; j++)
+                if (pel_matrix_block(newton->matrix, couplings[c][i], couplings[c][j]) < 0)
+                    return false;
+    return true;
+}
+
+/* Blocks for what the terms couple. Where a run begins the pattern is that of its own couplings alone: so its bits do
+   not depend on the runs before. */
+static pel_status couple(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    const pel_newton_terms *terms = run->problem->terms;
+    const int32_t(*couplings)[4] = NULL;
+    int32_t acting = 0, count = 0;
+    if (terms != NULL && terms->list_couplings != NULL)
+        count = terms->list_couplings(terms->context, &couplings, &acting);
+    bool is_right = newton->factors[PEL_FACTOR_FLOAT] != NULL;
+    if (is_right)
+        is_right = newton->is_stale ? newton->couplings == hash_couplings(count, couplings)
+                                    : has_blocks(newton, acting, couplings);
+    newton->is_stale = false;
+    return is_right ? PEL_OK : create_system(newton, count, couplings, run->error);
+}
+
 /* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
 static void assemble(newton_run *run)
 {
     pel_newton *newton = run->newton;
+    run->status = couple(run);
+    if (run->status != PEL_OK)
+        return;
     pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
     if (run->problem->terms != NULL)
         run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
@@ -462,6 +556,8 @@ static pel_pcg_end solve(newton_run *run, int32_t products)
 static bool find_step(newton_run *run)
 {
     assemble(run);
+    if (run->status != PEL_OK)
+        return false;
     if (run->problem->keeps_factor && run->newton->has_factor && solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED)
         return true;
     if (!make_factor(run))
@@ -654,6 +750,8 @@ static void go_down(newton_run *run)
     go_to_targets(run);
     evaluate(run);
     assemble(run);
+    if (run->status != PEL_OK)
+        return;
     double most = MOST_SHIFT * stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
     while (run->status == PEL_OK && !has_converged(run) && run->result->iterations < run->problem->iterations)
@@ -674,7 +772,7 @@ static bool is_stable(newton_run *run)
     run->shift = 0;
     evaluate(run);
     assemble(run);
-    return make_factor(run);
+    return run->status == PEL_OK && make_factor(run);
 }
 
 /* A small move of all free vertices, always the same; the steps downhill find where it grows. */
@@ -735,6 +833,7 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
 void pel_newton_forget(pel_newton *newton)
 {
     newton->has_factor = false;
+    newton->is_stale = true;
     newton->precision = PEL_FACTOR_FLOAT;
 }
 
@@ -750,7 +849,7 @@ bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *proble
     fix_unknowns(&run);
     evaluate(&run);
     assemble(&run);
-    return compute_factor(&run, shift, &pivot);
+    return run.status == PEL_OK && compute_factor(&run, shift, &pivot);
 }
 
 void pel_newton_precondition(pel_newton *newton, double *vector)

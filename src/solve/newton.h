@@ -20,9 +20,11 @@ typedef struct pel_newton_terms {
     void *context;
     /* Energy [J] at unknowns; adds its gradient. */
     double (*evaluate)(void *context, const double *unknowns, double *gradient);
-    /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. Pairs
-       of vertices that it has no block for are to stand on the diagonal, with what bounds them. */
+    /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. */
     void (*add_matrix)(void *context, pel_matrix *matrix);
+    /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
+       have some for soon: (returned count). acting = number of the first. Null = it adds to the blocks of the model. */
+    int32_t (*list_couplings)(void *context, const int32_t (**vertices)[4], int32_t *acting);
 } pel_newton_terms;
 
 /* The unknowns of a vertex along axes of its own. */
@@ -66,9 +68,12 @@ typedef struct pel_newton_result {
 
 typedef struct pel_newton pel_newton;
 
-/* Pattern, order and room for a model whose surface stays. PEL_BAD_ARGUMENT as pel_tangent_create;
-   PEL_OUT_OF_MEMORY, with the size that the factor needs. */
+/* Pattern, order and room for a model. PEL_BAD_ARGUMENT as pel_tangent_create; PEL_OUT_OF_MEMORY, with the size that the
+   factor needs. */
 pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error);
+/* The same anew after the surface of the model has changed; the number of edges and of unknowns may be another one.
+   PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_rebuild(pel_newton *newton, pel_error *error);
 void pel_newton_destroy(pel_newton *newton);
 
 const pel_tangent_pattern *pel_newton_pattern(const pel_newton *newton);
@@ -91,12 +96,14 @@ pel_newton_system pel_newton_system_of(const pel_newton *newton);
 /* One more matrix of the same pattern. PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error);
 
-/* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates nothing, but once where
-   a factor in double is needed: PEL_OUT_OF_MEMORY. */
+/* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates where a factor in double
+   is needed for the first time, and where the terms couple vertices that the pattern has no blocks for: PEL_OUT_OF_MEMORY.
+ */
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                           pel_newton_result *result, pel_error *error);
 
-/* Forgets the factor that is kept, so that what follows does not depend on the runs before. */
+/* Forgets the factor that is kept, and takes the pattern of the couplings of the next run, so that what follows does not
+   depend on the runs before. */
 void pel_newton_forget(pel_newton *newton);
 
 /* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
