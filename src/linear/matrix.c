@@ -43,8 +43,8 @@ void pel_matrix_destroy(pel_matrix *matrix)
 
 static void release_builder(builder *b)
 {
-    void *arrays[] = {b->use_start, b->use_element,   b->use_corner, b->stamp,  b->key,   b->sorted,
-                      b->meet_start, b->meet_coupling, b->piece,      b->used, b->counts};
+    void *arrays[] = {b->use_start,  b->use_element,   b->use_corner, b->stamp, b->key,   b->sorted,
+                      b->meet_start, b->meet_coupling, b->piece,      b->used,  b->counts};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
 }
@@ -148,8 +148,8 @@ static pel_status allocate_builder(builder *b, pel_error *error)
     b->counts = pel_allocate(nodes + elements + CLASS_COUNT + 1, sizeof *b->counts);
     if (m->first_unknown == NULL || m->row_start == NULL || m->node_start == NULL || m->element_start == NULL ||
         m->element_node == NULL || m->ordered == NULL || b->use_start == NULL || b->use_element == NULL ||
-        b->use_corner == NULL || b->meet_start == NULL || b->meet_coupling == NULL || b->stamp == NULL || b->key == NULL || b->sorted == NULL || b->piece == NULL ||
-        b->used == NULL || b->counts == NULL)
+        b->use_corner == NULL || b->meet_start == NULL || b->meet_coupling == NULL || b->stamp == NULL ||
+        b->key == NULL || b->sorted == NULL || b->piece == NULL || b->used == NULL || b->counts == NULL)
         return pel_fail_memory(error);
     return PEL_OK;
 }

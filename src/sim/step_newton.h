@@ -16,8 +16,8 @@ struct pel_sim_newton {
     double (*points)[3];          /* (vertex_count) m */
     int32_t (*couplings)[4];      /* scratch: vertices of constraints */
     size_t coupling_capacity;
-    bool is_damped;               /* drag, or damping of springs */
-    bool goes_on;                 /* the unknowns belong to the step in progress */
+    bool is_damped; /* drag, or damping of springs */
+    bool goes_on;   /* the unknowns belong to the step in progress */
 };
 
 /* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY; PEL_BAD_ARGUMENT for bodies that refine,

@@ -10,6 +10,13 @@
 
 /* full steps of mixed integration points without a new least residual, after which steps of least energy follow */
 enum { PATIENCE = 12 };
+/* such steps after which all that follow go only to where constraints take their slope away; evaluations of that */
+enum { STALLED = 1, SEARCHES = 12 };
+/* a slope of so much of that at the begin counts as zero; one steeper than FLAT of it pays to go on, up to MOST_SHARE
+   times the step */
+#define STEEP 0.2
+#define FLAT 0.5
+#define MOST_SHARE 16
 /* no vertex goes farther than this share of the model's size in one step */
 #define LONGEST_SHARE 0.5
 /* fixed unknowns this near to their targets, of the size, are there: rounding */
@@ -200,7 +207,7 @@ static void release_room(pel_newton *newton)
 {
     pel_pcg_destroy(newton->pcg);
     newton->pcg = NULL;
-    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start,   &newton->stresses,
+    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start, &newton->stresses,
                           &newton->start_gradient, &newton->masses, &newton->walked, &newton->move};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
         pel_free(*vectors[i]);
@@ -629,12 +636,115 @@ static void extrapolate(newton_run *run, double scale)
     run->has_stresses = true;
 }
 
+/* of the energy along the step, by a gradient */
+static double slope_of(const pel_newton *newton, const double *gradient)
+{
+    double slope = 0;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        slope += newton->fixed[u] ? 0 : gradient[u] * newton->step[u];
+    return slope;
+}
+
+/* the slope of an energy along the step, at a share of it */
+typedef double slope_at(void *context, double share);
+
+typedef struct slope_point {
+    double share, slope;
+} slope_point;
+
+/* Between a point where an energy falls and one where it rises: where its slope is nearly zero, by the Illinois variant
+   of regula falsi (Dowell, Jarratt 1971). The energy itself is of no use there: its changes are those of rounding. */
+static double find_zero_slope(slope_point low, slope_point high, double flat, slope_at *slope_of_share, void *context)
+{
+    double at = high.share, slope = high.slope;
+    for (int n = 0; n < SEARCHES && fabs(slope) > flat; n++) {
+        at = low.share + (high.share - low.share) * low.slope / (low.slope - high.slope);
+        slope = slope_of_share(context, at);
+        slope_point *moved = slope > 0 ? &high : &low, *kept = slope > 0 ? &low : &high;
+        *moved = (slope_point){at, slope};
+        kept->slope *= 0.5;
+    }
+    return at;
+}
+
+/* constraints as they are along the step, the rest as the matrix has it */
+typedef struct kinked_slope {
+    const pel_newton_terms *terms;
+    const double *unknowns, *move;
+    double smooth, curvature; /* J, of the rest at the begin */
+} kinked_slope;
+
+static double kinked_slope_at(void *context, double share)
+{
+    const kinked_slope *s = context;
+    return s->smooth + s->curvature * share +
+           s->terms->find_slope(s->terms->context, s->unknowns, s->move, share, NULL);
+}
+
+static bool has_kinks(const newton_run *run)
+{
+    return run->problem->terms != NULL && run->problem->terms->find_slope != NULL;
+}
+
+/* Constraints begin and cease to act along a step, and full steps may go to and fro between them for ever: the share of
+   the step at which the slope is zero. The bodies count as linear, since full steps are good for them. */
+static double find_kink(const newton_run *run, double share)
+{
+    pel_newton *newton = run->newton;
+    double curvature, before = slope_of(newton, newton->gradient);
+    kinked_slope s = {.terms = run->problem->terms, .unknowns = run->unknowns, .move = find_move(run, 1)};
+    double kinked = s.terms->find_slope(s.terms->context, s.unknowns, s.move, 0, &curvature);
+    s.smooth = before - kinked;
+    s.curvature = fmax(0, -before - curvature);
+    const slope_point low = {0, before}, high = {share, kinked_slope_at(&s, share)};
+    return before < 0 && high.slope > 0 ? find_zero_slope(low, high, -STEEP * before, kinked_slope_at, &s) : share;
+}
+
+/* a run along its step */
+typedef struct step_walk {
+    newton_run *run;
+    double share; /* of the step, where it is */
+} step_walk;
+
+static double walk_to(void *context, double share)
+{
+    step_walk *walk = context;
+    pel_newton *newton = walk->run->newton;
+    double way = share - walk->share;
+    pel_tangent_advance(newton->tangent, walk->run->unknowns, find_move(walk->run, 1), way, newton->pool);
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        newton->walked[u] += way * newton->step[u];
+    walk->share = share;
+    evaluate(walk->run);
+    return slope_of(newton, newton->gradient);
+}
+
+/* A step of a tangent that was made positive, which is stiffer than the body: to where the slope is zero, beyond the
+   step while that pays. */
+static void go_to_slope(newton_run *run, double share)
+{
+    step_walk walk = {.run = run};
+    double before = slope_of(run->newton, run->newton->gradient), most = MOST_SHARE * share;
+    slope_point low = {0, before}, high = {share, 0};
+    run->result->iterations++;
+    run->has_stresses = false;
+    high.slope = walk_to(&walk, share);
+    while (high.slope < FLAT * before && high.share < most && is_finite(run)) {
+        low = high;
+        high.share *= 2;
+        high.slope = walk_to(&walk, high.share);
+    }
+    if (before < 0 && high.slope > 0)
+        find_zero_slope(low, high, -STEEP * before, walk_to, &walk);
+}
+
 /* Full steps of mixed integration points. False where they lead nowhere. */
 static bool go_full_steps(newton_run *run)
 {
     pel_newton_result *result = run->result;
     double best = HUGE_VAL;
     int since = 0;
+    bool searches = false;
     for (;;) {
         run->kind = PEL_TANGENT_EXACT;
         evaluate(run);
@@ -656,6 +766,13 @@ static bool go_full_steps(newton_run *run)
                 return false;
         }
         double share = find_share(run->newton);
+        if (run->kind == PEL_TANGENT_POSITIVE) {
+            go_to_slope(run, share);
+            continue;
+        }
+        searches |= since >= STALLED && has_kinks(run);
+        if (searches)
+            share = find_kink(run, share);
         extrapolate(run, share);
         go(run, share);
         if (share == 1 && longest_move(run->newton) <= run->problem->short_move) {
@@ -683,14 +800,6 @@ static double stiffness_scale(const pel_newton *newton)
     return stiffness / mass;
 }
 
-static double slope_of(const pel_newton *newton)
-{
-    double slope = 0;
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
-        slope += newton->fixed[u] ? 0 : newton->start_gradient[u] * newton->step[u];
-    return slope;
-}
-
 /* The least shift, from the present one, under which the matrix is positive; false beyond the largest. */
 static bool find_shifted_step(newton_run *run, double most)
 {
@@ -713,7 +822,7 @@ static bool go_downhill(newton_run *run, double most)
     memcpy(newton->start, run->unknowns, bytes);
     memcpy(newton->start_gradient, newton->gradient, bytes);
     while (find_shifted_step(run, most)) {
-        double slope = slope_of(newton);
+        double slope = slope_of(newton, newton->start_gradient);
         go(run, find_share(newton));
         evaluate(run);
         double fall = energy - run->result->energy;

@@ -25,6 +25,9 @@ typedef struct pel_newton_terms {
     /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
        have some for soon: (returned count). acting = number of the first. Null = it adds to the blocks of the model. */
     int32_t (*list_couplings)(void *context, const int32_t (**vertices)[4], int32_t *acting);
+    /* J, slope along a move (unknown_count) of what begins and ceases to act, at a share of the move from unknowns;
+       curvature [J], if not null: its second derivative there by add_matrix. Null = nothing does. */
+    double (*find_slope)(void *context, const double *unknowns, const double *move, double share, double *curvature);
 } pel_newton_terms;
 
 /* The unknowns of a vertex along axes of its own. */
@@ -68,8 +71,8 @@ typedef struct pel_newton_result {
 
 typedef struct pel_newton pel_newton;
 
-/* Pattern, order and room for a model. PEL_BAD_ARGUMENT as pel_tangent_create; PEL_OUT_OF_MEMORY, with the size that the
-   factor needs. */
+/* Pattern, order and room for a model. PEL_BAD_ARGUMENT as pel_tangent_create; PEL_OUT_OF_MEMORY, with the size that
+   the factor needs. */
 pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error);
 /* The same anew after the surface of the model has changed; the number of edges and of unknowns may be another one.
    PEL_OUT_OF_MEMORY. */
@@ -97,13 +100,14 @@ pel_newton_system pel_newton_system_of(const pel_newton *newton);
 pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error);
 
 /* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates where a factor in double
-   is needed for the first time, and where the terms couple vertices that the pattern has no blocks for: PEL_OUT_OF_MEMORY.
+   is needed for the first time, and where the terms couple vertices that the pattern has no blocks for:
+   PEL_OUT_OF_MEMORY.
  */
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                           pel_newton_result *result, pel_error *error);
 
-/* Forgets the factor that is kept, and takes the pattern of the couplings of the next run, so that what follows does not
-   depend on the runs before. */
+/* Forgets the factor that is kept, and takes the pattern of the couplings of the next run, so that what follows does
+   not depend on the runs before. */
 void pel_newton_forget(pel_newton *newton);
 
 /* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
