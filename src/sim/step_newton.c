@@ -12,18 +12,14 @@
 #define DYNAMIC_REDUCTION 1e-3
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
+/* and those that follow the first one in a step at this share of what that began with */
+#define ROUND_REDUCTION 1e-4
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
 #define NEAR_TOLERANCES 10
 enum { DYNAMIC_ITERATIONS = 20, STATIC_ITERATIONS = 200 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
-    if (sim->active != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT,
-                 "a body refines: the matrix of Newton's method belongs to a surface that stays");
-        pel_fail_remedy(error, "leave refine out, or take method descent or xpbd");
-        return PEL_BAD_ARGUMENT;
-    }
     pel_sim_newton *newton = sim->descent->newton = pel_allocate(1, sizeof *newton);
     if (newton == NULL)
         return pel_fail_memory(error);
@@ -31,7 +27,7 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     if (status != PEL_OK)
         return status;
     size_t vertices = (size_t)sim->model->vertex_count;
-    size_t count = (size_t)pel_newton_pattern(newton->newton)->unknown_count;
+    size_t count = (size_t)pel_newton_pattern(newton->newton)->unknown_limit;
     newton->unknowns = pel_allocate(count, sizeof *newton->unknowns);
     newton->target = pel_allocate(count, sizeof *newton->target);
     newton->loads = pel_allocate(count, sizeof *newton->loads);
@@ -65,8 +61,15 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
 void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->descent->newton->goes_on = false;
+    sim->descent->newton->first_residual = 0;
     pel_newton_forget(sim->descent->newton->newton);
     sim->edge_load_work = 0;
+}
+
+void pel_sim_newton_follow_surface(pel_sim *sim)
+{
+    sim->descent->newton->goes_on = false;
+    pel_newton_follow(sim->descent->newton->newton);
 }
 
 /* edges as they bend least, clamps apart; from zero: the same bits whatever was solved before */
@@ -415,7 +418,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .target = newton->target,
         .frames = frames,
         .terms = context->is_constrained || has_springs ? &terms : NULL,
-        .tolerance = problem->tolerance,
+        .tolerance = fmax(problem->tolerance, is_dynamic ? ROUND_REDUCTION * newton->first_residual : 0),
         .held_share = problem->held_share,
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
@@ -441,6 +444,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .is_near = run.is_near,
         .stuck = run.stuck,
     };
+    newton->first_residual = fmax(newton->first_residual, run.first_residual);
     pel_edge_loads_add_work(sim, context->time, pel_newton_turns(newton->newton));
     return status;
 }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* full steps of mixed integration points without a new least residual, after which steps of least energy follow */
-enum { PATIENCE = 12 };
+enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6 };
 /* such steps after which all that follow go only to where constraints take their slope away; evaluations of that */
 enum { STALLED = 1, SEARCHES = 12 };
 /* a slope of so much of that at the begin counts as zero; one steeper than FLAT of it pays to go on, up to MOST_SHARE
@@ -52,6 +52,7 @@ struct pel_newton {
     pel_factor_precision precision;
     bool has_factor;
     uint64_t couplings; /* hash of those in the pattern */
+    bool is_outdated;   /* the pattern is that of an older surface, or there was no memory for one */
     bool is_stale;      /* the pattern may have other couplings than the present run */
     pel_pcg *pcg;
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
@@ -141,6 +142,8 @@ static void destroy_system(pel_newton *newton)
     }
     pel_factor_plan_destroy(newton->plan);
     pel_matrix_destroy(newton->matrix);
+    pel_pcg_destroy(newton->pcg);
+    newton->pcg = NULL;
     newton->plan = NULL;
     newton->matrix = NULL;
     newton->has_factor = false;
@@ -152,7 +155,7 @@ static uint64_t hash_couplings(int32_t count, const int32_t (*couplings)[4])
     return count > 0 ? pel_hash_bytes(PEL_HASH_START, couplings, (size_t)count * sizeof *couplings) : 0;
 }
 
-/* matrix, plan and factor with blocks for some couplings */
+/* matrix, plan, factor and room to solve, with blocks for some couplings */
 static pel_status create_system(pel_newton *newton, int32_t count, const int32_t (*couplings)[4], pel_error *error)
 {
     destroy_system(newton);
@@ -161,6 +164,9 @@ static pel_status create_system(pel_newton *newton, int32_t count, const int32_t
         status = create_plan(newton, error);
     if (status == PEL_OK)
         status = pel_factor_create(newton->plan, PEL_FACTOR_FLOAT, &newton->factors[PEL_FACTOR_FLOAT], error);
+    if (status == PEL_OK)
+        status = pel_pcg_create(newton->pattern->unknown_count, &newton->pcg, error);
+    newton->is_outdated = status != PEL_OK;
     newton->couplings = hash_couplings(count, couplings);
     return status;
 }
@@ -191,10 +197,10 @@ static void measure(pel_newton *newton)
 static bool make_room(pel_newton *newton)
 {
     const pel_tangent_pattern *pattern = newton->pattern;
-    size_t count = (size_t)pattern->unknown_count;
-    newton->stresses = pel_allocate((size_t)pattern->stress_count + 1, sizeof *newton->stresses);
+    size_t count = (size_t)pattern->unknown_limit, nodes = (size_t)pattern->vertex_count + (size_t)pattern->edge_limit;
+    newton->stresses = pel_allocate((size_t)pattern->stress_limit + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
-    newton->frame = pel_allocate((size_t)pattern->vertex_count + (size_t)pattern->edge_count, sizeof *newton->frame);
+    newton->frame = pel_allocate(nodes, sizeof *newton->frame);
     double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start,
                           &newton->start_gradient, &newton->masses, &newton->walked, &newton->move};
     bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
@@ -203,41 +209,11 @@ static bool make_room(pel_newton *newton)
     return room;
 }
 
-static void release_room(pel_newton *newton)
-{
-    pel_pcg_destroy(newton->pcg);
-    newton->pcg = NULL;
-    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start, &newton->stresses,
-                          &newton->start_gradient, &newton->masses, &newton->walked, &newton->move};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
-        pel_free(*vectors[i]);
-        *vectors[i] = NULL;
-    }
-    pel_free(newton->fixed);
-    pel_free(newton->frame);
-    newton->fixed = NULL;
-    newton->frame = NULL;
-}
-
-/* all that goes by the number of unknowns */
-static pel_status build(pel_newton *newton, pel_error *error)
-{
-    newton->pattern = pel_tangent_pattern_of(newton->tangent);
-    pel_status status = make_room(newton) ? PEL_OK : pel_fail_memory(error);
-    if (status == PEL_OK)
-        status = create_system(newton, 0, NULL, error);
-    if (status == PEL_OK)
-        status = pel_pcg_create(newton->pattern->unknown_count, &newton->pcg, error);
-    if (status == PEL_OK)
-        measure(newton);
-    return status;
-}
-
-pel_status pel_newton_rebuild(pel_newton *newton, pel_error *error)
+void pel_newton_follow(pel_newton *newton)
 {
     pel_tangent_rebuild(newton->tangent);
-    release_room(newton);
-    return build(newton, error);
+    measure(newton);
+    newton->is_outdated = true;
 }
 
 pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error)
@@ -250,12 +226,15 @@ pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton 
     made->pool = pool;
     made->precision = PEL_FACTOR_FLOAT;
     pel_status status = pel_tangent_create(model, &made->tangent, error);
-    if (status == PEL_OK)
-        status = build(made, error);
+    if (status == PEL_OK) {
+        made->pattern = pel_tangent_pattern_of(made->tangent);
+        status = make_room(made) ? create_system(made, 0, NULL, error) : pel_fail_memory(error);
+    }
     if (status != PEL_OK) {
         pel_newton_destroy(made);
         return status;
     }
+    measure(made);
     *newton = made;
     return PEL_OK;
 }
@@ -264,9 +243,13 @@ void pel_newton_destroy(pel_newton *newton)
 {
     if (newton == NULL)
         return;
-    release_room(newton);
     destroy_system(newton);
     pel_tangent_destroy(newton->tangent);
+    void *arrays[] = {newton->gradient, newton->right,          newton->step,     newton->start,
+                      newton->masses,   newton->start_gradient, newton->stresses, newton->fixed,
+                      newton->walked,   newton->move,           newton->frame};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        pel_free(arrays[i]);
     pel_free(newton);
 }
 
@@ -482,7 +465,7 @@ static pel_status couple(newton_run *run)
     int32_t acting = 0, count = 0;
     if (terms != NULL && terms->list_couplings != NULL)
         count = terms->list_couplings(terms->context, &couplings, &acting);
-    bool is_right = newton->factors[PEL_FACTOR_FLOAT] != NULL;
+    bool is_right = !newton->is_outdated;
     if (is_right)
         is_right = newton->is_stale ? newton->couplings == hash_couplings(count, couplings)
                                     : has_blocks(newton, acting, couplings);
@@ -756,7 +739,7 @@ static bool go_full_steps(newton_run *run)
             return true;
         since = result->residual < best ? 0 : since + 1;
         best = fmin(best, result->residual);
-        if (since > PATIENCE)
+        if (since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
             return false;
         if (!find_step(run)) {
             run->kind = PEL_TANGENT_POSITIVE;
@@ -814,7 +797,7 @@ static bool find_shifted_step(newton_run *run, double most)
 }
 
 /* One step downhill from the last evaluation; false where there is none. */
-static bool go_downhill(newton_run *run, double most)
+static bool go_downhill(newton_run *run, double most, int32_t last)
 {
     pel_newton *newton = run->newton;
     size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
@@ -834,7 +817,7 @@ static bool go_downhill(newton_run *run, double most)
         memcpy(run->unknowns, newton->start, bytes);
         evaluate(run);
         run->shift = fmax(GROW * run->shift, LEAST_SHIFT * most);
-        if (run->result->iterations >= run->problem->iterations)
+        if (run->result->iterations >= last)
             return false;
     }
     return false;
@@ -861,10 +844,11 @@ static void go_down(newton_run *run)
     assemble(run);
     if (run->status != PEL_OK)
         return;
+    int32_t last = run->result->iterations + run->problem->iterations;
     double most = MOST_SHIFT * stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
-    while (run->status == PEL_OK && !has_converged(run) && run->result->iterations < run->problem->iterations)
-        if (!go_downhill(run, most)) {
+    while (run->status == PEL_OK && !has_converged(run) && run->result->iterations < last)
+        if (!go_downhill(run, most, last)) {
             run->result->stuck = run->status == PEL_OK;
             break;
         }

@@ -49,13 +49,13 @@ typedef struct pel_newton_problem {
     pel_newton_frames frames;      /* vertices for which fixed and target are along axes of their own */
     const pel_newton_terms *terms; /* null = none */
     double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
-    double held_share; /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
-    double reduction;  /* it has converged as well at this share of what there was at the begin; 0 = no such end */
-    double enough;     /* N, when it is no more than this */
-    double short_move; /* m, and after a full step in which no vertex goes farther than this */
-    int32_t iterations;
-    bool keeps_factor; /* conjugate gradients with an older factor, while they need few iterations */
-    bool is_dynamic;   /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
+    double held_share;  /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double reduction;   /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double enough;      /* N, when it is no more than this */
+    double short_move;  /* m, and after a full step in which no vertex goes farther than this */
+    int32_t iterations; /* of full steps, and as many of steps of least energy after them */
+    bool keeps_factor;  /* conjugate gradients with an older factor, while they need few iterations */
+    bool is_dynamic;    /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
 } pel_newton_problem;
 
 typedef struct pel_newton_result {
@@ -74,9 +74,9 @@ typedef struct pel_newton pel_newton;
 /* Pattern, order and room for a model. PEL_BAD_ARGUMENT as pel_tangent_create; PEL_OUT_OF_MEMORY, with the size that
    the factor needs. */
 pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error);
-/* The same anew after the surface of the model has changed; the number of edges and of unknowns may be another one.
-   PEL_OUT_OF_MEMORY. */
-pel_status pel_newton_rebuild(pel_newton *newton, pel_error *error);
+/* After the surface of the model has changed: the tangent has its edges and unknowns at once, the next run makes
+   pattern and order. */
+void pel_newton_follow(pel_newton *newton);
 void pel_newton_destroy(pel_newton *newton);
 
 const pel_tangent_pattern *pel_newton_pattern(const pel_newton *newton);
