@@ -156,13 +156,21 @@ const pel_member pel_model_members[] = {
 };
 
 static const pel_member solver[] = {
-    PLAIN(pel_solver_def, method, SAME),        PLAIN(pel_solver_def, dt, SAME),
-    PLAIN(pel_solver_def, alpha, SAME),         PLAIN(pel_solver_def, keep_velocity, SAME),
-    PLAIN(pel_solver_def, symplectic, SAME),    PLAIN(pel_solver_def, iterations, SAME),
-    PLAIN(pel_solver_def, substeps, SAME),      PLAIN(pel_solver_def, max_substeps, SAME),
-    PLAIN(pel_solver_def, second_order, SAME),  PLAIN(pel_solver_def, drag, SAME),
-    PLAIN(pel_solver_def, gradient_only, SAME), PLAIN(pel_solver_def, analysis, SAME),
-    PLAIN(pel_solver_def, mode_count, SAME),    END,
+    PLAIN(pel_solver_def, method, SAME),
+    PLAIN(pel_solver_def, dt, SAME),
+    PLAIN(pel_solver_def, alpha, SAME),
+    PLAIN(pel_solver_def, keep_velocity, SAME),
+    PLAIN(pel_solver_def, symplectic, SAME),
+    PLAIN(pel_solver_def, iterations, SAME),
+    PLAIN(pel_solver_def, substeps, SAME),
+    PLAIN(pel_solver_def, max_substeps, SAME),
+    PLAIN(pel_solver_def, second_order, SAME),
+    PLAIN(pel_solver_def, drag, SAME),
+    PLAIN(pel_solver_def, gradient_only, SAME),
+    PLAIN(pel_solver_def, analysis, SAME),
+    PLAIN(pel_solver_def, mode_count, SAME),
+    OTHER(pel_solver_def, budget),
+    END,
 };
 
 static const pel_member load[] = {

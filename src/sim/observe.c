@@ -287,5 +287,6 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     reading->evaluations = result->evaluations;
     reading->energy = result->energy;
     reading->residual = result->residual;
+    reading->has_budget = sim->solver.budget > 0;
     reading->converged = result->converged;
 }

@@ -49,8 +49,8 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     if (newton == NULL)
         return;
     pel_newton_destroy(newton->newton);
-    void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,    newton->position,
-                      newton->force,    newton->point_stiffness, newton->points, newton->couplings};
+    void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,     newton->position,
+                      newton->force,    newton->point_stiffness, newton->points, newton->couplings, newton->radial};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -63,6 +63,8 @@ void pel_sim_newton_begin(pel_sim *sim)
     sim->descent->newton->goes_on = false;
     sim->descent->newton->first_residual = 0;
     pel_newton_forget(sim->descent->newton->newton);
+    if (sim->solver.budget > 0)
+        sim->deadline = sim->clock() + sim->solver.budget;
     sim->edge_load_work = 0;
 }
 
@@ -214,11 +216,26 @@ pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports
 
 /* ---- constraints ---- */
 
+/* Damping along volumetric springs: the part of a vertex's velocity along the way that it is from its place at rest,
+   where the step begins. */
+static double evaluate_radial(const pel_sim_newton *newton, int32_t count, const double *unknowns, double *gradient)
+{
+    double energy = 0;
+    for (int32_t v = 0; newton->radial != NULL && v < count; v++) {
+        const double *along = newton->radial[v];
+        double way = pel_vec3_dot(along, unknowns + 3 * (size_t)v) - along[3];
+        energy += 0.5 * way * way;
+        pel_vec3_along(gradient + 3 * (size_t)v, way, along, gradient + 3 * (size_t)v);
+    }
+    return energy;
+}
+
 static double evaluate_constraints(void *context, const double *unknowns, double *gradient)
 {
     const pel_descent_context *at = context;
     pel_sim *sim = at->sim;
     double springs = pel_holds_evaluate(sim, at->time, unknowns, gradient);
+    springs += evaluate_radial(sim->descent->newton, sim->model->vertex_count, unknowns, gradient);
     if (!at->is_constrained)
         return springs;
     pel_sim_newton *newton = sim->descent->newton;
@@ -272,6 +289,13 @@ static void add_constraints(void *context, pel_matrix *matrix)
     const pel_sim *sim = at->sim;
     const pel_sim_descent *descent = sim->descent;
     pel_holds_add_matrix(sim, matrix);
+    for (int32_t v = 0; descent->newton->radial != NULL && v < sim->model->vertex_count; v++) {
+        double square[3][3];
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                square[a][b] = descent->newton->radial[v][a] * descent->newton->radial[v][b];
+        add_block(matrix, v, v, 1, (const double(*)[3])square);
+    }
     for (int32_t c = 0; at->is_constrained && c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
         pel_contact_stiffness stiffness;
@@ -401,7 +425,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    bool has_springs = sim->holds != NULL && sim->holds->spring_count > 0;
+    bool has_springs = (sim->holds != NULL && sim->holds->spring_count > 0) || newton->radial != NULL;
     const pel_newton_terms terms = {context, evaluate_constraints, add_constraints, list_couplings,
                                     context->is_constrained ? find_slope : NULL};
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
@@ -425,6 +449,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .short_move = problem->short_move,
         .iterations =
             sim->solver.iterations > 0 ? sim->solver.iterations : (is_dynamic ? DYNAMIC_ITERATIONS : STATIC_ITERATIONS),
+        .clock = sim->solver.budget > 0 ? sim->clock : NULL,
+        .deadline = sim->deadline,
         .keeps_factor = is_dynamic,
         .is_dynamic = is_dynamic,
     };

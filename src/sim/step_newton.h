@@ -14,7 +14,9 @@ struct pel_sim_newton {
     pel_record *position, *force; /* (vertex_count) what constraints see of the unknowns, and answer */
     double *point_stiffness;      /* (vertex_count) N/m, inertia and drag; null in statics */
     double (*points)[3];          /* (vertex_count) m */
-    int32_t (*couplings)[4];      /* scratch: vertices of constraints */
+    double (*radial)[4]; /* (vertex_count) damping along volumetric springs, root of N/m: the energy of positions x is
+                            half the square of radial . x - radial[3]; null = none */
+    int32_t (*couplings)[4]; /* scratch: vertices of constraints */
     size_t coupling_capacity;
     double first_residual; /* N, of the first run of the step */
     bool is_damped;        /* drag, or damping of springs */

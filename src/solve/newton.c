@@ -57,6 +57,7 @@ struct pel_newton {
     pel_pcg *pcg;
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
     double *walked;                                           /* (unknown_count) sum of the steps of a run */
+    double *best, *best_walked;                               /* (unknown_count) with the least residual of a run */
     double *move;                                             /* (unknown_count) the step along x, y, z */
     int32_t *frame;                                           /* (node_count) number of its axes, or -1 */
     double *stresses;                                         /* (stress_count) */
@@ -78,6 +79,7 @@ typedef struct newton_run {
     bool has_stresses;
     double shift; /* 1/s2, of the masses */
     double parts; /* J, sum of the sizes of the energy's parts */
+    bool has_best;
 } newton_run;
 
 /* ---- creation ---- */
@@ -201,8 +203,8 @@ static bool make_room(pel_newton *newton)
     newton->stresses = pel_allocate((size_t)pattern->stress_limit + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
     newton->frame = pel_allocate(nodes, sizeof *newton->frame);
-    double **vectors[] = {&newton->gradient,       &newton->right,  &newton->step,   &newton->start,
-                          &newton->start_gradient, &newton->masses, &newton->walked, &newton->move};
+    double **vectors[] = {&newton->gradient, &newton->right,  &newton->step, &newton->start, &newton->start_gradient,
+                          &newton->masses,   &newton->walked, &newton->move, &newton->best,  &newton->best_walked};
     bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
@@ -245,9 +247,9 @@ void pel_newton_destroy(pel_newton *newton)
         return;
     destroy_system(newton);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {newton->gradient, newton->right,          newton->step,     newton->start,
-                      newton->masses,   newton->start_gradient, newton->stresses, newton->fixed,
-                      newton->walked,   newton->move,           newton->frame};
+    void *arrays[] = {newton->gradient,       newton->right,    newton->step,       newton->start,  newton->masses,
+                      newton->start_gradient, newton->stresses, newton->fixed,      newton->walked, newton->move,
+                      newton->frame,          newton->best,     newton->best_walked};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -721,6 +723,42 @@ static void go_to_slope(newton_run *run, double share)
         find_zero_slope(low, high, -STEEP * before, walk_to, &walk);
 }
 
+/* ---- time ---- */
+
+static bool is_late(newton_run *run)
+{
+    const pel_newton_problem *problem = run->problem;
+    run->result->is_late =
+        problem->clock != NULL && run->result->iterations > 0 && problem->clock() >= problem->deadline;
+    return run->result->is_late;
+}
+
+/* Where the residual is less than in any step before. Where a run begins fixed unknowns are not at their targets. */
+static void keep_best(newton_run *run, double before)
+{
+    pel_newton *newton = run->newton;
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    if (run->problem->clock == NULL || !(run->result->residual < before) || run->result->iterations == 0)
+        return;
+    memcpy(newton->best, run->unknowns, bytes);
+    memcpy(newton->best_walked, newton->walked, bytes);
+    run->has_best = true;
+}
+
+/* back to the best state, unless the present one is better */
+static void take_best(newton_run *run, double best)
+{
+    pel_newton *newton = run->newton;
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    if (!run->has_best || run->result->residual < best)
+        return;
+    memcpy(run->unknowns, newton->best, bytes);
+    memcpy(newton->walked, newton->best_walked, bytes);
+    evaluate(run);
+}
+
+/* ---- full steps ---- */
+
 /* Full steps of mixed integration points. False where they lead nowhere. */
 static bool go_full_steps(newton_run *run)
 {
@@ -737,7 +775,12 @@ static bool go_full_steps(newton_run *run)
             result->first_residual = result->residual;
         if (has_converged(run) || result->iterations >= run->problem->iterations)
             return true;
+        if (is_late(run)) {
+            take_best(run, best);
+            return true;
+        }
         since = result->residual < best ? 0 : since + 1;
+        keep_best(run, best);
         best = fmin(best, result->residual);
         if (since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
             return false;
@@ -847,7 +890,7 @@ static void go_down(newton_run *run)
     int32_t last = run->result->iterations + run->problem->iterations;
     double most = MOST_SHIFT * stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
-    while (run->status == PEL_OK && !has_converged(run) && run->result->iterations < last)
+    while (run->status == PEL_OK && !has_converged(run) && run->result->iterations < last && !is_late(run))
         if (!go_downhill(run, most, last)) {
             run->result->stuck = run->status == PEL_OK;
             break;

@@ -49,13 +49,15 @@ typedef struct pel_newton_problem {
     pel_newton_frames frames;      /* vertices for which fixed and target are along axes of their own */
     const pel_newton_terms *terms; /* null = none */
     double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
-    double held_share;  /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
-    double reduction;   /* it has converged as well at this share of what there was at the begin; 0 = no such end */
-    double enough;      /* N, when it is no more than this */
-    double short_move;  /* m, and after a full step in which no vertex goes farther than this */
-    int32_t iterations; /* of full steps, and as many of steps of least energy after them */
-    bool keeps_factor;  /* conjugate gradients with an older factor, while they need few iterations */
-    bool is_dynamic;    /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
+    double held_share;     /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double reduction;      /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double enough;         /* N, when it is no more than this */
+    double short_move;     /* m, and after a full step in which no vertex goes farther than this */
+    int32_t iterations;    /* of full steps, and as many of steps of least energy after them */
+    double (*clock)(void); /* s; null = no deadline */
+    double deadline;       /* s by the clock: after the first step that ends later the best state by then is taken */
+    bool keeps_factor;     /* conjugate gradients with an older factor, while they need few iterations */
+    bool is_dynamic;       /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
 } pel_newton_problem;
 
 typedef struct pel_newton_result {
@@ -66,6 +68,7 @@ typedef struct pel_newton_result {
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
     bool converged;
     bool is_near; /* by short_move */
+    bool is_late; /* by the deadline */
     bool stuck;   /* no step makes the energy fall: as near as rounding allows */
 } pel_newton_result;
 
