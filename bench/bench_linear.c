@@ -270,7 +270,7 @@ static void bench_shell(const pel_mesh *mesh, bool has_edges, int threads)
     bench_check(pel_pool_create(threads, &pool, &error), &error);
     shell s = make_shell(mesh, has_edges);
     s.bending = 1e-4;
-    pel_matrix_def def = {s.node_count, s.sizes, s.element_count, s.start, s.nodes, NULL};
+    pel_matrix_def def = {s.node_count, s.sizes, s.element_count, s.start, s.nodes, NULL, 0, NULL};
     pel_matrix *m;
     double begin = seconds();
     bench_check(pel_matrix_create(&def, &m, &error), &error);

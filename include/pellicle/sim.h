@@ -68,6 +68,9 @@ typedef struct pel_solver_def {
     pel_analysis analysis;   /* static; tools and contact have no part in modes */
     int32_t mode_count;      /* of an analysis: modes to find, 1 to 1000 */
     pel_path path;           /* static, without an analysis */
+    double
+        budget; /* s, static and implicit: a step ends after the linear solve that is at work then, at the best state
+                   by then (pel_solver_reading tells the residual); what comes out depends on the machine. 0 = none */
 } pel_solver_def;
 
 /* What a load's force means. */
@@ -400,6 +403,7 @@ typedef struct pel_solver_reading {
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
     bool unstable;       /* static: the state is a balance but no minimum of the energy, and none was found beside it */
+    bool has_budget;     /* solver.budget is set */
     bool converged;   /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
                          act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */
     int32_t substeps; /* of the last step; of the next one before the first step */

@@ -33,6 +33,7 @@ typedef struct pel_tangent_pattern {
     const int32_t *nodes;        /* (node_begin[element_count]) */
     const uint8_t *element_kind; /* (element_count) elements of one kind have one number of nodes and one code */
     int32_t stress_count;        /* numbers that pel_tangent_extrapolate writes */
+    int32_t edge_limit, unknown_limit, stress_limit; /* most of them on any surface of the model */
     int32_t rank_one_count;
     const pel_rank_one *rank_ones; /* (rank_one_count) of the last evaluation with a gradient */
 } pel_tangent_pattern;

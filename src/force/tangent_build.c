@@ -52,13 +52,19 @@ static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error 
     return PEL_OK;
 }
 
-static bool allocate_fibres(pel_tangent_shell *own)
+static size_t fibre_limit(const pel_shell *shell)
 {
-    const pel_shell *shell = own->shell;
     size_t count = 0;
     for (int32_t r = 0; r < shell->region_count; r++)
         if (has_energy(&shell->regions[r]))
             count += (size_t)shell->regions[r].fibre_limit;
+    return count;
+}
+
+static bool allocate_fibres(pel_tangent_shell *own)
+{
+    const pel_shell *shell = own->shell;
+    size_t count = fibre_limit(shell);
     if (count == 0)
         return true;
     own->fibre_begin = pel_allocate((size_t)shell->triangle_limit + 2, sizeof *own->fibre_begin);
@@ -95,7 +101,7 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
 
 /* what all elements together take at most */
 typedef struct pel_tangent_room {
-    size_t elements, nodes, rows, gathers, edges, springs, chunks;
+    size_t elements, nodes, rows, edges, springs, chunks, stresses;
 } pel_tangent_room;
 
 static void add_room(pel_tangent_room *room, size_t elements, size_t vertices, size_t edges)
@@ -116,6 +122,9 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
         if (has_hinges(shell))
             add_room(&room, (size_t)shell->hinge_limit, 4, 0);
         room.edges += (size_t)edge_limit(shell);
+        room.stresses +=
+            (size_t)shell->triangle_limit * (has_midedge(shell) ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
+        room.stresses += (size_t)shell->hinge_limit * PEL_HINGE_STRAINS + fibre_limit(shell);
     }
     /* a spring stands at both of its ends */
     for (int32_t b = 0; b < model->body_count; b++)
@@ -125,6 +134,7 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
             room.springs += slots * PEL_WIDTH / 2 + 1;
         }
     add_room(&room, room.springs, 2, 0);
+    room.stresses += room.springs * PEL_LINE_STRAINS;
     add_room(&room, (size_t)model->vertex_count, 1, 0);
     return room;
 }
@@ -132,6 +142,9 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
 static bool allocate_lists(pel_tangent *tangent)
 {
     const pel_tangent_room room = room_of(tangent);
+    tangent->pattern.edge_limit = (int32_t)room.edges;
+    tangent->pattern.unknown_limit = 3 * tangent->model->vertex_count + (int32_t)room.edges;
+    tangent->pattern.stress_limit = (int32_t)room.stresses;
     tangent->edges = pel_allocate(room.edges, sizeof *tangent->edges);
     tangent->half_angles = pel_allocate(room.edges, sizeof *tangent->half_angles);
     bool all = tangent->edges != NULL && tangent->half_angles != NULL;

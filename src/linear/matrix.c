@@ -20,6 +20,7 @@ typedef struct builder {
     const pel_matrix_def *def;
     pel_matrix *matrix;
     int32_t *use_start, *use_element, *use_corner; /* elements at each node, and as which of their nodes */
+    int32_t *meet_start, *meet_coupling;           /* couplings at each node */
     int32_t *stamp;                                /* (node_count) last row that has seen a node, later its block */
     int32_t *key, *sorted;                         /* (element_count) of elements or pieces */
     int32_t *piece;                                /* (element_count + 1) first elements of pieces, in sorted */
@@ -42,8 +43,8 @@ void pel_matrix_destroy(pel_matrix *matrix)
 
 static void release_builder(builder *b)
 {
-    void *arrays[] = {b->use_start, b->use_element, b->use_corner, b->stamp, b->key,
-                      b->sorted,    b->piece,       b->used,       b->counts};
+    void *arrays[] = {b->use_start,  b->use_element,   b->use_corner, b->stamp, b->key,   b->sorted,
+                      b->meet_start, b->meet_coupling, b->piece,      b->used,  b->counts};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
 }
@@ -93,7 +94,11 @@ static pel_status check_def(const pel_matrix_def *def, pel_error *error)
         }
         places += (int64_t)(end - begin) * (end - begin);
     }
-    if (unknowns > INT32_MAX / 2 || places > INT32_MAX)
+    for (int32_t c = 0; c < def->coupling_count; c++)
+        for (int i = 0; i < 4; i++)
+            if (def->couplings[c][i] < 0 || def->couplings[c][i] >= def->node_count)
+                return refuse(error, "coupling", c, "a coupling has a node out of range");
+    if (unknowns > INT32_MAX / 2 || places > INT32_MAX || def->coupling_count > INT32_MAX / 4)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the matrix is too large: more than 2^31 values");
     return PEL_OK;
 }
@@ -133,6 +138,8 @@ static pel_status allocate_builder(builder *b, pel_error *error)
     b->use_start = pel_allocate(nodes + 1, sizeof *b->use_start);
     b->use_element = pel_allocate(corners, sizeof *b->use_element);
     b->use_corner = pel_allocate(corners, sizeof *b->use_corner);
+    b->meet_start = pel_allocate(nodes + 1, sizeof *b->meet_start);
+    b->meet_coupling = pel_allocate(4 * (size_t)def->coupling_count, sizeof *b->meet_coupling);
     b->stamp = pel_allocate(nodes, sizeof *b->stamp);
     b->key = pel_allocate(elements, sizeof *b->key);
     b->sorted = pel_allocate(elements, sizeof *b->sorted);
@@ -141,8 +148,8 @@ static pel_status allocate_builder(builder *b, pel_error *error)
     b->counts = pel_allocate(nodes + elements + CLASS_COUNT + 1, sizeof *b->counts);
     if (m->first_unknown == NULL || m->row_start == NULL || m->node_start == NULL || m->element_start == NULL ||
         m->element_node == NULL || m->ordered == NULL || b->use_start == NULL || b->use_element == NULL ||
-        b->use_corner == NULL || b->stamp == NULL || b->key == NULL || b->sorted == NULL || b->piece == NULL ||
-        b->used == NULL || b->counts == NULL)
+        b->use_corner == NULL || b->meet_start == NULL || b->meet_coupling == NULL || b->stamp == NULL ||
+        b->key == NULL || b->sorted == NULL || b->piece == NULL || b->used == NULL || b->counts == NULL)
         return pel_fail_memory(error);
     return PEL_OK;
 }
@@ -163,28 +170,49 @@ static void list_uses(builder *b)
         }
 }
 
+/* lists the couplings at each node */
+static void list_meetings(builder *b)
+{
+    const pel_matrix_def *def = b->def;
+    for (int32_t c = 0; c < def->coupling_count; c++)
+        for (int i = 0; i < 4; i++)
+            b->meet_start[def->couplings[c][i] + 1]++;
+    for (int32_t i = 0; i < def->node_count; i++) {
+        b->meet_start[i + 1] += b->meet_start[i];
+        b->stamp[i] = b->meet_start[i];
+    }
+    for (int32_t c = 0; c < def->coupling_count; c++)
+        for (int i = 0; i < 4; i++)
+            b->meet_coupling[b->stamp[def->couplings[c][i]]++] = c;
+}
+
+/* adds those of some nodes to the columns of a row that are not there yet */
+static int32_t add_columns(builder *b, const int32_t *nodes, int32_t node_count, int32_t mark, int32_t count,
+                           int32_t *columns)
+{
+    for (int32_t i = 0; i < node_count; i++) {
+        if (b->stamp[nodes[i]] == mark)
+            continue;
+        b->stamp[nodes[i]] = mark;
+        if (columns != NULL)
+            columns[count] = nodes[i];
+        count++;
+    }
+    return count;
+}
+
 /* Writes the neighbours of a node and itself to columns (null: counts only); returns their number. The stamps of this
    round are round + node. */
 static int32_t list_columns(builder *b, int32_t node, int32_t mark, int32_t *columns)
 {
     const pel_matrix *m = b->matrix;
-    int32_t count = 0;
-    b->stamp[node] = mark;
-    if (columns != NULL)
-        columns[count] = node;
-    count++;
+    int32_t count = add_columns(b, &node, 1, mark, 0, columns);
     for (int32_t use = b->use_start[node]; use < b->use_start[node + 1]; use++) {
-        int32_t element = b->use_element[use];
-        for (int32_t i = m->node_start[element]; i < m->node_start[element + 1]; i++) {
-            int32_t other = m->element_node[i];
-            if (b->stamp[other] == mark)
-                continue;
-            b->stamp[other] = mark;
-            if (columns != NULL)
-                columns[count] = other;
-            count++;
-        }
+        int32_t begin = m->node_start[b->use_element[use]], end = m->node_start[b->use_element[use] + 1];
+        count = add_columns(b, &m->element_node[begin], end - begin, mark, count, columns);
     }
+    for (int32_t k = b->meet_start[node]; k < b->meet_start[node + 1]; k++)
+        count = add_columns(b, b->def->couplings[b->meet_coupling[k]], 4, mark, count, columns);
     return count;
 }
 
@@ -365,6 +393,7 @@ pel_status pel_matrix_create(const pel_matrix_def *def, pel_matrix **matrix, pel
     if (status == PEL_OK) {
         copy_elements(&b);
         list_uses(&b);
+        list_meetings(&b);
         status = build_rows(&b, error);
     }
     if (status == PEL_OK)

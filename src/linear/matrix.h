@@ -44,6 +44,9 @@ typedef struct pel_matrix_def {
     const int32_t *element_start; /* (element_count + 1) in element_node, from 0 */
     const int32_t *element_node;  /* nodes of each element; one that comes twice is summed twice */
     const uint8_t *element_kind;  /* (element_count) a group has elements of one kind only; null = all alike */
+    int32_t coupling_count;
+    const int32_t (*couplings)[4]; /* (coupling_count) nodes that get blocks with each other; the caller fills them
+                                      after pel_matrix_assemble. null = none */
 } pel_matrix_def;
 
 /* Builds the pattern; the values are zero. The arrays of the def are not kept. PEL_BAD_ARGUMENT for a node out of

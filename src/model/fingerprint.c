@@ -170,6 +170,7 @@ static const pel_member solver[] = {
     PLAIN(pel_solver_def, analysis, SAME),
     PLAIN(pel_solver_def, path, SAME),
     PLAIN(pel_solver_def, mode_count, SAME),
+    OTHER(pel_solver_def, budget),
     END,
 };
 

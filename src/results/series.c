@@ -119,6 +119,20 @@ static const char *mode_column(const pel_sim *sim)
     return has_path(sim) ? "load_factor" : columns[pel_sim_analysis(sim)];
 }
 
+static bool has_residual(const pel_sim *sim)
+{
+    pel_solver_reading reading;
+    pel_sim_get_solver(sim, &reading);
+    return reading.has_budget;
+}
+
+static void put_residual(pel_run_series *series, const pel_sim *sim)
+{
+    pel_solver_reading reading;
+    pel_sim_get_solver(sim, &reading);
+    put_number(series, reading.residual);
+}
+
 static void put_header(pel_run_series *series, const pel_sim *sim)
 {
     put_text(series, first_columns);
@@ -151,6 +165,8 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
         put_text(series, ",");
         put_text(series, mode_column(sim));
     }
+    if (has_residual(sim))
+        put_text(series, ",solver_residual");
     put_text(series, "\n");
 }
 
@@ -237,7 +253,7 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
     *series = (pel_run_series){.descriptor = -1, .path = path};
     series->room =
         sizeof first_columns +
-        (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 1) * PEL_NUMBER_SIZE +
+        (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
         (size_t)pel_sim_tool_count(sim) * tool_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
     series->line = pel_allocate(series->room, 1);
@@ -354,6 +370,8 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
         put_contact(series, row);
     if (mode_column(sim) != NULL)
         put_number(series, has_path(sim) ? pel_sim_load_factor(sim) : pel_sim_mode_value(sim));
+    if (has_residual(sim))
+        put_residual(series, sim);
     put_text(series, "\n");
 }
 

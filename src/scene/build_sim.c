@@ -288,6 +288,7 @@ static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
     sim->solver.analysis = (pel_analysis)pel_scene_value_integer(value, "analysis");
     sim->solver.mode_count = sim->solver.analysis != PEL_ANALYSIS_NONE ? pel_scene_value_integer(value, "modes") : 0;
     sim->solver.path = (pel_path)pel_scene_value_integer(value, "path");
+    sim->solver.budget = 1e-3 * pel_scene_value_number(value, "budget");
     sim->thread_count = pel_scene_value_integer(value, "threads");
 }
 

@@ -348,6 +348,10 @@ static const pel_scene_row rows[] = {
             "factors of all loads, gravity and pressure together, under which it buckles by linear theory. A frame "
             "for each mode; the numbers are in summary.json"},
     {"solver.modes", INTEGER, BETWEEN(1, 1000), .preset = "6", .doc = "modes that an analysis finds"},
+    {"solver.budget", NUMBER, .unit = "ms", AT_LEAST(0), .preset = "0",
+     .doc = "static, implicit: time for a step, 0 for none. A step ends after the linear solve that is at work then, "
+            "at the "
+            "best state by then; `solver_residual` in series.csv tells what is left. Results depend on the machine"},
     {"solver.threads", INTEGER, COUNT_FROM(0), .preset = "0",
      .doc =
          "threads of a step, 0 for as many as the machine has; unless it is 1, a further thread writes the frames; the "

@@ -328,6 +328,8 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= 1;
         sum->converged = closed && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
+        if (sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline)
+            break;
     }
     return status;
 }

@@ -47,6 +47,9 @@ pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error
     for (int32_t l = 0; !sim->stepper->turns_edges && l < def->load_count; l++)
         if (def->loads[l].kind == PEL_LOAD_MOMENT)
             return refuse(error, l, "this method has no moments on edges", "use the method static or implicit");
+    for (int32_t l = 0; l < def->load_count; l++)
+        if (def->loads[l].kind == PEL_LOAD_MOMENT && sim->model->bodies[def->loads[l].body].detail != NULL)
+            return refuse(error, l, "moments act on edges of a body that refines", "leave out refine of the body");
     size_t edges = (size_t)pel_newton_pattern(sim->descent->newton->newton)->edge_count;
     uint8_t *marks = pel_allocate((size_t)sim->model->vertex_count, sizeof *marks);
     sim->edge_loads = pel_allocate((size_t)count * edges, sizeof *sim->edge_loads);

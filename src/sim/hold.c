@@ -249,6 +249,9 @@ pel_status pel_holds_create(pel_sim *sim, const pel_sim_def *def, pel_error *err
         pel_status status = check_def(sim, &def->supports[s], s, error);
         if (status != PEL_OK)
             return status;
+        if (sim->model->bodies[def->supports[s].body].detail != NULL)
+            return refuse(error, s, "a support holds vertices of a body that refines",
+                          "leave out refine of the body, or pin the vertices");
     }
     pel_sim_holds *holds = sim->holds = pel_allocate(1, sizeof *holds);
     if (holds == NULL)

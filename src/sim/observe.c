@@ -288,5 +288,6 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     reading->energy = result->energy;
     reading->residual = result->residual;
     reading->unstable = result->unstable;
+    reading->has_budget = sim->solver.budget > 0;
     reading->converged = result->converged;
 }

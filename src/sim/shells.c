@@ -170,4 +170,6 @@ void pel_shells_follow(pel_sim *sim, int32_t body)
     pel_shell_forces_rebuild(sim->shells, body);
     if (sim->projector != NULL)
         pel_projector_hold(sim->projector, sim->boundary.is_held);
+    if (sim->stepper->follow_surface != NULL)
+        sim->stepper->follow_surface(sim);
 }

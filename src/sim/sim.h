@@ -250,6 +250,8 @@ struct pel_sim {
     pel_state *state;
     pel_solver_def solver;
     const pel_stepper *stepper; /* of its method */
+    double (*clock)(void);      /* s, from any begin; for solver.budget. Tests put one of their own */
+    double deadline;            /* s by that clock, of the step at work; HUGE_VAL = none */
     pel_step step;
     pel_pool *pool;        /* null = one thread */
     double *chunk_longest; /* scratch of the step */

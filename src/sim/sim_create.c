@@ -11,6 +11,8 @@
 #include "sim/step_path.h"
 #include "sim/tool_solid.h"
 
+#include <time.h>
+
 enum { SIM_COOKIE = 0x73696d21 };
 
 /* below this many chunks (of 512 vertices) threads cost more than they give */
@@ -70,6 +72,16 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         }
     if (PEL_IS_NO_CHOICE((int)solver->second_order - PEL_AUTO, PEL_YES - PEL_AUTO + 1))
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver second_order is %d", (int)solver->second_order);
+    if (!(solver->budget >= 0 && isfinite(solver->budget))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "solver budget is %g", solver->budget);
+        pel_fail_remedy(error, "give a time above 0 s, or 0 for none");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (solver->budget > 0 && solver->method != PEL_METHOD_IMPLICIT && solver->method != PEL_METHOD_STATIC) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "only the methods static and implicit have a budget of time");
+        pel_fail_remedy(error, "use method implicit, or leave the budget out");
+        return PEL_BAD_ARGUMENT;
+    }
     if (!(solver->drag >= 0 && isfinite(solver->drag))) {
         pel_fail(error, PEL_BAD_ARGUMENT, "solver drag is %g", solver->drag);
         pel_fail_remedy(error, "give a finite number of at least 0");
@@ -124,6 +136,14 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     return status;
 }
 
+/* s */
+static double read_clock(void)
+{
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 /* a copy of the def, for changes; meshes of tools are those of the sim */
 static pel_status keep_def(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
@@ -142,6 +162,8 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         return status;
     sim->model = sim->given = def->model;
     sim->solver = def->solver;
+    sim->clock = read_clock;
+    sim->deadline = HUGE_VAL;
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_substeps_configure(sim, def);
     if (pel_model_refines(def->model)) {

@@ -11,7 +11,8 @@
 
    Forces that change in time act at the time of y: in the middle of the step under the midpoint rule, else at its end.
    The midpoint rule keeps the energy where nothing takes it away; BDF2 damps what a step cannot follow; Euler begins,
-   and follows what touches. */
+   and follows what touches. Damping along volumetric springs is c (u . e) e, with e as it is where the step begins. */
+#include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
 #include "sim/hold.h"
@@ -28,6 +29,14 @@ typedef struct scheme {
 static const scheme euler = {1, {1, 0}, {1, 0}, 1};
 static const scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
 static const scheme midpoint = {2, {1, 0}, {1, 0}, 2};
+
+static bool has_radial_damping(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t v = 0; v < sim->given->vertex_count; v++)
+        any |= sim->given->volumetric_damping[v] > 0;
+    return any;
+}
 
 static bool has_damping(const pel_sim *sim)
 {
@@ -85,6 +94,27 @@ static double carried_of(const pel_state *state, const scheme *s, int32_t v, int
     return s->velocity[0] * (double)state->velocity[v][k] + older;
 }
 
+/* Damping along volumetric springs, in the direction that these have where the step begins. */
+static void set_radial(pel_sim *sim, const scheme *s)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    double rate = s->rate / sim->step.dt;
+    for (int32_t v = 0; newton->radial != NULL && v < sim->model->vertex_count; v++) {
+        const double *factors = sim->state->factors[sim->model->body_of_slice[v / PEL_WIDTH]];
+        double damping = factors[PEL_VOLUMETRIC_DAMPING] * (double)sim->model->volumetric_damping[v];
+        double *along = newton->radial[v], x[3], rest[3];
+        pel_vertex_position(sim->state->position, v, x);
+        pel_vertex_position(sim->model->rest, v, rest);
+        pel_vec3_subtract(x, rest, along);
+        double length = pel_vec3_length(along);
+        bool acts = damping > 0 && length > 0 && sim->model->inverse_mass[v] > 0;
+        pel_vec3_scale(along, acts ? sqrt(damping * rate) / length : 0, along);
+        along[3] = 0;
+        for (int k = 0; k < 3; k++)
+            along[3] += along[k] * anchor_of(sim->state, s, v, k);
+    }
+}
+
 /* the springs that inertia and drag are */
 static void set_points(pel_sim *sim, const scheme *s)
 {
@@ -122,8 +152,13 @@ static pel_status create(pel_sim *sim, pel_error *error)
     pel_status status = pel_sim_descent_create(sim, pel_sim_newton_minimise, error);
     if (status == PEL_OK)
         status = pel_sim_newton_create(sim, true, error);
-    if (status == PEL_OK)
-        sim->descent->newton->is_damped = has_damping(sim);
+    if (status != PEL_OK)
+        return status;
+    sim->descent->newton->is_damped = has_damping(sim);
+    if (has_radial_damping(sim)) {
+        sim->descent->newton->radial = pel_allocate((size_t)sim->model->vertex_count, sizeof(double[4]));
+        status = sim->descent->newton->radial != NULL ? PEL_OK : pel_fail_memory(error);
+    }
     return status == PEL_OK ? pel_state_add_history(sim->model, sim->state, error) : status;
 }
 
@@ -132,6 +167,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     const scheme *s = choose_scheme(sim);
     set_points(sim, s);
     sim->descent->force_time = 1 / s->end;
+    set_radial(sim, s);
     pel_sim_newton_begin(sim);
     pel_status status = pel_sim_descent_step(sim, result, error);
     if (status != PEL_OK)
@@ -167,6 +203,7 @@ const pel_stepper pel_step_implicit_kind = {
     .step = step,
     .read_tools = pel_sim_newton_read_tools,
     .settle_edges = pel_sim_newton_settle_edges,
+    .follow_surface = pel_sim_newton_follow_surface,
     .get_held_force = pel_sim_newton_held_force,
     .mark_contacts = pel_descent_contacts_mark,
     .accept = accept,

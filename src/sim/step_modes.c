@@ -31,6 +31,11 @@ pel_status pel_sim_modes_create(pel_sim *sim, pel_error *error)
 
 pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
 {
+    if (sim->active != NULL) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "modes are those of bodies that do not refine");
+        pel_fail_remedy(error, "leave refine out, and subdivide the mesh (pellicle subdivide)");
+        return PEL_BAD_ARGUMENT;
+    }
     if (sim->tool_count == 0 && sim->contacts == NULL)
         return PEL_OK;
     pel_fail(error, PEL_BAD_ARGUMENT, "modes are those of bodies without %s",

@@ -12,16 +12,14 @@
 #define DYNAMIC_REDUCTION 1e-3
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
+/* and those that follow the first one in a step at this share of what that began with */
+#define ROUND_REDUCTION 1e-4
+/* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
+#define NEAR_TOLERANCES 10
 enum { DYNAMIC_ITERATIONS = 20 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
-    if (sim->active != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT,
-                 "a body refines: the matrix of Newton's method belongs to a surface that stays");
-        pel_fail_remedy(error, "leave refine out, or take method descent or xpbd");
-        return PEL_BAD_ARGUMENT;
-    }
     pel_sim_newton *newton = sim->descent->newton = pel_allocate(1, sizeof *newton);
     if (newton == NULL)
         return pel_fail_memory(error);
@@ -29,7 +27,7 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     if (status != PEL_OK)
         return status;
     size_t vertices = (size_t)sim->model->vertex_count;
-    size_t count = (size_t)pel_newton_pattern(newton->newton)->unknown_count;
+    size_t count = (size_t)pel_newton_pattern(newton->newton)->unknown_limit;
     newton->unknowns = pel_allocate(count, sizeof *newton->unknowns);
     newton->target = pel_allocate(count, sizeof *newton->target);
     newton->loads = pel_allocate(count, sizeof *newton->loads);
@@ -51,8 +49,8 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     if (newton == NULL)
         return;
     pel_newton_destroy(newton->newton);
-    void *arrays[] = {newton->unknowns, newton->target, newton->loads,           newton->fixed,
-                      newton->position, newton->force,  newton->point_stiffness, newton->points};
+    void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,     newton->position,
+                      newton->force,    newton->point_stiffness, newton->points, newton->couplings, newton->radial};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -63,8 +61,17 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
 void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->descent->newton->goes_on = false;
+    sim->descent->newton->first_residual = 0;
     pel_newton_forget(sim->descent->newton->newton);
+    if (sim->solver.budget > 0)
+        sim->deadline = sim->clock() + sim->solver.budget;
     sim->edge_load_work = 0;
+}
+
+void pel_sim_newton_follow_surface(pel_sim *sim)
+{
+    sim->descent->newton->goes_on = false;
+    pel_newton_rebuild(sim->descent->newton->newton);
 }
 
 /* edges as they bend least, clamps apart; from zero: the same bits whatever was solved before */
@@ -214,11 +221,26 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool suppo
 
 /* ---- constraints ---- */
 
+/* Damping along volumetric springs: the part of a vertex's velocity along the way that it is from its place at rest,
+   where the step begins. */
+static double evaluate_radial(const pel_sim_newton *newton, int32_t count, const double *unknowns, double *gradient)
+{
+    double energy = 0;
+    for (int32_t v = 0; newton->radial != NULL && v < count; v++) {
+        const double *along = newton->radial[v];
+        double way = pel_vec3_dot(along, unknowns + 3 * (size_t)v) - along[3];
+        energy += 0.5 * way * way;
+        pel_vec3_along(gradient + 3 * (size_t)v, way, along, gradient + 3 * (size_t)v);
+    }
+    return energy;
+}
+
 static double evaluate_constraints(void *context, const double *unknowns, double *gradient)
 {
     const pel_descent_context *at = context;
     pel_sim *sim = at->sim;
     double springs = pel_holds_evaluate(sim, at->time, unknowns, gradient);
+    springs += evaluate_radial(sim->descent->newton, sim->model->vertex_count, unknowns, gradient);
     if (!at->is_constrained)
         return springs;
     pel_sim_newton *newton = sim->descent->newton;
@@ -243,19 +265,14 @@ static void add_block(pel_matrix *matrix, int32_t i, int32_t j, double weight, c
             values[a + 3 * b] += weight * stiffness[a][b];
 }
 
-/* pairs that the pattern has no block for are bounded by what stands on the diagonal */
 static void add_constraint(pel_matrix *matrix, const int32_t vertices[4], const double weights[4],
                            const double stiffness[3][3])
 {
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++) {
             double weight = weights[i] * weights[j];
-            if (weight == 0)
-                continue;
-            if (pel_matrix_block(matrix, vertices[i], vertices[j]) >= 0)
+            if (weight != 0)
                 add_block(matrix, vertices[i], vertices[j], weight, stiffness);
-            else
-                add_block(matrix, vertices[i], vertices[i], fabs(weight), stiffness);
         }
 }
 
@@ -277,6 +294,13 @@ static void add_constraints(void *context, pel_matrix *matrix)
     const pel_sim *sim = at->sim;
     const pel_sim_descent *descent = sim->descent;
     pel_holds_add_matrix(sim, matrix);
+    for (int32_t v = 0; descent->newton->radial != NULL && v < sim->model->vertex_count; v++) {
+        double square[3][3];
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                square[a][b] = descent->newton->radial[v][a] * descent->newton->radial[v][b];
+        add_block(matrix, v, v, 1, (const double(*)[3])square);
+    }
     for (int32_t c = 0; at->is_constrained && c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
         pel_contact_stiffness stiffness;
@@ -289,6 +313,115 @@ static void add_constraints(void *context, pel_matrix *matrix)
     }
 }
 
+/* the elements of the model have blocks for the corners of a triangle */
+static bool has_tied_corners(const pel_sim *sim, int32_t v)
+{
+    const pel_body *body = &sim->model->bodies[sim->model->body_of_slice[v / PEL_WIDTH]];
+    return body->shell != NULL || body->plain_spring != 0;
+}
+
+/* the vertices that take part; the first of these for the others */
+static void copy_vertices(const pel_descent_contact *constraint, int32_t vertices[4])
+{
+    int first = 0;
+    while (first < 3 && constraint->weights[first] == 0)
+        first++;
+    for (int i = 0; i < 4; i++)
+        vertices[i] = constraint->vertices[constraint->weights[i] != 0 || constraint->triangle >= 0 ? i : first];
+}
+
+/* Lists the constraints that act, or (acts = false) those that do not but are near. */
+static int32_t list_constraints(pel_sim *sim, bool acts, int32_t count)
+{
+    const pel_sim_descent *descent = sim->descent;
+    pel_sim_newton *newton = descent->newton;
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        pel_contact_stiffness stiffness;
+        pel_gap_sample sample;
+        if (constraint->tool >= 0 && has_tied_corners(sim, constraint->vertices[0]))
+            continue;
+        if (pel_descent_contact_stiffness(sim, constraint, newton->position, &stiffness) != acts)
+            continue;
+        if (!acts) {
+            pel_descent_contact_meet(sim, constraint, newton->position, &sample);
+            if (sample.gap > NEAR_TOLERANCES * constraint->tolerance)
+                continue;
+        }
+        copy_vertices(constraint, newton->couplings[count++]);
+    }
+    return count;
+}
+
+static int32_t list_couplings(void *context, const int32_t (**vertices)[4], int32_t *acting)
+{
+    const pel_descent_context *at = context;
+    pel_sim *sim = at->sim;
+    if (!at->is_constrained)
+        return 0;
+    *acting = list_constraints(sim, true, 0);
+    *vertices = (const int32_t(*)[4])sim->descent->newton->couplings;
+    return list_constraints(sim, false, *acting);
+}
+
+/* the weighted sum of the moves of four vertices */
+static void weigh_moves(const int32_t vertices[4], const double weights[4], const double *move, double sum[3])
+{
+    pel_vec3_set(sum, 0, 0, 0);
+    for (int i = 0; i < 4; i++)
+        pel_vec3_along(sum, weights[i], move + 3 * (size_t)vertices[i], sum);
+}
+
+static double form_of(const double stiffness[3][3], const double way[3])
+{
+    double sum = 0;
+    for (int a = 0; a < 3; a++)
+        sum += way[a] * pel_vec3_dot(stiffness[a], way);
+    return sum;
+}
+
+/* second derivative of one constraint along a move */
+static double curvature_of(const pel_sim *sim, const pel_descent_contact *constraint, const double *move)
+{
+    pel_contact_stiffness stiffness;
+    double way[3];
+    if (!pel_descent_contact_stiffness(sim, constraint, sim->descent->newton->position, &stiffness))
+        return 0;
+    weigh_moves(constraint->vertices, stiffness.weights, move, way);
+    double sum = form_of((const double(*)[3])stiffness.along, way);
+    weigh_moves(constraint->vertices, constraint->weights, move, way);
+    sum += form_of((const double(*)[3])stiffness.across, way);
+    for (int r = 0; r < stiffness.row_count; r++) {
+        double product = 0;
+        for (int i = 0; i < 3; i++)
+            product += pel_vec3_dot(stiffness.rows[r][i], move + 3 * (size_t)constraint->vertices[i]);
+        sum += product * product;
+    }
+    return sum;
+}
+
+static double find_slope(void *context, const double *unknowns, const double *move, double share, double *curvature)
+{
+    const pel_descent_context *at = context;
+    const pel_sim *sim = at->sim;
+    pel_sim_newton *newton = sim->descent->newton;
+    int32_t count = sim->model->vertex_count;
+    double slope = 0;
+    for (int32_t v = 0; v < count; v++)
+        for (int k = 0; k < 3; k++)
+            newton->position[v][k] = (pel_real)(unknowns[3 * v + k] + share * move[3 * v + k]);
+    memset(newton->force, 0, (size_t)count * sizeof *newton->force);
+    pel_descent_contacts_evaluate(sim, newton->position, newton->force);
+    for (int32_t v = 0; v < count; v++)
+        for (int k = 0; k < 3; k++)
+            slope -= (double)newton->force[v][k] * move[3 * v + k];
+    if (curvature != NULL)
+        *curvature = 0;
+    for (int32_t c = 0; curvature != NULL && c < sim->descent->count; c++)
+        *curvature += curvature_of(sim, &sim->descent->constraints[c], move);
+    return slope;
+}
+
 /* ---- a run ---- */
 
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
@@ -297,9 +430,15 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    bool has_springs = sim->holds != NULL && sim->holds->spring_count > 0;
-    const pel_newton_terms terms = {context, evaluate_constraints, add_constraints};
+    bool has_springs = (sim->holds != NULL && sim->holds->spring_count > 0) || newton->radial != NULL;
+    const pel_newton_terms terms = {context, evaluate_constraints, add_constraints, list_couplings,
+                                    context->is_constrained ? find_slope : NULL};
+    if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
+                     sizeof *newton->couplings))
+        return pel_fail_memory(error);
     const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
+    double moments = pel_newton_moment_force(newton->newton, newton->loads);
+    double tolerance = hypot(problem->tolerance, pel_descent_held_share() * moments);
     const pel_newton_problem own = {
         .time = context->time,
         .state = sim->state,
@@ -310,14 +449,15 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .target = newton->target,
         .frames = frames,
         .terms = context->is_constrained || has_springs ? &terms : NULL,
-        .tolerance = hypot(problem->tolerance,
-                           pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads)),
+        .tolerance = fmax(tolerance, is_dynamic ? ROUND_REDUCTION * newton->first_residual : 0),
         .held_share = problem->held_share,
         .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
         .short_move = problem->short_move,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations
                                                  : (is_dynamic ? DYNAMIC_ITERATIONS : PEL_STATIC_ITERATIONS),
+        .clock = sim->solver.budget > 0 ? sim->clock : NULL,
+        .deadline = sim->deadline,
         .keeps_factor = is_dynamic,
         .is_dynamic = is_dynamic,
     };
@@ -338,6 +478,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .stuck = run.stuck,
         .unstable = run.unstable,
     };
+    newton->first_residual = fmax(newton->first_residual, run.first_residual);
     pel_edge_loads_add_work(sim, context->time, pel_newton_turns(newton->newton));
     return status;
 }

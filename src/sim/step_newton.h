@@ -17,12 +17,16 @@ struct pel_sim_newton {
     pel_record *position, *force; /* (vertex_count) what constraints see of the unknowns, and answer */
     double *point_stiffness;      /* (vertex_count) N/m, inertia and drag; null in statics */
     double (*points)[3];          /* (vertex_count) m */
-    bool is_damped;               /* drag, or damping of springs */
-    bool goes_on;                 /* the unknowns belong to the step in progress */
+    double (*radial)[4]; /* (vertex_count) damping along volumetric springs, root of N/m: the energy of positions x is
+                            half the square of radial . x - radial[3]; null = none */
+    int32_t (*couplings)[4]; /* scratch: vertices of constraints */
+    size_t coupling_capacity;
+    double first_residual; /* N, of the first run of the step */
+    bool is_damped;        /* drag, or damping of springs */
+    bool goes_on;          /* the unknowns belong to the step in progress */
 };
 
-/* Unknowns, matrix and room, after sim->descent was made. PEL_OUT_OF_MEMORY; PEL_BAD_ARGUMENT for bodies that refine,
-   and as pel_newton_create. */
+/* Unknowns, matrix and room, after sim->descent was made. Errors of pel_newton_create. */
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error);
 void pel_sim_newton_destroy(pel_sim_newton *newton);
 
@@ -41,6 +45,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
 bool pel_sim_newton_approximate(pel_descent_context *context);
 /* a pel_descent_precondition; the context is that of the minimisation */
 void pel_sim_newton_precondition(void *context, double *vector);
+/* the follow_surface of a stepper */
+void pel_sim_newton_follow_surface(pel_sim *sim);
 /* the settle_edges of a stepper */
 pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unknowns);
 /* N, on a vertex that is fixed: what the bodies do to it */

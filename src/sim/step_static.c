@@ -52,6 +52,7 @@ const pel_stepper pel_step_static_kind = {
     .step = step,
     .read_tools = pel_sim_newton_read_tools,
     .settle_edges = pel_sim_newton_settle_edges,
+    .follow_surface = pel_sim_newton_follow_surface,
     .get_held_force = pel_sim_newton_held_force,
     .mark_contacts = pel_descent_contacts_mark,
     .accept = pel_sim_descent_accept,

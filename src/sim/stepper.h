@@ -34,6 +34,8 @@ typedef struct pel_stepper {
     /* The tangent with its unknowns at the present positions, the edges of mid-edge bending where they bend least; null
        without such edges; nullable */
     pel_tangent *(*settle_edges)(const pel_sim *sim, const double **unknowns);
+    /* after the surface has changed; nullable */
+    void (*follow_surface)(pel_sim *sim);
     /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
     void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
     /* after a step that is accepted; nullable */

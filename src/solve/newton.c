@@ -1,5 +1,6 @@
 #include "solve/newton_run.h"
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -8,7 +9,14 @@
 
 /* full steps of mixed integration points without a new least residual, after which steps of least energy follow; such
    steps in a part of the loads */
-enum { PATIENCE = 12, PART_ITERATIONS = 30 };
+enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6, PART_ITERATIONS = 30 };
+/* such steps after which all that follow go only to where constraints take their slope away; evaluations of that */
+enum { STALLED = 1, SEARCHES = 12 };
+/* a slope of so much of that at the begin counts as zero; one steeper than FLAT of it pays to go on, up to MOST_SHARE
+   times the step */
+#define STEEP 0.2
+#define FLAT 0.5
+#define MOST_SHARE 16
 /* multiples of the masses: the first one, of the stiffness over mass; by how much they shrink and grow */
 #define FIRST_SHIFT 1e-2
 #define LEAST_SHIFT 1e-12
@@ -30,7 +38,8 @@ enum { PATIENCE = 12, PART_ITERATIONS = 30 };
 
 /* ---- creation ---- */
 
-pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error)
+static pel_status create_matrix(const pel_newton *newton, int32_t coupling_count, const int32_t (*couplings)[4],
+                                pel_matrix **matrix, pel_error *error)
 {
     const pel_tangent_pattern *pattern = newton->pattern;
     int32_t node_count = pattern->vertex_count + pattern->edge_count;
@@ -46,10 +55,17 @@ pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matri
         .element_start = pattern->node_begin,
         .element_node = pattern->nodes,
         .element_kind = pattern->element_kind,
+        .coupling_count = coupling_count,
+        .couplings = couplings,
     };
     pel_status status = pel_matrix_create(&def, matrix, error);
     pel_free(sizes);
     return status;
+}
+
+pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error)
+{
+    return create_matrix(newton, 0, NULL, matrix, error);
 }
 
 static void edge_midpoint(const pel_newton *newton, int32_t e, double middle[3])
@@ -71,6 +87,45 @@ static pel_status create_plan(pel_newton *newton, pel_error *error)
         edge_midpoint(newton, e, places[pattern->vertex_count + e]);
     pel_status status = pel_factor_plan_create(newton->matrix, (const double(*)[3])places, &newton->plan, error);
     pel_free(places);
+    return status;
+}
+
+static void destroy_system(pel_newton *newton)
+{
+    for (int p = 0; p < 2; p++) {
+        pel_factor_destroy(newton->factors[p]);
+        newton->factors[p] = NULL;
+    }
+    pel_factor_plan_destroy(newton->plan);
+    pel_matrix_destroy(newton->matrix);
+    pel_pcg_destroy(newton->pcg);
+    pel_minres_destroy(newton->minres);
+    newton->minres = NULL;
+    newton->pcg = NULL;
+    newton->plan = NULL;
+    newton->matrix = NULL;
+    newton->has_factor = false;
+    newton->precision = PEL_FACTOR_FLOAT;
+}
+
+static uint64_t hash_couplings(int32_t count, const int32_t (*couplings)[4])
+{
+    return count > 0 ? pel_hash_bytes(PEL_HASH_START, couplings, (size_t)count * sizeof *couplings) : 0;
+}
+
+/* matrix, plan, factor and room to solve, with blocks for some couplings */
+static pel_status create_system(pel_newton *newton, int32_t count, const int32_t (*couplings)[4], pel_error *error)
+{
+    destroy_system(newton);
+    pel_status status = create_matrix(newton, count, couplings, &newton->matrix, error);
+    if (status == PEL_OK)
+        status = create_plan(newton, error);
+    if (status == PEL_OK)
+        status = pel_factor_create(newton->plan, PEL_FACTOR_FLOAT, &newton->factors[PEL_FACTOR_FLOAT], error);
+    if (status == PEL_OK)
+        status = pel_pcg_create(newton->pattern->unknown_count, &newton->pcg, error);
+    newton->is_outdated = status != PEL_OK;
+    newton->couplings = hash_couplings(count, couplings);
     return status;
 }
 
@@ -100,18 +155,26 @@ static void measure(pel_newton *newton)
 static bool make_room(pel_newton *newton)
 {
     const pel_tangent_pattern *pattern = newton->pattern;
-    size_t count = (size_t)pattern->unknown_count;
-    newton->stresses = pel_allocate((size_t)pattern->stress_count + 1, sizeof *newton->stresses);
+    size_t count = (size_t)pattern->unknown_limit, nodes = (size_t)pattern->vertex_count + (size_t)pattern->edge_limit;
+    newton->stresses = pel_allocate((size_t)pattern->stress_limit + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
-    newton->frame = pel_allocate((size_t)pattern->vertex_count + (size_t)pattern->edge_count, sizeof *newton->frame);
-    double **vectors[] = {&newton->gradient,   &newton->right,   &newton->step, &newton->start, &newton->start_gradient,
-                          &newton->masses,     &newton->walked,  &newton->move, &newton->path,  &newton->load,
-                          &newton->answer,     &newton->balance, &newton->way,  &newton->begin, &newton->part_start,
-                          &newton->part_walked};
+    newton->frame = pel_allocate(nodes, sizeof *newton->frame);
+    double **vectors[] = {
+        &newton->gradient,    &newton->right,   &newton->step,       &newton->start, &newton->start_gradient,
+        &newton->masses,      &newton->walked,  &newton->move,       &newton->path,  &newton->load,
+        &newton->answer,      &newton->balance, &newton->way,        &newton->begin, &newton->part_start,
+        &newton->part_walked, &newton->best,    &newton->best_walked};
     bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
     return room;
+}
+
+void pel_newton_rebuild(pel_newton *newton)
+{
+    pel_tangent_rebuild(newton->tangent);
+    measure(newton);
+    newton->is_outdated = true;
 }
 
 pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error)
@@ -126,14 +189,8 @@ pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton 
     pel_status status = pel_tangent_create(model, &made->tangent, error);
     if (status == PEL_OK) {
         made->pattern = pel_tangent_pattern_of(made->tangent);
-        status = make_room(made) ? pel_newton_create_matrix(made, &made->matrix, error) : pel_fail_memory(error);
+        status = make_room(made) ? create_system(made, 0, NULL, error) : pel_fail_memory(error);
     }
-    if (status == PEL_OK)
-        status = create_plan(made, error);
-    if (status == PEL_OK)
-        status = pel_factor_create(made->plan, PEL_FACTOR_FLOAT, &made->factors[PEL_FACTOR_FLOAT], error);
-    if (status == PEL_OK)
-        status = pel_pcg_create(made->pattern->unknown_count, &made->pcg, error);
     if (status != PEL_OK) {
         pel_newton_destroy(made);
         return status;
@@ -147,18 +204,13 @@ void pel_newton_destroy(pel_newton *newton)
 {
     if (newton == NULL)
         return;
-    pel_pcg_destroy(newton->pcg);
-    pel_minres_destroy(newton->minres);
-    for (int p = 0; p < 2; p++)
-        pel_factor_destroy(newton->factors[p]);
-    pel_factor_plan_destroy(newton->plan);
-    pel_matrix_destroy(newton->matrix);
+    destroy_system(newton);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {newton->gradient, newton->right,          newton->step,       newton->start,
-                      newton->masses,   newton->start_gradient, newton->stresses,   newton->fixed,
-                      newton->walked,   newton->move,           newton->frame,      newton->path,
-                      newton->load,     newton->answer,         newton->balance,    newton->way,
-                      newton->begin,    newton->part_start,     newton->part_walked};
+    void *arrays[] = {
+        newton->gradient,    newton->right,  newton->step,       newton->start, newton->masses, newton->start_gradient,
+        newton->stresses,    newton->fixed,  newton->walked,     newton->move,  newton->frame,  newton->path,
+        newton->load,        newton->answer, newton->balance,    newton->way,   newton->begin,  newton->part_start,
+        newton->part_walked, newton->best,   newton->best_walked};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -198,12 +250,179 @@ pel_newton_system pel_newton_system_of(const pel_newton *newton)
                                newton->plan,  newton->pool,    newton->masses};
 }
 
+static bool has_blocks(const pel_newton *newton, int32_t count, const int32_t (*couplings)[4])
+{
+    for (int32_t c = 0; c < count; c++)
+        for (int i = 1; i < 4; i++)
+            for (int j = 0; j < i; j++)
+                if (pel_matrix_block(newton->matrix, couplings[c][i], couplings[c][j]) < 0)
+                    return false;
+    return true;
+}
+
+/* Blocks for what the terms couple. Where a run begins the pattern is that of its own couplings alone: so its bits do
+   not depend on the runs before. */
+pel_status pel_newton_couple(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    const pel_newton_terms *terms = run->problem->terms;
+    const int32_t(*couplings)[4] = NULL;
+    int32_t acting = 0, count = 0;
+    if (terms != NULL && terms->list_couplings != NULL)
+        count = terms->list_couplings(terms->context, &couplings, &acting);
+    bool is_right = !newton->is_outdated;
+    if (is_right)
+        is_right = newton->is_stale ? newton->couplings == hash_couplings(count, couplings)
+                                    : has_blocks(newton, acting, couplings);
+    newton->is_stale = false;
+    return is_right ? PEL_OK : create_system(newton, count, couplings, run->error);
+}
+
+/* of the energy along the step, by a gradient */
+static double slope_of(const pel_newton *newton, const double *gradient)
+{
+    double slope = 0;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        slope += newton->fixed[u] ? 0 : gradient[u] * newton->step[u];
+    return slope;
+}
+
+/* the slope of an energy along the step, at a share of it */
+typedef double slope_at(void *context, double share);
+
+typedef struct slope_point {
+    double share, slope;
+} slope_point;
+
+/* Between a point where an energy falls and one where it rises: where its slope is nearly zero, by the Illinois variant
+   of regula falsi (Dowell, Jarratt 1971). The energy itself is of no use there: its changes are those of rounding. */
+static double find_zero_slope(slope_point low, slope_point high, double flat, slope_at *slope_of_share, void *context)
+{
+    double at = high.share, slope = high.slope;
+    for (int n = 0; n < SEARCHES && fabs(slope) > flat; n++) {
+        at = low.share + (high.share - low.share) * low.slope / (low.slope - high.slope);
+        slope = slope_of_share(context, at);
+        slope_point *moved = slope > 0 ? &high : &low, *kept = slope > 0 ? &low : &high;
+        *moved = (slope_point){at, slope};
+        kept->slope *= 0.5;
+    }
+    return at;
+}
+
+/* constraints as they are along the step, the rest as the matrix has it */
+typedef struct kinked_slope {
+    const pel_newton_terms *terms;
+    const double *unknowns, *move;
+    double smooth, curvature; /* J, of the rest at the begin */
+} kinked_slope;
+
+static double kinked_slope_at(void *context, double share)
+{
+    const kinked_slope *s = context;
+    return s->smooth + s->curvature * share +
+           s->terms->find_slope(s->terms->context, s->unknowns, s->move, share, NULL);
+}
+
+static bool has_kinks(const newton_run *run)
+{
+    return run->problem->terms != NULL && run->problem->terms->find_slope != NULL;
+}
+
+/* Constraints begin and cease to act along a step, and full steps may go to and fro between them for ever: the share of
+   the step at which the slope is zero. The bodies count as linear, since full steps are good for them. */
+static double find_kink(const newton_run *run, double share)
+{
+    pel_newton *newton = run->newton;
+    double curvature, before = slope_of(newton, newton->gradient);
+    kinked_slope s = {.terms = run->problem->terms, .unknowns = run->unknowns, .move = pel_newton_find_move(run, 1)};
+    double kinked = s.terms->find_slope(s.terms->context, s.unknowns, s.move, 0, &curvature);
+    s.smooth = before - kinked;
+    s.curvature = fmax(0, -before - curvature);
+    const slope_point low = {0, before}, high = {share, kinked_slope_at(&s, share)};
+    return before < 0 && high.slope > 0 ? find_zero_slope(low, high, -STEEP * before, kinked_slope_at, &s) : share;
+}
+
+/* a run along its step */
+typedef struct step_walk {
+    newton_run *run;
+    double share; /* of the step, where it is */
+} step_walk;
+
+static double walk_to(void *context, double share)
+{
+    step_walk *walk = context;
+    pel_newton *newton = walk->run->newton;
+    double way = share - walk->share;
+    pel_tangent_advance(newton->tangent, walk->run->unknowns, pel_newton_find_move(walk->run, 1), way, newton->pool);
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        newton->walked[u] += way * newton->step[u];
+    walk->share = share;
+    pel_newton_evaluate(walk->run);
+    return slope_of(newton, newton->gradient);
+}
+
+/* A step of a tangent that was made positive, which is stiffer than the body: to where the slope is zero, beyond the
+   step while that pays. */
+static void go_to_slope(newton_run *run, double share)
+{
+    step_walk walk = {.run = run};
+    double before = slope_of(run->newton, run->newton->gradient), most = MOST_SHARE * share;
+    slope_point low = {0, before}, high = {share, 0};
+    run->result->iterations++;
+    run->has_stresses = false;
+    high.slope = walk_to(&walk, share);
+    while (high.slope < FLAT * before && high.share < most && pel_newton_is_finite(run)) {
+        low = high;
+        high.share *= 2;
+        high.slope = walk_to(&walk, high.share);
+    }
+    if (before < 0 && high.slope > 0)
+        find_zero_slope(low, high, -STEEP * before, walk_to, &walk);
+}
+
+/* ---- time ---- */
+
+static bool is_late(newton_run *run)
+{
+    const pel_newton_problem *problem = run->problem;
+    run->result->is_late =
+        problem->clock != NULL && run->result->iterations > 0 && problem->clock() >= problem->deadline;
+    return run->result->is_late;
+}
+
+/* Where the residual is less than in any step before. Where a run begins fixed unknowns are not at their targets. */
+static void keep_best(newton_run *run, double before)
+{
+    pel_newton *newton = run->newton;
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    if (run->problem->clock == NULL || !(run->result->residual < before) || run->result->iterations == 0)
+        return;
+    memcpy(newton->best, run->unknowns, bytes);
+    memcpy(newton->best_walked, newton->walked, bytes);
+    run->has_best = true;
+}
+
+/* back to the best state, unless the present one is better */
+static void take_best(newton_run *run, double best)
+{
+    pel_newton *newton = run->newton;
+    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
+    if (!run->has_best || run->result->residual < best)
+        return;
+    memcpy(run->unknowns, newton->best, bytes);
+    memcpy(newton->walked, newton->best_walked, bytes);
+    pel_newton_evaluate(run);
+}
+
+/* ---- full steps ---- */
+
 /* Full steps of mixed integration points. False where they lead nowhere. */
 static bool go_full_steps(newton_run *run)
 {
     pel_newton_result *result = run->result;
     double best = HUGE_VAL;
     int since = 0;
+    bool searches = false;
     for (;;) {
         run->kind = PEL_TANGENT_EXACT;
         pel_newton_evaluate(run);
@@ -213,9 +432,14 @@ static bool go_full_steps(newton_run *run)
             result->first_residual = result->residual;
         if (pel_newton_has_converged(run) || result->iterations >= run->limit)
             return true;
+        if (is_late(run)) {
+            take_best(run, best);
+            return true;
+        }
         since = result->residual < best ? 0 : since + 1;
+        keep_best(run, best);
         best = fmin(best, result->residual);
-        if (since > PATIENCE)
+        if (since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
             return false;
         if (!pel_newton_find_step(run)) {
             run->kind = PEL_TANGENT_POSITIVE;
@@ -225,6 +449,13 @@ static bool go_full_steps(newton_run *run)
                 return false;
         }
         double share = pel_newton_find_share(run->newton);
+        if (run->kind == PEL_TANGENT_POSITIVE) {
+            go_to_slope(run, share);
+            continue;
+        }
+        searches |= since >= STALLED && has_kinks(run);
+        if (searches)
+            share = find_kink(run, share);
         pel_newton_extrapolate(run, share);
         pel_newton_go(run, share);
         if (share == 1 && pel_newton_longest_move(run->newton) <= run->problem->short_move) {
@@ -236,14 +467,6 @@ static bool go_full_steps(newton_run *run)
 }
 
 /* ---- steps of least energy ---- */
-
-static double slope_of(const pel_newton *newton)
-{
-    double slope = 0;
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
-        slope += newton->fixed[u] ? 0 : newton->start_gradient[u] * newton->step[u];
-    return slope;
-}
 
 /* The least shift, from the present one, under which the matrix is positive; false beyond the largest. */
 static bool find_shifted_step(newton_run *run, double most)
@@ -267,7 +490,7 @@ static bool go_downhill(newton_run *run, double most)
     memcpy(newton->start, run->unknowns, bytes);
     memcpy(newton->start_gradient, newton->gradient, bytes);
     while (find_shifted_step(run, most)) {
-        double slope = slope_of(newton);
+        double slope = slope_of(newton, newton->start_gradient);
         pel_newton_go(run, pel_newton_find_share(newton));
         pel_newton_evaluate(run);
         double fall = energy - run->result->energy;
@@ -304,9 +527,12 @@ static void go_down(newton_run *run)
     go_to_targets(run);
     pel_newton_evaluate(run);
     pel_newton_assemble(run);
+    if (run->status != PEL_OK)
+        return;
     double most = MOST_SHIFT * pel_newton_stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
-    while (run->status == PEL_OK && !pel_newton_has_converged(run) && run->result->iterations < run->limit)
+    while (run->status == PEL_OK && !pel_newton_has_converged(run) && run->result->iterations < run->limit &&
+           !is_late(run))
         if (!go_downhill(run, most)) {
             run->result->stuck = run->status == PEL_OK;
             break;
@@ -372,7 +598,7 @@ static bool is_stable(newton_run *run)
     run->shift = 0;
     pel_newton_evaluate(run);
     pel_newton_assemble(run);
-    return pel_newton_make_factor(run);
+    return run->status == PEL_OK && pel_newton_make_factor(run);
 }
 
 /* A small move of all free vertices, always the same; the steps downhill find where it grows. */
@@ -447,6 +673,7 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
 void pel_newton_forget(pel_newton *newton)
 {
     newton->has_factor = false;
+    newton->is_stale = true;
     newton->precision = PEL_FACTOR_FLOAT;
 }
 
@@ -462,7 +689,7 @@ bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *proble
     pel_newton_fix_unknowns(&run);
     pel_newton_evaluate(&run);
     pel_newton_assemble(&run);
-    return pel_newton_compute_factor(&run, shift, &pivot);
+    return run.status == PEL_OK && pel_newton_compute_factor(&run, shift, &pivot);
 }
 
 void pel_newton_precondition(pel_newton *newton, double *vector)

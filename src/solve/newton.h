@@ -22,9 +22,14 @@ typedef struct pel_newton_terms {
     void *context;
     /* Energy [J] at unknowns; adds its gradient. */
     double (*evaluate)(void *context, const double *unknowns, double *gradient);
-    /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. Pairs
-       of vertices that it has no block for are to stand on the diagonal, with what bounds them. */
+    /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. */
     void (*add_matrix)(void *context, pel_matrix *matrix);
+    /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
+       have some for soon: (returned count). acting = number of the first. Null = it adds to the blocks of the model. */
+    int32_t (*list_couplings)(void *context, const int32_t (**vertices)[4], int32_t *acting);
+    /* J, slope along a move (unknown_count) of what begins and ceases to act, at a share of the move from unknowns;
+       curvature [J], if not null: its second derivative there by add_matrix. Null = nothing does. */
+    double (*find_slope)(void *context, const double *unknowns, const double *move, double share, double *curvature);
 } pel_newton_terms;
 
 /* The unknowns of a vertex along axes of its own. */
@@ -52,13 +57,15 @@ typedef struct pel_newton_problem {
     pel_newton_frames frames;      /* vertices for which fixed and target are along axes of their own */
     const pel_newton_terms *terms; /* null = none */
     double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
-    double held_share; /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
-    double reduction;  /* it has converged as well at this share of what there was at the begin; 0 = no such end */
-    double enough;     /* N, when it is no more than this */
-    double short_move; /* m, and after a full step in which no vertex goes farther than this */
-    int32_t iterations;
-    bool keeps_factor; /* conjugate gradients with an older factor, while they need few iterations */
-    bool is_dynamic;   /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
+    double held_share;     /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double reduction;      /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double enough;         /* N, when it is no more than this */
+    double short_move;     /* m, and after a full step in which no vertex goes farther than this */
+    int32_t iterations;    /* of full steps, and as many of steps of least energy after them */
+    double (*clock)(void); /* s; null = no deadline */
+    double deadline;       /* s by the clock: after the first step that ends later the best state by then is taken */
+    bool keeps_factor;     /* conjugate gradients with an older factor, while they need few iterations */
+    bool is_dynamic;       /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
 } pel_newton_problem;
 
 typedef struct pel_newton_result {
@@ -69,15 +76,19 @@ typedef struct pel_newton_result {
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
     bool converged;
     bool is_near;  /* by short_move */
+    bool is_late;  /* by the deadline */
     bool stuck;    /* no step makes the energy fall: as near as rounding allows */
     bool unstable; /* a balance, but no minimum of the energy, and no minimum was found beside it */
 } pel_newton_result;
 
 typedef struct pel_newton pel_newton;
 
-/* Pattern, order and room for a model whose surface stays. PEL_BAD_ARGUMENT as pel_tangent_create;
-   PEL_OUT_OF_MEMORY, with the size that the factor needs. */
+/* Pattern, order and room for a model. PEL_BAD_ARGUMENT as pel_tangent_create; PEL_OUT_OF_MEMORY, with the size that
+   the factor needs. */
 pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error);
+/* After the surface of the model has changed: the tangent has its edges and unknowns at once, the next run makes
+   pattern and order. */
+void pel_newton_rebuild(pel_newton *newton);
 void pel_newton_destroy(pel_newton *newton);
 
 const pel_tangent_pattern *pel_newton_pattern(const pel_newton *newton);
@@ -103,8 +114,10 @@ pel_newton_system pel_newton_system_of(const pel_newton *newton);
 /* One more matrix of the same pattern. PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error);
 
-/* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates nothing, but once where
-   a factor in double is needed: PEL_OUT_OF_MEMORY. */
+/* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates where a factor in double
+   is needed for the first time, and where the terms couple vertices that the pattern has no blocks for:
+   PEL_OUT_OF_MEMORY.
+ */
 pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                           pel_newton_result *result, pel_error *error);
 
@@ -130,7 +143,8 @@ pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *probl
 pel_status pel_newton_adjoint(pel_newton *newton, const pel_newton_problem *problem, double *unknowns, double *gradient,
                               double *multipliers, double *held, pel_error *error);
 
-/* Forgets the factor that is kept, so that what follows does not depend on the runs before. */
+/* Forgets the factor that is kept, and takes the pattern of the couplings of the next run, so that what follows does
+   not depend on the runs before. */
 void pel_newton_forget(pel_newton *newton);
 
 /* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,

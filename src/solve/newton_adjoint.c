@@ -66,6 +66,8 @@ pel_status pel_newton_adjoint(pel_newton *newton, const pel_newton_problem *prob
     pel_newton_fix_unknowns(&run);
     pel_newton_evaluate(&run);
     pel_newton_assemble(&run);
+    if (run.status != PEL_OK)
+        return run.status;
     pel_newton_frames_turn(&problem->frames, gradient);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         newton->right[u] = newton->fixed[u] ? 0 : gradient[u];

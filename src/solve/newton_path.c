@@ -94,7 +94,7 @@ static bool find_bordered_step(newton_run *run, double lacks, double *change)
 static bool find_path_step(newton_run *run, double lacks, double *change)
 {
     pel_newton_assemble(run);
-    return make_preconditioner(run) && find_bordered_step(run, lacks, change);
+    return run->status == PEL_OK && make_preconditioner(run) && find_bordered_step(run, lacks, change);
 }
 
 /* a of a direction in x: masses times it, of length 1 in the metric of masses over their sum */
@@ -132,7 +132,7 @@ static bool begin_path(newton_run *run, pel_newton_path *path)
     find_load(run);
     pel_newton_assemble(run);
     run->path_stiffness = 0;
-    if (!make_preconditioner(run) || !solve_with(run, newton->load, newton->answer))
+    if (run->status != PEL_OK || !make_preconditioner(run) || !solve_with(run, newton->load, newton->answer))
         return false;
     double length = length_of(newton, newton->answer);
     if (!(length > 0) || !set_direction(run, newton->answer))

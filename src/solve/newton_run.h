@@ -15,10 +15,14 @@ struct pel_newton {
     pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
     pel_factor_precision precision;
     bool has_factor;
+    uint64_t couplings; /* hash of those in the pattern */
+    bool is_outdated;   /* the pattern is that of an older surface, or there was no memory for one */
+    bool is_stale;      /* the pattern may have other couplings than the present run */
     pel_pcg *pcg;
     pel_minres *minres;                                       /* of paths, made when first needed */
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
     double *walked;                                           /* (unknown_count) sum of the steps of a run */
+    double *best, *best_walked;                               /* (unknown_count) with the least residual of a run */
     double *path, *load, *answer;     /* (unknown_count) of a path: its direction, dF/dfactor, the step under that */
     double *move;                     /* (unknown_count) the step along x, y, z */
     double *balance;                  /* (unknown_count) N, forces that balance the start */
@@ -50,6 +54,7 @@ typedef struct newton_run {
     double loose;          /* N, residual that is enough in a part of the loads; 0 at the last one */
     double factor;         /* of loads and given pressure */
     double path_stiffness; /* N/m along newton->path; 0 = none */
+    bool has_best;
 } newton_run;
 
 /* a run with all loads at once */
@@ -64,6 +69,10 @@ static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_
                         .factor = problem->load_factor != NULL ? *problem->load_factor : 1,
                         .limit = problem->iterations};
 }
+
+/* ---- newton.c ---- */
+/* Blocks of the matrix for what the terms of the problem couple. PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_couple(newton_run *run);
 
 /* ---- newton_step.c: energy, forces, matrix, linear systems ---- */
 /* energy at the unknowns, and gradient along the axes of the vertices */

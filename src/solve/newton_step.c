@@ -182,6 +182,9 @@ static bool has_volume_terms(const pel_newton *newton)
 void pel_newton_assemble(newton_run *run)
 {
     pel_newton *newton = run->newton;
+    run->status = pel_newton_couple(run);
+    if (run->status != PEL_OK)
+        return;
     pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
     if (run->problem->terms != NULL)
         run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
@@ -248,6 +251,8 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
 bool pel_newton_find_step(newton_run *run)
 {
     pel_newton_assemble(run);
+    if (run->status != PEL_OK)
+        return false;
     if (run->problem->keeps_factor && run->newton->has_factor &&
         pel_newton_solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED)
         return true;

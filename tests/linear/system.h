@@ -127,7 +127,7 @@ static inline test_system test_grid_system(int32_t side, int size, random_state 
 
 static inline pel_matrix_def test_def(const test_system *s)
 {
-    return (pel_matrix_def){s->node_count, s->node_size, s->element_count, s->start, s->nodes, s->kind};
+    return (pel_matrix_def){s->node_count, s->node_size, s->element_count, s->start, s->nodes, s->kind, 0, NULL};
 }
 
 /* a pel_matrix_function; checks that a group is of one kind and size and shares no node */

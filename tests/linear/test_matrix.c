@@ -176,7 +176,7 @@ static void test_fixed_alone(void **unused)
     const int32_t start[] = {0, 1}, nodes[] = {0};
     const uint8_t fixed[] = {0, 0, 0, 1, 1, 0};
     pel_matrix *m;
-    assert_int_equal(pel_matrix_create(&(pel_matrix_def){2, NULL, 1, start, nodes, NULL}, &m, NULL), PEL_OK);
+    assert_int_equal(pel_matrix_create(&(pel_matrix_def){2, NULL, 1, start, nodes, NULL, 0, NULL}, &m, NULL), PEL_OK);
     const double diagonal[] = {2, 2, 2, 0, -3, 5};
     pel_matrix_add_diagonal(m, 1, diagonal);
     pel_matrix_fix(m, NULL, fixed, NULL, NULL);
@@ -186,18 +186,60 @@ static void test_fixed_alone(void **unused)
     pel_matrix_destroy(m);
 }
 
+/* couplings give blocks to all pairs of their nodes, once, with zeros that the caller fills; sums stay */
+static void test_couplings(void **unused)
+{
+    (void)unused;
+    random_state random = {7};
+    enum { COUNT = 40, COUPLINGS = 30 };
+    test_system s = test_random_system(COUNT, 60, &random);
+    int32_t couplings[COUPLINGS][4];
+    for (int c = 0; c < COUPLINGS; c++)
+        for (int i = 0; i < 4; i++)
+            couplings[c][i] = c % 3 == 0 && i > 1 ? couplings[c][0] : (int32_t)random_integer(&random, 0, COUNT - 1);
+    pel_matrix_def def = test_def(&s);
+    pel_matrix *plain, *coupled;
+    assert_int_equal(pel_matrix_create(&def, &plain, NULL), PEL_OK);
+    def.coupling_count = COUPLINGS;
+    def.couplings = (const int32_t(*)[4])couplings;
+    assert_int_equal(pel_matrix_create(&def, &coupled, NULL), PEL_OK);
+    bool expected[COUNT][COUNT] = {{false}};
+    for (int c = 0; c < COUPLINGS; c++)
+        for (int i = 0; i < 4; i++)
+            for (int j = 0; j < 4; j++)
+                expected[couplings[c][i]][couplings[c][j]] = true;
+    int32_t more = 0;
+    for (int32_t i = 0; i < COUNT; i++)
+        for (int32_t j = 0; j < COUNT; j++) {
+            bool had = pel_matrix_block(plain, i, j) >= 0;
+            assert_true((pel_matrix_block(coupled, i, j) >= 0) == (had || expected[i][j]));
+            more += !had && expected[i][j];
+        }
+    assert_true(more > 0);
+    assert_int_equal(coupled->block_count, plain->block_count + more);
+    pel_matrix_assemble(coupled, NULL, test_copy_blocks, &s);
+    double *dense = test_dense(&s, 0);
+    check_entries(&s, coupled, dense);
+    couplings[3][2] = COUNT;
+    check_refused(&def, "coupling", 3);
+    free(dense);
+    pel_matrix_destroy(plain);
+    pel_matrix_destroy(coupled);
+    test_system_release(&s);
+}
+
 static void test_bad_input(void **unused)
 {
     (void)unused;
     const int32_t start[] = {0, 2, 4}, nodes[] = {0, 1, 1, 3}, turned[] = {0, 3, 2};
     const uint8_t sizes[] = {3, 0, 3, 3}, large[] = {3, 7, 3, 3};
-    check_refused(&(pel_matrix_def){3, NULL, 2, start, nodes, NULL}, "element", 1);
-    check_refused(&(pel_matrix_def){4, sizes, 2, start, nodes, NULL}, "node", 1);
-    check_refused(&(pel_matrix_def){4, large, 2, start, nodes, NULL}, "node", 1);
-    check_refused(&(pel_matrix_def){4, NULL, 2, turned, nodes, NULL}, "element", 1);
-    check_refused(&(pel_matrix_def){0, NULL, 0, start, nodes, NULL}, NULL, -1);
+    check_refused(&(pel_matrix_def){3, NULL, 2, start, nodes, NULL, 0, NULL}, "element", 1);
+    check_refused(&(pel_matrix_def){4, sizes, 2, start, nodes, NULL, 0, NULL}, "node", 1);
+    check_refused(&(pel_matrix_def){4, large, 2, start, nodes, NULL, 0, NULL}, "node", 1);
+    check_refused(&(pel_matrix_def){4, NULL, 2, turned, nodes, NULL, 0, NULL}, "element", 1);
+    check_refused(&(pel_matrix_def){0, NULL, 0, start, nodes, NULL, 0, NULL}, NULL, -1);
     const int32_t one[] = {0, 9}, nine[] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
-    check_refused(&(pel_matrix_def){9, NULL, 1, one, nine, NULL}, "element", 0);
+    check_refused(&(pel_matrix_def){9, NULL, 1, one, nine, NULL, 0, NULL}, "element", 0);
 }
 
 static pel_status create_matrix(const void *data, pel_error *error)
@@ -222,13 +264,10 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sums_of_elements),
-        cmocka_unit_test(test_colors),
-        cmocka_unit_test(test_fixed_unknowns),
-        cmocka_unit_test(test_fixed_alone),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_bad_input),
-        cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_sums_of_elements), cmocka_unit_test(test_colors),
+        cmocka_unit_test(test_fixed_unknowns),   cmocka_unit_test(test_fixed_alone),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_couplings),
+        cmocka_unit_test(test_bad_input),        cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

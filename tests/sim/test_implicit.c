@@ -1,6 +1,7 @@
 /* Steps in time by Newton's method: order, what is kept, and what touches. */
 #include "sim/contact_scene.h"
 #include "sim/descent_fixture.h"
+#include "sim/sim.h"
 
 /* ---- free motion ---- */
 
@@ -213,7 +214,7 @@ static void test_slide(void **unused)
         contact_scene scene;
         scene_begin(&scene, PEL_METHOD_IMPLICIT);
         scene_body(&scene, make_sheet(6, 0));
-        scene.bodies[0].spring_damping.value = 0;
+        scene.bodies[0].spring_damping.value = scene.bodies[0].volumetric_damping.value = 0;
         pel_shape_def ground = pel_shape_def_default(PEL_SHAPE_GRID);
         ground.nx = ground.ny = 9;
         ground.size_x = ground.size_y = 8;
@@ -291,30 +292,297 @@ static void test_bits(void **unused)
     check_bits(PEL_METHOD_STATIC, 0);
 }
 
+/* ---- contact ---- */
+
+/* two free shells that run into each other, with friction; sets their common momentum along x before and after */
+static pel_sim *begin_collision(contact_scene *scene)
+{
+    scene_begin(scene, PEL_METHOD_IMPLICIT);
+    scene_body(scene, make_moved_sphere(4, 0, 0, 0));
+    scene_body(scene, make_moved_sphere(4, 2.05, 0.1, 0.05));
+    for (int b = 0; b < 2; b++) {
+        scene->bodies[b].spring_stiffness.value = scene->bodies[b].spring_damping.value = 0;
+        scene->bodies[b].volumetric_damping.value = 0;
+        scene->bodies[b].shell.membrane.on = true;
+        scene->bodies[b].shell.membrane.young.value = 1e4;
+        scene->bodies[b].shell.membrane.thickness.value = 0.1;
+        scene->bodies[b].shell.bending.model = PEL_BENDING_HINGE;
+    }
+    scene->def.contact.friction = 0.3;
+    scene->def.solver.dt = 0.005;
+    pel_sim *sim = scene_create(scene);
+    shoot(sim, 0, 1, 0, 0);
+    shoot(sim, 1, -1, 0.2, 0);
+    return sim;
+}
+
+static void sum_momentum(const pel_sim *sim, double sum[3])
+{
+    pel_vec3_set(sum, 0, 0, 0);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            sum[k] += (double)sim->model->mass[v] * (double)sim->state->velocity[v][k];
+}
+
+/* what contact couples moves together: few systems a step, momentum stays, and no energy comes from nothing */
+static void test_collision(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = begin_collision(&scene);
+    double before[3], after[3];
+    pel_sim_measures measures;
+    sum_momentum(sim, before);
+    pel_sim_measure(sim, &measures);
+    double energy = measures.kinetic_energy + measures.elastic_energy;
+    int64_t touched = 0;
+    int systems = 0, steps = ROUNDS(60, 40);
+    for (int n = 0; n < steps; n++) {
+        touched += run_free(sim, 1) > 0;
+        assert_true(solver_of(sim).converged);
+        systems += solver_of(sim).iterations;
+        pel_sim_measure(sim, &measures);
+        assert_true(measures.kinetic_energy + measures.elastic_energy < 1.01 * energy);
+    }
+    sum_momentum(sim, after);
+    assert_true(touched > 5);
+    assert_true(systems < 15 * steps);
+    double size = scene.bodies[0].mass * scene.meshes[0]->vertex_count;
+    for (int k = 0; k < 3; k++)
+        assert_near(after[k], before[k], (sizeof(pel_real) == 8 ? 1e-9 : 1e-4) * size);
+    scene_end(&scene, sim);
+}
+
+/* patterns with the blocks of contacts: a run that goes on from a snapshot has the same bits */
+static void test_collision_bits(void **unused)
+{
+    (void)unused;
+    uint64_t hash[2];
+    for (int i = 0; i < 2; i++) {
+        contact_scene scene;
+        pel_sim *sim = begin_collision(&scene);
+        run_steps(sim, 14);
+        if (i == 1)
+            sim = resume_sim(sim, &scene.def);
+        run_steps(sim, 4);
+        hash[i] = pel_sim_hash(sim);
+        scene_end(&scene, sim);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+/* ---- surfaces that refine ---- */
+
+/* a thick shell that a round tool presses; refined at the top, everywhere, or not */
+static pel_sim *begin_refined(press_scene *scene, pel_method method, bool everywhere)
+{
+    press_begin(scene, 4, 1e5);
+    press_move(scene, 1.5, 0.08);
+    scene->body.refine.levels = 1;
+    scene->body.refine.everywhere = everywhere;
+    scene->def.solver.method = method;
+    scene->def.solver.dt = 0.1;
+    scene->def.solver.drag = method == PEL_METHOD_IMPLICIT ? 4 : 0;
+    scene->def.solver.iterations = 0;
+    return press_create(scene);
+}
+
+static void refine_top(pel_sim *sim, const press_scene *scene, int32_t level)
+{
+    for (int32_t v = 0; v < scene->mesh->vertex_count; v++)
+        if (scene->mesh->positions[v][2] > 0.5)
+            assert_int_equal(pel_sim_refine(sim, 0, v, level, NULL), PEL_OK);
+}
+
+/* An event in the middle of a run leaves the energy as it is, within 1 %, and what comes then is as on a surface that
+   is fine everywhere. */
+static void check_refined(pel_method method)
+{
+    double force[2], depth[2];
+    for (int fine = 0; fine < 2; fine++) {
+        press_scene scene;
+        pel_sim_measures measures;
+        pel_sim *sim = begin_refined(&scene, method, fine == 1);
+        run_steps(sim, 6);
+        if (fine == 0) {
+            pel_sim_measure(sim, &measures);
+            double before = measures.elastic_energy;
+            int32_t vertices = pel_sim_vertex_count(sim, 0);
+            refine_top(sim, &scene, 1);
+            assert_true(pel_sim_vertex_count(sim, 0) > vertices);
+            pel_sim_measure(sim, &measures);
+            assert_near(measures.elastic_energy, before, 0.01 * before);
+        }
+        for (int n = 0; n < 4; n++) {
+            run_steps(sim, 1);
+            assert_true(solver_of(sim).converged);
+        }
+        pel_sim_measure(sim, &measures);
+        force[fine] = reading_of(sim, 0).force[2];
+        depth[fine] = measures.max_displacement;
+        /* back to the coarse surface */
+        if (fine == 0)
+            refine_top(sim, &scene, 0);
+        run_steps(sim, 1);
+        assert_true(solver_of(sim).converged);
+        press_end(&scene, sim);
+    }
+    assert_near(force[0], force[1], 0.05 * force[1]);
+    assert_near(depth[0], depth[1], 0.02 * depth[1]);
+}
+
+static void test_refined(void **unused)
+{
+    (void)unused;
+    check_refined(PEL_METHOD_IMPLICIT);
+    check_refined(PEL_METHOD_STATIC);
+}
+
+/* threads and snapshots, on a surface that was refined while it ran */
+static void test_refined_bits(void **unused)
+{
+    (void)unused;
+    uint64_t hash[3];
+    for (int i = 0; i < 3; i++) {
+        press_scene scene;
+        press_begin(&scene, 4, 1e5);
+        press_move(&scene, 1.5, 0.08);
+        scene.body.refine.levels = 1;
+        scene.def.solver.method = PEL_METHOD_IMPLICIT;
+        scene.def.solver.drag = 1;
+        scene.def.solver.iterations = 0;
+        scene.def.thread_count = i == 1 ? 2 : 1;
+        pel_sim *sim = press_create(&scene);
+        run_steps(sim, 3);
+        refine_top(sim, &scene, 1);
+        run_steps(sim, 2);
+        if (i == 2)
+            sim = resume_sim(sim, &scene.def);
+        run_steps(sim, 2);
+        hash[i] = pel_sim_hash(sim);
+        assert_true(hash[i] == hash[0]);
+        press_end(&scene, sim);
+    }
+}
+
+/* supports hold vertices and edges of one surface */
 static void test_refusal(void **unused)
 {
     (void)unused;
-    static const pel_method methods[] = {PEL_METHOD_STATIC, PEL_METHOD_IMPLICIT};
     stage s = {.mesh = make_sphere(2)};
     pel_body_def body = ball_body(s.mesh);
     body.refine.levels = 1;
     s.model = make_model(&body);
-    for (int i = 0; i < 2; i++) {
-        pel_sim_def def = lone_sim(s.model, methods[i], 0.01);
-        pel_error error;
-        char text[800];
-        assert_int_equal(pel_sim_create(&def, &s.sim, &error), PEL_BAD_ARGUMENT);
-        assert_non_null(strstr(pel_error_text(&error, text, sizeof text), "refine"));
-    }
+    pel_sim_def def = lone_sim(s.model, PEL_METHOD_IMPLICIT, 0.01);
+    const int32_t vertex = 0;
+    pel_support_def support = pel_support_def_default();
+    support.vertices = &vertex;
+    support.vertex_count = 1;
+    support.fix[0] = true;
+    def.supports = &support;
+    def.support_count = 1;
+    pel_error error;
+    char text[800];
+    assert_int_equal(pel_sim_create(&def, &s.sim, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(pel_error_text(&error, text, sizeof text), "refines"));
     end_stage(&s);
+}
+
+/* ---- damping of volumetric springs ---- */
+
+/* A ball of volumetric springs alone, pulled out and let go: m x'' = -k x - c x' for each vertex along its spring, and
+   undamped across it. */
+static void test_radial_damping(void **unused)
+{
+    (void)unused;
+    const double stiffness = 4, damping = 0.6, mass = 1, stretch = 0.2, dt = 0.01, time = 2;
+    stage s = {.mesh = make_sphere(2)};
+    pel_body_def body = ball_body(s.mesh);
+    body.mass = mass;
+    body.spring_stiffness.value = body.spring_damping.value = 0;
+    body.volumetric_stiffness.value = stiffness;
+    body.volumetric_damping.value = damping;
+    s.model = make_model(&body);
+    pel_sim_def def = lone_sim(s.model, PEL_METHOD_IMPLICIT, dt);
+    s.sim = make_sim(&def);
+    int32_t count = s.mesh->vertex_count;
+    double *x = malloc(3 * (size_t)count * sizeof *x);
+    for (int32_t i = 0; i < 3 * count; i++)
+        x[i] = (1 + stretch) * s.mesh->positions[i / 3][i % 3];
+    assert_int_equal(pel_sim_set_positions(s.sim, 0, x, NULL), PEL_OK);
+    run_steps(s.sim, (int)(time / dt + 0.5));
+    pel_sim_get_positions(s.sim, 0, x);
+    double decay = 0.5 * damping / mass, rate = sqrt(stiffness / mass - decay * decay);
+    double way = stretch * exp(-decay * time) * (cos(rate * time) + decay / rate * sin(rate * time));
+    for (int32_t v = 0; v < count; v++)
+        assert_near(pel_vec3_length(x + 3 * v), 1 + way, 0.02 * stretch);
+    free(x);
+    end_stage(&s);
+}
+
+/* ---- time ---- */
+
+static int ticks;
+
+static double count_ticks(void)
+{
+    return 1e-3 * ticks++;
+}
+
+/* a budget that is over at once leaves a system for each round, the state is that of it, and the residual tells */
+static void test_budget(void **unused)
+{
+    (void)unused;
+    press_scene scene;
+    press_begin(&scene, 5, 1e5);
+    press_move(&scene, 1.5, 0.08);
+    scene.def.solver.method = PEL_METHOD_IMPLICIT;
+    scene.def.solver.dt = 0.1;
+    scene.def.solver.iterations = 0;
+    scene.def.solver.budget = 1e-4;
+    pel_sim *sim = press_create(&scene);
+    sim->clock = count_ticks;
+    double worst = 0;
+    for (int n = 0; n < 8; n++) {
+        run_steps(sim, 1);
+        pel_solver_reading reading = solver_of(sim);
+        assert_true(reading.has_budget);
+        assert_true(reading.iterations <= 1);
+        assert_true(reading.converged || reading.residual > 0);
+        worst = fmax(worst, reading.converged ? 0 : reading.residual);
+    }
+    assert_true(worst > 0);
+    /* with time enough it comes to what a run without a budget does */
+    scene.def.solver.budget = 1e3;
+    pel_sim *rich = make_sim(&scene.def);
+    rich->clock = count_ticks;
+    scene.def.solver.budget = 0;
+    pel_sim *free_of_it = make_sim(&scene.def);
+    run_steps(rich, 4);
+    run_steps(free_of_it, 4);
+    assert_true(pel_sim_hash(rich) == pel_sim_hash(free_of_it));
+    pel_sim_destroy(rich);
+    pel_sim_destroy(free_of_it);
+    pel_error error;
+    scene.def.solver.budget = -1;
+    assert_int_equal(pel_sim_create(&scene.def, &rich, &error), PEL_BAD_ARGUMENT);
+    scene.def.solver.budget = 1;
+    scene.def.solver.method = PEL_METHOD_DESCENT;
+    assert_int_equal(pel_sim_create(&scene.def, &rich, &error), PEL_BAD_ARGUMENT);
+    press_end(&scene, sim);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order),        cmocka_unit_test(test_energy),        cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_load_in_time), cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_slide),
-        cmocka_unit_test(test_round_tool),   cmocka_unit_test(test_bits),          cmocka_unit_test(test_refusal),
+        cmocka_unit_test(test_order),         cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_momentum),      cmocka_unit_test(test_load_in_time),
+        cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_slide),
+        cmocka_unit_test(test_round_tool),    cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_collision),     cmocka_unit_test(test_collision_bits),
+        cmocka_unit_test(test_refined),       cmocka_unit_test(test_refined_bits),
+        cmocka_unit_test(test_refusal),       cmocka_unit_test(test_radial_damping),
+        cmocka_unit_test(test_budget),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,313 @@
+/* Newton's method on forces of a body and of terms that the caller adds: couplings, kinks, a clock, surfaces. */
+#include "failing_malloc.h"
+#include "shell_fixture.h"
+
+#include "solve/newton.h"
+
+#include <stdlib.h>
+
+/* a sheet of 3 x 3 vertices whose vertices springs tie to points */
+typedef struct sheet {
+    pel_mesh *mesh;
+    pel_model *model;
+    pel_newton *newton;
+    int32_t count; /* unknowns */
+    double *unknowns, (*points)[3], *stiffness;
+} sheet;
+
+enum { SIDE = 3, VERTICES = SIDE * SIDE };
+
+static sheet make_sheet_of(double young, double tie)
+{
+    sheet s = {.mesh = make_grid(SIDE - 1, SIDE - 1, 1, 1, PEL_GRID_ONE_DIAGONAL)};
+    pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_STVK);
+    body.shell.membrane.young.value = young;
+    s.model = make_model(&body);
+    assert_int_equal(pel_newton_create(s.model, NULL, &s.newton, NULL), PEL_OK);
+    s.count = pel_newton_pattern(s.newton)->unknown_count;
+    s.unknowns = calloc((size_t)s.count, sizeof *s.unknowns);
+    s.stiffness = calloc((size_t)s.model->vertex_count, sizeof *s.stiffness);
+    s.points = calloc((size_t)s.model->vertex_count, sizeof *s.points);
+    for (int32_t v = 0; v < s.model->vertex_count; v++) {
+        pel_vertex_position(s.model->rest, v, s.points[v]);
+        pel_vec3_copy(s.points[v], s.unknowns + 3 * v);
+        s.stiffness[v] = s.model->mass[v] > 0 ? tie : 0;
+    }
+    return s;
+}
+
+static void free_sheet(sheet *s)
+{
+    pel_newton_destroy(s->newton);
+    pel_model_destroy(s->model);
+    pel_mesh_destroy(s->mesh);
+    free(s->unknowns);
+    free(s->points);
+    free(s->stiffness);
+}
+
+static pel_newton_problem problem_of(const sheet *s, const pel_newton_terms *terms)
+{
+    return (pel_newton_problem){
+        .point_stiffness = s->stiffness,
+        .points = (const double(*)[3])s->points,
+        .terms = terms,
+        .tolerance = sizeof(pel_real) == 8 ? 1e-9 : 1e-5,
+        .iterations = 40,
+        .is_dynamic = true,
+    };
+}
+
+/* Walls: a vertex and the one opposite to it keep a distance along z, k / 2 max(0, floor - sum of z)^2 for each pair.
+ */
+typedef struct walls {
+    int32_t pairs[VERTICES][4];
+    double floors[VERTICES], stiffness;
+    int count;
+    double at[VERTICES]; /* sum of z at the last evaluation */
+    int systems;         /* matrices asked for */
+} walls;
+
+static double depth_of(const walls *w, int i, const double *unknowns)
+{
+    return w->floors[i] - unknowns[3 * w->pairs[i][0] + 2] - unknowns[3 * w->pairs[i][1] + 2];
+}
+
+static double evaluate_walls(void *context, const double *unknowns, double *gradient)
+{
+    walls *w = context;
+    double energy = 0;
+    for (int i = 0; i < w->count; i++) {
+        w->at[i] = depth_of(w, i, unknowns);
+        if (!(w->at[i] > 0))
+            continue;
+        energy += 0.5 * w->stiffness * w->at[i] * w->at[i];
+        for (int k = 0; k < 2; k++)
+            gradient[3 * w->pairs[i][k] + 2] -= w->stiffness * w->at[i];
+    }
+    return energy;
+}
+
+static void add_walls(void *context, pel_matrix *matrix)
+{
+    walls *w = context;
+    w->systems++;
+    for (int i = 0; i < w->count; i++)
+        for (int a = 0; a < 2 && w->at[i] > 0; a++)
+            for (int b = 0; b < 2; b++) {
+                int32_t block = pel_matrix_block(matrix, w->pairs[i][a], w->pairs[i][b]);
+                assert_true(block >= 0);
+                matrix->values[matrix->block_start[block] + 8] += w->stiffness;
+            }
+}
+
+static int32_t list_walls(void *context, const int32_t (**vertices)[4], int32_t *acting)
+{
+    static int32_t list[VERTICES][4];
+    walls *w = context;
+    *acting = 0;
+    for (int i = 0; i < w->count; i++)
+        if (w->at[i] > 0)
+            memcpy(list[(*acting)++], w->pairs[i], sizeof *list);
+    *vertices = (const int32_t(*)[4])list;
+    return *acting;
+}
+
+static double find_wall_slope(void *context, const double *unknowns, const double *move, double share,
+                              double *curvature)
+{
+    walls *w = context;
+    double slope = 0, sum = 0;
+    for (int i = 0; i < w->count; i++) {
+        double way = move[3 * w->pairs[i][0] + 2] + move[3 * w->pairs[i][1] + 2];
+        double depth = depth_of(w, i, unknowns) - share * way;
+        if (depth > 0) {
+            slope -= w->stiffness * depth * way;
+            sum += w->stiffness * way * way;
+        }
+    }
+    if (curvature != NULL)
+        *curvature = sum;
+    return slope;
+}
+
+static pel_newton_terms terms_of(walls *w)
+{
+    return (pel_newton_terms){w, evaluate_walls, add_walls, list_walls, find_wall_slope};
+}
+
+/* vertices that share no element: opposite ones */
+static walls make_walls(const sheet *s, double stiffness)
+{
+    walls w = {.stiffness = stiffness, .count = VERTICES / 2};
+    const int32_t *index = s->model->bodies[0].model_index;
+    for (int i = 0; i < w.count; i++) {
+        const int32_t pair[4] = {index[i], index[VERTICES - 1 - i], index[i], index[i]};
+        memcpy(w.pairs[i], pair, sizeof pair);
+        w.floors[i] = 0.1 * (i + 1);
+    }
+    return w;
+}
+
+/* Far vertices that stiff terms couple: the sum of z of a pair goes up to its floor, the difference stays. The body is
+   weak: nearly a linear problem, which takes few systems only if the matrix has these blocks. */
+static void test_couplings(void **unused)
+{
+    (void)unused;
+    sheet s = make_sheet_of(1e-6, 1);
+    walls w = make_walls(&s, 1e4);
+    const pel_newton_terms terms = terms_of(&w);
+    pel_newton_problem problem = problem_of(&s, &terms);
+    pel_newton_result result;
+    pel_newton_forget(s.newton);
+    assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+    assert_true(result.converged);
+    assert_true(result.iterations <= 4);
+    for (int i = 0; i < w.count; i++) {
+        /* tie (z - 0) = stiffness (floor - 2 z) */
+        double z = 1e4 * w.floors[i] / (1 + 2e4);
+        for (int k = 0; k < 2; k++)
+            assert_near(s.unknowns[3 * w.pairs[i][k] + 2], z, 1e-5);
+    }
+    free_sheet(&s);
+}
+
+/* A chain of pairs with every vertex in many walls, of which Newton's full steps find other ones each time; the sums do
+   not depend on what was solved before. */
+static void test_kinks(void **unused)
+{
+    (void)unused;
+    double ends[2][3 * 64];
+    for (int again = 0; again < 2; again++) {
+        sheet s = make_sheet_of(1e-6, 1);
+        walls w = {.stiffness = 1e6, .count = VERTICES};
+        const int32_t *index = s.model->bodies[0].model_index;
+        for (int i = 0; i < w.count; i++) {
+            int j = (i * 4 + 2) % VERTICES;
+            const int32_t pair[4] = {index[i], index[j != i ? j : (i + 1) % VERTICES], index[i], index[i]};
+            memcpy(w.pairs[i], pair, sizeof pair);
+            w.floors[i] = 0.02 * ((i * 5) % VERTICES) - 0.05;
+        }
+        const pel_newton_terms terms = terms_of(&w);
+        pel_newton_problem problem = problem_of(&s, &terms);
+        pel_newton_result result;
+        /* another pattern before */
+        walls other = make_walls(&s, 1);
+        const pel_newton_terms other_terms = terms_of(&other);
+        pel_newton_problem before = problem_of(&s, &other_terms);
+        double *unknowns = calloc((size_t)s.count, sizeof *unknowns);
+        memcpy(unknowns, s.unknowns, (size_t)s.count * sizeof *unknowns);
+        for (int i = 0; again == 1 && i < 2; i++)
+            assert_int_equal(pel_newton_run(s.newton, &before, unknowns, &result, NULL), PEL_OK);
+        free(unknowns);
+        pel_newton_forget(s.newton);
+        assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+        assert_true(result.converged);
+        assert_true(result.iterations < 15);
+        assert_true(s.count <= 3 * 64);
+        memcpy(ends[again], s.unknowns, (size_t)s.count * sizeof(double));
+        if (again == 1)
+            assert_memory_equal(ends[0], ends[1], (size_t)s.count * sizeof(double));
+        /* walls hold, none pulls */
+        for (int i = 0; i < w.count; i++)
+            assert_true(depth_of(&w, i, s.unknowns) < 1e-5);
+        free_sheet(&s);
+    }
+}
+
+/* ---- time ---- */
+
+static int ticks;
+
+static double count_ticks(void)
+{
+    return ticks++;
+}
+
+/* a sheet far from where its springs want it */
+static void pull_apart(sheet *s)
+{
+    for (int32_t v = 0; v < s->model->vertex_count; v++) {
+        s->points[v][0] *= 1.8;
+        s->points[v][2] += 0.5 * s->points[v][1] * s->points[v][1];
+    }
+}
+
+/* a run ends after the system at which the clock has passed the deadline, at the state of the least residual */
+static void test_deadline(void **unused)
+{
+    (void)unused;
+    double before = HUGE_VAL;
+    bool converged = false;
+    for (int most = 1; !converged; most++) {
+        sheet s = make_sheet_of(1e5, 100);
+        pull_apart(&s);
+        pel_newton_problem problem = problem_of(&s, NULL);
+        pel_newton_result result;
+        ticks = 0;
+        problem.clock = count_ticks;
+        problem.deadline = most - 1;
+        assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+        assert_int_equal(result.iterations, most);
+        assert_true(result.is_late == !result.converged);
+        assert_true(result.residual <= before);
+        converged = result.converged;
+        assert_true(most < 10 && (!converged || most > 2));
+        before = result.residual;
+        free_sheet(&s);
+    }
+}
+
+static pel_status create_newton(const void *data, pel_error *error)
+{
+    pel_newton *newton;
+    pel_status status = pel_newton_create(data, NULL, &newton, error);
+    pel_newton_destroy(newton);
+    return status;
+}
+
+/* a run that has no memory for the pattern of its couplings fails, and the next one that has some does not */
+static pel_status run_walls(const void *data, pel_error *error)
+{
+    pel_model *model = (pel_model *)(uintptr_t)data;
+    sheet s = {.model = model};
+    pel_status status = pel_newton_create(model, NULL, &s.newton, error);
+    if (status != PEL_OK)
+        return status;
+    static double unknowns[3 * 64], stiffness[64], points[64][3];
+    for (int32_t v = 0; v < model->vertex_count; v++) {
+        pel_vertex_position(model->rest, v, points[v]);
+        pel_vec3_copy(points[v], unknowns + 3 * v);
+        stiffness[v] = model->mass[v] > 0;
+    }
+    s.stiffness = stiffness;
+    s.points = points;
+    walls w = make_walls(&s, 1e4);
+    const pel_newton_terms terms = terms_of(&w);
+    const pel_newton_problem problem = problem_of(&s, &terms);
+    pel_newton_result result;
+    pel_newton_forget(s.newton);
+    status = pel_newton_run(s.newton, &problem, unknowns, &result, error);
+    pel_newton_destroy(s.newton);
+    return status;
+}
+
+static void test_allocation_failure(void **unused)
+{
+    (void)unused;
+    sheet s = make_sheet_of(1e-6, 1);
+    for_every_allocation_failure(create_newton, s.model);
+    for_every_allocation_failure(run_walls, s.model);
+    free_sheet(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_couplings),
+        cmocka_unit_test(test_kinks),
+        cmocka_unit_test(test_deadline),
+        cmocka_unit_test(test_allocation_failure),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
