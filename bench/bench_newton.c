@@ -3,8 +3,8 @@
    as after an event of refinement or where contact couples other vertices.
    usage: bench_newton [frequency, 32 by default] [threads, 2 by default] */
 #include "base/pool.h"
-#include "pellicle/shape.h"
 #include "bench.h"
+#include "pellicle/shape.h"
 #include "solve/newton.h"
 
 #include <stdio.h>
