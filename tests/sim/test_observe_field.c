@@ -55,7 +55,7 @@ static void test_follows_the_state(void **unused)
     void *bytes = malloc(size);
     pel_sim_save(s.sim, bytes);
     double area = sum_of(s.sim, "area"), curvature = sum_of(s.sim, "mean_curvature");
-    assert_true(sum_of(s.sim, "von_mises_top") < 1e-3);
+    assert_true(sum_of(s.sim, "von_mises_top") < IN_FLOAT(1e-3, 10));
     /* the sum of the sizes of components: 3 2 pi on a sphere */
     assert_near(sum_of(s.sim, "pressure"), 6 * 3.14159265, 1);
     pel_sim_get_positions(s.sim, 0, positions);
@@ -64,11 +64,11 @@ static void test_follows_the_state(void **unused)
     assert_int_equal(pel_sim_set_positions(s.sim, 0, positions, NULL), PEL_OK);
     assert_near(sum_of(s.sim, "area"), 4 * area, 1e-9 + IN_FLOAT(0, 1e-4));
     assert_near(sum_of(s.sim, "mean_curvature"), 0.5 * curvature, IN_FLOAT(1e-9, 1e-3));
-    assert_true(sum_of(s.sim, "von_mises_top") > 1);
+    assert_true(sum_of(s.sim, "von_mises_top") > 1000);
     assert_true(sum_of(s.sim, "energy") > 0 && sum_of(s.sim, "stress") > 0);
     assert_int_equal(pel_sim_load(s.sim, bytes, size, NULL), PEL_OK);
     assert_near(sum_of(s.sim, "area"), area, 1e-12);
-    run_steps(s.sim, 20);
+    run_steps(s.sim, 300);
     assert_true(sum_of(s.sim, "area") < area);
     assert_true(sum_of(s.sim, "displacement") > 0);
     free(bytes);
