@@ -62,6 +62,22 @@ pel_status cli_shrink_volume(const cli_experiment *experiment, const char *run, 
     return status;
 }
 
+pel_status cli_shrink_ratio(const cli_experiment *experiment, const char *run, const char *other, int frame,
+                            double *ratio)
+{
+    cli_series series[2] = {{0}};
+    pel_status status = cli_series_read(experiment, run, "frame", "volume_ratio", &series[0]);
+    if (status == PEL_OK)
+        status = cli_series_read(experiment, other, "frame", "volume_ratio", &series[1]);
+    for (int i = 0; i < 2; i++)
+        frame = frame < series[i].count ? frame : series[i].count - 1;
+    if (status == PEL_OK)
+        *ratio = series[0].y[frame] / series[1].y[frame];
+    cli_series_free(&series[0]);
+    cli_series_free(&series[1]);
+    return status;
+}
+
 pel_status cli_shrink_last(const cli_experiment *experiment, const char *run, const char *column, double *number)
 {
     cli_series series;

@@ -20,6 +20,9 @@ const char *cli_shrink_label(const cli_experiment *experiment, int body, const c
 
 /* volume over that at rest in a frame of a run, or its last one; rises of it up to there */
 pel_status cli_shrink_volume(const cli_experiment *experiment, const char *run, int frame, double *ratio, int *rises);
+/* volume of a run over that of another one in a frame, or in the last one that both have */
+pel_status cli_shrink_ratio(const cli_experiment *experiment, const char *run, const char *other, int frame,
+                            double *ratio);
 /* number in the last row of a column */
 pel_status cli_shrink_last(const cli_experiment *experiment, const char *run, const char *column, double *number);
 
