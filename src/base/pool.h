@@ -14,6 +14,9 @@
 
 typedef struct pel_pool pel_pool;
 
+/* threads that a def may ask for */
+enum { PEL_THREADS_MOST = 1024 };
+
 /* the work of one chunk; called from any of the threads, different chunks at once */
 typedef void pel_chunk_function(void *context, int32_t chunk);
 

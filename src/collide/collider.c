@@ -88,8 +88,10 @@ static pel_status check_def(const pel_collider_def *def, pel_error *error)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's def has no mesh");
     if (!isfinite(def->margin))
         return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's margin is not finite");
-    if (def->memory_limit < 0 || def->thread_count < 0)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "a count in the collider's def is below 0");
+    if (def->memory_limit < 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's memory_limit is %lld", (long long)def->memory_limit);
+    if (def->thread_count < 0 || def->thread_count > PEL_THREADS_MOST)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the collider's thread_count is %d", def->thread_count);
     return check_mesh(def->mesh, error);
 }
 

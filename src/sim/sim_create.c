@@ -87,7 +87,7 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a finite number of at least 0");
         return PEL_BAD_ARGUMENT;
     }
-    if (def->thread_count < 0)
+    if (def->thread_count < 0 || def->thread_count > PEL_THREADS_MOST)
         return pel_fail(error, PEL_BAD_ARGUMENT, "thread_count is %d", (int)def->thread_count);
     const struct {
         const char *name;

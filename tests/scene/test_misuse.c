@@ -351,6 +351,8 @@ static void test_sim(void **unused)
     REFUSED("support", pel_sim_create(&wrong, &made, &error));
     wrong = def, wrong.thread_count = -1;
     REFUSED("thread", pel_sim_create(&wrong, &made, &error));
+    wrong = def, wrong.thread_count = INT32_MAX;
+    REFUSED("thread", pel_sim_create(&wrong, &made, &error));
     wrong = def, wrong.solver.method = (pel_method)50;
     REFUSED("method", pel_sim_create(&wrong, &made, &error));
     wrong = def, wrong.solver.method = (pel_method)-1;
