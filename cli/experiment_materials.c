@@ -409,6 +409,18 @@ const cli_experiment_case cli_b_figure_14 = {
 
 enum { METHODS = 3 };
 
+/* the quickest of a run's steps: what else the machine does counts least [ms] */
+static pel_status least_step(const cli_experiment *experiment, const char *run, double *milliseconds)
+{
+    cli_series series;
+    pel_status status = cli_series_read(experiment, run, "frame", "step_ms", &series);
+    *milliseconds = (double)INFINITY;
+    for (int i = 1; status == PEL_OK && i < series.count; i++)
+        *milliseconds = fmin(*milliseconds, series.y[i]);
+    cli_series_free(&series);
+    return status;
+}
+
 static pel_status run_method(cli_experiment *experiment, int body, int method, char name[64], double *milliseconds)
 {
     static const char *const methods[METHODS] = {"pbd", "pbd-distance", "gradient"};
@@ -428,8 +440,7 @@ static pel_status run_method(cli_experiment *experiment, int body, int method, c
     };
     pel_status status = cli_shrink(experiment, body, methods[method], settings, &summary);
     cli_shrink_name(experiment, body, methods[method], name);
-    *milliseconds = 1e3 / summary.steps_per_second;
-    return status;
+    return status == PEL_OK ? least_step(experiment, name, milliseconds) : status;
 }
 
 static pel_status run_figure_15(cli_experiment *experiment)
@@ -456,12 +467,13 @@ static pel_status run_figure_15(cli_experiment *experiment)
                              times[body][2] / times[body][0], 5, CLI_SHRINK_PAPER ", table 1; 5 is ours");
         for (int i = 0; i < METHODS; i++) {
             char text[64];
-            snprintf(text, sizeof text, "ms a frame, %s", columns[i]);
+            snprintf(text, sizeof text, "least ms a frame, %s", columns[i]);
             cli_experiment_tell(experiment, cli_shrink_label(experiment, body, text, label), times[body][i],
                                 (double)NAN, "");
         }
     }
-    cli_experiment_claim(experiment, CLI_PAPER, "distances take less time than energies (table 1)", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "distances take less time than energies (table 1)",
+                         "steps of about a millisecond on a machine that does other work");
     for (int body = 0; body < count; body++)
         cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "time, distances / pbd", label),
                              times[body][1] / times[body][0], 1, CLI_SHRINK_PAPER ", table 1");
