@@ -192,8 +192,8 @@ static void place(cli_solid *solid, int cells)
 {
     double high[3], size = 0;
     for (int i = 0; i < 3; i++) {
-        solid->low[i] = INFINITY;
-        high[i] = -INFINITY;
+        solid->low[i] = HUGE_VAL;
+        high[i] = -HUGE_VAL;
         for (int32_t v = 0; v < solid->surface->vertex_count; v++) {
             solid->skin[v][i] = solid->scale * solid->surface->positions[v][i];
             solid->low[i] = fmin(solid->low[i], solid->skin[v][i]);

@@ -109,7 +109,7 @@ static double roundness(const pel_mesh *mesh, const double normal[3], int32_t v)
             }
         }
         if (pass == 0 && (count < 12 || !solve_4(a)))
-            return (double)INFINITY;
+            return (double)HUGE_VAL;
     }
     /* |x|^2 = 2 c x + k: twice the centre, and k */
     double radius = 0, outward = 0;
@@ -119,14 +119,14 @@ static double roundness(const pel_mesh *mesh, const double normal[3], int32_t v)
     }
     radius = sqrt(radius + a[3][4]);
     if (!(outward > 0) || !(radius > 0.7 * CAP))
-        return (double)INFINITY;
+        return (double)HUGE_VAL;
     return sqrt(far / count) / (2 * radius) / (CAP * CAP / (2 * radius));
 }
 
 static pel_status find_cap(const pel_mesh *mesh, cli_body *body, pel_error *error)
 {
     enum { CANDIDATES = 300 };
-    double(*normals)[3] = calloc((size_t)mesh->vertex_count, sizeof *normals), best = (double)INFINITY;
+    double(*normals)[3] = calloc((size_t)mesh->vertex_count, sizeof *normals), best = (double)HUGE_VAL;
     int32_t chosen = 0, stride = mesh->vertex_count / CANDIDATES + 1;
     if (normals == NULL)
         return pel_fail_memory(error);
@@ -170,8 +170,8 @@ static pel_status fit(pel_mesh *mesh, const char *source, int turn, cli_body *bo
     if (status != PEL_OK)
         return status;
     for (int i = 0; i < 3; i++) {
-        low[i] = (double)INFINITY;
-        high[i] = -(double)INFINITY;
+        low[i] = (double)HUGE_VAL;
+        high[i] = -(double)HUGE_VAL;
         for (int32_t v = 0; v < mesh->vertex_count; v++) {
             low[i] = fmin(low[i], mesh->positions[v][i]);
             high[i] = fmax(high[i], mesh->positions[v][i]);

@@ -414,7 +414,7 @@ static pel_status least_step(const cli_experiment *experiment, const char *run, 
 {
     cli_series series;
     pel_status status = cli_series_read(experiment, run, "frame", "step_ms", &series);
-    *milliseconds = (double)INFINITY;
+    *milliseconds = (double)HUGE_VAL;
     for (int i = 1; status == PEL_OK && i < series.count; i++)
         *milliseconds = fmin(*milliseconds, series.y[i]);
     cli_series_free(&series);

@@ -44,7 +44,7 @@ static double most_off(const pel_mesh *mesh, const pel_mesh *fine)
     double most = 0, radius = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         const double *p = mesh->positions[v];
-        double least = (double)INFINITY, from_axis = sqrt(p[0] * p[0] + p[1] * p[1]);
+        double least = (double)HUGE_VAL, from_axis = sqrt(p[0] * p[0] + p[1] * p[1]);
         radius = fmax(radius, from_axis);
         for (int32_t w = 0; w < fine->vertex_count; w++) {
             const double *q = fine->positions[w];

@@ -172,7 +172,7 @@ static pel_status compare_steps(const char *refine, double *ratio, pel_error *er
 {
     enum { STEPS = 50, TRIES = 40, BEFORE = 1000 };
     const char *refines[2] = {"", refine};
-    trial trials[2] = {{.step = (double)INFINITY}, {.step = (double)INFINITY}};
+    trial trials[2] = {{.step = (double)HUGE_VAL}, {.step = (double)HUGE_VAL}};
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < 2; i++) {
         trial *one = &trials[i];

@@ -216,7 +216,7 @@ static const char *parse_special(const char *at, const char *end, double *value)
     for (int i = 0; i < 3; i++) {
         size_t length = match_word(at, end, words[i]);
         if (length > 0) {
-            *value = i < 2 ? (double)INFINITY : (double)NAN;
+            *value = i < 2 ? (double)HUGE_VAL : (double)NAN;
             return at + length;
         }
     }

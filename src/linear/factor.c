@@ -66,7 +66,7 @@ static int32_t find_scales(pel_factor *factor, const pel_matrix *matrix, double 
         const double *block = &matrix->values[matrix->block_start[pel_matrix_block(matrix, i, i)]];
         for (int32_t a = 0; a < size; a++, u++) {
             *entry = block[a * (size + 1)];
-            if (!(*entry > 0 && *entry < (double)INFINITY))
+            if (!(*entry > 0 && *entry < (double)HUGE_VAL))
                 return u;
             factor->scale[u] = 1 / sqrt(*entry);
         }
@@ -85,7 +85,7 @@ pel_factor_result pel_factor_compute(pel_factor *factor, const pel_matrix *matri
     else
         pel_factor_compute_double(factor, matrix, shift, pool);
     const pel_factor_pivot *pivots = factor->pivots;
-    pel_factor_pivot all = {-1, (double)INFINITY};
+    pel_factor_pivot all = {-1, (double)HUGE_VAL};
     for (int32_t t = 0; t <= factor->plan->task_count; t++) {
         bool is_first = pivots[t].failed >= 0 && (all.failed < 0 || pivots[t].failed < all.failed);
         if (is_first || (all.failed < 0 && pivots[t].value < all.value))

@@ -156,7 +156,7 @@ static int32_t factor_triangle(number triangle[TILE][TILE], int32_t width, numbe
             pivot -= triangle[j][k] * triangle[j][k];
         if (pivot < *smallest || !(pivot > least))
             *smallest = pivot;
-        if (!(pivot > least && pivot < (number)INFINITY))
+        if (!(pivot > least && pivot < (number)HUGE_VAL))
             return j;
         number inverse = 1 / square_root(pivot);
         triangle[j][j] = inverse;

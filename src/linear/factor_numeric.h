@@ -227,7 +227,7 @@ static void factor_task(void *context, int32_t chunk)
     const pel_factor_plan *plan = r->factor->plan;
     const pel_front_task *task = &plan->tasks[chunk];
     pel_factor_pivot *pivot = &r->factor->pivots[chunk];
-    *pivot = (pel_factor_pivot){-1, (double)INFINITY};
+    *pivot = (pel_factor_pivot){-1, (double)HUGE_VAL};
     for (int32_t f = task->first_front; f < task->last_front && pivot->failed < 0; f++) {
         job w = job_of(r->factor, r->matrix, r->shift, &plan->fronts[f]);
         factor_front(&w, pivot);
@@ -240,7 +240,7 @@ void PEL_FACTOR_COMPUTE(pel_factor *factor, const pel_matrix *matrix, double shi
     run r = {factor, matrix, shift};
     pel_pool_run(pool, plan->task_count, factor_task, &r);
     pel_factor_pivot *upper = &factor->pivots[plan->task_count];
-    *upper = (pel_factor_pivot){-1, (double)INFINITY};
+    *upper = (pel_factor_pivot){-1, (double)HUGE_VAL};
     /* fronts before the first failure have all below them, and one of them may fail earlier still */
     int32_t last_pivot = plan->unknown_count;
     for (int32_t t = 0; t < plan->task_count; t++)

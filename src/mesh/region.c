@@ -139,7 +139,7 @@ static pel_status check_region(const pel_region *region, const pel_mesh *mesh, p
 static int32_t nearest_vertex(const pel_mesh *mesh, const double point[3])
 {
     int32_t nearest = 0;
-    double least = (double)INFINITY;
+    double least = (double)HUGE_VAL;
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         double distance = pel_vec3_distance(mesh->positions[v], point);
         if (distance < least) {
@@ -228,7 +228,7 @@ static pel_status fail_empty(const pel_mesh *mesh, const pel_region *region, dou
     if (region->kind == PEL_REGION_VERTICES)
         return refuse(error, "the region lists no vertex", "give at least one number");
     if (region->kind == PEL_REGION_FIELD) {
-        double greatest = -(double)INFINITY;
+        double greatest = -(double)HUGE_VAL;
         const double *values = pel_mesh_field(mesh, region->field)->values;
         for (int32_t v = 0; v < mesh->vertex_count; v++)
             greatest = fmax(greatest, values[v]);

@@ -82,7 +82,7 @@ static const blend_body bodies[] = {
 /* about the distance to a part, or to its mirror image, with its gradient */
 static double part_distance(const blend_part *part, double side, const double point[3], double gradient[3])
 {
-    double squash[3], along[3], from[3], least = INFINITY;
+    double squash[3], along[3], from[3], least = HUGE_VAL;
     for (int i = 0; i < 3; i++) {
         double turn = i == 0 ? side : 1;
         squash[i] = part->squash[0] > 0 ? part->squash[i] : 1;
@@ -136,7 +136,7 @@ static double body_distance(const void *inner, const double point[3], double gra
 /* to its longest side, about the origin */
 static void fit(pel_mesh *mesh, double size)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, longest = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         for (int i = 0; i < 3; i++) {
             low[i] = fmin(low[i], mesh->positions[v][i]);

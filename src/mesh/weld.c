@@ -126,8 +126,8 @@ pel_status pel_weld_points(const double (*points)[3], int32_t count, double tole
 
 bool pel_weld_tolerance_allowed(const double (*points)[3], int32_t count, double tolerance)
 {
-    double low[3] = {(double)INFINITY, (double)INFINITY, (double)INFINITY},
-           high[3] = {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY}, largest = 0;
+    double low[3] = {(double)HUGE_VAL, (double)HUGE_VAL, (double)HUGE_VAL},
+           high[3] = {-(double)HUGE_VAL, -(double)HUGE_VAL, -(double)HUGE_VAL}, largest = 0;
     for (int32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++) {
             if (!isfinite(points[i][k]))

@@ -52,7 +52,7 @@ static pel_status read_times(pel_scene_reader *reader, const pel_scene_value *va
 {
     const pel_scene_value *until_value = pel_scene_value_entry(value, "until");
     *from = pel_scene_value_number(value, "from");
-    *until = until_value->form == PEL_FORM_WORD ? (double)INFINITY : until_value->number;
+    *until = until_value->form == PEL_FORM_WORD ? (double)HUGE_VAL : until_value->number;
     if (*until > *from)
         return PEL_OK;
     pel_scene_fail(reader, &until_value->place, "`until` %g is not after `from` %g", *until, *from);

@@ -261,7 +261,7 @@ static void write_preset(schema_writer *out, const pel_scene_row *row)
 static void write_form(schema_writer *out, pel_scene_form form, const pel_scene_row *row, const pel_scene_row *limits,
                        const char *word)
 {
-    static const pel_scene_range time = {true, false, 0, (double)INFINITY};
+    static const pel_scene_range time = {true, false, 0, (double)HUGE_VAL};
     if (form == PEL_FORM_NUMBER || form == PEL_FORM_INTEGER)
         write_number(out, form, limits->range);
     else if (form == PEL_FORM_BOOLEAN)

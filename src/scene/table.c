@@ -29,8 +29,8 @@
 #define FIELD .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<field>"
 #define REGION .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS("all"), .like = "<region>"
 
-#define POSITIVE .range = {true, true, 0, (double)INFINITY}
-#define AT_LEAST(least) .range = {true, false, least, (double)INFINITY}
+#define POSITIVE .range = {true, true, 0, (double)HUGE_VAL}
+#define AT_LEAST(least) .range = {true, false, least, (double)HUGE_VAL}
 #define BETWEEN(least, most) .range = {true, false, least, most}
 #define COUNT_FROM(least) BETWEEN(least, INT32_MAX)
 

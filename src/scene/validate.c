@@ -248,7 +248,7 @@ static pel_status check_tuple(pel_scene_reader *reader, const pel_scene_row *row
                               pel_scene_value *value, pel_scene_form form, int32_t needed)
 {
     static const pel_scene_row time = {
-        .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, (double)INFINITY}, .doc = "a time"};
+        .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, (double)HUGE_VAL}, .doc = "a time"};
     pel_scene_row part = {.forms = PEL_FORM_NUMBER, .unit = limits->unit, .range = limits->range, .doc = row->doc};
     if (pel_scene_value_count(value) != needed)
         return fail_count(reader, value, pel_scene_value_count(value),

@@ -10,7 +10,7 @@
 
 pel_load_def pel_load_def_default(void)
 {
-    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)INFINITY};
+    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)HUGE_VAL};
 }
 
 static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)

@@ -17,11 +17,11 @@
 #define KEYED .may_be_keyed = true
 #define AUTO(value) .may_be_auto = true, .automatic = value
 
-#define POSITIVE .is_open = true, .least = 0, .most = (double)INFINITY
-#define AT_LEAST(low) .least = low, .most = (double)INFINITY
+#define POSITIVE .is_open = true, .least = 0, .most = (double)HUGE_VAL
+#define AT_LEAST(low) .least = low, .most = (double)HUGE_VAL
 #define BETWEEN(low, high) .least = low, .most = high
 #define COUNT_FROM(low) BETWEEN(low, INT32_MAX)
-#define ANY BETWEEN(-(double)INFINITY, (double)INFINITY)
+#define ANY BETWEEN(-(double)HUGE_VAL, (double)HUGE_VAL)
 
 #define OF(owner_name, def, member) .owner = PEL_OWNER_##owner_name, .offset = offsetof(def, member)
 #define BODY(member) OF(BODY, pel_body_def, member)
@@ -294,7 +294,7 @@ static const pel_parameter_row rows[] = {
 
     {"loads[].force", LOAD(force), VECTOR, .unit = "N", .is_direct = true},
     {"loads[].from", LOAD(from), NUMBER, .unit = "s", AT_LEAST(0), .is_direct = true},
-    {"loads[].until", LOAD(until), NUMBER, .unit = "s", POSITIVE, AUTO((double)INFINITY), .is_direct = true},
+    {"loads[].until", LOAD(until), NUMBER, .unit = "s", POSITIVE, AUTO((double)HUGE_VAL), .is_direct = true},
     {"loads[].keys", LOAD(keys), FACTOR, .count_offset = offsetof(pel_load_def, key_count)},
 
     {"tools[].radius", TOOL(radius), NUMBER, .unit = "m", POSITIVE, .applies = is_round},
@@ -306,7 +306,7 @@ static const pel_parameter_row rows[] = {
     {"tools[].restitution", TOOL(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), .applies = is_instrument},
     {"tools[].press", TOOL(press), SWITCH, BETWEEN(0, 1), .applies = is_instrument},
     {"tools[].grasp.from", TOOL(grasp_from), NUMBER, .unit = "s", AT_LEAST(0), .applies = grasps, .is_direct = true},
-    {"tools[].grasp.until", TOOL(grasp_until), NUMBER, .unit = "s", POSITIVE, AUTO((double)INFINITY), .applies = grasps,
+    {"tools[].grasp.until", TOOL(grasp_until), NUMBER, .unit = "s", POSITIVE, AUTO((double)HUGE_VAL), .applies = grasps,
      .is_direct = true},
     {"tools[].grasp.reach", TOOL(reach), NUMBER, .unit = "m", POSITIVE, .applies = grasps, .is_direct = true},
     {"tools[].grasp.max_force", TOOL(grasp_max_force), NUMBER, .unit = "N", POSITIVE, AUTO(0), .applies = grasps,

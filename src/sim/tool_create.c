@@ -15,7 +15,7 @@ pel_tool_def pel_tool_def_default(void)
                           .friction = -1,
                           .restitution = -1,
                           .thickness = -1,
-                          .grasp_until = (double)INFINITY};
+                          .grasp_until = (double)HUGE_VAL};
 }
 
 /* ---- checks ---- */
@@ -140,7 +140,7 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
     }
     tool->grasp = true;
     tool->grasp_from = 0;
-    tool->grasp_until = (double)INFINITY;
+    tool->grasp_until = (double)HUGE_VAL;
     tool->press = false;
     tool->solid.radius = body->diameter;
     pel_vec3_copy(def->center, tool->center);

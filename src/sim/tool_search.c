@@ -151,7 +151,7 @@ void pel_tool_search_destroy(pel_tool_search *search)
 
 static pel_search_box empty_box(void)
 {
-    const pel_real far = (pel_real)INFINITY;
+    const pel_real far = (pel_real)HUGE_VAL;
     const pel_record none = {far, far, far, far};
     return (pel_search_box){none, -none};
 }

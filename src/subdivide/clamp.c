@@ -7,7 +7,7 @@ void pel_clamp_rows(double *values, int32_t component_count, int32_t given_count
 {
     const size_t n = (size_t)component_count;
     for (size_t c = 0; c < n; c++) {
-        double least = (double)INFINITY, greatest = -(double)INFINITY;
+        double least = (double)HUGE_VAL, greatest = -(double)HUGE_VAL;
         for (size_t row = 0; row < (size_t)given_count; row++) {
             least = fmin(least, values[row * n + c]);
             greatest = fmax(greatest, values[row * n + c]);

@@ -236,7 +236,7 @@ static void test_print_reads_back(void **unused)
     assert_string_equal(text, "-0");
     pel_number_print(text, 1e300);
     assert_string_equal(text, "1e+300");
-    pel_number_print(text, (double)-INFINITY);
+    pel_number_print(text, (double)-HUGE_VAL);
     assert_string_equal(text, "-inf");
 }
 

@@ -391,7 +391,7 @@ static void test_arrays_and_summary(void **unused)
     curved_mesh curved = finish_mesh(sample_random(&random));
     size_t count = (size_t)curved.mesh->vertex_count;
     double *mean = malloc(sizeof *mean * count), *normals = malloc(3 * sizeof *normals * count);
-    double *angle = malloc(3 * sizeof *angle * count), least = (double)INFINITY, greatest = -least;
+    double *angle = malloc(3 * sizeof *angle * count), least = (double)HUGE_VAL, greatest = -least;
     pel_curvature_summary summary;
     failing_malloc_begin(0);
     pel_surface_mean_curvature(curved.topology, curved.positions, mean, NULL);

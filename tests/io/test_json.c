@@ -14,7 +14,7 @@ static void test_strings(void **unused)
 static void test_numbers(void **unused)
 {
     (void)unused;
-    const double numbers[4] = {0.1, -2, (double)NAN, (double)INFINITY};
+    const double numbers[4] = {0.1, -2, (double)NAN, (double)HUGE_VAL};
     pel_json json = {0};
     pel_json_print(&json, "{\"a\":");
     pel_json_numbers(&json, numbers, 4);

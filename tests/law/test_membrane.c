@@ -492,14 +492,14 @@ static void test_check(void **unused)
     for (int i = 0; i < BAD; i++)
         assert_int_equal(pel_membrane_material_check(&bad[i], &error), PEL_OK);
     bad[0].young = -1;
-    bad[1].young = (double)INFINITY;
+    bad[1].young = (double)HUGE_VAL;
     bad[2].poisson = 1;
     bad[3].poisson = (double)NAN;
     bad[4].thickness = 0;
     bad[5].mooney_ratio = -0.1;
     bad[6].mooney_ratio = (double)NAN;
     bad[7].extension_limit = 0;
-    bad[8].extension_limit = (double)INFINITY;
+    bad[8].extension_limit = (double)HUGE_VAL;
     bad[9].stiffening = -1;
     bad[10].poisson = -0.1;
     bad[11].poisson = 0.51;

@@ -196,7 +196,7 @@ static void test_drops(void **unused)
     (void)unused;
     /* vertices: 0..3 a tetrahedron, 4 not finite, 5 alone, 6 between 0 and 1, 7 alone and not finite */
     double positions[8][3] = {{0, 0, 0},           {1, 0, 0}, {0, 1, 0},   {0, 0, 1},
-                              {(double)NAN, 0, 0}, {5, 5, 5}, {0.5, 0, 0}, {0, 0, (double)INFINITY}};
+                              {(double)NAN, 0, 0}, {5, 5, 5}, {0.5, 0, 0}, {0, 0, (double)HUGE_VAL}};
     int32_t triangles[9][3] = {{0, 2, 1}, {0, 1, 4}, {0, 1, 3}, {1, 2, 3}, {0, 1, 8},
                                {2, 2, 3}, {2, 0, 3}, {0, 1, 6}, {3, 2, 1}};
     pel_mesh mesh = {.vertex_count = 8, .triangle_count = 9, .positions = positions, .triangles = triangles};

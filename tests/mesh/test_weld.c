@@ -56,8 +56,8 @@ static void test_special_numbers(void **unused)
                                  {-0.0, 1, 2},
                                  {(double)NAN, 0, 0},
                                  {(double)NAN, 0, 0},
-                                 {(double)INFINITY, 0, 0},
-                                 {(double)INFINITY, 0, 0},
+                                 {(double)HUGE_VAL, 0, 0},
+                                 {(double)HUGE_VAL, 0, 0},
                                  {0, 1, 2.5}};
     const int32_t expected[7] = {0, 0, 1, 2, 3, 3, 4};
     int32_t index_of[7], places;

@@ -244,7 +244,7 @@ static void test_nothing_half_written(void **unused)
     assert_non_null(strstr(error.file, "f00002.vtp"));
     assert_int_equal(pel_export_glb(glb, frames, &error), PEL_BAD_FORMAT);
     assert_non_null(strstr(error.file, "f00002.vtp"));
-    folder_write_frame(folder, 2, 4, (double)INFINITY);
+    folder_write_frame(folder, 2, 4, (double)HUGE_VAL);
     assert_int_equal(pel_export_sequence(obj, PEL_FORMAT_OBJ, frames, NULL, &error), PEL_BAD_FORMAT);
     assert_int_equal(access(pc2, F_OK), -1);
     assert_int_equal(access(glb, F_OK), -1);

@@ -59,7 +59,7 @@ static void test_settled(void **unused)
     (void)unused;
     const pel_key keys[2] = {{0, 1}, {3, 2}};
     const pel_pose_key poses[2] = {{.time = 0}, {.time = 4}};
-    pel_load_def load = {.from = 1, .until = (double)INFINITY, .keys = keys, .key_count = 2};
+    pel_load_def load = {.from = 1, .until = (double)HUGE_VAL, .keys = keys, .key_count = 2};
     pel_tool_def tool = {.keys = poses, .key_count = 2, .grasp = true, .grasp_from = 2, .grasp_until = 6};
     pel_body_def body = {.spring_stiffness = {.keys = keys, .key_count = 2}};
     pel_scene scene = make_scene(0.01, 10, 0.1, 0);

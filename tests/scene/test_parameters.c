@@ -58,8 +58,8 @@ static void test_tables_agree(void **unused)
             check_words(row, scene);
         if (row->store == PEL_STORE_KEYS || row->words != NULL || row->kind == PEL_PARAMETER_SWITCH)
             continue;
-        double least = scene->range.given ? scene->range.least : -(double)INFINITY;
-        double most = scene->range.given ? scene->range.most : (double)INFINITY;
+        double least = scene->range.given ? scene->range.least : -(double)HUGE_VAL;
+        double most = scene->range.given ? scene->range.most : (double)HUGE_VAL;
         if (row->least != least || row->most != most || row->is_open != scene->range.open)
             fail_msg("%s: the ranges differ: %g to %g, %g to %g", path, row->least, row->most, least, most);
     }

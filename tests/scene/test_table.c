@@ -181,7 +181,7 @@ static void test_numbers(void **unused)
         {"0", 0, true, true},          {"-12", -12, true, true},     {"+7", 7, true, true},
         {"0x1F", 31, true, true},      {"0o17", 15, true, true},     {"1.5", 1.5, true, false},
         {".5", 0.5, true, false},      {"5.", 5, true, false},       {"1.0e5", 1e5, true, false},
-        {"1e-3", 1e-3, true, false},   {"-.5E+2", -50, true, false}, {"1e999", (double)INFINITY, true, false},
+        {"1e-3", 1e-3, true, false},   {"-.5E+2", -50, true, false}, {"1e999", (double)HUGE_VAL, true, false},
         {"", 0, false, false},         {".", 0, false, false},       {"-", 0, false, false},
         {"1e", 0, false, false},       {"1e+", 0, false, false},     {"1_000", 0, false, false},
         {"0x", 0, false, false},       {"0b1", 0, false, false},     {"0o8", 0, false, false},

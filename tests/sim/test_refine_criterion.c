@@ -155,7 +155,7 @@ static void test_box_of_tool(void **unused)
         for (int i = 0; i < 3; i++)
             tool->pose.position[i] = random_between(&random, -1.2, 1.2);
         pel_refine_criterion_begin(made.sim, 0);
-        const pel_real far = (pel_real)INFINITY, all[2][3] = {{-far, -far, -far}, {far, far, far}};
+        const pel_real far = (pel_real)HUGE_VAL, all[2][3] = {{-far, -far, -far}, {far, far, far}};
         pel_real box[2][3];
         memcpy(box, tool->look_box, sizeof box);
         for (int32_t slice = 0; slice < made.sim->model->bodies[0].slice_end; slice++) {
@@ -440,7 +440,7 @@ static void test_refusals(void **unused)
     assert_refused(&body, "curvature_below is 1");
     body.refine.curvature_below = -1;
     assert_refused(&body, "curvature_below is -1");
-    body.refine.curvature_above = (double)INFINITY;
+    body.refine.curvature_above = (double)HUGE_VAL;
     assert_refused(&body, "curvature_above is inf");
     body = ball(mesh, 2);
     body.refine.near_tools = (double)NAN;
