@@ -2,9 +2,15 @@
 
    The piece is held by a grasp, which every method treats as a boundary, and the grasp goes to where the spring and the
    surface balance: k (target - p) + F(p) = 0 with the force F of the surface on the hand. Between two steps F is known
-   at p only, so p goes by a secant step, p' = p + (k (target - p) + F) / (k + K). K is the stiffness that the surface
-   has shown so far, inertia m / dt^2 included at the start; the spring itself never enters a step, so it may be as
-   stiff as one likes. */
+   at p only. K is the stiffness that the surface has shown: a secant of F.
+
+   Methods without velocities: a secant step, p' = p + (k (target - p) + F) / (k + K).
+
+   Methods with velocities: F holds the inertia of the piece, -m (p_n - 2 p_(n-1) + p_(n-2)) / dt^2, and a hand without
+   mass would answer one step late: with a = c m / (dt^2 (k + K)) its steps obey l^2 + a l - a = 0, unstable from a =
+   1/2 on, and slow below. So the hand has a mass M, a multiple of m and at least 2 K dt^2, and the damping that is
+   critical for k and M; then a = c m / M, where c, 1 to 4, is of the integrator. The spring is taken at the end of the
+   step, so it may be as stiff as one likes. */
 #include "pellicle/live.h"
 
 #include "base/memory.h"
@@ -14,8 +20,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* of a new secant in the stiffness that is known */
+/* of a new secant in the stiffness that is known, where it falls; with velocities it rises at once */
 #define SECANT_SHARE 0.3
+#define SLOW_SHARE 0.02
+/* mass of the hand over that of what it holds, and its stiffness times dt^2 over that of the surface */
+#define MASS_RATIO 8
+#define STIFF_RATIO 2
 /* of the nearest vertex: what holds it for sure */
 #define REACH_MARGIN 1.001
 
@@ -23,7 +33,8 @@ struct pel_drag {
     pel_sim *sim;
     char name[PEL_NAME_SIZE];
     double stiffness, target[3];
-    double surface; /* N/m, K */
+    double surface;                /* N/m, K */
+    double held_mass, velocity[3]; /* kg, m/s; of methods with velocities */
     double point_before[3], force_before[3];
     bool has_moved;
 };
@@ -115,11 +126,9 @@ pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffnes
         pel_free(made);
         return status;
     }
-    double dt = sim->solver.dt;
     made->sim = sim;
     made->stiffness = made->surface = stiffness;
-    if (pel_sim_has_velocity(sim))
-        made->surface = fmax(stiffness, mass_near(sim, hit, def.radius) / (dt * dt));
+    made->held_mass = mass_near(sim, hit, def.radius);
     pel_vec3_copy(hit->point, made->target);
     *drag = made;
     return PEL_OK;
@@ -134,12 +143,24 @@ static void learn(pel_drag *drag, const pel_tool_reading *now)
     double square = pel_vec3_squared_length(way);
     if (drag->has_moved && square > 0) {
         double secant = fmax(-pel_vec3_dot(change, way) / square, 0);
+        bool rises_at_once = pel_sim_has_velocity(drag->sim) && secant > drag->surface;
+        double share = rises_at_once ? 1 : pel_sim_has_velocity(drag->sim) ? SLOW_SHARE : SECANT_SHARE;
         if (isfinite(secant))
-            drag->surface += SECANT_SHARE * (secant - drag->surface);
+            drag->surface += share * (secant - drag->surface);
     }
     pel_vec3_copy(now->position, drag->point_before);
     pel_vec3_copy(now->force, drag->force_before);
     drag->has_moved = true;
+}
+
+/* m, way of the hand in a step along an axis, with the force on it at its start */
+static double swing(pel_drag *drag, int axis, double force)
+{
+    double dt = drag->sim->solver.dt, k = drag->stiffness;
+    double mass = fmax(MASS_RATIO * drag->held_mass, STIFF_RATIO * drag->surface * dt * dt);
+    double damping = 2 * sqrt(k * mass);
+    drag->velocity[axis] = (mass * drag->velocity[axis] + dt * force) / (mass + dt * damping + dt * dt * k);
+    return dt * drag->velocity[axis];
 }
 
 pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error)
@@ -156,9 +177,11 @@ pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *erro
     pel_vec3_copy(target, drag->target);
     pel_sim_get_tool(drag->sim, tool, &now);
     learn(drag, &now);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
+        double force = drag->stiffness * (target[i] - now.position[i]) + now.force[i];
         next[i] = now.position[i] +
-                  (drag->stiffness * (target[i] - now.position[i]) + now.force[i]) / (drag->stiffness + drag->surface);
+                  (pel_sim_has_velocity(drag->sim) ? swing(drag, i, force) : force / (drag->stiffness + drag->surface));
+    }
     return pel_sim_set_tool_pose(drag->sim, tool, next, now.rotation, error);
 }
 

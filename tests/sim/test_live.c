@@ -369,21 +369,23 @@ static void test_drag(void **unused)
         assert_int_equal(pel_pick(s.sim, origin, direction, &hit, NULL), PEL_OK);
         assert_int_equal(pel_drag_begin(s.sim, &hit, 20, 0.1, &drag, NULL), PEL_OK);
         double target[3] = {hit.point[0] + 0.2, hit.point[1], hit.point[2]};
+        double hardest = 0;
         int steps = methods[m] == PEL_METHOD_STATIC || methods[m] == PEL_METHOD_DESCENT ? 30 : 1500;
-        double reaction = 0, force = 0;
         for (int i = 0; i < steps; i++) {
             assert_int_equal(pel_drag_move(drag, target, NULL), PEL_OK);
             run_steps(s.sim, 1);
             pel_drag_get(drag, &reading);
-            /* means of the last third: nothing damps the body as a whole under implicit */
-            reaction += i >= 2 * steps / 3 ? reading.reaction[0] : 0;
-            force += i >= 2 * steps / 3 ? reading.force[0] : 0;
+            hardest = fmax(hardest, fabs(reading.reaction[0]));
         }
         assert_true(reading.held_count > 0);
+        /* the hand does not shake: nothing is much harder than the spring when it begins, 4 N */
+        assert_true(hardest < 7);
         assert_true(reading.point[0] > hit.point[0] + 0.001 && reading.point[0] < target[0] + 1e-9);
         if (methods[m] != PEL_METHOD_PBD) {
-            assert_true(force > 0);
-            assert_near(reaction, -force, (methods[m] == PEL_METHOD_IMPLICIT ? 0.25 : 0.1) * force);
+            assert_true(reading.force[0] > 0);
+            assert_near(reading.reaction[0], -reading.force[0], 0.02 * fabs(reading.force[0]));
+            /* that of the states of rest */
+            assert_near(reading.force[0], 1.1397, IN_FLOAT(0.01, 0.1));
         }
         assert_int_equal(pel_drag_end(drag, NULL), PEL_OK);
         assert_int_equal(pel_sim_tool_count(s.sim), 0);

@@ -13,7 +13,7 @@ static stage make_stage(void)
     body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = PEL_BENDING_HINGE;
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
-    body.shell.pressure.outside.value = 1;
+    body.shell.pressure.outside.value = 100;
     s.model = make_model(&body);
     pel_sim_def def = lone_sim(s.model, PEL_METHOD_XPBD, 1e-3);
     s.sim = make_sim(&def);
@@ -57,7 +57,7 @@ static void test_follows_the_state(void **unused)
     double area = sum_of(s.sim, "area"), curvature = sum_of(s.sim, "mean_curvature");
     assert_true(sum_of(s.sim, "von_mises_top") < IN_FLOAT(1e-3, 10));
     /* the sum of the sizes of components: 3 2 pi on a sphere */
-    assert_near(sum_of(s.sim, "pressure"), 6 * 3.14159265, 1);
+    assert_near(sum_of(s.sim, "pressure"), 600 * 3.14159265, 100);
     pel_sim_get_positions(s.sim, 0, positions);
     for (int32_t i = 0; i < 3 * s.mesh->vertex_count; i++)
         positions[i] *= 2;
@@ -68,7 +68,7 @@ static void test_follows_the_state(void **unused)
     assert_true(sum_of(s.sim, "energy") > 0 && sum_of(s.sim, "stress") > 0);
     assert_int_equal(pel_sim_load(s.sim, bytes, size, NULL), PEL_OK);
     assert_near(sum_of(s.sim, "area"), area, 1e-12);
-    run_steps(s.sim, 300);
+    run_steps(s.sim, 20);
     assert_true(sum_of(s.sim, "area") < area);
     assert_true(sum_of(s.sim, "displacement") > 0);
     free(bytes);
