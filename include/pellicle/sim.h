@@ -442,8 +442,9 @@ typedef struct pel_adjoint_material {
     double pressure;         /* by a factor on the pressure */
 } pel_adjoint_material;
 
-/* What pel_sim_adjoint reads and fills. Arrays of vertices: bodies one after the other, vertices of their meshes. */
-typedef struct pel_adjoint_def {
+/* What pel_sim_adjoint reads and fills; start from zeros. Arrays of vertices: bodies one after the other, vertices of
+ * their meshes. */
+typedef struct pel_adjoint {
     const double *positions; /* (vertices x 3) df/dx [1/m] at the present state */
     /* results, nullable */
     double *forces;                  /* (vertices x 3) by a force on each vertex, 1/N; 0 where it is held */
@@ -452,9 +453,7 @@ typedef struct pel_adjoint_def {
     double *loads;                   /* (load_count of the def) by a factor, 1 at present, on each load */
     double *gravity;                 /* (3) by gravity, s2/m */
     pel_adjoint_material *materials; /* (body_count) */
-} pel_adjoint_def;
-
-PEL_API pel_adjoint_def pel_adjoint_def_default(void);
+} pel_adjoint;
 
 /* Derivatives of a function of the positions by the numbers of the model, all from one linear system with the matrix of
    the present state (adjoint method: Strang, Computational Science and Engineering, section 8.7). PEL_METHOD_STATIC: of
@@ -463,7 +462,7 @@ PEL_API pel_adjoint_def pel_adjoint_def_default(void);
 
    Without tools and contact; pressure with a potential. PEL_BAD_ARGUMENT for what cannot be asked, and where the state
    is not a stable balance; PEL_OUT_OF_MEMORY. Changes nothing in the simulation. */
-PEL_API pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint_def *def, pel_error *error);
+PEL_API pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *error);
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {

@@ -11,21 +11,16 @@
 
 #include <string.h>
 
-pel_adjoint_def pel_adjoint_def_default(void)
-{
-    return (pel_adjoint_def){.positions = NULL};
-}
-
 /* scratch */
-typedef struct adjoint {
+typedef struct work {
     pel_sim *sim;
-    const pel_adjoint_def *def;
+    const pel_adjoint *def;
     pel_newton_problem problem;
     double end;                                /* x_1 over y */
     double *unknowns, *gradient, *multipliers; /* (unknown_count) */
     double *held, *rest;                       /* (unknown_count) */
     pel_tangent_derivative *bodies;            /* (body_count) */
-} adjoint;
+} work;
 
 static pel_status refuse(pel_error *error, const char *what, const char *remedy)
 {
@@ -52,7 +47,7 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-static pel_status check(const pel_sim *sim, const pel_adjoint_def *def, pel_error *error)
+static pel_status check(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     if (!sim->stepper->turns_edges || sim->modes != NULL)
         return refuse(error, "derivatives are those of the methods static and implicit",
@@ -73,7 +68,7 @@ static pel_status check(const pel_sim *sim, const pel_adjoint_def *def, pel_erro
 /* ---- the problem of the present state ---- */
 
 /* the unknowns y of the last step, with edges as they bend least */
-static void take_state(adjoint *a)
+static void take_state(work *a)
 {
     pel_sim *sim = a->sim;
     const pel_state *state = sim->state;
@@ -86,7 +81,7 @@ static void take_state(adjoint *a)
         }
 }
 
-static void make_problem(adjoint *a)
+static void make_problem(work *a)
 {
     pel_sim *sim = a->sim;
     pel_sim_newton *newton = sim->descent->newton;
@@ -125,7 +120,7 @@ static void for_each_row(const pel_sim *sim, const double *from, double scale, d
         }
 }
 
-static void take_gradient(adjoint *a)
+static void take_gradient(work *a)
 {
     const pel_sim *sim = a->sim;
     size_t row = 0;
@@ -137,7 +132,7 @@ static void take_gradient(adjoint *a)
 }
 
 /* by a factor on each load, and by gravity */
-static void give_loads(const adjoint *a)
+static void give_loads(const work *a)
 {
     const pel_sim *sim = a->sim;
     size_t edges = 3 * (size_t)sim->model->vertex_count;
@@ -162,7 +157,7 @@ static bool bending_follows(const pel_shell *shell)
     return fabs(shell->parts[0].stiffness - own) <= 1e-9 * own;
 }
 
-static void give_materials(const adjoint *a)
+static void give_materials(const work *a)
 {
     for (int32_t b = 0; b < a->sim->model->body_count; b++) {
         const pel_tangent_derivative *sum = &a->bodies[b];
@@ -183,7 +178,7 @@ static void give_materials(const adjoint *a)
 }
 
 /* elements, and what is held where it was at rest */
-static void give_rest(const adjoint *a)
+static void give_rest(const work *a)
 {
     for (int32_t i = 0; i < 3 * a->sim->model->vertex_count; i++)
         a->rest[i] = a->held[i] - a->rest[i];
@@ -192,7 +187,7 @@ static void give_rest(const adjoint *a)
 
 /* ---- all ---- */
 
-static bool make_room(adjoint *a)
+static bool make_room(work *a)
 {
     size_t count = (size_t)pel_newton_pattern(a->sim->descent->newton->newton)->unknown_count;
     double **vectors[] = {&a->unknowns, &a->gradient, &a->multipliers, &a->held, &a->rest};
@@ -203,7 +198,7 @@ static bool make_room(adjoint *a)
     return room && a->bodies != NULL;
 }
 
-static void release(adjoint *a)
+static void release(work *a)
 {
     double *vectors[] = {a->unknowns, a->gradient, a->multipliers, a->held, a->rest};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
@@ -211,9 +206,9 @@ static void release(adjoint *a)
     pel_free(a->bodies);
 }
 
-static pel_status solve(adjoint *a, pel_error *error)
+static pel_status solve(work *a, pel_error *error)
 {
-    const pel_adjoint_def *def = a->def;
+    const pel_adjoint *def = a->def;
     pel_newton *newton = a->sim->descent->newton->newton;
     make_problem(a);
     take_gradient(a);
@@ -234,14 +229,14 @@ static pel_status solve(adjoint *a, pel_error *error)
     return PEL_OK;
 }
 
-pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint_def *def, pel_error *error)
+pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(def, error);
     pel_status status = check(sim, def, error);
     if (status != PEL_OK)
         return status;
-    adjoint a = {.sim = sim, .def = def};
+    work a = {.sim = sim, .def = def};
     status = make_room(&a) ? solve(&a, error) : pel_fail_memory(error);
     release(&a);
     return status;

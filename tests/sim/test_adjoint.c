@@ -143,7 +143,7 @@ static void check_trial(trial t)
     double(*moved)[3] = calloc(count, sizeof *moved), loads[2], gravity[3], largest = 0;
     pel_adjoint_material material;
     function_of((int32_t)count, s.x, gradient);
-    pel_adjoint_def def = pel_adjoint_def_default();
+    pel_adjoint def = {.positions = NULL};
     def.positions = gradient;
     def.forces = forces;
     def.rest_positions = rest;
@@ -219,7 +219,7 @@ static pel_status ask(const void *data, pel_error *error)
 {
     const solved *s = data;
     double rest[3 * 64];
-    pel_adjoint_def def = pel_adjoint_def_default();
+    pel_adjoint def = {.positions = NULL};
     def.positions = s->x;
     def.rest_positions = rest;
     return pel_sim_adjoint(s->sim, &def, error);
@@ -230,7 +230,7 @@ static void test_refusals(void **unused)
     (void)unused;
     solved s = solve(&sheet);
     pel_error error;
-    pel_adjoint_def def = pel_adjoint_def_default();
+    pel_adjoint def = {.positions = NULL};
     assert_int_equal(pel_sim_adjoint(s.sim, &def, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "positions is missing"));
     /* the first one makes a factor in double, which stays */
