@@ -93,6 +93,8 @@ static double balloon_pressure(double stretch)
 static void test_limit_point(void **unused)
 {
     (void)unused;
+    if (sizeof(pel_real) == 4)
+        skip(); /* near a limit point the stiffness is below the rounding of positions in float */
     stage s;
     double largest = 0, last = 0, mesh = 0;
     pel_sim *sim = make_balloon(&s, 6000, 1);
