@@ -15,7 +15,7 @@ typedef struct sheet {
     double *unknowns, (*points)[3], *stiffness;
 } sheet;
 
-enum { SIDE = 3, VERTICES = SIDE * SIDE };
+enum { SIDE = 3, VERTICES = SIDE * SIDE, WALLS = 30 };
 
 static sheet make_sheet_of(double young, double tie)
 {
@@ -61,11 +61,11 @@ static pel_newton_problem problem_of(const sheet *s, const pel_newton_terms *ter
 /* Walls: a vertex and the one opposite to it keep a distance along z, k / 2 max(0, floor - sum of z)^2 for each pair.
  */
 typedef struct walls {
-    int32_t pairs[VERTICES][4];
-    double floors[VERTICES], stiffness;
+    int32_t pairs[WALLS][4];
+    double floors[WALLS], stiffness;
     int count;
-    double at[VERTICES]; /* sum of z at the last evaluation */
-    int systems;         /* matrices asked for */
+    double at[WALLS]; /* sum of z at the last evaluation */
+    int systems;      /* matrices asked for */
 } walls;
 
 static double depth_of(const walls *w, int i, const double *unknowns)
@@ -103,7 +103,7 @@ static void add_walls(void *context, pel_matrix *matrix)
 
 static int32_t list_walls(void *context, const int32_t (**vertices)[4], int32_t *acting)
 {
-    static int32_t list[VERTICES][4];
+    static int32_t list[WALLS][4];
     walls *w = context;
     *acting = 0;
     for (int i = 0; i < w->count; i++)
@@ -172,46 +172,51 @@ static void test_couplings(void **unused)
     free_sheet(&s);
 }
 
-/* A chain of pairs with every vertex in many walls, of which Newton's full steps find other ones each time; the sums do
-   not depend on what was solved before. */
+/* random pairs, floors and signs of the ties: some of them send full steps round in a circle */
+static void random_walls(const sheet *s, random_state *random, walls *w)
+{
+    const int32_t *index = s->model->bodies[0].model_index;
+    *w = (walls){.stiffness = 1e4, .count = WALLS};
+    for (int i = 0; i < w->count; i++) {
+        int a = (int)random_integer(random, 0, VERTICES - 1), b = (int)random_integer(random, 0, VERTICES - 2);
+        const int32_t pair[4] = {index[a], index[b < a ? b : b + 1], index[a], index[a]};
+        memcpy(w->pairs[i], pair, sizeof pair);
+        w->floors[i] = random_between(random, -0.2, 0.1);
+    }
+    for (int32_t v = 0; v < s->model->vertex_count; v++) {
+        s->points[v][2] = random_between(random, -0.3, 0.1);
+        s->stiffness[v] = s->model->mass[v] > 0 ? pow(10, random_between(random, 0, 4)) : 0;
+    }
+}
+
+/* Walls that begin and cease to act from step to step. Where each run ends does not depend on the patterns before. */
 static void test_kinks(void **unused)
 {
     (void)unused;
-    double ends[2][3 * 64];
-    for (int again = 0; again < 2; again++) {
-        sheet s = make_sheet_of(1e-6, 1);
-        walls w = {.stiffness = 1e6, .count = VERTICES};
-        const int32_t *index = s.model->bodies[0].model_index;
-        for (int i = 0; i < w.count; i++) {
-            int j = (i * 4 + 2) % VERTICES;
-            const int32_t pair[4] = {index[i], index[j != i ? j : (i + 1) % VERTICES], index[i], index[i]};
-            memcpy(w.pairs[i], pair, sizeof pair);
-            w.floors[i] = 0.02 * ((i * 5) % VERTICES) - 0.05;
+    for (uint32_t seed = 1; seed <= 200; seed++) {
+        double ends[2][3 * 64];
+        for (int again = 0; again < 2; again++) {
+            sheet s = make_sheet_of(1e-6, 1);
+            random_state random = {seed};
+            walls w, other = make_walls(&s, 1);
+            random_walls(&s, &random, &w);
+            const pel_newton_terms terms = terms_of(&w), other_terms = terms_of(&other);
+            pel_newton_problem problem = problem_of(&s, &terms), before = problem_of(&s, &other_terms);
+            pel_newton_result result;
+            double unknowns[3 * 64];
+            assert_true(s.count <= 3 * 64);
+            memcpy(unknowns, s.unknowns, (size_t)s.count * sizeof *unknowns);
+            if (again == 1)
+                assert_int_equal(pel_newton_run(s.newton, &before, unknowns, &result, NULL), PEL_OK);
+            pel_newton_forget(s.newton);
+            assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+            assert_true(result.converged);
+            assert_true(result.iterations <= 20);
+            memcpy(ends[again], s.unknowns, (size_t)s.count * sizeof(double));
+            if (again == 1)
+                assert_memory_equal(ends[0], ends[1], (size_t)s.count * sizeof(double));
+            free_sheet(&s);
         }
-        const pel_newton_terms terms = terms_of(&w);
-        pel_newton_problem problem = problem_of(&s, &terms);
-        pel_newton_result result;
-        /* another pattern before */
-        walls other = make_walls(&s, 1);
-        const pel_newton_terms other_terms = terms_of(&other);
-        pel_newton_problem before = problem_of(&s, &other_terms);
-        double *unknowns = calloc((size_t)s.count, sizeof *unknowns);
-        memcpy(unknowns, s.unknowns, (size_t)s.count * sizeof *unknowns);
-        for (int i = 0; again == 1 && i < 2; i++)
-            assert_int_equal(pel_newton_run(s.newton, &before, unknowns, &result, NULL), PEL_OK);
-        free(unknowns);
-        pel_newton_forget(s.newton);
-        assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
-        assert_true(result.converged);
-        assert_true(result.iterations < 15);
-        assert_true(s.count <= 3 * 64);
-        memcpy(ends[again], s.unknowns, (size_t)s.count * sizeof(double));
-        if (again == 1)
-            assert_memory_equal(ends[0], ends[1], (size_t)s.count * sizeof(double));
-        /* walls hold, none pulls */
-        for (int i = 0; i < w.count; i++)
-            assert_true(depth_of(&w, i, s.unknowns) < 1e-5);
-        free_sheet(&s);
     }
 }
 
@@ -224,38 +229,39 @@ static double count_ticks(void)
     return ticks++;
 }
 
-/* a sheet far from where its springs want it */
-static void pull_apart(sheet *s)
-{
-    for (int32_t v = 0; v < s->model->vertex_count; v++) {
-        s->points[v][0] *= 1.8;
-        s->points[v][2] += 0.5 * s->points[v][1] * s->points[v][1];
-    }
-}
-
-/* a run ends after the system at which the clock has passed the deadline, at the state of the least residual */
+/* A run ends after the system at which the clock has passed the deadline, at the state of the least residual: that
+   never rises with more time, though from step to step it does. */
 static void test_deadline(void **unused)
 {
     (void)unused;
-    double before = HUGE_VAL;
-    bool converged = false;
-    for (int most = 1; !converged; most++) {
-        sheet s = make_sheet_of(1e5, 100);
-        pull_apart(&s);
-        pel_newton_problem problem = problem_of(&s, NULL);
-        pel_newton_result result;
-        ticks = 0;
-        problem.clock = count_ticks;
-        problem.deadline = most - 1;
-        assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
-        assert_int_equal(result.iterations, most);
-        assert_true(result.is_late == !result.converged);
-        assert_true(result.residual <= before);
-        converged = result.converged;
-        assert_true(most < 10 && (!converged || most > 2));
-        before = result.residual;
-        free_sheet(&s);
+    int longest = 0;
+    for (uint32_t seed = 1; seed <= 20; seed++) {
+        double before = HUGE_VAL;
+        bool converged = false;
+        for (int most = 1; !converged; most++) {
+            sheet s = make_sheet_of(1e-6, 1);
+            random_state random = {seed};
+            walls w;
+            random_walls(&s, &random, &w);
+            const pel_newton_terms terms = terms_of(&w);
+            pel_newton_problem problem = problem_of(&s, &terms);
+            pel_newton_result result;
+            ticks = 0;
+            problem.clock = count_ticks;
+            problem.deadline = most - 1;
+            assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+            assert_int_equal(result.iterations, most);
+            assert_true(result.is_late == !result.converged);
+            /* the first step is taken in any case: fixed unknowns are at their targets after it */
+            assert_true(most <= 2 || result.residual <= before);
+            before = result.residual;
+            converged = result.converged;
+            longest = most > longest ? most : longest;
+            assert_true(most < 25);
+            free_sheet(&s);
+        }
     }
+    assert_true(longest > 5);
 }
 
 static pel_status create_newton(const void *data, pel_error *error)
