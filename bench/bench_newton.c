@@ -53,7 +53,7 @@ static void step(run *on)
 
 static void order(run *on)
 {
-    pel_newton_follow(on->newton);
+    pel_newton_rebuild(on->newton);
     on->keeps = false;
     step(on);
 }

@@ -31,7 +31,7 @@ def inflate(frequency=8, volume=8.0, steps=28):
                     "pressure": {"volume": {"target": {"keys": [[0, 1], [1, volume]]}, "bulk": 1e6}},
                 }
             ],
-            "solver": {"method": "descent", "dt": 1 / steps, "iterations": 300},
+            "solver": {"method": "static", "dt": 1 / steps},
         }
     )
     stretches, pressures = [], []

@@ -210,11 +210,11 @@ output: { every: 0.05, fields: [contact, displacement] }
 
 // two runs whose triangles differ, as the frames of one
 function changingRun() {
-    writeRun(at("coarse"), { rings: 8, columns: 12, frames: 3 });
-    writeRun(at("fine"), { rings: 12, columns: 17, frames: 6 });
     mkdirSync(at("changing"));
+    writeRun(at("changing", "coarse"), { rings: 8, columns: 12, frames: 3 });
+    writeRun(at("changing", "fine"), { rings: 12, columns: 17, frames: 6 });
     const sets = [0, 1, 2, 3, 4, 5].map(
-        (f) => `<DataSet timestep="${f}" file="../${f < 3 ? "coarse" : "fine"}/frames/f0000${f}.vtp"/>`,
+        (f) => `<DataSet timestep="${f}" file="${f < 3 ? "coarse" : "fine"}/frames/f0000${f}.vtp"/>`,
     );
     writeFileSync(at("changing", "frames.pvd"), `<VTKFile><Collection>${sets.join("")}</Collection></VTKFile>`);
 }
