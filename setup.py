@@ -1,5 +1,5 @@
 """Builds the Python package: `pip install .` in the root of the repository. CMake builds the extension module, for any
-machine of this architecture: with AVX2 where it runs."""
+machine of this architecture: with AVX2 where it runs. PELLICLE_BUILD in the environment is a CMake folder to build in."""
 
 import os
 import pathlib
@@ -21,7 +21,7 @@ def version():
 
 class BuildCore(build_ext):
     def build_extension(self, extension):
-        build = pathlib.Path(self.build_temp).resolve() / "cmake"
+        build = pathlib.Path(os.environ.get("PELLICLE_BUILD") or pathlib.Path(self.build_temp) / "cmake").resolve()
         options = [
             "-DCMAKE_BUILD_TYPE=Release",
             "-DPELLICLE_NATIVE=OFF",

@@ -162,7 +162,7 @@ static const cli_command commands[] = {
     },
     {
         .name = "shape",
-        .summary = "make a mesh: sphere, grid, cylinder, torus, capsule, lens capsule",
+        .summary = "make a mesh: sphere, disk, grid, cylinder, torus, capsule, lens capsule, blend",
         .text = "Writes a generated mesh. Lengths are metres.",
         .slots = {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "shape", .words = cli_shape_names}},
         .options = {{.name = "output",

@@ -73,6 +73,8 @@ typedef struct pel_body_def {
     int32_t reference_count; /* 252 by default: the vertices of paper A's sphere */
     const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;
+    double velocity[3];         /* m/s, of all vertices at the start; 0 for methods without velocities */
+    double angular_velocity[3]; /* rad/s, about the centre of mass, added to it */
     double
         friction; /* Coulomb's coefficient in contact, see pel_contact_def; below 0, as by default: that of contact */
     double restitution;       /* the same, see pel_contact_def */

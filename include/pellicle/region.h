@@ -14,7 +14,8 @@ typedef enum pel_region_kind {
     PEL_REGION_SPHERE,   /* within `radius` of `center` */
     PEL_REGION_BOX,      /* low <= position <= high */
     PEL_REGION_VERTICES, /* the listed vertices */
-    PEL_REGION_FIELD     /* where the scalar field `field` is greater than `above` */
+    PEL_REGION_FIELD,    /* where the scalar field `field` is greater than `above` */
+    PEL_REGION_BOUNDARY  /* the vertices on the border of an open mesh */
 } pel_region_kind;
 
 /* A region. Members of other kinds are not looked at; pointers need to live during the call only. */

@@ -31,6 +31,8 @@ typedef enum pel_shape_kind {
     PEL_SHAPE_CAPSULE,         /* cylinder of length `height` about the z axis with a half sphere on each end */
     PEL_SHAPE_LENS_CAPSULE,    /* capsule of the human eye lens (Burd et al. 2002, outlines of three ages), metres, axis
                                   z, front (anterior) +z, vertex 0 = anterior pole; field "thickness" [m] */
+    PEL_SHAPE_DISK,  /* in the plane z = 0 about the origin, normal +z: `rings` rings about vertex 0, the k-th of 6 k
+                        vertices: 3 rings (rings + 1) + 1 vertices, 6 rings^2 triangles of about the same size */
     PEL_SHAPE_BLEND, /* a body like a scanned one, of rounded parts that run into each other: closed, genus 0, edges
                         of about the same length, box about the origin, z up, looking along -y */
     PEL_SHAPE_COUNT
@@ -57,7 +59,8 @@ typedef struct pel_shape_def {
     pel_shape_kind kind;
     int32_t frequency; /* parts of an icosahedron's side */
     int32_t slices;    /* parts around the z axis */
-    int32_t rings;     /* uv-sphere: parts from pole to pole; torus: around the tube; capsule: per half sphere */
+    int32_t rings;     /* uv-sphere: parts from pole to pole; torus: around the tube; capsule: per half sphere;
+                          disk: about the middle */
     int32_t segments;  /* cylinder, capsule: parts along the straight side */
     int32_t nx, ny;    /* grid: cells */
     int32_t age;       /* lens-capsule: 11, 29 or 45 years */

@@ -251,6 +251,8 @@ static pel_status sieve_pairs(pel_candidates *c, pel_pair_kind kind, pel_pool *p
     for (int chunk = 0; chunk < PEL_SEARCH_CHUNKS; chunk++)
         s.offset[chunk + 1] += s.offset[chunk];
     *count = s.offset[PEL_SEARCH_CHUNKS];
+    if (*count == 0)
+        return PEL_OK;
     if (!pel_reserve((void **)pairs, capacity, *count, sizeof **pairs))
         return PEL_OUT_OF_MEMORY;
     s.pairs = *pairs;

@@ -38,10 +38,11 @@ typedef struct motion_job {
     bool is_finite[2][PARTS];
 } motion_job;
 
-static wide4 load_four(const double *numbers)
+/* the j-th four of the twelve numbers of four points */
+static wide4 load_four(const double points[4][3], int j)
 {
     wide4 four;
-    memcpy(&four, numbers, sizeof four);
+    memcpy(&four, (const char *)points + (size_t)j * sizeof four, sizeof four);
     return four;
 }
 
@@ -60,7 +61,7 @@ static void measure_target(motion_job *job, int32_t target, int32_t part)
     }
     for (; p + 4 <= end; p += 4)
         for (int j = 0; j < 3; j++) {
-            wide4 way = load_four(to[p] + 4 * j) - load_four(from[p] + 4 * j);
+            wide4 way = load_four(&to[p], j) - load_four(&from[p], j);
             least[j] = wide4_min(way, least[j]);
             most[j] = wide4_max(way, most[j]);
             bad += way - way;

@@ -291,7 +291,8 @@ static pel_status find_borders(planner *p, pel_error *error)
                 has_memory = has_memory && touch(p, p->border_node[k], f, &count);
         if (!has_memory || count > INT32_MAX / PEL_NODE_SIZE_LIMIT)
             return pel_fail_memory(error);
-        pel_sort_int32(&p->border_node[p->border_first[f]], (int32_t)count - p->border_first[f]);
+        if ((int32_t)count > p->border_first[f])
+            pel_sort_int32(&p->border_node[p->border_first[f]], (int32_t)count - p->border_first[f]);
         p->border_first[f + 1] = (int32_t)count;
     }
     return PEL_OK;

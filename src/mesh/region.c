@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "base/text.h"
 #include "math/vec3.h"
+#include "mesh/edge_table.h"
 
 #include <math.h>
 #include <string.h>
@@ -106,6 +107,21 @@ static pel_status check_field(const pel_region *region, const pel_mesh *mesh, pe
     return PEL_BAD_ARGUMENT;
 }
 
+static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
+{
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        for (int i = 0; i < 3; i++) {
+            int32_t v = mesh->triangles[t][i];
+            if (v >= 0 && v < mesh->vertex_count)
+                continue;
+            pel_fail(error, PEL_BAD_ARGUMENT, "the mesh has no vertex %d", (int)v);
+            pel_fail_element(error, "triangle", t);
+            pel_fail_remedy(error, "give corners from 0 to %d", (int)mesh->vertex_count - 1);
+            return PEL_BAD_ARGUMENT;
+        }
+    return PEL_OK;
+}
+
 static pel_status check_region(const pel_region *region, const pel_mesh *mesh, pel_error *error)
 {
     if (region->cookie != COOKIE)
@@ -131,6 +147,8 @@ static pel_status check_region(const pel_region *region, const pel_mesh *mesh, p
         return check_vertices(region, mesh, error);
     case PEL_REGION_FIELD:
         return check_field(region, mesh, error);
+    case PEL_REGION_BOUNDARY:
+        return check_triangles(mesh, error);
     default:
         return refuse(error, "there is no such kind of region", "use one of pel_region_kind");
     }
@@ -202,7 +220,25 @@ static void weigh_by_field(const pel_mesh *mesh, const pel_region *region, doubl
         weights[v] = values[v] > region->above;
 }
 
-static void weigh(const pel_mesh *mesh, const pel_region *region, double *weights)
+/* vertices of edges that have one triangle */
+static pel_status weigh_boundary(const pel_mesh *mesh, double *weights, pel_error *error)
+{
+    pel_edge_table edges;
+    if (pel_edge_table_build((const int32_t(*)[3])mesh->triangles, mesh->triangle_count, mesh->vertex_count, NULL,
+                             &edges) != PEL_OK)
+        return pel_fail_memory(error);
+    for (int32_t e = 0; e < edges.edge_count; e++) {
+        int32_t h = edges.half_edge_of_edge[e];
+        if (pel_edge_table_valence(&edges, e) > 1)
+            continue;
+        weights[mesh->triangles[h / 3][h % 3]] = 1;
+        weights[mesh->triangles[h / 3][(h + 1) % 3]] = 1;
+    }
+    pel_edge_table_clear(&edges);
+    return PEL_OK;
+}
+
+static pel_status weigh(const pel_mesh *mesh, const pel_region *region, double *weights, pel_error *error)
 {
     switch (region->kind) {
     case PEL_REGION_ALL:
@@ -216,10 +252,13 @@ static void weigh(const pel_mesh *mesh, const pel_region *region, double *weight
     case PEL_REGION_FIELD:
         weigh_by_field(mesh, region, weights);
         break;
+    case PEL_REGION_BOUNDARY:
+        return weigh_boundary(mesh, weights, error);
     default:
         weigh_by_distance(mesh, region, weights);
         break;
     }
+    return PEL_OK;
 }
 
 /* says how far off the region is */
@@ -227,6 +266,9 @@ static pel_status fail_empty(const pel_mesh *mesh, const pel_region *region, dou
 {
     if (region->kind == PEL_REGION_VERTICES)
         return refuse(error, "the region lists no vertex", "give at least one number");
+    if (region->kind == PEL_REGION_BOUNDARY)
+        return refuse(error, "the region is empty: the mesh is closed, it has no boundary",
+                      "select vertices by a sphere, a box or a field");
     if (region->kind == PEL_REGION_FIELD) {
         double greatest = -(double)HUGE_VAL;
         const double *values = pel_mesh_field(mesh, region->field)->values;
@@ -283,13 +325,13 @@ pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_s
     double *weights = pel_allocate((size_t)mesh->vertex_count, sizeof *weights);
     if (weights == NULL)
         return pel_fail_memory(error);
-    weigh(mesh, region, weights);
+    status = weigh(mesh, region, weights, error);
     int32_t count = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         count += weights[v] > 0;
-    if (count > 0)
+    if (status == PEL_OK && count > 0)
         status = collect(mesh, weights, count, selection, error);
-    else
+    else if (status == PEL_OK)
         status = fail_empty(mesh, region, weights, error);
     pel_free(weights);
     return status;

@@ -75,6 +75,11 @@ static const pel_shape_parameter lens_capsule_parameters[] = {
     COUNT(frequency, 1, 5000, 16, "fineness, as of a geodesic sphere: 10 f^2 + 2 vertices"),
 };
 
+static const pel_shape_parameter disk_parameters[] = {
+    LENGTH(radius, 1, "radius of the disk"),
+    COUNT(rings, 1, 10000, 10, "rings about the middle: 6 rings^2 triangles"),
+};
+
 static const pel_shape_parameter blend_parameters[] = {
     {"body", "which body", "", PEL_SHAPE_CHOICE, MEMBER(body), 0, 2, false, PEL_BLEND_LIVER, body_names},
     LENGTH(size, 0.25, "longest side of its box"),
@@ -96,6 +101,7 @@ static const pel_shape_info infos[PEL_SHAPE_COUNT] = {
     INFO(PEL_SHAPE_CAPSULE, "capsule", "cylinder about the z axis with half spheres on its ends", capsule_parameters),
     INFO(PEL_SHAPE_LENS_CAPSULE, "lens-capsule",
          "capsule of the human eye lens with its thickness, after Burd et al. 2002", lens_capsule_parameters),
+    INFO(PEL_SHAPE_DISK, "disk", "disk in the plane z = 0 with normal +z", disk_parameters),
     INFO(PEL_SHAPE_BLEND, "blend", "head, animal or liver of rounded parts that run into each other", blend_parameters),
 };
 
@@ -326,6 +332,8 @@ pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error
         return pel_shape_uv_sphere(def, mesh, error);
     case PEL_SHAPE_GRID:
         return pel_shape_grid(def, mesh, error);
+    case PEL_SHAPE_DISK:
+        return pel_shape_disk(def, mesh, error);
     case PEL_SHAPE_CYLINDER:
         return pel_shape_cylinder(def, mesh, error);
     case PEL_SHAPE_TORUS:

@@ -9,6 +9,7 @@ pel_status pel_shape_geodesic_sphere(int32_t frequency, double radius, bool stan
                                      pel_error *error);
 pel_status pel_shape_grid(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_uv_sphere(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
+pel_status pel_shape_disk(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_cylinder(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_torus(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_capsule(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);

@@ -123,6 +123,16 @@ static row disc_row(const pel_shape_def *def, int32_t ring, double z)
     return (row){def->radius * (double)ring / (double)rings, z, ring == 0 ? 1 : (int32_t)count};
 }
 
+pel_status pel_shape_disk(const pel_shape_def *def, pel_mesh **mesh, pel_error *error)
+{
+    row *rows = pel_allocate((size_t)def->rings + 1, sizeof *rows);
+    if (rows == NULL)
+        return pel_fail_memory(error);
+    for (int32_t k = 0; k <= def->rings; k++)
+        rows[k] = (row){def->radius * k / def->rings, 0, k == 0 ? 1 : 6 * k};
+    return revolve_and_free(rows, def->rings + 1, false, mesh, error);
+}
+
 pel_status pel_shape_cylinder(const pel_shape_def *def, pel_mesh **mesh, pel_error *error)
 {
     int32_t disc_rows = def->capped ? disc_ring_count(def->slices) : 0;

@@ -138,6 +138,8 @@ const pel_member pel_body_members[] = {
     PLAIN(pel_body_def, reference_count, VOLUMETRIC),
     LIST(pel_body_def, pinned, PINS, pinned_count),
     OTHER(pel_body_def, pinned_count),
+    PLAIN(pel_body_def, velocity, START),
+    PLAIN(pel_body_def, angular_velocity, START),
     PLAIN(pel_body_def, friction, SURFACE),
     PLAIN(pel_body_def, restitution, SURFACE),
     PLAIN(pel_body_def, contact_thickness, SURFACE),

@@ -11,6 +11,7 @@
     ROW(MESH, "mesh")                                                                                                  \
     ROW(MASS, "mass")                                                                                                  \
     ROW(PINS, "pinned vertices")                                                                                       \
+    ROW(START, "velocity at the start")                                                                                \
     ROW(GRAVITY, "gravity")                                                                                            \
     ROW(SPRINGS, "springs")                                                                                            \
     ROW(VOLUMETRIC, "volumetric springs")                                                                              \

@@ -77,6 +77,11 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         return pel_body_refuse(error, body, "pinned_count", b->pinned_count, "give the pinned vertices with it");
     if (!(b->mass > 0 && isfinite(b->mass)))
         return pel_body_refuse(error, body, "mass", b->mass, "give a finite mass above 0");
+    for (int k = 0; k < 3; k++)
+        if (!isfinite(b->velocity[k]) || !isfinite(b->angular_velocity[k]))
+            return pel_body_refuse(error, body, isfinite(b->velocity[k]) ? "angular_velocity" : "velocity",
+                                   isfinite(b->velocity[k]) ? b->angular_velocity[k] : b->velocity[k],
+                                   "give three finite numbers");
     if (!isfinite(b->friction))
         return pel_body_refuse(error, body, "friction", b->friction, "give a finite coefficient");
     if (!isfinite(b->contact_thickness))
@@ -406,6 +411,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
     body->uniform_spring = body->plain_spring = k->field != NULL ? -1 : pel_quantity_at(k, 0);
     body->diameter = bounding_diagonal(def->mesh);
+    memcpy(body->velocity, def->velocity, sizeof body->velocity);
+    memcpy(body->angular_velocity, def->angular_velocity, sizeof body->angular_velocity);
     body->friction = def->friction;
     body->restitution = def->restitution;
     body->contact_thickness = def->contact_thickness;

@@ -57,10 +57,11 @@ typedef struct pel_body {
     bool closed;
     int32_t turned_count; /* triangles of the mesh as given that were inside out */
     double rest_volume, rest_area;
-    double diameter;          /* diagonal of the rest bounding box */
-    double friction;          /* Coulomb's coefficient; below 0: that of contact */
-    double restitution;       /* below 0: that of contact */
-    double contact_thickness; /* m; below 0: that of contact */
+    double diameter;                         /* diagonal of the rest bounding box */
+    double velocity[3], angular_velocity[3]; /* m/s, rad/s: at the start */
+    double friction;                         /* Coulomb's coefficient; below 0: that of contact */
+    double restitution;                      /* below 0: that of contact */
+    double contact_thickness;                /* m; below 0: that of contact */
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     double plain_spring;   /* the same in slices that are plain */
     pel_curve curves[PEL_PARAMETER_COUNT];
@@ -68,6 +69,15 @@ typedef struct pel_body {
     pel_shell *shell;        /* (shell.h) null = no membrane, bending, fibres or pressure */
     const pel_front *front;  /* the surface, in an active model (refined_model.h) of a body with detail; else null */
 } pel_body;
+
+/* whether it has a velocity at the start */
+static inline bool pel_body_moves(const pel_body *body)
+{
+    for (int k = 0; k < 3; k++)
+        if (body->velocity[k] != 0 || body->angular_velocity[k] != 0)
+            return true;
+    return false;
+}
 
 struct pel_model {
     int32_t body_count;

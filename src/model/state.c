@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/vec3.h"
 
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error)
 {
@@ -39,6 +40,36 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
         }
     *state = made;
     return PEL_OK;
+}
+
+static void start_body(const pel_model *model, const pel_body *body, pel_state *state)
+{
+    int32_t begin = body->slice_begin * PEL_WIDTH, end = body->slice_end * PEL_WIDTH;
+    double mass = 0, center[3] = {0};
+    for (int32_t v = begin; v < end; v++) {
+        double position[3], m = (double)model->mass[v];
+        pel_vertex_position(state->position, v, position);
+        pel_vec3_along(center, m, position, center);
+        mass += m;
+    }
+    pel_vec3_scale(center, 1 / mass, center);
+    for (int32_t v = begin; v < end; v++) {
+        double arm[3], turning[3];
+        if (!(model->inverse_mass[v] > 0))
+            continue;
+        pel_vertex_position(state->position, v, arm);
+        pel_vec3_subtract(arm, center, arm);
+        pel_vec3_cross(body->angular_velocity, arm, turning);
+        for (int k = 0; k < 3; k++)
+            state->velocity[v][k] = (pel_real)(body->velocity[k] + turning[k]);
+    }
+}
+
+void pel_state_start(const pel_model *model, pel_state *state)
+{
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (pel_body_moves(&model->bodies[b]))
+            start_body(model, &model->bodies[b], state);
 }
 
 pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error)

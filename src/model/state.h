@@ -33,6 +33,8 @@ static inline void pel_vertex_position(const pel_record *positions, int32_t v, d
 }
 
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error);
+/* gives the vertices that may move the velocities with which their bodies start; the state has velocities */
+void pel_state_start(const pel_model *model, pel_state *state);
 /* makes room for what second order methods remember; nothing is known yet */
 pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error);
 void pel_state_destroy(pel_state *state);

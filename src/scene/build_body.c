@@ -234,6 +234,8 @@ static pel_status read_body(const pel_scene_body_source *source, pel_body_def *b
     *body = pel_body_def_default();
     body->name = pel_scene_value_entry(source->value, "name")->text;
     body->mesh = source->mesh;
+    pel_scene_value_numbers(pel_scene_value_entry(source->value, "velocity"), body->velocity);
+    pel_scene_value_numbers(pel_scene_value_entry(source->value, "angular_velocity"), body->angular_velocity);
     body->volumetric_by_area = pel_scene_value_boolean(source->value, "scale_with_area");
     body->reference_count = pel_scene_value_integer(source->value, "reference_count");
     pel_status status = read_refine(source, &body->refine);

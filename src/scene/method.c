@@ -60,7 +60,8 @@ static bool has_rest(const pel_scene *scene, const pel_model *model)
 {
     for (int32_t b = 0; b < model->body_count; b++) {
         bool held = is_pinned(model, b) || is_supported(scene, b) || model->bodies[b].has_volumetric;
-        if ((!held && is_driven(scene, model, b)) || needs_projection(model->bodies[b].shell))
+        if (pel_body_moves(&model->bodies[b]) || (!held && is_driven(scene, model, b)) ||
+            needs_projection(model->bodies[b].shell))
             return false;
     }
     return true;

@@ -78,10 +78,12 @@ pel_status pel_scene_region_find(pel_scene_reader *reader, const pel_scene_value
                                  pel_scene_region *region)
 {
     *region = (pel_scene_region){.count = mesh->vertex_count};
-    if (value->kind != PEL_SCENE_MAP)
-        return PEL_OK;
     pel_region def = pel_region_default();
-    pel_status status = read_region(reader, value, mesh, &def);
+    bool is_word = value->kind != PEL_SCENE_MAP;
+    if (is_word && strcmp(value->text, "boundary") != 0)
+        return PEL_OK;
+    def.kind = PEL_REGION_BOUNDARY;
+    pel_status status = is_word ? PEL_OK : read_region(reader, value, mesh, &def);
     if (status != PEL_OK)
         return status;
     pel_selection *selection;

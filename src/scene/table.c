@@ -27,7 +27,7 @@
 #define QUANTITY .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<quantity>"
 /* a number, over the body */
 #define FIELD .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<field>"
-#define REGION .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS("all"), .like = "<region>"
+#define REGION .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS("all", "boundary"), .like = "<region>"
 
 #define POSITIVE .range = {true, true, 0, (double)HUGE_VAL}
 #define AT_LEAST(least) .range = {true, false, least, (double)HUGE_VAL}
@@ -83,6 +83,10 @@ static const pel_scene_row rows[] = {
     {"bodies[].reference_count", INTEGER, COUNT_FROM(1), .preset = "252",
      .doc = "with scale_with_area: the numbers are those of a vertex with this fraction of the area (paper A: 252)"},
     {"bodies[].pinned", REGION, .doc = "vertices that never move, or move with `support`; leave out for none"},
+    {"bodies[].velocity", VECTOR, .unit = "m/s", .preset = "[0, 0, 0]",
+     .doc = "velocity of the body at the start; for methods that have velocities"},
+    {"bodies[].angular_velocity", VECTOR, .unit = "rad/s", .preset = "[0, 0, 0]",
+     .doc = "angular velocity at the start, about the centre of mass; added to `velocity`"},
     {"bodies[].support", MAP, .needs = "pinned",
      .doc = "moves the pinned vertices as a rigid support; leave out to keep them still"},
     {"bodies[].support.center", VECTOR, .unit = "m", .preset = "[0, 0, 0]",

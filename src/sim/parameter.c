@@ -491,10 +491,11 @@ static pel_status change_by_def(pel_sim *sim, place at, const setting *set, pel_
     pel_status status = pel_change_begin(sim, &change, error);
     change.changes_model =
         row->owner == PEL_OWNER_BODY || row->owner == PEL_OWNER_REGION || row->owner == PEL_OWNER_MODEL;
-    /* the defs of a change may be written to */
-    void *def = (void *)(uintptr_t)def_of((defs){&change.model, &change.sim}, row->owner, at.element);
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
+        /* the defs of a change may be written to */
+        void *def = (void *)(uintptr_t)def_of((defs){&change.model, &change.sim}, row->owner, at.element);
         status = put(&change, row, def, set, error);
+    }
     if (status == PEL_OK)
         status = pel_change_apply(sim, &change, error);
     pel_change_end(&change);

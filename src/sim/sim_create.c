@@ -155,6 +155,20 @@ static pel_status keep_def(pel_sim *sim, const pel_sim_def *def, pel_error *erro
     return status;
 }
 
+/* a velocity at the start needs a method that has velocities */
+static pel_status check_start(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        if (pel_sim_has_velocity(sim) || !pel_body_moves(&sim->model->bodies[b]))
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has a velocity at the start, but this method has no velocities",
+                 sim->model->bodies[b].name);
+        pel_fail_remedy(error, "take the method implicit, xpbd, pbd or explicit, or leave the velocity out");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
 pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     pel_status status = check_def(def, error);
@@ -165,6 +179,9 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     sim->clock = read_clock;
     sim->deadline = HUGE_VAL;
     sim->stepper = pel_stepper_of(def->solver.method);
+    status = check_start(sim, error);
+    if (status != PEL_OK)
+        return status;
     pel_substeps_configure(sim, def);
     if (pel_model_refines(def->model)) {
         pel_status refines = pel_refined_create(def->model, &sim->active, error);
@@ -194,6 +211,8 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = sim->stepper->create(sim, error);
     if (status == PEL_OK && sim->active != NULL)
         status = pel_refine_start(sim, error);
+    if (status == PEL_OK && pel_sim_has_velocity(sim))
+        pel_state_start(sim->model, sim->state);
     if (status == PEL_OK && !sim->goes_on)
         pel_substeps_follow(sim);
     if (status == PEL_OK)

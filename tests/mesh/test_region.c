@@ -34,7 +34,8 @@ static void test_kinds(void **unused)
     (void)unused;
     pel_mesh *mesh = plate();
     const int32_t listed[4] = {120, 3, 7, 3};
-    pel_region all = pel_region_default(), nearest = all, sphere = all, box = all, vertices = all, field = all;
+    pel_region all = pel_region_default(), nearest = all, sphere = all, box = all, vertices = all, field = all,
+               boundary = all;
     nearest.kind = PEL_REGION_NEAREST;
     nearest.point[0] = nearest.point[1] = nearest.point[2] = 9;
     sphere.kind = PEL_REGION_SPHERE;
@@ -50,11 +51,12 @@ static void test_kinds(void **unused)
     field.kind = PEL_REGION_FIELD;
     field.field = "weight";
     field.above = 0.35;
+    boundary.kind = PEL_REGION_BOUNDARY;
     const struct {
         const pel_region *region;
         int32_t count, first, last;
-    } cases[] = {{&all, 121, 0, 120}, {&nearest, 1, 120, 120}, {&sphere, 5, 49, 71},
-                 {&box, 22, 0, 21},   {&vertices, 3, 3, 120},  {&field, 22, 9, 120}};
+    } cases[] = {{&all, 121, 0, 120},    {&nearest, 1, 120, 120}, {&sphere, 5, 49, 71},   {&box, 22, 0, 21},
+                 {&vertices, 3, 3, 120}, {&field, 22, 9, 120},    {&boundary, 40, 0, 120}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         pel_selection *selection = select_from(mesh, cases[i].region);
         assert_int_equal(selection->count, cases[i].count);
@@ -139,6 +141,17 @@ static void test_empty_regions(void **unused)
     assert_non_null(strstr(error.remedy, "0.5"));
     region.kind = PEL_REGION_VERTICES;
     assert_int_equal(pel_mesh_select(mesh, &region, &selection, &error), PEL_BAD_ARGUMENT);
+    pel_mesh_destroy(mesh);
+    /* a closed mesh */
+    pel_shape_def ball = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    assert_int_equal(pel_shape_create(&ball, &mesh, NULL), PEL_OK);
+    region = pel_region_default();
+    region.kind = PEL_REGION_BOUNDARY;
+    assert_int_equal(pel_mesh_select(mesh, &region, &selection, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "no boundary"));
+    mesh->triangles[3][1] = 999;
+    assert_int_equal(pel_mesh_select(mesh, &region, &selection, &error), PEL_BAD_ARGUMENT);
+    assert_int_equal(error.element, 3);
     pel_mesh_destroy(mesh);
 }
 

@@ -101,6 +101,16 @@ static void test_counts(void **unused)
         assert_int_equal(report->triangle_count, 2 * slices * def.rings);
         pel_mesh_report_destroy(report);
     }
+    def = pel_shape_def_default(PEL_SHAPE_DISK);
+    for (def.rings = 1; def.rings < 20; def.rings += 3) {
+        pel_mesh_report *report = check(&def, 1, 0);
+        assert_int_equal(report->vertex_count, 3 * def.rings * (def.rings + 1) + 1);
+        assert_int_equal(report->triangle_count, 6 * def.rings * def.rings);
+        assert_true(report->quality_min > 0.8);
+        /* of a regular polygon */
+        assert_near(report->area, 3 * def.rings * sin(2 * pi / (6 * def.rings)), 1e-12);
+        pel_mesh_report_destroy(report);
+    }
     /* every number of slices: discs of all sizes */
     def = pel_shape_def_default(PEL_SHAPE_CYLINDER);
     for (int32_t slices = 3; slices < 200; slices += 1 + slices / 20) {

@@ -319,6 +319,82 @@ static void test_gravity(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* the centre goes on with the velocity, a corner turns about it; a pinned vertex stays */
+static void check_start(pel_method method, bool refines)
+{
+    pel_mesh *mesh = make_sphere(3);
+    int32_t pin = 7;
+    pel_body_def body = pel_body_def_default();
+    body.name = "ball";
+    body.mesh = mesh;
+    body.mass = 0.5;
+    body.spring_damping.value = body.volumetric_damping.value = body.volumetric_stiffness.value = 0;
+    body.shell.membrane.on = method != PEL_METHOD_EXPLICIT;
+    body.shell.membrane.young.value = 1e3;
+    body.shell.membrane.thickness.value = 0.01;
+    if (body.shell.membrane.on)
+        body.spring_stiffness.value = 0;
+    body.refine.levels = refines ? 1 : 0;
+    body.refine.everywhere = refines;
+    const double velocity[3] = {1, -2, 0.5}, spin[3] = {0, 0, 0.1};
+    memcpy(body.velocity, velocity, sizeof velocity);
+    memcpy(body.angular_velocity, spin, sizeof spin);
+    pel_model *model = make_model(&body);
+    pel_sim_def def = lone_sim(model, method, 0.001);
+    pel_sim *sim = make_sim(&def);
+    run_steps(sim, 100);
+    int32_t count = pel_sim_vertex_count(sim, 0);
+    double *x = malloc(3 * (size_t)count * sizeof *x), most = 0;
+    pel_sim_get_positions(sim, 0, x);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            const double *rest = mesh->positions[v];
+            double turned[3] = {rest[0] * cos(0.01) - rest[1] * sin(0.01), rest[0] * sin(0.01) + rest[1] * cos(0.01),
+                                rest[2]};
+            most = fmax(most, fabs(x[3 * v + k] - turned[k] - 0.1 * velocity[k]));
+        }
+    assert_near(most, 0, IN_FLOAT(2e-4, 3e-4));
+    free(x);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    body.pinned = &pin;
+    body.pinned_count = 1;
+    model = make_model(&body);
+    def.model = model;
+    sim = make_sim(&def);
+    double v[3 * 1000];
+    pel_sim_get_velocities(sim, 0, v);
+    for (int k = 0; k < 3; k++)
+        assert_true(v[3 * pin + k] == 0 && v[3 * 8 + k] != 0);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_velocity_at_the_start(void **unused)
+{
+    (void)unused;
+    const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD, PEL_METHOD_IMPLICIT};
+    for (int i = 0; i < 3; i++)
+        for (int refines = 0; refines < 2; refines++)
+            check_start(methods[i], refines == 1);
+    /* nothing to keep it in */
+    pel_mesh *mesh = make_sphere(1);
+    pel_body_def body = ball_body(mesh);
+    body.angular_velocity[1] = 3;
+    pel_model *model = make_model(&body);
+    const pel_method still[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_STATIC, PEL_METHOD_DESCENT};
+    for (int i = 0; i < 3; i++) {
+        pel_sim_def def = lone_sim(model, still[i], 0.01);
+        pel_sim *sim;
+        pel_error error;
+        assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+        assert_non_null(strstr(error.what, "velocity at the start"));
+    }
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 static void test_same_bits_for_any_threads_and_after_resume(void **unused)
 {
     (void)unused;
@@ -431,6 +507,7 @@ int main(void)
         cmocka_unit_test(test_zero_lengths),
         cmocka_unit_test(test_pins_gravity_and_keys),
         cmocka_unit_test(test_gravity),
+        cmocka_unit_test(test_velocity_at_the_start),
         cmocka_unit_test(test_same_bits_for_any_threads_and_after_resume),
         cmocka_unit_test(test_divergence_is_reported_and_undone),
     };
