@@ -55,6 +55,7 @@ pel_status pel_projector_create(pel_batches *batches, const pel_solver_def *solv
     made->model = batches->model;
     made->batches = batches;
     made->solver = *solver;
+    made->whole_dt = solver->dt;
     made->substep = made->whole_substep = solver->dt / solver->substeps;
     pel_status status = build(made, error);
     if (status == PEL_OK)
@@ -312,11 +313,14 @@ static void mark_touching_bodies(pel_projector *projector, const pel_contact_lis
 
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
 {
+    pel_solver_def whole = projector->solver;
+    whole.dt = projector->whole_dt;
+    whole.substeps = (int32_t)(whole.dt / projector->solver.dt * projector->solver.substeps + 0.5);
     projector->is_held = false;
     for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
         projector->is_held = is_held(projector->model, v);
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_begin(projector->batches, b, &projector->solver, state, time);
+        pel_project_body_begin(projector->batches, b, &whole, state, time);
 }
 
 static void set_time(pel_projector *projector, const pel_state *state, double tau)

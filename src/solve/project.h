@@ -35,7 +35,7 @@ typedef struct pel_projector {
     bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
     bool is_held;                                /* a vertex has drag or a volumetric spring of its own */
     double substep, tau;                         /* s; tau of the present substep */
-    double whole_substep;                        /* s, of a step that is not in parts */
+    double whole_dt, whole_substep;              /* s, of a step that is not in parts */
     pel_record *base;                            /* (vertex_count) y of the substep */
     pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
     uint8_t *touches;                            /* (body_count) second order: scratch */
@@ -97,6 +97,7 @@ void pel_projector_accept(pel_projector *projector, pel_state *state);
 /* ---- project_body.c ---- */
 
 /* Before the substeps of a step: numbers of its batches at a time. */
+/* solver: dt and substeps of a whole step */
 void pel_project_body_begin(pel_batches *batches, int32_t body, const pel_solver_def *solver, const pel_state *state,
                             double time);
 /* the time that compliances are over; share: of each correction of pbd */
@@ -106,7 +107,8 @@ void pel_project_body_mark_fixed(pel_body_batches *own, const uint8_t *is_fixed)
 
 /* ---- project_cave.c ---- */
 
-/* Before the substeps of a step: how far each corner goes in a projection. */
+/* Before the substeps of a step: how far each corner goes in a projection. dt and substeps of the solver are those of
+   the whole step, so that a body goes in as fast in parts. */
 void pel_project_cave_begin(const pel_batch *batch, const pel_shell *shell, const pel_state *state,
                             const pel_solver_def *solver);
 

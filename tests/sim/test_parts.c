@@ -138,13 +138,49 @@ static void test_collapse(void **unused)
     scene_end(&scene, sim);
 }
 
+/* volume ratio of a shell with a region that caves in, after steps in parts of a size */
+static double caved_volume(pel_method method, int32_t size)
+{
+    contact_scene scene;
+    scene_begin(&scene, method);
+    scene.def.solver.substeps = method == PEL_METHOD_XPBD ? 4 : 1;
+    scene_body(&scene, make_moved_sphere(4, 0, 0, 0));
+    make_shell(&scene.bodies[0], 1e4);
+    pel_anisotropy_def region = pel_anisotropy_def_default();
+    region.mode = PEL_FIBRE_CAVE;
+    region.strength = 0.02;
+    scene.bodies[0].shell.anisotropies = &region;
+    scene.bodies[0].shell.anisotropy_count = 1;
+    scene.bodies[0].shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    scene.bodies[0].shell.pressure.outside.value = 30;
+    pel_sim *sim = scene_create(&scene);
+    for (int n = 0; n < 12; n++) {
+        sim->parts.now = (pel_parts_now){.size = size, .patience = INT32_MAX};
+        run_free(sim, 1);
+    }
+    double ratio = pel_sim_volume_ratio(sim);
+    scene_end(&scene, sim);
+    return ratio;
+}
+
+/* a region goes in as fast in parts of steps as in whole ones */
+static void test_caving(void **unused)
+{
+    (void)unused;
+    const pel_method methods[] = {PEL_METHOD_PBD, PEL_METHOD_XPBD};
+    for (int m = 0; m < 2; m++) {
+        double whole = 1 - caved_volume(methods[m], PEL_PART_LIMIT);
+        double parts = 1 - caved_volume(methods[m], PEL_PART_LIMIT / 8);
+        assert_true(whole > 0.02);
+        assert_near(parts, whole, 0.3 * whole);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bullet),
-        cmocka_unit_test(test_snapshot),
-        cmocka_unit_test(test_failure),
-        cmocka_unit_test(test_collapse),
+        cmocka_unit_test(test_bullet),   cmocka_unit_test(test_snapshot), cmocka_unit_test(test_failure),
+        cmocka_unit_test(test_collapse), cmocka_unit_test(test_caving),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
