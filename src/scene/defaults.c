@@ -174,6 +174,10 @@ static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bo
         status = imply_membrane(reader, body, membrane);
     if (status == PEL_OK && (membrane != NULL || find(body, "bending") != NULL))
         status = imply_no_springs(reader, body);
+    /* method.c may choose another one once the method is known */
+    pel_scene_value *bending = find_map(body, "bending");
+    if (status == PEL_OK && bending != NULL)
+        status = set_text(reader, bending, "model", "hinge");
     return status;
 }
 

@@ -120,3 +120,30 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
         take(reader, root, scene, stiff, needed);
     return PEL_OK;
 }
+
+/* ---- bending ---- */
+
+static bool needs_hinges(const pel_shell_def *shell)
+{
+    for (int32_t r = 0; r < shell->anisotropy_count; r++)
+        if (shell->anisotropies[r].mode == PEL_FIBRE_CURL)
+            return true;
+    return false;
+}
+
+void pel_scene_choose_bending(const pel_scene_value *root, pel_scene *scene)
+{
+    pel_method method = scene->sim.solver.method;
+    const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
+    if (method != PEL_METHOD_STATIC && method != PEL_METHOD_IMPLICIT)
+        return;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        /* the defs of the arena may be written to */
+        pel_shell_def *shell = (pel_shell_def *)(uintptr_t)&scene->model.bodies[b].shell;
+        pel_scene_value *model = pel_scene_value_at(pel_scene_value_element(list, b), "bending.model");
+        if (model == NULL || !model->is_implied || needs_hinges(shell))
+            continue;
+        model->text = "midedge";
+        shell->bending.model = PEL_BENDING_MIDEDGE;
+    }
+}

@@ -115,6 +115,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     if (status != PEL_OK)
         return status;
     status = pel_scene_choose_method(reader, root, scene);
+    if (status == PEL_OK)
+        pel_scene_choose_bending(root, scene);
     /* names that were left out are in the tree now: put them into order */
     if (status == PEL_OK)
         status = pel_scene_check(reader, root);

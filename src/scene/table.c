@@ -153,7 +153,7 @@ static const pel_scene_row rows[] = {
     {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
      .doc = "isometric: paper B's, pulls a curved rest shape flat; isometric-rest: the same less the energy at rest; "
             "hinge: angle between neighbours against that at rest; midedge: a plate's bending on every mesh, for the "
-            "methods static and implicit"},
+            "methods static and implicit, which take it where the model is left out"},
     {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
      .doc = "pbd: factor on the correction of positions (paper B, k_B); auto starts at 0.01 and falls while the "
             "volume changes, by half where it turns round, to 0.001"},

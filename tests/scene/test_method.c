@@ -210,13 +210,38 @@ static void test_allocation(void **unused)
     for_every_allocation_failure(create, SHEET STEEL);
 }
 
+/* bending that names no model: mid-edge where the method knows the edges */
+static void test_bending(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text;
+        pel_bending_model model;
+        const char *printed;
+    } cases[] = {
+        {HEAD RUBBER PRESSED, PEL_BENDING_HINGE, "model: hinge"},
+        {HEAD STEEL PRESSED, PEL_BENDING_MIDEDGE, "model: midedge"},
+        {HEAD RUBBER PRESSED "solver: {method: implicit}\n", PEL_BENDING_MIDEDGE, "model: midedge"},
+        {SHEET RUBBER PINNED "solver: {method: static}\n", PEL_BENDING_MIDEDGE, "model: midedge"},
+        {SHEET RUBBER PINNED "solver: {method: descent}\n", PEL_BENDING_HINGE, "model: hinge"},
+        {HEAD "    membrane: {preset: steel-sheet}\n    bending: {model: hinge}\nsolver: {method: implicit}\n",
+         PEL_BENDING_HINGE, "model: hinge"},
+        {HEAD RUBBER "    anisotropy: {mode: curl}\nsolver: {method: implicit}\n", PEL_BENDING_HINGE, "model: hinge"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        heard told = {0};
+        pel_scene *scene = load(cases[i].text, &told);
+        assert_int_equal(scene->model.bodies[0].shell.bending.model, cases[i].model);
+        assert_non_null(strstr(pel_scene_text(scene), cases[i].printed));
+        pel_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_choice),
-        cmocka_unit_test(test_soft_runs),
-        cmocka_unit_test(test_tried_step),
-        cmocka_unit_test(test_allocation),
+        cmocka_unit_test(test_choice),     cmocka_unit_test(test_bending),    cmocka_unit_test(test_soft_runs),
+        cmocka_unit_test(test_tried_step), cmocka_unit_test(test_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
