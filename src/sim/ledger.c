@@ -307,7 +307,7 @@ static void add_material(pel_sim *sim, double time, double next)
         work += stiffening_work(sim, b);
     if (has_keyed_fibres(sim)) {
         /* a minimisation has the new rest length from its start, the other methods from the end of the step */
-        const pel_record *at = sim->descent != NULL ? sim->state->position : sim->state->position_next;
+        const pel_record *at = sim->stepper->is_at_end ? sim->state->position : sim->state->position_next;
         work += pel_shell_forces_add(sim->shells, at, next, PEL_SHELL_FIBRES, sim->pool, NULL).fibres -
                 pel_shell_forces_add(sim->shells, at, time, PEL_SHELL_FIBRES, sim->pool, NULL).fibres;
     }

@@ -158,6 +158,16 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     return status;
 }
 
+static void follow_surface(pel_sim *sim)
+{
+    pel_projector_hold(sim->projector, sim->boundary.is_held);
+}
+
+static void restart(pel_sim *sim, int32_t body)
+{
+    pel_projector_restart(sim->projector, sim->state, body);
+}
+
 static void accept(pel_sim *sim)
 {
     pel_projector_accept(sim->projector, sim->state);
@@ -172,8 +182,8 @@ static void advise(const pel_sim *sim, pel_error *error)
 }
 
 #define PROJECTS                                                                                                       \
-    .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step, .accept = accept, \
-    .advise = advise
+    .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step,                   \
+    .follow_surface = follow_surface, .restart = restart, .accept = accept, .advise = advise
 
 const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true, .limits_strain = true};
 const pel_stepper pel_project_distance_kind = {PROJECTS};

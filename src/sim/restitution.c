@@ -224,8 +224,8 @@ static void push_body(const encounter *e, int i, double impulse)
             sim->contact_forces.vertex[v][k] += (pel_real)((double)model->mass[v] * change[k] / dt);
         }
     }
-    if (sim->projector != NULL)
-        pel_projector_restart(sim->projector, sim->state, e->groups[i]);
+    if (sim->stepper->restart != NULL)
+        sim->stepper->restart(sim, e->groups[i]);
 }
 
 /* the reaction on a tool, and its work */

@@ -168,8 +168,6 @@ void pel_shells_follow(pel_sim *sim, int32_t body)
     sim->substeps.now.is_stale = true;
     pel_batches_rebuild(sim->batches, body);
     pel_shell_forces_rebuild(sim->shells, body);
-    if (sim->projector != NULL)
-        pel_projector_hold(sim->projector, sim->boundary.is_held);
     if (sim->stepper->follow_surface != NULL)
         sim->stepper->follow_surface(sim);
 }

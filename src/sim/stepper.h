@@ -36,6 +36,8 @@ typedef struct pel_stepper {
     pel_tangent *(*settle_edges)(const pel_sim *sim, const double **unknowns);
     /* after the surface has changed; nullable */
     void (*follow_surface)(pel_sim *sim);
+    /* after the velocities of a body have changed between steps; nullable */
+    void (*restart)(pel_sim *sim, int32_t body);
     /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
     void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
     /* after a step that is accepted; nullable */
