@@ -10,7 +10,8 @@
 
 static const char *const fit_keys[] = {"scene", "parameters", "data", "confidence", "max_evaluations"};
 static const char *const parameter_keys[] = {"start", "from", "to", "scale"};
-static const char *const data_keys[] = {"file", "x", "y", "column_x", "column_y", "weight"};
+static const char *const data_keys[] = {"file",    "x",       "y",      "column_x", "column_y",
+                                        "scale_x", "scale_y", "weight", "body"};
 
 /* ---- the value as JSON ---- */
 
@@ -92,23 +93,38 @@ static pel_status make_absolute(pel_scene_reader *reader, pel_scene_value *value
     return PEL_OK;
 }
 
-static pel_status check_data(pel_scene_reader *reader, const pel_scene_value *data)
+/* a curve names its columns, markers their body */
+static pel_status check_columns(pel_scene_reader *reader, const pel_scene_value *data)
 {
-    const pel_scene_value *value;
+    static const char *const columns[] = {"x", "y"};
+    const pel_scene_value *value = pel_scene_value_entry(data, "body");
     const char *text;
-    double weight;
-    pel_status status = pel_study_check_keys(reader, data, "data", data_keys, sizeof data_keys / sizeof *data_keys);
-    /* file, x and y are needed */
-    for (int i = 0; i < 3 && status == PEL_OK; i++) {
-        status = need_entry(reader, data, data_keys[i], &value);
+    if (value != NULL)
+        return pel_study_need_text(reader, value, &text);
+    pel_status status = PEL_OK;
+    for (int i = 0; i < 2 && status == PEL_OK; i++) {
+        status = need_entry(reader, data, columns[i], &value);
         if (status == PEL_OK)
             status = pel_study_need_text(reader, value, &text);
     }
+    return status;
+}
+
+static pel_status check_data(pel_scene_reader *reader, const pel_scene_value *data)
+{
+    static const char *const numbers[] = {"scale_x", "scale_y", "weight"};
+    const pel_scene_value *value;
+    double number;
+    pel_status status = pel_study_check_keys(reader, data, "data", data_keys, sizeof data_keys / sizeof *data_keys);
+    if (status == PEL_OK)
+        status = need_entry(reader, data, "file", &value);
     if (status == PEL_OK)
         status = make_absolute(reader, pel_scene_value_entry(data, "file"));
-    value = pel_scene_value_entry(data, "weight");
-    if (status == PEL_OK && value != NULL)
-        status = pel_study_need_number(reader, value, &weight);
+    if (status == PEL_OK)
+        status = check_columns(reader, data);
+    for (int i = 0; i < 3 && status == PEL_OK; i++)
+        if ((value = pel_scene_value_entry(data, numbers[i])) != NULL)
+            status = pel_study_need_number(reader, value, &number);
     return status;
 }
 
