@@ -67,7 +67,8 @@ int cli_calibrate(const cli_call *call)
     const char *output = cli_value(call, "output");
     words[count++] = (char *)python;
     words[count++] = "-m";
-    words[count++] = "pellicle.calibration";
+    words[count++] = "pellicle";
+    words[count++] = "calibrate";
     words[count++] = (char *)call->arguments[0];
     if (output != NULL) {
         words[count++] = "--output";

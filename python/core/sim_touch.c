@@ -180,7 +180,7 @@ enum {
 };
 _Static_assert(sizeof(pel_adjoint_material) == 5 * sizeof(double), "rows of five numbers");
 
-/* adjoint(gradient, forces, rest positions, loads, gravity, materials): fills all but the first */
+/* adjoint(gradient, forces, rest positions or None, loads, gravity, materials): fills all but the first */
 PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
     static const char *const names[ADJOINT_COUNT] = {"loss_gradient", "forces",  "rest_positions",
@@ -193,7 +193,8 @@ PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_
                                              5 * bodies};
     int opened = 0;
     while (opened < ADJOINT_COUNT &&
-           core_get_array(arguments[opened], names[opened], 'd', sizes[opened], opened > 0, &views[opened]) == 0)
+           ((opened == ADJOINT_REST && arguments[opened] == Py_None) ||
+            core_get_array(arguments[opened], names[opened], 'd', sizes[opened], opened > 0, &views[opened]) == 0))
         opened++;
     pel_error error = {0};
     pel_status status = PEL_OK;

@@ -362,13 +362,14 @@ def _print(fit: Fit, folder: str) -> None:
     print(f"results in {folder}: fit.json, curves.csv, fit.svg")
 
 
-def _main() -> int:
+def main(words: list[str]) -> int:
+    """The command line; returns the exit status."""
     parser = argparse.ArgumentParser(prog="pellicle calibrate")
     parser.add_argument("fit")
     parser.add_argument("--output")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--quiet", action="store_true")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(words)
     stem = os.path.splitext(os.path.basename(arguments.fit))[0]
     folder = arguments.output or os.path.join("results", stem)
     try:
@@ -383,7 +384,3 @@ def _main() -> int:
     elif not arguments.quiet:
         _print(fit, folder)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(_main())

@@ -490,7 +490,7 @@ class Simulation:
             raise _core.Error("an enclosed gas or driven volume adds a dense part to the Hessian. use hessian(parts=True)")
         return matrix
 
-    def adjoint(self, loss_gradient: Any) -> dict[str, Any]:
+    def adjoint(self, loss_gradient: Any, rest_positions: bool = False) -> dict[str, Any]:
         """Derivatives of a function of the positions by the numbers of the model, all from one linear system.
 
         For the method ``static`` of the state of rest, which must have converged; for ``implicit`` of the end of the last
@@ -500,15 +500,17 @@ class Simulation:
         ----------
         loss_gradient : array_like, (vertex_count, 3)
             Derivative of your function by the positions of all bodies, one after the other, at the present state [1/m].
+        rest_positions : bool
+            Also the derivatives by the positions at rest: of membranes and bending ``midedge``, no springs or fibres.
 
         Returns
         -------
         dict
             forces (vertex_count, 3): by a force on each vertex [1/N];
-            rest_positions (vertex_count, 3): by the positions at rest [1/m];
             loads: for each load by name (or number) by a factor on it, 1 at present; gravity (3,): [s2/m];
             materials: for each body a dict with young, thickness, bending and pressure, by a factor on each, 1 at present,
-            and poisson, by the ratio. The derivative by Young's modulus E is young / E.
+            and poisson, by the ratio. The derivative by Young's modulus E is young / E;
+            rest_positions (vertex_count, 3), when asked for: by the positions at rest [1/m].
 
         Raises
         ------
@@ -517,16 +519,16 @@ class Simulation:
         """
         gradient = numbers(loss_gradient, "loss_gradient", self._x(None).shape)
         bodies, loads = self.scene.bodies, self.loads
-        forces, rest = np.empty_like(gradient), np.empty_like(gradient)
+        forces, rest = np.empty_like(gradient), np.empty_like(gradient) if rest_positions else None
         by_load, gravity, materials = np.empty(len(loads)), np.empty(3), np.empty((len(bodies), len(_MATERIAL)))
         self._core.adjoint(gradient, forces, rest, by_load, gravity, materials)
-        return {
+        found = {
             "forces": forces,
-            "rest_positions": rest,
             "loads": {name or number: float(by_load[number]) for number, name in enumerate(loads)},
             "gravity": gravity,
             "materials": {name: dict(zip(_MATERIAL, map(float, row))) for name, row in zip(bodies, materials)},
         }
+        return {**found, "rest_positions": rest} if rest_positions else found
 
     # ---- pictures ----
 

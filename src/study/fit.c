@@ -85,7 +85,7 @@ static pel_status make_absolute(pel_scene_reader *reader, pel_scene_value *value
     const char *path = pel_study_resolve(reader, value->place.source, text);
     status = path != NULL ? pel_file_check(path, reader->error) : PEL_OUT_OF_MEMORY;
     if (status == PEL_BAD_FILE)
-        pel_fail_place(reader->error, value->place.source, value->place.line, value->place.column);
+        pel_study_fail_file(reader, value);
     if (status != PEL_OK)
         return status;
     value->text = path;

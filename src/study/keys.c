@@ -122,6 +122,15 @@ const char *pel_study_resolve(pel_scene_reader *reader, const char *beside, cons
     return joined;
 }
 
+void pel_study_fail_file(pel_scene_reader *reader, const pel_scene_value *value)
+{
+    char why[sizeof reader->error->what];
+    memcpy(why, reader->error->what, sizeof why);
+    pel_scene_fail(reader, &value->place, "'%.120s': %.150s", value->text, why);
+    pel_fail_remedy(reader->error, "write the path of a file, relative to this one");
+    reader->error->status = PEL_BAD_FILE;
+}
+
 void pel_study_put_cell(pel_json *json, const char *text)
 {
     if (strpbrk(text, ",\"\r\n") == NULL) {

@@ -47,10 +47,8 @@ static pel_status read_scene_file(pel_scene_reader *reader, const pel_scene_valu
     if (study->scene_path == NULL)
         return PEL_OUT_OF_MEMORY;
     status = pel_file_read(study->scene_path, &study->scene_text, &study->scene_size, reader->error);
-    if (status == PEL_BAD_FILE) {
-        pel_fail_remedy(reader->error, "write the path of a scene, relative to the study");
-        pel_fail_place(reader->error, scene->place.source, scene->place.line, scene->place.column);
-    }
+    if (status == PEL_BAD_FILE)
+        pel_study_fail_file(reader, scene);
     return status;
 }
 

@@ -109,6 +109,8 @@ pel_status pel_study_need_word(pel_scene_reader *reader, const pel_scene_value *
                                size_t count, int32_t *word);
 /* A path relative to the folder of `beside`, in the arena. Null when out of memory. */
 const char *pel_study_resolve(pel_scene_reader *reader, const char *beside, const char *path);
+/* Tells the error of a file that cannot be read at the place that names it. */
+void pel_study_fail_file(pel_scene_reader *reader, const pel_scene_value *value);
 /* the text of a cell of a CSV file, in quotes where it needs them */
 void pel_study_put_cell(pel_json *json, const char *text);
 
