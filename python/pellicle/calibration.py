@@ -331,22 +331,27 @@ def _picture(fit: Fit, source: Mapping[str, Any]) -> str:
     panels = []
     for number, curve in enumerate(fit.curves):
         entry, top = source["data"][number], 40 + 300 * number
-        order = np.argsort(curve["x"])
-        x, measured, fitted = curve["x"][order], curve["measured"][order], curve["fitted"][order]
-        low, high = min(measured.min(), fitted.min()), max(measured.max(), fitted.max())
+        x, points, line = curve["x"], curve["measured"], curve["fitted"]
+        labels = entry.get("x"), entry.get("y"), "measured (points) and the fit (line)"
+        if "body" in entry:
+            # positions have no axis of their own: those of the fit over those measured
+            x, points, line = points, line, points
+            labels = "measured position [m]", "position in the fit [m]", "markers (points) and equality (line)"
+        order = np.argsort(x)
+        x, points, line = x[order], points[order], line[order]
+        low, high = min(points.min(), line.min()), max(points.max(), line.max())
         px = 90 + 580 * (x - x[0]) / (x[-1] - x[0] or 1)
-        py, pf = (top + 220 - 200 * (v - low) / (high - low or 1) for v in (measured, fitted))
+        py, pf = (top + 220 - 200 * (v - low) / (high - low or 1) for v in (points, line))
         dots = "".join(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3" fill="none" stroke="#1f6fb4"/>' for a, b in zip(px, py))
-        line = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(px, pf))
-        name_x, name_y = entry.get("x", "coordinate"), entry.get("y", "position [m]")
+        path = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(px, pf))
         panels.append(
             f'<path d="M90 {top}V{top + 220}H670" fill="none" stroke="#555"/>{dots}'
-            f'<polyline points="{line}" fill="none" stroke="#c03030" stroke-width="1.5"/>'
+            f'<polyline points="{path}" fill="none" stroke="#c03030" stroke-width="1.5"/>'
             f'<text x="90" y="{top + 238}">{x[0]:.4g}</text><text x="670" y="{top + 238}" text-anchor="end">{x[-1]:.4g}</text>'
-            f'<text x="380" y="{top + 250}" text-anchor="middle">{escape(name_x)}</text>'
+            f'<text x="380" y="{top + 250}" text-anchor="middle">{escape(labels[0])}</text>'
             f'<text x="84" y="{top + 224}" text-anchor="end">{low:.4g}</text>'
             f'<text x="84" y="{top + 24}" text-anchor="end">{high:.4g}</text>'
-            f'<text x="96" y="{top + 4}">{escape(name_y)}: {escape(curve["name"])} (points) and the fit (line)</text>'
+            f'<text x="96" y="{top + 4}">{escape(labels[1])}: {escape(curve["name"])}, {labels[2]}</text>'
         )
     height = 40 + 300 * len(panels)
     return (
