@@ -53,6 +53,7 @@ typedef struct pel_run_def {
     /* s of wall time after which the state is kept in `checkpoint`, so that a killed run can go on from there; later
        when that would take more than 2 % of the time. 0 = never. A state that cannot be kept is a note in the log. */
     double keep_seconds;
+    bool skip_intersections; /* leaves self_intersections_final unknown: for many small runs */
     const pel_log *log;      /* notes; nullable */
     const pel_log *warnings; /* each warning of the summary, once: those of the scene before the first step, the others
                                 at the end; nullable */

@@ -458,7 +458,7 @@ static pel_status count_intersections(pel_run_state *run, bool stopped, pel_erro
 {
     enum { QUICK_TRIANGLES = 100000 };
     run->intersection_count = -1;
-    if (stopped && run->frames.surface.triangle_count > QUICK_TRIANGLES)
+    if (run->def->skip_intersections || (stopped && run->frames.surface.triangle_count > QUICK_TRIANGLES))
         return PEL_OK;
     int64_t count;
     pel_status status = pel_run_surface_intersections(&run->frames.surface, run->sim, &count, error);

@@ -347,6 +347,14 @@ static bool has_columns(const pel_study *study)
     return any;
 }
 
+static bool has_key(const pel_study *study, const char *name)
+{
+    bool any = false;
+    for (int32_t m = 0; m < study->measure_count; m++)
+        any |= study->measures[m].column == NULL && strcmp(summary_keys[study->measures[m].key].name, name) == 0;
+    return any;
+}
+
 pel_status pel_study_check_columns(pel_scene_reader *reader, const pel_study *study)
 {
     if (!has_columns(study))
@@ -436,6 +444,8 @@ static pel_status do_run(const pel_study *study, int64_t run, const char *folder
     }
     def.thread_count = 1;
     def.keep_seconds = 0;
+    /* a third of a small run; `warnings` counts one that it gives */
+    def.skip_intersections = !study->keep && !has_key(study, "self_intersections_final") && !has_key(study, "warnings");
     def.progress = watch_step;
     def.row = watch_row;
     def.user = watch;
