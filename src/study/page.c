@@ -127,7 +127,7 @@ static const char *const page_tail[] = {
     "      const y = height(c, c.brush[1]);\n",
     "      make('rect', { x: place(i) - 7, width: 14, y, height: height(c, c.brush[0]) - y, class: 'brush' }, svg);\n",
     "    }\n",
-    "    const side = i === 0 ? 'start' : i === columns.length - 1 ? 'end' : 'middle';\n"
+    "    const side = i === 0 ? 'start' : i === columns.length - 1 ? 'end' : 'middle';\n",
     "    const anchor = { x: place(i) + (side === 'start' ? -50 : side === 'end' ? 50 : 0), 'text-anchor': side };\n",
     "    const label = make('text', { ...anchor, y: i % 2 ? 14 : 28, 'font-weight': c.isInput ? 'normal' : 'bold' }, svg);\n",
     "    label.textContent = c.name.length > 26 ? '\\u2026' + c.name.slice(-25) : c.name;\n",
