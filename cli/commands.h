@@ -14,6 +14,8 @@ int cli_convert(const cli_call *call);
 int cli_render(const cli_call *call);
 int cli_report_page(const cli_call *call);
 int cli_reproduce(const cli_call *call);
+int cli_sweep(const cli_call *call);
+int cli_calibrate(const cli_call *call);
 int cli_bench(const cli_call *call);
 int cli_presets(const cli_call *call);
 int cli_reference(const cli_call *call);

@@ -397,6 +397,63 @@ static const cli_command commands[] = {
         .run = cli_reproduce,
     },
     {
+        .name = "sweep",
+        .summary = "run a study: one scene with many parameters, one table",
+        .text = "Reads the study STUDY (YAML or JSON): a scene, 'vary' with the values of its keys, and 'measure' with "
+                "the numbers to keep. Does all runs on all cores and leaves runs.csv, one row for each run, and "
+                "report.html. docs/sweeps.md explains the keys.\n\n"
+                "Each row is kept as soon as its run ends: after Ctrl-C or a kill the same command continues and does "
+                "no run again. A run that fails is a row with its status and error. The table has the same bits with "
+                "any --jobs, in chunks and on other machines.\n\n"
+                "Exit status 0: all rows of the chunk are there; 1: stopped; 2: the study is refused.",
+        .slots = {{.name = "STUDY", .kind = CLI_SCENE}},
+        .options = {{.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FOLDER,
+                     .value = "DIR",
+                     .doc = "folder of the results; left out: results/ and the study's name"},
+                    {.name = "jobs",
+                     .letter = 'j',
+                     .kind = CLI_COUNT,
+                     .value = "N",
+                     .doc = "do N runs at a time; left out: one for each core"},
+                    {.name = "chunk",
+                     .kind = CLI_TEXT,
+                     .value = "K/N",
+                     .doc = "do the K-th of N equal parts; the part that ends last writes the table"},
+                    {.name = "slurm",
+                     .kind = CLI_FLAG,
+                     .doc = "write DIR/job.sh, a Slurm job array of chunks, and submit it with sbatch"},
+                    {.name = "chunks",
+                     .kind = CLI_COUNT,
+                     .value = "N",
+                     .doc = "with --slurm: tasks of the array; left out: 16"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
+                    JSON_OPTION},
+        .examples = "pellicle sweep examples/studies/indent.yaml\n"
+                    "pellicle sweep study.yaml -o results/study --jobs 4\n"
+                    "pellicle sweep study.yaml -o /shared/study --slurm --chunks 64",
+        .run = cli_sweep,
+    },
+    {
+        .name = "calibrate",
+        .summary = "fit parameters of a scene to measured curves",
+        .text = "Reads the fit FIT (YAML or JSON): a scene, the parameters with start and bounds, and measured curves "
+                "(CSV). Finds the parameters whose runs meet the curves best (bounded least squares), and leaves "
+                "fit.json with the values and their confidence intervals, curves.csv, and fit.svg. "
+                "It runs the Python package, which needs scipy. docs/sweeps.md explains the keys.",
+        .slots = {{.name = "FIT", .kind = CLI_SCENE}},
+        .options = {{.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FOLDER,
+                     .value = "DIR",
+                     .doc = "folder of the results; left out: results/ and the fit's name"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
+                    JSON_OPTION},
+        .examples = "pellicle calibrate examples/fits/balloon.yaml -o results/balloon-fit",
+        .run = cli_calibrate,
+    },
+    {
         .name = "bench",
         .summary = "measure the speed of this machine on known jobs",
         .text = "Runs one benchmark, or all of them, and prints the least and the median time of its repeats beside "

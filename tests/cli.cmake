@@ -20,6 +20,9 @@ if(TARGET pellicle_program)
     add_test(NAME cli/faults COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/faults.py
                                      $<TARGET_FILE:pellicle_program>)
     set_tests_properties(cli/faults PROPERTIES ENVIRONMENT "PELLICLE_SANITIZE=${PELLICLE_SANITIZE};LSAN_OPTIONS=detect_leaks=0")
+    # a job array on a real Slurm; skipped unless PELLICLE_TEST_SLURM=1 and Slurm and munge are installed
+    add_test(NAME cli/slurm COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/slurm.py $<TARGET_FILE:pellicle_program>)
+    set_tests_properties(cli/slurm PROPERTIES SKIP_RETURN_CODE 77)
     # scenes against the schema for editors; skipped without Debian's python3-jsonschema
     add_test(NAME scene/json_schema COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/scene/schema.py
                                             $<TARGET_FILE:pellicle_program> ${PROJECT_SOURCE_DIR})

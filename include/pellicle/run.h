@@ -38,7 +38,7 @@ typedef struct pel_run_progress {
 } pel_run_progress;
 
 typedef struct pel_run_def {
-    const char *folder; /* made with its parents when missing */
+    const char *folder; /* made with its parents when missing; null = write no files, the summary and `row` are all */
     int64_t max_frames; /* ends the run (status "done") with the frame of this number, frame 0 being the initial state;
                            0 = goes to the scene's duration */
     int32_t thread_count; /* 0 = what the scene says; 1 = everything in the calling thread, frames included; the results
@@ -46,10 +46,14 @@ typedef struct pel_run_def {
     const char *resume;   /* checkpoint file to go on from, in the folder of its run; null = from the beginning */
     /* Called before the first step and after every step; returning false stops the run. Nullable. */
     bool (*progress)(void *user, const pel_run_progress *progress);
+    /* Called with each line of the series (CSV, newline included), the header first, before it is written; maybe in
+       another thread than the caller's, but one at a time and never after pel_run. Nullable. */
+    void (*row)(void *user, const char *line);
     void *user;
     /* s of wall time after which the state is kept in `checkpoint`, so that a killed run can go on from there; later
        when that would take more than 2 % of the time. 0 = never. A state that cannot be kept is a note in the log. */
     double keep_seconds;
+    bool skip_intersections; /* leaves self_intersections_final unknown: for many small runs */
     const pel_log *log;      /* notes; nullable */
     const pel_log *warnings; /* each warning of the summary, once: those of the scene before the first step, the others
                                 at the end; nullable */

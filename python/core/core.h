@@ -105,4 +105,19 @@ PyObject *core_sim_load(core_sim *self, PyObject *snapshot);
 PyObject *core_sim_evaluate(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_hessian(core_sim *self, PyObject *positions);
 
+/* ---- sim_touch.c: picking, dragging, pins, derivatives ---- */
+
+extern PyTypeObject *core_drag_type;
+extern PyType_Spec core_drag_spec;
+PyObject *core_sim_set_pins(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+PyObject *core_sim_pick(core_sim *self, PyObject *ray);
+PyObject *core_sim_drag(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+
+/* ---- study.c ---- */
+
+extern PyTypeObject *core_study_type, *core_store_type;
+extern PyType_Spec core_study_spec, core_store_spec;
+extern PyMethodDef core_study_methods[];
+
 #endif

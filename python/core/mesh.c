@@ -26,7 +26,11 @@ static int borrow_field(borrowed_mesh *m, PyObject *item)
     PyObject *values;
     int components;
     pel_field *field = &m->mesh.fields[m->mesh.field_count];
-    if (!PyTuple_Check(item) || !PyArg_ParseTuple(item, "siO", &name, &components, &values))
+    if (!PyTuple_Check(item)) {
+        PyErr_SetString(PyExc_TypeError, "fields: tuples of name, components and values are needed");
+        return -1;
+    }
+    if (!PyArg_ParseTuple(item, "siO", &name, &components, &values))
         return -1;
     if (strlen(name) >= sizeof field->name || name[0] == '\0' || components < 1) {
         PyErr_Format(PyExc_ValueError, "fields: the name '%s' is empty or too long", name);

@@ -45,12 +45,18 @@ PyMODINIT_FUNC PyInit__core(void)
     core_error = core_make_error_class();
     core_scene_type = (PyTypeObject *)PyType_FromSpec(&core_scene_spec);
     core_sim_type = (PyTypeObject *)PyType_FromSpec(&core_sim_spec);
+    core_drag_type = (PyTypeObject *)PyType_FromSpec(&core_drag_spec);
+    core_study_type = (PyTypeObject *)PyType_FromSpec(&core_study_spec);
+    core_store_type = (PyTypeObject *)PyType_FromSpec(&core_store_spec);
     if (core_import_numpy() < 0 || core_error == NULL || core_scene_type == NULL || core_sim_type == NULL ||
+        core_drag_type == NULL || core_study_type == NULL || core_store_type == NULL ||
         PyModule_AddObjectRef(module, "Error", core_error) < 0 ||
         PyModule_AddObjectRef(module, "Scene", (PyObject *)core_scene_type) < 0 ||
         PyModule_AddObjectRef(module, "Sim", (PyObject *)core_sim_type) < 0 ||
+        PyModule_AddObjectRef(module, "Study", (PyObject *)core_study_type) < 0 ||
         add(module, "ARRAYS", core_array_table()) < 0 || add(module, "FIELDS", core_field_table()) < 0 ||
-        PyModule_AddFunctions(module, core_mesh_methods) < 0 || PyModule_AddFunctions(module, core_run_methods) < 0)
+        PyModule_AddFunctions(module, core_mesh_methods) < 0 || PyModule_AddFunctions(module, core_run_methods) < 0 ||
+        PyModule_AddFunctions(module, core_study_methods) < 0)
         Py_CLEAR(module);
     return module;
 }

@@ -242,6 +242,42 @@ static PyObject *run(PyObject *module, PyObject *arguments)
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
 
+static void collect_row(void *user, const char *line)
+{
+    PyGILState_STATE state = PyGILState_Ensure();
+    collect_note(user, line);
+    PyGILState_Release(state);
+}
+
+/* series(scene): the lines of the series of a run that leaves no files, with one thread */
+static PyObject *series(PyObject *module, PyObject *scene)
+{
+    (void)module;
+    if (!PyObject_TypeCheck(scene, core_scene_type))
+        return PyErr_SetString(PyExc_TypeError, "scene: a Scene is needed"), NULL;
+    pel_run_def def = pel_run_def_default();
+    pel_run_summary *summary = PyMem_Calloc(1, sizeof *summary);
+    PyObject *lines = PyList_New(0);
+    if (summary == NULL || lines == NULL) {
+        PyMem_Free(summary);
+        Py_XDECREF(lines);
+        return PyErr_NoMemory();
+    }
+    def.thread_count = 1;
+    def.row = collect_row;
+    def.user = lines;
+    pel_error error;
+    pel_status status;
+    Py_INCREF(scene);
+    Py_BEGIN_ALLOW_THREADS status = pel_run(((core_scene *)scene)->scene, &def, summary, &error);
+    Py_END_ALLOW_THREADS Py_DECREF(scene);
+    PyMem_Free(summary);
+    if (status == PEL_OK)
+        return lines;
+    Py_DECREF(lines);
+    return core_raise(&error);
+}
+
 /* write_report(path, page, folders, fields) */
 static PyObject *write_report(PyObject *module, PyObject *arguments)
 {
@@ -271,6 +307,7 @@ static PyObject *write_report(PyObject *module, PyObject *arguments)
 
 PyMethodDef core_run_methods[] = {
     {"run", run, METH_VARARGS, NULL},
+    {"series", series, METH_O, NULL},
     {"write_report", write_report, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };

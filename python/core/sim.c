@@ -419,6 +419,10 @@ static PyMethodDef methods[] = {
     CHANGE(load, METH_O),
     CHANGE(evaluate, METH_FASTCALL),
     CHANGE(hessian, METH_O),
+    CHANGE(set_pins, METH_FASTCALL),
+    CHANGE(pick, METH_O),
+    CHANGE(drag, METH_FASTCALL),
+    CHANGE(adjoint, METH_FASTCALL),
     {NULL, NULL, 0, NULL},
 };
 static PyType_Slot slots[] = {

@@ -12,7 +12,9 @@ from . import _core
 from ._core import Error
 from .mesh import Mesh
 from .results import Frame, Frames, Run, read_run, run
-from .simulation import Scene, Simulation, load_scene
+from .simulation import Drag, Scene, Simulation, load_scene
+from .study import Sweep, sweep
+from .calibration import Fit, calibrate
 
 __version__: str = _core.version()
 
@@ -26,16 +28,21 @@ def kernels() -> str:
 
 
 __all__ = [
+    "Drag",
     "Error",
+    "Fit",
     "Frame",
     "Frames",
     "Mesh",
     "Run",
     "Scene",
     "Simulation",
+    "Sweep",
+    "calibrate",
     "field_names",
     "kernels",
     "load_scene",
     "read_run",
     "run",
+    "sweep",
 ]

@@ -11,13 +11,14 @@ from typing import Any, Mapping, Optional, Union
 import numpy as np
 
 from . import _core
-from ._arrays import from_bytes, numbers, room
+from ._arrays import from_bytes, indices, numbers, room
 from .mesh import Mesh, PathLike
 
 Source = Union[PathLike, Mapping[str, Any]]
 _FIELD = {row[0]: number for number, row in enumerate(_core.FIELDS)}
 _NUMBER = {row[0]: number for number, row in enumerate(_core.ARRAYS)}
 _POSITIONS = _NUMBER["positions"]
+_MATERIAL = ("young", "thickness", "poisson", "bending", "pressure")
 
 
 def _plain(value: Any) -> Any:
@@ -149,6 +150,35 @@ def load_scene(
 ) -> "Simulation":
     """A simulation of a scene file (or dict): ``Scene(path, overrides).simulation(threads)``."""
     return Scene(path, overrides).simulation(threads)
+
+
+def _ray(origin: Any, direction: Any) -> np.ndarray:
+    return np.concatenate([numbers(origin, "origin", (3,)), numbers(direction, "direction", (3,))])
+
+
+class Drag:
+    """A hand that holds a piece of surface through a spring, made by `Simulation.drag`. Lets go at the end of ``with``."""
+
+    def __init__(self, core: Any) -> None:
+        self._core = core
+
+    def move(self, target: Any) -> None:
+        """Move the other end of the spring [m]; before each step."""
+        self._core.move(numbers(target, "target", (3,)))
+
+    def read(self) -> dict[str, Any]:
+        """point and target [m], force of the spring on the surface and reaction on the hand [N], held_count."""
+        return self._core.read()
+
+    def end(self) -> None:
+        """Let go. A second call does nothing."""
+        self._core.end()
+
+    def __enter__(self) -> "Drag":
+        return self
+
+    def __exit__(self, *unused: Any) -> None:
+        self.end()
 
 
 class Simulation:
@@ -315,6 +345,43 @@ class Simulation:
         """
         self._core.set_parameter(*_override(path, value).split("=", 1))
 
+    def set_pins(self, vertices: Any, body: Union[int, str] = 0) -> None:
+        """Hold these vertices of the body's mesh where they are now, instead of those held before; none: []."""
+        self._core.set_pins(body, indices(vertices, "vertices", (None,)))
+
+    # ---- picking and dragging ----
+
+    def pick(self, origin: Any, direction: Any) -> Optional[dict[str, Any]]:
+        """Where a ray from `origin` [m] along `direction` meets a body first, or None.
+
+        Returns
+        -------
+        dict
+            body, triangle, vertices (its corners), weights (barycentric place), mesh_vertex (the nearest one, for pins and
+            loads), distance [m], point [m], normal.
+        """
+        return self._core.pick(_ray(origin, direction))
+
+    def drag(self, origin: Any, direction: Any, stiffness: float, reach: float) -> Optional["Drag"]:
+        """Take hold of the surface where a ray meets it, with a spring [N/m]; None where it meets nothing.
+
+        Parameters
+        ----------
+        stiffness : float
+            Of the spring [N/m].
+        reach : float
+            Vertices within this distance [m] of the hit are held, one at least.
+
+        Examples
+        --------
+        >>> with sim.drag([0, 0, 2], [0, 0, -1], stiffness=50, reach=0.1) as drag:
+        ...     drag.move([0, 0, 1.2])
+        ...     sim.step(100)
+        ...     drag.read()["force"]
+        """
+        made = self._core.drag(_ray(origin, direction), float(stiffness), float(reach))
+        return Drag(made) if made is not None else None
+
     # ---- numbers ----
 
     def summary(self) -> dict[str, Any]:
@@ -422,6 +489,46 @@ class Simulation:
         if coefficients.any():
             raise _core.Error("an enclosed gas or driven volume adds a dense part to the Hessian. use hessian(parts=True)")
         return matrix
+
+    def adjoint(self, loss_gradient: Any, rest_positions: bool = False) -> dict[str, Any]:
+        """Derivatives of a function of the positions by the numbers of the model, all from one linear system.
+
+        For the method ``static`` of the state of rest, which must have converged; for ``implicit`` of the end of the last
+        step, with its start as it is. Without tools and contact.
+
+        Parameters
+        ----------
+        loss_gradient : array_like, (vertex_count, 3)
+            Derivative of your function by the positions of all bodies, one after the other, at the present state [1/m].
+        rest_positions : bool
+            Also the derivatives by the positions at rest: of membranes and bending ``midedge``, no springs or fibres.
+
+        Returns
+        -------
+        dict
+            forces (vertex_count, 3): by a force on each vertex [1/N];
+            loads: for each load by name (or number) by a factor on it, 1 at present; gravity (3,): [s2/m];
+            materials: for each body a dict with young, thickness, bending and pressure, by a factor on each, 1 at present,
+            and poisson, by the ratio. The derivative by Young's modulus E is young / E;
+            rest_positions (vertex_count, 3), when asked for: by the positions at rest [1/m].
+
+        Raises
+        ------
+        Error
+            What cannot be asked, or a state that is not a stable balance.
+        """
+        gradient = numbers(loss_gradient, "loss_gradient", self._x(None).shape)
+        bodies, loads = self.scene.bodies, self.loads
+        forces, rest = np.empty_like(gradient), np.empty_like(gradient) if rest_positions else None
+        by_load, gravity, materials = np.empty(len(loads)), np.empty(3), np.empty((len(bodies), len(_MATERIAL)))
+        self._core.adjoint(gradient, forces, rest, by_load, gravity, materials)
+        found = {
+            "forces": forces,
+            "loads": {name or number: float(by_load[number]) for number, name in enumerate(loads)},
+            "gravity": gravity,
+            "materials": {name: dict(zip(_MATERIAL, map(float, row))) for name, row in zip(bodies, materials)},
+        }
+        return {**found, "rest_positions": rest} if rest_positions else found
 
     # ---- pictures ----
 

@@ -2,6 +2,7 @@
    numbers of the elements: what an adjoint solution m asks for. Factors of stiffness are exact, as the gradient is
    linear in them. Poisson's ratio and rest positions stand in few numbers of each element: differences of fourth order
    of that element's own product, which leave some 1e-11 of it. */
+#include "force/shell_body.h"
 #include "force/tangent_body.h"
 #include "math/vec3.h"
 
@@ -179,6 +180,22 @@ static void angle_slopes(const pel_tangent *tangent, const pel_tangent_shell *ow
         }
 }
 
+/* m . g of all hinges of a body; none with mid-edge bending */
+static double hinges_product(const pel_tangent *tangent, const pel_tangent_shell *own, const double *m)
+{
+    const pel_shell *shell = own->shell;
+    double sum = 0;
+    for (int32_t i = 0; own->midedges == NULL && i < shell->hinge_count; i++) {
+        const pel_shell_hinge *hinge = &shell->hinges[i];
+        double x[12], gradient[4][3], moved[12];
+        pel_tangent_points(tangent->input.unknowns, hinge->vertices, 4, x);
+        pel_tangent_points(m, hinge->vertices, 4, moved);
+        pel_shell_hinge_energy(shell, tangent->model->rest, hinge, (const double(*)[3])x, gradient);
+        sum += pel_shell_hinge_factor(shell, hinge) * product(moved, &gradient[0][0], 12);
+    }
+    return sum;
+}
+
 /* ---- all elements ---- */
 
 void pel_tangent_derivatives(const pel_tangent *tangent, const double *m, pel_tangent_derivative *bodies, double *rest)
@@ -188,6 +205,7 @@ void pel_tangent_derivatives(const pel_tangent *tangent, const double *m, pel_ta
     for (int32_t s = 0; s < tangent->shell_count; s++) {
         const pel_tangent_shell *own = &tangent->shells[s];
         pel_tangent_derivative *sum = &bodies[own->body];
+        sum->bending += hinges_product(tangent, own, m);
         for (int32_t t = 0; t < own->shell->triangle_count; t++) {
             triangle at;
             load_triangle(tangent, own, t, m, &at);

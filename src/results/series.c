@@ -33,7 +33,7 @@ static pel_status fail_series(const pel_run_series *series, int number, pel_erro
 static void put_text(pel_run_series *series, const char *text)
 {
     size_t length = strlen(text);
-    memcpy(series->line + series->length, text, length);
+    memcpy(series->line + series->length, text, length + 1);
     series->length += length;
 }
 
@@ -257,6 +257,7 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
         sizeof first_columns +
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
         (size_t)pel_sim_tool_count(sim) * tool_room +
+        (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
     series->line = pel_allocate(series->room, 1);
     return series->line != NULL ? PEL_OK : pel_fail_memory(error);
@@ -288,11 +289,11 @@ pel_status pel_run_series_create(pel_run_series *series, const char *path, const
     pel_status status = prepare(series, path, sim, error);
     if (status != PEL_OK)
         return status;
-    series->descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (series->descriptor < 0)
-        return fail_series(series, errno, error);
     put_header(series, sim);
-    return write_line(series, error);
+    if (path == NULL)
+        return PEL_OK;
+    series->descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    return series->descriptor >= 0 ? write_line(series, error) : fail_series(series, errno, error);
 }
 
 /* bytes of the header and the first row_count rows; 0 when they are not all there */

@@ -22,7 +22,7 @@ typedef struct pel_run_row {
     const double *tool_force_max;                   /* (tool count) N, largest since the last frame */
 } pel_run_row;
 
-/* Begins a new file with the header row. Close also on failure. */
+/* Begins a new file with the header row; path null: makes the rows only, for `line`. Close also on failure. */
 pel_status pel_run_series_create(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error);
 
 /* Goes on with the file after its first row_count rows; the rest is cut off. PEL_BAD_FORMAT when it does not have them

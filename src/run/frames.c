@@ -27,7 +27,7 @@ double pel_run_clock(void)
 
 pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error)
 {
-    if (frames->listed_count == frames->frame_count)
+    if (frames->listed_count == frames->frame_count || frames->folder == NULL)
         return PEL_OK;
     size_t count = (size_t)frames->frame_count;
     double *times = pel_allocate(count, sizeof *times);
@@ -73,22 +73,36 @@ static pel_status take_frame(pel_run_frames *frames, pel_sim *sim, const pel_run
     pel_sim_get_ledger(sim, &row->ledger);
     pel_sim_get_contact_statistics(sim, &row->contact);
     pel_run_series_make(&frames->series, sim, row);
-    return pel_run_surface_read(&frames->surface, sim, error);
+    return frames->folder != NULL ? pel_run_surface_read(&frames->surface, sim, error) : PEL_OK;
 }
 
-static pel_status write_frame(pel_run_frames *frames, pel_error *error)
+static void give_row(const pel_run_frames *frames)
+{
+    if (frames->row != NULL)
+        frames->row(frames->user, frames->series.line);
+}
+
+/* the file of the frame and its row */
+static pel_status write_files(pel_run_frames *frames, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
-    const pel_run_row *row = &frames->frame.row;
-    pel_run_frame_path(path, frames->folder, row->frame);
+    pel_run_frame_path(path, frames->folder, frames->frame.row.frame);
     pel_status status = pel_run_surface_write(&frames->surface, &frames->scene->output, path, error);
     if (status != PEL_OK)
         return status;
     status = pel_run_series_add(&frames->series, error);
-    if (status != PEL_OK) {
+    if (status != PEL_OK)
         unlink(path);
+    return status;
+}
+
+static pel_status write_frame(pel_run_frames *frames, pel_error *error)
+{
+    const pel_run_row *row = &frames->frame.row;
+    give_row(frames);
+    pel_status status = frames->folder != NULL ? write_files(frames, error) : PEL_OK;
+    if (status != PEL_OK)
         return status;
-    }
     frames->frame_count = row->frame + 1;
     frames->last_time = frames->frame.time;
     frames->max_displacement = fmax(frames->max_displacement, row->measures.max_displacement);
@@ -152,9 +166,15 @@ pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int6
                                 pel_error *error)
 {
     frames->frame_count = frame_count;
-    pel_run_path(frames->series_path, frames->folder, PEL_RUN_SERIES);
-    if (!resume)
-        return pel_run_series_create(&frames->series, frames->series_path, sim, error);
+    if (frames->folder != NULL)
+        pel_run_path(frames->series_path, frames->folder, PEL_RUN_SERIES);
+    if (!resume) {
+        const char *path = frames->folder != NULL ? frames->series_path : NULL;
+        pel_status status = pel_run_series_create(&frames->series, path, sim, error);
+        if (status == PEL_OK)
+            give_row(frames);
+        return status;
+    }
     pel_status status = pel_run_series_resume(&frames->series, frames->series_path, sim, frame_count, error);
     frames->listed_count = -1;
     return status == PEL_OK ? pel_run_frames_list(frames, error) : status;

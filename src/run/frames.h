@@ -40,8 +40,10 @@ typedef struct pel_run_frame {
 /* While a frame is under way everything here belongs to the thread that writes. */
 typedef struct pel_run_frames {
     const pel_scene *scene;
-    const char *folder;
+    const char *folder; /* null = no files */
     const pel_run_plan *plan;
+    void (*row)(void *user, const char *line); /* as in pel_run_def; nullable */
+    void *user;
     pel_run_surface surface;
     pel_run_series series;
     char series_path[PEL_RUN_FILE_SIZE];

@@ -40,20 +40,22 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
 {
     if (def->cookie != RUN_COOKIE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "run def was not made by pel_run_def_default()");
-    if (def->folder == NULL || def->folder[0] == '\0' || strlen(def->folder) >= PEL_RUN_PATH_SIZE) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the run has no output folder or one with a very long name");
+    if (def->folder != NULL && (def->folder[0] == '\0' || strlen(def->folder) >= PEL_RUN_PATH_SIZE)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "the name of the output folder is empty or very long");
         pel_fail_remedy(error, "name a folder for the results");
         return PEL_BAD_ARGUMENT;
     }
     if (def->max_frames < 0 || def->thread_count < 0 || !(def->keep_seconds >= 0))
         return pel_fail(error, PEL_BAD_ARGUMENT, "the number of frames, threads or seconds is below 0");
+    if (def->folder == NULL && def->resume != NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a run without a folder cannot resume");
     return PEL_OK;
 }
 
 /* a run must not take away what it is described by */
 static pel_status check_input(const pel_run_def *def, const char *path, const char *what, pel_error *error)
 {
-    if (path == NULL || !pel_run_folder_takes(def->folder, path, def->resume != NULL))
+    if (path == NULL || def->folder == NULL || !pel_run_folder_takes(def->folder, path, def->resume != NULL))
         return PEL_OK;
     pel_fail(error, PEL_BAD_FILE, "the run would overwrite its own %s", what);
     pel_fail_remedy(error, "choose another output folder");
@@ -172,8 +174,10 @@ static pel_status prepare(pel_run_state *run, pel_error *error)
     run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
     if (run->tool_force == NULL)
         return pel_fail_memory(error);
-    run->fingerprint = hash_scene(run->scene);
-    status = pel_run_checkpoint_prepare(run, error);
+    if (run->def->folder != NULL) {
+        run->fingerprint = hash_scene(run->scene);
+        status = pel_run_checkpoint_prepare(run, error);
+    }
     if (status == PEL_OK && run->def->resume != NULL)
         status = pel_run_checkpoint_read(run, run->def->resume, error);
     run->start_step = pel_sim_step_count(run->sim);
@@ -209,6 +213,8 @@ static size_t last_files_size(const pel_run_state *run)
 static pel_status open_folder(pel_run_state *run, pel_error *error)
 {
     const char *folder = run->def->folder;
+    if (folder == NULL)
+        return pel_run_frames_begin(&run->frames, run->sim, 0, false, error);
     bool resume = run->def->resume != NULL, removed = false;
     pel_status status = pel_run_folder_open(folder, error);
     if (status == PEL_OK)
@@ -360,7 +366,7 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
 static pel_status keep_state(pel_run_state *run, pel_error *error)
 {
     double now = pel_run_clock();
-    if (!(run->def->keep_seconds > 0) || now < run->keep_at)
+    if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || now < run->keep_at)
         return PEL_OK;
     pel_status status = settle_frames(run, error);
     if (status != PEL_OK)
@@ -452,7 +458,7 @@ static pel_status count_intersections(pel_run_state *run, bool stopped, pel_erro
 {
     enum { QUICK_TRIANGLES = 100000 };
     run->intersection_count = -1;
-    if (stopped && run->frames.surface.triangle_count > QUICK_TRIANGLES)
+    if (run->def->skip_intersections || (stopped && run->frames.surface.triangle_count > QUICK_TRIANGLES))
         return PEL_OK;
     int64_t count;
     pel_status status = pel_run_surface_intersections(&run->frames.surface, run->sim, &count, error);
@@ -467,16 +473,18 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
 {
     pel_status later = settle_frames(run, error);
     status = later != PEL_OK ? later : status;
-    pel_run_folder_release(run->def->folder);
+    bool has_folder = run->def->folder != NULL;
+    if (has_folder)
+        pel_run_folder_release(run->def->folder);
     pel_sim_measure(run->sim, &run->measures);
     pel_sim_get_ledger(run->sim, &run->ledger);
-    later = write_results(run, status == PEL_OK ? error : NULL);
+    later = has_folder ? write_results(run, status == PEL_OK ? error : NULL) : PEL_OK;
     status = status == PEL_OK ? later : status;
     later = count_intersections(run, status == PEL_STOPPED, status == PEL_OK ? error : NULL);
     bool uncounted = later == PEL_BAD_MESH;
     status = status == PEL_OK && !uncounted ? later : status;
     bool over = run->settled || pel_sim_step_count(run->sim) >= run->plan.step_total;
-    later = settle_checkpoint(run, status == PEL_OK && over, status == PEL_OK ? error : NULL);
+    later = has_folder ? settle_checkpoint(run, status == PEL_OK && over, status == PEL_OK ? error : NULL) : PEL_OK;
     status = status == PEL_OK ? later : status;
     if (status != PEL_OK)
         name_checkpoint(run, error);
@@ -484,7 +492,9 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
         pel_warn(&run->totals.warnings, PEL_WARN_UNCOUNTED, run->totals.frame_count - 1, 0);
     pel_run_summary_fill(run, status, summary);
     pel_warnings_tell(run, true);
-    later = pel_run_summary_write(run, summary, status != PEL_OK ? error : NULL, status == PEL_OK ? error : NULL);
+    later = has_folder
+                ? pel_run_summary_write(run, summary, status != PEL_OK ? error : NULL, status == PEL_OK ? error : NULL)
+                : PEL_OK;
     if (status == PEL_OK && later != PEL_OK)
         summary->status = "failed";
     return status == PEL_OK ? later : status;
@@ -506,7 +516,10 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
     pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock(), .lock = -1};
     run.keep_at = run.start + def->keep_seconds;
     run.plan = pel_run_plan_make(scene, def->max_frames);
-    run.frames = (pel_run_frames){.scene = scene, .folder = def->folder, .plan = &run.plan};
+    if (def->folder == NULL)
+        run.plan.checkpoint_steps = 0;
+    run.frames =
+        (pel_run_frames){.scene = scene, .folder = def->folder, .plan = &run.plan, .row = def->row, .user = def->user};
     status = prepare(&run, cause);
     if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
         pel_scene_locate(scene, cause);

@@ -466,12 +466,21 @@ static const char *const *preset_words(pel_arena *arena)
     return (const char *const *)words;
 }
 
+/* length of the only prefix that a row may stand directly below */
+static size_t parent_length(const char *path)
+{
+    const char *dot = strrchr(path, '.'), *bracket = strrchr(path, '[');
+    const char *last = bracket != NULL && (dot == NULL || bracket > dot) ? bracket : dot;
+    return last != NULL ? (size_t)(last - path) : 0;
+}
+
 const pel_scene_table *pel_scene_table_create(pel_arena *arena)
 {
     size_t shape_row_count = pel_scene_shape_row_count();
     pel_scene_table *table = pel_arena_take(arena, 1, sizeof *table);
     pel_scene_row *all = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *all);
-    if (table == NULL || all == NULL)
+    size_t *parents = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *parents);
+    if (table == NULL || all == NULL || parents == NULL)
         return NULL;
     size_t count = 0;
     for (size_t i = 0; i < ROW_COUNT; i++) {
@@ -488,7 +497,9 @@ const pel_scene_table *pel_scene_table_create(pel_arena *arena)
             return NULL;
         count += shape_row_count;
     }
-    *table = (pel_scene_table){all, count};
+    for (size_t i = 0; i < count; i++)
+        parents[i] = parent_length(all[i].path);
+    *table = (pel_scene_table){all, count, parents};
     return table;
 }
 
@@ -515,8 +526,9 @@ const char *pel_scene_row_name(const pel_scene_row *row, const char *prefix)
 const pel_scene_row *pel_scene_row_next(const pel_scene_table *table, const char *prefix, const pel_scene_row *row)
 {
     const pel_scene_row *end = table->rows + table->row_count;
+    size_t length = strlen(prefix);
     for (row = row == NULL ? table->rows : row + 1; row < end; row++)
-        if (pel_scene_row_name(row, prefix) != NULL)
+        if (table->parent_lengths[row - table->rows] == length && pel_scene_row_name(row, prefix) != NULL)
             return row;
     return NULL;
 }

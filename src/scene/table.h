@@ -46,6 +46,8 @@ typedef struct pel_scene_row {
 typedef struct pel_scene_table {
     const pel_scene_row *rows;
     size_t row_count;
+    const size_t
+        *parent_lengths; /* (row_count) of the prefix that a row stands directly below: most rows are passed over */
 } pel_scene_table;
 
 /* the rows of the program plus the parameters of every shape of pellicle/shape.h; null when out of memory */

@@ -14,6 +14,7 @@ sys.path.insert(0, str(EXAMPLES))
 
 import inflate
 import press
+import surrogate
 
 
 class Examples(unittest.TestCase):
@@ -32,6 +33,13 @@ class Examples(unittest.TestCase):
         top = pressures.argmax()
         self.assertTrue(0 < top < len(pressures) - 1)
         self.assertAlmostEqual(stretches[top], 1.48, delta=0.05)
+
+    @unittest.skipIf(is_single(), "in float the table is another one")
+    def test_surrogate(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mean, largest = surrogate.main(folder)
+        self.assertLess(mean, 0.005)
+        self.assertLess(largest, 0.02)
 
     def test_a_picture_is_optional(self):
         with tempfile.TemporaryDirectory() as folder:

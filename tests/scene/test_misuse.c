@@ -693,8 +693,11 @@ static void test_scenes(void **unused)
     REFUSED("scene", pel_run(NULL, &def, &summary, &error));
     REFUSED("def", pel_run(scene, NULL, &summary, &error));
     REFUSED("summary", pel_run(scene, &def, NULL, &error));
+    def.folder = "";
     REFUSED("folder", pel_run(scene, &def, &summary, &error));
-    def.folder = "misuse";
+    def.folder = NULL, def.resume = "checkpoint";
+    REFUSED("resume", pel_run(scene, &def, &summary, &error));
+    def.folder = "misuse", def.resume = NULL;
     wrong = def, wrong.max_frames = -1;
     FAILS(pel_run(scene, &wrong, &summary, &error));
     wrong = def, wrong.keep_seconds = nan_value;

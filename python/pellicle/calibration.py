@@ -1,0 +1,391 @@
+"""Parameters of a scene fitted to measured curves: bounded least squares with confidence intervals.
+
+The interval of parameter k is p_k +- t s sqrt((J^T J)^-1_kk) with Student's t for n - p degrees of freedom, the residual's
+standard deviation s and the Jacobian J at the fit (Seber and Wild, Nonlinear Regression, section 5.1).
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from html import escape
+from typing import Any, Mapping, Optional, Union
+
+import numpy as np
+
+from . import _core
+from .mesh import PathLike
+from .simulation import Scene, load_scene
+
+#: Step of the differences, of the range of a parameter: far above what a solver's tolerance leaves of a curve.
+_STEP = 1e-3
+#: Two parameters whose correlation is beyond this cannot be told apart by the data.
+_CORRELATED = 0.97
+#: Residual of a run that fails, in parts of the largest measured value: the fit turns back.
+_FAILED = 10.0
+
+
+class _Curve:
+    """One entry of `data`: what was measured, and how the same is read from a run."""
+
+    def __init__(self, entry: Mapping[str, Any]) -> None:
+        self.entry = entry
+        self.body = entry.get("body")
+        self.name = os.path.basename(entry["file"])
+        names, columns = _read_csv(entry["file"])
+        if self.body is not None:
+            self.vertices = _pick(entry["file"], names, columns, "vertex").astype(int)
+            self.x = np.arange(3 * len(self.vertices), dtype=float)
+            self.y = np.column_stack([_pick(entry["file"], names, columns, axis) for axis in "xyz"]).ravel()
+        else:
+            self.x = _pick(entry["file"], names, columns, entry.get("column_x", entry["x"]), 0)
+            self.y = _pick(entry["file"], names, columns, entry.get("column_y", entry["y"]), 1)
+        size = float(np.ptp(self.y)) if self.body is not None else float(np.abs(self.y).max())
+        if not size > 0:
+            raise _core.Error(f"{entry['file']}: error: all measured values are the same. measure more than one point")
+        self.unit = size
+        self.scale = float(entry.get("weight", 1)) / size
+        self.covered = True
+
+    def read(self, series: Mapping[str, np.ndarray], positions: Optional[np.ndarray]) -> np.ndarray:
+        """The same points of a run."""
+        if self.body is not None:
+            if self.vertices.min() < 0 or self.vertices.max() >= len(positions):
+                raise _core.Error(
+                    f"{self.entry['file']}: error: the body {self.body!r} has vertices 0 .. {len(positions) - 1}. correct "
+                    "the column vertex"
+                )
+            return positions[self.vertices].ravel()
+        for key in ("x", "y"):
+            if self.entry[key] not in series:
+                raise _core.Error(
+                    f"error: the series of the scene has no column {self.entry[key]!r} ({key} of {self.name}). it has "
+                    + ", ".join(series)
+                )
+        x = series[self.entry["x"]] * float(self.entry.get("scale_x", 1))
+        y = series[self.entry["y"]] * float(self.entry.get("scale_y", 1))
+        order = np.argsort(x, kind="stable")
+        slack = 1e-6 * np.ptp(self.x)
+        self.covered = bool(x.min() <= self.x.min() + slack and self.x.max() <= x.max() + slack)
+        return np.interp(self.x, x[order], y[order])
+
+
+def _read_csv(path: str) -> tuple[list[str], np.ndarray]:
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
+    try:
+        columns = np.array([[float(cell) for cell in row] for row in rows[1:]]).T
+    except ValueError as error:
+        raise _core.Error(f"{path}: error: {error}. write one line with names, then lines of numbers") from None
+    if columns.ndim != 2 or len(columns) != len(rows[0]) or columns.shape[1] < 2 or not np.isfinite(columns).all():
+        raise _core.Error(f"{path}: error: no table of numbers. write one line with names, then at least two lines of numbers")
+    return [name.strip() for name in rows[0]], columns
+
+
+def _pick(path: str, names: list[str], columns: np.ndarray, name: str, place: Optional[int] = None) -> np.ndarray:
+    if name in names:
+        return columns[names.index(name)]
+    if place is not None and len(names) == 2:
+        return columns[place]
+    raise _core.Error(f"{path}: error: there is no column {name!r}. name one of {', '.join(names)} as column_x and column_y")
+
+
+class Fit:
+    """What `calibrate` found.
+
+    Attributes
+    ----------
+    values : dict of str to float
+        The parameters by their paths.
+    low, high : dict of str to float
+        Their confidence intervals.
+    correlation : numpy.ndarray
+        (parameter_count, parameter_count)
+    misfit : float
+        Root of the mean square of the residuals, each over the largest value of its curve.
+    warnings : list of str
+        What makes the fit doubtful: parameters that the data do not tell, or not apart; bounds that are met.
+    curves : list of dict
+        For each entry of the data: name, x, measured, fitted.
+    evaluations : int
+        Runs done.
+    """
+
+    def __init__(self, **members: Any) -> None:
+        self.values: dict[str, float]
+        self.__dict__.update(members)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{path} = {value:.6g}" for path, value in self.values.items())
+        return f"<Fit: {values}; misfit {self.misfit:.3g}>"
+
+    def record(self) -> dict[str, Any]:
+        """Everything but the curves, as JSON takes it."""
+        return {
+            "parameters": {
+                path: {"value": value, "low": self.low[path], "high": self.high[path]} for path, value in self.values.items()
+            },
+            "confidence": self.confidence,
+            "correlation": self.correlation.tolist(),
+            "misfit": self.misfit,
+            "evaluations": self.evaluations,
+            "warnings": self.warnings,
+        }
+
+
+class _Problem:
+    """Residuals and their derivatives; parameters in units of their range, within 0 .. 1."""
+
+    def __init__(self, fit: Mapping[str, Any], jobs: int) -> None:
+        self.scene = fit["scene"]
+        self.paths = list(fit["parameters"])
+        rows = fit["parameters"].values()
+        self.is_log = np.array([row.get("scale") == "log" for row in rows])
+        self.low, self.high, start = (self._inner([float(row[key]) for row in rows]) for key in ("from", "to", "start"))
+        self.start = (start - self.low) / (self.high - self.low)
+        self.curves = [_Curve(entry) for entry in fit["data"]]
+        self.evaluations = 0
+        self.pool = ThreadPoolExecutor(jobs or os.cpu_count() or 1)
+
+    def _inner(self, values: list[float]) -> np.ndarray:
+        array = np.array(values)
+        return np.where(self.is_log, np.log(np.where(self.is_log, array, 1)), array)
+
+    def values(self, unit: np.ndarray) -> np.ndarray:
+        inner = self.low + unit * (self.high - self.low)
+        return np.where(self.is_log, np.exp(np.where(self.is_log, inner, 0)), inner)
+
+    def run(self, unit: np.ndarray) -> list[np.ndarray]:
+        """The measured points of a run with these parameters, curve by curve."""
+        overrides = dict(zip(self.paths, map(float, self.values(unit))))
+        self.evaluations += 1
+        series: dict[str, np.ndarray] = {}
+        if any(curve.body is None for curve in self.curves):
+            lines = list(csv.reader(_core.series(Scene(self.scene, overrides)._core)))
+            table = np.array([[float(cell) if cell else np.nan for cell in row] for row in lines[1:]]).T
+            series = dict(zip(lines[0], table))
+        sim = None
+        if any(curve.body is not None for curve in self.curves):
+            sim = load_scene(self.scene, overrides, threads=1)
+            sim.run_until(sim.scene.duration)
+        return [
+            curve.read(series, sim.positions(curve.body) if curve.body is not None else None) for curve in self.curves
+        ]
+
+    def residual_of(self, points: list[np.ndarray]) -> np.ndarray:
+        return np.concatenate([(p - curve.y) * curve.scale for p, curve in zip(points, self.curves)])
+
+    def residual(self, unit: np.ndarray) -> np.ndarray:
+        """Of a trial; one that fails is far from everything measured."""
+        try:
+            return self.residual_of(self.run(unit))
+        except _core.Error:
+            return np.full(sum(len(curve.y) for curve in self.curves), _FAILED)
+
+    def jacobian(self, unit: np.ndarray) -> np.ndarray:
+        """Differences over both sides where the bounds allow, all runs at once."""
+        pairs = []
+        for k in range(len(unit)):
+            pair = [unit.copy(), unit.copy()]
+            pair[0][k] = max(0.0, unit[k] - _STEP)
+            pair[1][k] = min(1.0, unit[k] + _STEP)
+            pairs.append(pair)
+        residuals = list(self.pool.map(lambda u: self.residual_of(self.run(u)), [u for pair in pairs for u in pair]))
+        columns = [
+            (residuals[2 * k + 1] - residuals[2 * k]) / (pair[1][k] - pair[0][k]) for k, pair in enumerate(pairs)
+        ]
+        return np.column_stack(columns)
+
+
+def _statistics(problem: _Problem, unit: np.ndarray, confidence: float) -> dict[str, Any]:
+    """Intervals, correlations and what is doubtful, from the Jacobian at the fit."""
+    from scipy.stats import t as student
+
+    residual, jacobian = problem.residual(unit), problem.jacobian(unit)
+    count, size = jacobian.shape
+    warnings = []
+    sensitivity = np.linalg.norm(jacobian, axis=0)
+    known = sensitivity > 1e-6 * max(float(sensitivity.max()), 1e-12)
+    for path in np.array(problem.paths)[~known]:
+        warnings.append(f"the data do not depend on {path}: leave it out, or measure what depends on it")
+    freedom = max(1, count - size)
+    if count <= size:
+        warnings.append(f"{count} measured values for {size} parameters: the intervals mean nothing, measure more")
+    spread = float(residual @ residual) / freedom
+    covariance = np.full((size, size), np.nan)
+    kept = np.flatnonzero(known)
+    part = jacobian[:, kept]
+    covariance[np.ix_(kept, kept)] = spread * np.linalg.pinv(part.T @ part)
+    half = student.ppf(0.5 + confidence / 2, freedom) * np.sqrt(np.diag(covariance))
+    deviation = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(deviation, deviation) if (deviation[kept] > 0).all() else np.eye(size)
+    for i in range(size):
+        for j in range(i):
+            if known[i] and known[j] and abs(correlation[i, j]) > _CORRELATED:
+                warnings.append(
+                    f"{problem.paths[j]} and {problem.paths[i]} are correlated by {correlation[i, j]:.3f}: these data "
+                    "hardly tell them apart. fix one, or add data of another kind"
+                )
+    for k, path in enumerate(problem.paths):
+        if unit[k] < 1e-6 or unit[k] > 1 - 1e-6:
+            warnings.append(f"{path} is at its bound: widen from .. to")
+    for curve in problem.curves:
+        if not curve.covered:
+            warnings.append(f"{curve.name}: the run does not reach all measured x: it was continued by its end values")
+    interval = [np.where(np.isnan(half), side, problem.values(unit + sign * half)) for side, sign in ((-np.inf, -1), (np.inf, 1))]
+    return {
+        "low": dict(zip(problem.paths, map(float, interval[0]))),
+        "high": dict(zip(problem.paths, map(float, interval[1]))),
+        "correlation": correlation,
+        "misfit": float(np.sqrt(np.mean(residual**2))),
+        "warnings": warnings,
+    }
+
+
+def calibrate(
+    fit: Union[PathLike, Mapping[str, Any]], folder: Optional[PathLike] = None, jobs: int = 0
+) -> Fit:
+    """Fit parameters of a scene to measured curves.
+
+    Parameters
+    ----------
+    fit : path or mapping
+        A fit file (docs/sweeps.md), or a dict with its keys.
+    folder : path, optional
+        Receives fit.json, curves.csv and fit.svg.
+    jobs : int
+        Runs at a time; 0: one for each core.
+
+    Raises
+    ------
+    Error
+        The file is refused, or the run at the start fails.
+    ImportError
+        scipy is not installed.
+    """
+    from scipy.optimize import least_squares
+
+    if not isinstance(jobs, int) or not 0 <= jobs <= 1024:
+        raise ValueError("jobs: must be an integer within 0 .. 1024")
+    if not isinstance(fit, Mapping):
+        fit = json.loads(_core.load_fit(os.path.abspath(os.fspath(fit))))
+    problem = _Problem(fit, jobs)
+    confidence = float(fit.get("confidence", 0.95))
+    with problem.pool:
+        # a wrong scene or column is told, not fitted
+        problem.run(problem.start)
+        found = least_squares(
+            problem.residual,
+            np.clip(problem.start, 1e-9, 1 - 1e-9),
+            problem.jacobian,
+            bounds=(0, 1),
+            xtol=1e-8,
+            ftol=1e-10,
+            gtol=1e-10,
+            max_nfev=int(fit.get("max_evaluations", 100)),
+        )
+        members = _statistics(problem, found.x, confidence)
+    if found.status == 0:
+        members["warnings"].append("stopped before it converged: raise max_evaluations, or start nearer")
+    points = problem.run(found.x)
+    result = Fit(
+        values=dict(zip(problem.paths, map(float, problem.values(found.x)))),
+        confidence=confidence,
+        evaluations=problem.evaluations,
+        curves=[
+            {"name": curve.name, "x": curve.x, "measured": curve.y, "fitted": p} for curve, p in zip(problem.curves, points)
+        ],
+        **members,
+    )
+    if folder is not None:
+        _write(result, os.fspath(folder), fit)
+    return result
+
+
+# ---- files ----
+
+
+def _whole(path: str, text: str) -> None:
+    with open(path + ".new", "w", encoding="utf-8") as file:
+        file.write(text)
+    os.replace(path + ".new", path)
+
+
+def _write(fit: Fit, folder: str, source: Mapping[str, Any]) -> None:
+    os.makedirs(folder, exist_ok=True)
+    _whole(os.path.join(folder, "fit.json"), json.dumps(fit.record(), indent=2) + "\n")
+    lines = ["data,x,measured,fitted"]
+    for curve in fit.curves:
+        for row in zip(curve["x"], curve["measured"], curve["fitted"]):
+            lines.append(",".join([curve["name"].replace(",", " "), *(repr(float(v)) for v in row)]))
+    _whole(os.path.join(folder, "curves.csv"), "\n".join(lines) + "\n")
+    _whole(os.path.join(folder, "fit.svg"), _picture(fit, source))
+
+
+def _picture(fit: Fit, source: Mapping[str, Any]) -> str:
+    """Measured points and fitted curves, one panel below the other."""
+    panels = []
+    for number, curve in enumerate(fit.curves):
+        entry, top = source["data"][number], 40 + 300 * number
+        x, points, line = curve["x"], curve["measured"], curve["fitted"]
+        labels = entry.get("x"), entry.get("y"), "measured (points) and the fit (line)"
+        if "body" in entry:
+            # positions have no axis of their own: those of the fit over those measured
+            x, points, line = points, line, points
+            labels = "measured position [m]", "position in the fit [m]", "markers (points) and equality (line)"
+        order = np.argsort(x)
+        x, points, line = x[order], points[order], line[order]
+        low, high = min(points.min(), line.min()), max(points.max(), line.max())
+        px = 90 + 580 * (x - x[0]) / (x[-1] - x[0] or 1)
+        py, pf = (top + 220 - 200 * (v - low) / (high - low or 1) for v in (points, line))
+        dots = "".join(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3" fill="none" stroke="#1f6fb4"/>' for a, b in zip(px, py))
+        path = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(px, pf))
+        panels.append(
+            f'<path d="M90 {top}V{top + 220}H670" fill="none" stroke="#555"/>{dots}'
+            f'<polyline points="{path}" fill="none" stroke="#c03030" stroke-width="1.5"/>'
+            f'<text x="90" y="{top + 238}">{x[0]:.4g}</text><text x="670" y="{top + 238}" text-anchor="end">{x[-1]:.4g}</text>'
+            f'<text x="380" y="{top + 250}" text-anchor="middle">{escape(labels[0])}</text>'
+            f'<text x="84" y="{top + 224}" text-anchor="end">{low:.4g}</text>'
+            f'<text x="84" y="{top + 24}" text-anchor="end">{high:.4g}</text>'
+            f'<text x="96" y="{top + 4}">{escape(labels[1])}: {escape(curve["name"])}, {labels[2]}</text>'
+        )
+    height = 40 + 300 * len(panels)
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="700" height="{height}" font-family="sans-serif" font-size="12">'
+        f'<rect width="700" height="{height}" fill="white"/>{"".join(panels)}</svg>\n'
+    )
+
+
+def _print(fit: Fit, folder: str) -> None:
+    for path, value in fit.values.items():
+        print(f"{path} = {value:.6g}  ({fit.low[path]:.6g} to {fit.high[path]:.6g}, {100 * fit.confidence:g} %)")
+    print(f"misfit {100 * fit.misfit:.3g} % of the largest values, {fit.evaluations} runs")
+    print(f"results in {folder}: fit.json, curves.csv, fit.svg")
+
+
+def main(words: list[str]) -> int:
+    """The command line; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="pellicle calibrate")
+    parser.add_argument("fit")
+    parser.add_argument("--output")
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--quiet", action="store_true")
+    arguments = parser.parse_args(words)
+    stem = os.path.splitext(os.path.basename(arguments.fit))[0]
+    folder = arguments.output or os.path.join("results", stem)
+    try:
+        fit = calibrate(arguments.fit, folder)
+    except _core.Error as error:
+        print(error, file=sys.stderr)
+        return 2
+    for warning in fit.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    if arguments.json:
+        print(json.dumps(fit.record(), indent=2))
+    elif not arguments.quiet:
+        _print(fit, folder)
+    return 0

@@ -1,0 +1,167 @@
+"""Studies: many runs of one scene with different parameters, and one table."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from typing import Any, Iterator, Mapping, Optional, Union
+
+import numpy as np
+
+from . import _core
+from .mesh import PathLike
+from .simulation import _plain
+
+#: How often a run is given to Dask again after the worker that did it was lost.
+_LOSSES = 5
+
+
+class Sweep:
+    """The table of a study.
+
+    Attributes
+    ----------
+    folder : str
+        Holds runs.csv, and report.html with pictures of it.
+    columns : dict of str to numpy.ndarray
+        A column for each parameter and measure, a row for each run; NaN where a run failed. Columns that are no numbers
+        (run by run: vectors, words, status, error) hold texts.
+    """
+
+    def __init__(self, folder: PathLike) -> None:
+        self.folder = os.fspath(folder)
+        path = os.path.join(self.folder, "runs.csv")
+        try:
+            with open(path, newline="", encoding="utf-8") as file:
+                names, *rows = csv.reader(file)
+        except FileNotFoundError:
+            raise _core.Error(f"{path}: error: there is no table. runs are missing: do the study again to continue") from None
+        self.columns: dict[str, np.ndarray] = {
+            name: _column([row[i] for row in rows], name in ("status", "error")) for i, name in enumerate(names)
+        }
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Numbers of the runs that failed; the columns status and error say why."""
+        return np.flatnonzero(self.columns["status"] != "done")
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.columns:
+            raise KeyError(f"{name!r} is none of {', '.join(map(repr, self.columns))}")
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(self.columns["run"])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __repr__(self) -> str:
+        return f"<Sweep {self.folder!r}: {len(self)} runs, {len(self.failed)} failed>"
+
+
+def _column(texts: list[str], is_text: bool) -> np.ndarray:
+    if not is_text:
+        try:
+            return np.array([float(text) if text else np.nan for text in texts])
+        except ValueError:
+            pass
+    return np.array(texts, dtype=str)
+
+
+def _write_parquet(table: Sweep) -> None:
+    """The same as Parquet, where pyarrow is there."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        return
+    arrays = pyarrow.table({name: pyarrow.array(column) for name, column in table.columns.items()})
+    pyarrow.parquet.write_table(arrays, os.path.join(table.folder, "runs.parquet"))
+
+
+_studies: dict[tuple[str, Optional[str]], Any] = {}
+
+
+def _run_one(path: str, text: Optional[str], run: int, folder: str) -> str:
+    """A row; in a worker of Dask, which keeps the study between its runs."""
+    key = (path, text)
+    if key not in _studies:
+        _studies.clear()
+        _studies[key] = _core.Study(path, text)
+    return _studies[key].run(run, folder)
+
+
+def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client: Any) -> None:
+    from distributed import as_completed
+    from distributed.scheduler import KilledWorker
+
+    store = study.open(folder)
+    lost: dict[int, int] = {}
+
+    def submit(run: int) -> Any:
+        return client.submit(_run_one, path, text, run, folder, pure=False)
+
+    try:
+        futures = {submit(run): run for run in range(study.info()[0]) if store.needs(run)}
+        pending = as_completed(list(futures))
+        for future in pending:
+            run = futures.pop(future)
+            error = future.exception()
+            if error is None:
+                store.add(future.result())
+                continue
+            lost[run] = lost.get(run, 0) + 1
+            if not isinstance(error, KilledWorker) or lost[run] > _LOSSES:
+                client.cancel(list(futures))
+                raise error
+            again = submit(run)
+            futures[again] = run
+            pending.add(again)
+        store.collect()
+    finally:
+        store.close()
+
+
+def sweep(
+    study: Union[PathLike, Mapping[str, Any]], folder: PathLike, jobs: int = 0, client: Any = None
+) -> Sweep:
+    """Do all runs of a study and give the table, as ``pellicle sweep`` does.
+
+    Runs that are in the folder already are not done again: after Ctrl-C, a kill or a lost worker the same call continues.
+    The table has the same bits on one core, on all cores and on Dask.
+
+    Parameters
+    ----------
+    study : path or mapping
+        A study file (docs/sweeps.md), or a dict with its keys; the path of its scene is then relative to the current folder.
+    folder : path
+        Made when missing.
+    jobs : int
+        Runs at a time on this machine; 0: one for each core.
+    client : distributed.Client, optional
+        Do the runs on the workers of this Dask cluster, which must see the study, its scene and meshes under the same paths.
+
+    Raises
+    ------
+    Error
+        The study is refused, or the folder holds another one. A run that fails is a row of the table, not an error.
+    KeyboardInterrupt
+        Ctrl-C.
+    """
+    if not isinstance(jobs, int) or not 0 <= jobs <= 1024:
+        raise ValueError("jobs: must be an integer within 0 .. 1024")
+    folder = os.path.abspath(os.fspath(folder))
+    if isinstance(study, Mapping):
+        path, text = os.path.abspath("study"), json.dumps(study, default=_plain, indent=1)
+    else:
+        path, text = os.path.abspath(os.fspath(study)), None
+    core = _core.Study(path, text)
+    if client is None:
+        core.execute(folder, jobs)
+    else:
+        _sweep_dask(core, path, text, folder, client)
+    table = Sweep(folder)
+    _write_parquet(table)
+    return table
