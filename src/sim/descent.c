@@ -28,6 +28,8 @@ enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12
 #else
 #define LOAD_SHARE 1e-6
 #endif
+/* the same in motion, where time steps err by more */
+#define DYNAMIC_SHARE 1e-3
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32
 /* of the mean edge that a vertex goes in one iteration at most */
@@ -269,6 +271,12 @@ double pel_descent_short_move(const pel_sim *sim)
     return SHORT_SHARE * sim->descent->size;
 }
 
+/* of a step in time, relative to what acts and to the forces that move the bodies where it begins */
+static double dynamic_tolerance(const pel_sim *sim, double loads)
+{
+    return DYNAMIC_SHARE * hypot(acting_force(sim, loads), sim->descent->moving);
+}
+
 /* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */
 static void remember_acting(pel_sim *sim, double loads, double first_residual)
 {
@@ -293,12 +301,12 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
     pel_descent_problem problem = make_problem(context);
     pel_descent_result *sum = &descent->result, round;
     pel_status status = PEL_OK;
-    bool closed = false;
+    bool closed = false, is_dynamic = pel_sim_has_velocity(sim);
     double before = HUGE_VAL;
     sum->converged = false;
     for (int n = 0; status == PEL_OK && !sum->converged && n < ROUND_LIMIT; n++) {
         bool again, had_any = descent->count > 0;
-        problem.tolerance = tolerance_of(sim, loads);
+        problem.tolerance = is_dynamic ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
         problem.enough = ROUGH_SHARE * problem.tolerance;
         problem.reduction = !had_any || closed ? 0 : problem.goes_on ? REDUCTION : FIRST_REDUCTION;
         status = descent->minimise(context, &problem, &round, error);
@@ -355,6 +363,34 @@ static double near_distance(const pel_sim *sim)
     return NEAR_SHARE * ldexp(sim->descent->mean_edge, -levels);
 }
 
+/* adds the forces of the springs that inertia is, where the step begins; returns the root of the sum of all squares */
+static double add_inertia(const pel_sim *sim, pel_record *force)
+{
+    const pel_sim_newton *newton = sim->descent->newton;
+    double square = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            double way = newton->points[v][k] - (double)sim->state->position[v][k];
+            force[v][k] += (pel_real)(newton->point_stiffness[v] * way);
+            bool is_free = sim->model->inverse_mass[v] > 0 && (sim->held == NULL || !sim->held[v]);
+            square += is_free ? (double)force[v][k] * (double)force[v][k] : 0;
+        }
+    return sqrt(square);
+}
+
+/* loads of what touches where the step begins */
+static void estimate_loads(pel_descent_context *context, double reach)
+{
+    pel_sim *sim = context->sim;
+    const double *stiffness = NULL;
+    plain_energy(context, sim->force);
+    if (pel_sim_has_velocity(sim)) {
+        stiffness = sim->descent->newton->point_stiffness;
+        sim->descent->moving = add_inertia(sim, sim->force);
+    }
+    pel_descent_contacts_estimate(sim, sim->force, reach, stiffness);
+}
+
 static pel_status minimise_under_constraints(pel_descent_context *context, double loads, pel_error *error)
 {
     pel_sim *sim = context->sim;
@@ -375,10 +411,8 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
         status = find_constraints(sim, false, &again, error);
         if (status != PEL_OK)
             break;
-        if (part == 1 && sim->descent->count > 0) {
-            plain_energy(context, sim->force);
-            pel_descent_contacts_estimate(sim, sim->force, way / part_count);
-        }
+        if (part == 1 && (sim->descent->count > 0 || pel_sim_has_velocity(sim)))
+            estimate_loads(context, way / part_count);
         status = minimise_in_rounds(context, loads, part == part_count, error);
         if (!pel_sim_all_inside(sim))
             return status;
