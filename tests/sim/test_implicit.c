@@ -298,8 +298,11 @@ static void test_capsule(void **unused)
         pel_sim *sim = press_create(&scene);
         for (int n = 0; n < 20; n++) {
             run_steps(sim, 1);
-            assert_true(solver_of(sim).converged || sizeof(pel_real) == 4);
-            assert_true(solver_of(sim).iterations < 20);
+            /* gaps in float round to more than the tolerance of forces */
+            if (sizeof(pel_real) == 8) {
+                assert_true(solver_of(sim).converged);
+                assert_true(solver_of(sim).iterations < 20);
+            }
             assert_true(axis_distance(&scene, sim) > 0.1 - (sizeof(pel_real) == 4 ? 1e-6 : 1e-9));
         }
         assert_true(reading_of(sim, 0).force[2] > 10);
