@@ -28,6 +28,8 @@ enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12
 #else
 #define LOAD_SHARE 1e-6
 #endif
+/* the same in motion, where time steps err by more */
+#define DYNAMIC_SHARE 1e-3
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32
 /* of the mean edge that a vertex goes in one iteration at most */
@@ -106,21 +108,27 @@ static double pressure_noise(const pel_sim *sim)
     return ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sum;
 }
 
-/* the forces that stay; returns the root of the sum of squares of all that is not elastic */
+/* N, root of the sum of squares of all that is not elastic at some positions, the forces that stay included; less than
+   its rounding is none */
+static double measure_external(pel_sim *sim, double time, const pel_record *position)
+{
+    double square = 0;
+    memcpy(sim->force, sim->descent->external, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_shell_forces_add(sim->shells, position, time, PEL_SHELL_CONSERVATIVE, sim->pool, sim->force);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            square += sim->model->inverse_mass[v] > 0 ? (double)sim->force[v][c] * (double)sim->force[v][c] : 0;
+    return sqrt(square) > pressure_noise(sim) ? sqrt(square) : 0;
+}
+
+/* the forces that stay; returns what measure_external does at the present state */
 static double find_external(pel_sim *sim, double time)
 {
-    pel_record *external = sim->descent->external, *force = sim->force;
-    int32_t count = sim->model->vertex_count;
-    double square = 0;
-    memset(external, 0, (size_t)count * sizeof *external);
+    pel_record *external = sim->descent->external;
+    memset(external, 0, (size_t)sim->model->vertex_count * sizeof *external);
     pel_loads_add(sim, time, external);
     pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_FOLLOWER, sim->pool, external);
-    memcpy(force, external, (size_t)count * sizeof *force);
-    pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_CONSERVATIVE, sim->pool, force);
-    for (int32_t v = 0; v < count; v++)
-        for (int c = 0; c < 3; c++)
-            square += sim->model->inverse_mass[v] > 0 ? (double)force[v][c] * (double)force[v][c] : 0;
-    return sqrt(square) > pressure_noise(sim) ? sqrt(square) : 0;
+    return measure_external(sim, time, sim->state->position);
 }
 
 static pel_descent_problem make_problem(pel_descent_context *context)
@@ -269,6 +277,12 @@ double pel_descent_short_move(const pel_sim *sim)
     return SHORT_SHARE * sim->descent->size;
 }
 
+/* of a step in time, relative to what acts and to the forces that move the bodies where it begins */
+static double dynamic_tolerance(const pel_sim *sim, double loads)
+{
+    return DYNAMIC_SHARE * hypot(acting_force(sim, loads), sim->descent->moving);
+}
+
 /* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */
 static void remember_acting(pel_sim *sim, double loads, double first_residual)
 {
@@ -293,12 +307,12 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
     pel_descent_problem problem = make_problem(context);
     pel_descent_result *sum = &descent->result, round;
     pel_status status = PEL_OK;
-    bool closed = false;
+    bool closed = false, is_dynamic = pel_sim_has_velocity(sim);
     double before = HUGE_VAL;
     sum->converged = false;
     for (int n = 0; status == PEL_OK && !sum->converged && n < ROUND_LIMIT; n++) {
         bool again, had_any = descent->count > 0;
-        problem.tolerance = tolerance_of(sim, loads);
+        problem.tolerance = is_dynamic ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
         problem.enough = ROUGH_SHARE * problem.tolerance;
         problem.reduction = !had_any || closed ? 0 : problem.goes_on ? REDUCTION : FIRST_REDUCTION;
         status = descent->minimise(context, &problem, &round, error);
@@ -355,6 +369,34 @@ static double near_distance(const pel_sim *sim)
     return NEAR_SHARE * ldexp(sim->descent->mean_edge, -levels);
 }
 
+/* adds the forces of the springs that inertia is, where the step begins; returns the root of the sum of all squares */
+static double add_inertia(const pel_sim *sim, pel_record *force)
+{
+    const pel_sim_newton *newton = sim->descent->newton;
+    double square = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            double way = newton->points[v][k] - (double)sim->state->position[v][k];
+            force[v][k] += (pel_real)(newton->point_stiffness[v] * way);
+            bool is_free = sim->model->inverse_mass[v] > 0 && (sim->held == NULL || !sim->held[v]);
+            square += is_free ? (double)force[v][k] * (double)force[v][k] : 0;
+        }
+    return sqrt(square);
+}
+
+/* loads of what touches where the step begins */
+static void estimate_loads(pel_descent_context *context, double reach)
+{
+    pel_sim *sim = context->sim;
+    const double *stiffness = NULL;
+    plain_energy(context, sim->force);
+    if (pel_sim_has_velocity(sim)) {
+        stiffness = sim->descent->newton->point_stiffness;
+        sim->descent->moving = add_inertia(sim, sim->force);
+    }
+    pel_descent_contacts_estimate(sim, sim->force, reach, stiffness);
+}
+
 static pel_status minimise_under_constraints(pel_descent_context *context, double loads, pel_error *error)
 {
     pel_sim *sim = context->sim;
@@ -375,10 +417,8 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
         status = find_constraints(sim, false, &again, error);
         if (status != PEL_OK)
             break;
-        if (part == 1 && sim->descent->count > 0) {
-            plain_energy(context, sim->force);
-            pel_descent_contacts_estimate(sim, sim->force, way / part_count);
-        }
+        if (part == 1 && (sim->descent->count > 0 || pel_sim_has_velocity(sim)))
+            estimate_loads(context, way / part_count);
         status = minimise_in_rounds(context, loads, part == part_count, error);
         if (!pel_sim_all_inside(sim))
             return status;
@@ -389,17 +429,35 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
 
 /* ---- a step ---- */
 
+/* The pressure of a volume that is driven is far larger where a step begins than where it ends: the forces that act are
+   those of the end. */
 static pel_status minimise_alone(pel_descent_context *context, double loads, pel_error *error)
 {
-    pel_sim_descent *descent = context->sim->descent;
+    pel_sim *sim = context->sim;
+    pel_descent_result *sum = &sim->descent->result, round;
     pel_descent_problem problem = make_problem(context);
-    problem.tolerance = tolerance_of(context->sim, loads);
-    pel_status status = descent->minimise(context, &problem, &descent->result, error);
-    if (status != PEL_OK)
-        return status;
-    remember_acting(context->sim, loads, descent->result.first_residual);
-    descent->result.converged |= descent->result.residual <= tolerance_of(context->sim, loads);
-    return PEL_OK;
+    pel_status status = PEL_OK;
+    bool is_done = false;
+    for (int n = 0; status == PEL_OK && !is_done && n < ROUND_LIMIT; n++) {
+        int32_t iterations = sum->iterations, evaluations = sum->evaluations;
+        problem.tolerance = tolerance_of(sim, loads);
+        status = sim->descent->minimise(context, &problem, &round, error);
+        if (status != PEL_OK)
+            return status;
+        if (n == 0)
+            remember_acting(sim, loads, round.first_residual);
+        *sum = round;
+        sum->iterations += iterations;
+        sum->evaluations += evaluations;
+        bool is_dynamic = pel_sim_has_velocity(sim);
+        if (!is_dynamic && pel_sim_all_inside(sim))
+            loads = measure_external(sim, context->time, sim->state->position_next);
+        bool is_near = round.is_near || (is_dynamic && round.converged);
+        sum->converged = is_near || round.residual <= tolerance_of(sim, loads);
+        is_done = sum->converged || !round.converged || round.stuck;
+        problem.goes_on = true;
+    }
+    return status;
 }
 
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)

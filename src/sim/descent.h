@@ -29,9 +29,10 @@ typedef struct pel_descent_contact {
     double drag[3];               /* N, across it */
     double drift[3];              /* m, way of the tool there since the step began */
     double friction;
-    int32_t tool;     /* -1 = none */
-    int32_t triangle; /* whose gap to a round tool is looked up wherever it goes; -1 = a plane */
-    int32_t number;   /* planes of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
+    int32_t tool;   /* -1 = none */
+    int32_t points; /* vertices of a feature whose gap to a round tool is looked up wherever it goes; 0 = a plane */
+    int32_t end;    /* of the capsule that a triangle has its gap to: -1, 1; 0 = middle of a sphere */
+    int32_t number; /* of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
 } pel_descent_contact;
 
 typedef struct pel_descent_context pel_descent_context;
@@ -52,6 +53,7 @@ struct pel_sim_descent {
     double size;                 /* m, of the largest body */
     double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
     double acted;                /* N, largest force that has acted since the start */
+    double moving;               /* N, root of the sum of squares of forces and inertia where a step in time begins */
     double stiffness;            /* 1/s2, bound of that of the bodies over mass */
     double penalty;              /* stiffness of constraints over that bound */
     double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
@@ -129,8 +131,9 @@ bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact
 /* Loads and drags after a minimisation that ended at position_next. Returns the largest error of a gap over its
    tolerance. */
 double pel_descent_contacts_update(pel_sim *sim);
-/* Loads that balance `force` (vertex_count), that of the bodies at position_next, best. Writes over it. */
-void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach);
+/* Loads that balance `force` (vertex_count), that of the bodies at position_next, best. Writes over it. stiffness
+   (vertex_count): N/m of the springs that inertia is, whose forces are in `force`; null = none. */
+void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach, const double *stiffness);
 /* N, root of the sum of squares of what constraints do to vertices */
 double pel_descent_contacts_force(const pel_sim *sim);
 /* Constraints of surfaces from the list of contacts, after those of tools, with the loads that its keys have. */

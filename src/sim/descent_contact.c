@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "pellicle/geometry.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
 
@@ -31,29 +32,59 @@ void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_
             point[k] += constraint->weights[i] * (double)position[constraint->vertices[i]][k];
 }
 
-/* the nearest point of a triangle to a round tool */
+/* Nearest points of a feature (in the tool's frame) and the axis of a round tool: weights of the feature's vertices and
+   the way from the axis to it. A vertex and an edge have all of the axis, a triangle one end of it: each of these
+   points goes smoothly with the feature. The nearest point of a triangle to a whole axis does not: it jumps from edge
+   to edge where the triangle lies along the capsule. */
+static double find_nearest(const pel_solid *solid, const pel_descent_contact *constraint, double x[3][3],
+                           double weights[4], double way[3])
+{
+    double half = solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0, on_axis[4];
+    const double low[3] = {0, 0, -half}, high[3] = {0, 0, half};
+    double at[3] = {0, 0, constraint->end * half};
+    pel_vec3_set(weights, 1, 0, 0);
+    weights[3] = 0;
+    if (constraint->points == 3)
+        pel_closest_point_triangle(at, x[0], x[1], x[2], weights);
+    else if (constraint->points == 1)
+        at[2] = fmin(fmax(x[0][2], -half), half);
+    else {
+        pel_closest_segment_segment(x[0], x[1], low, high, on_axis);
+        weights[0] = on_axis[0];
+        weights[1] = on_axis[1];
+        at[2] = half * (on_axis[3] - on_axis[2]);
+    }
+    pel_vec3_scale(at, -1, way);
+    for (int i = 0; i < constraint->points; i++)
+        pel_vec3_along(way, weights[i], x[i], way);
+    return pel_vec3_length(way);
+}
+
 static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
                        pel_gap_sample *meeting)
 {
     const pel_tool *tool = &sim->tools[constraint->tool];
-    pel_solid large = pel_tool_press_solid(sim, tool, constraint->vertices[0]);
-    double far = 4 * pel_tool_size(tool) + pel_vec3_length(tool->pose.position), normal[3];
-    large.radius += far;
-    double depth = pel_tool_triangle_depth(sim, tool, &large, position, constraint->triangle, meeting->weights, normal);
-    if (!(depth > 0)) {
-        *meeting = (pel_gap_sample){.gap = far};
-        return;
+    const pel_solid solid = pel_tool_press_solid(sim, tool, constraint->vertices[0]);
+    double x[3][3], way[3];
+    for (int i = 0; i < constraint->points; i++) {
+        pel_vertex_position(position, constraint->vertices[i], x[i]);
+        pel_pose_to_local(&tool->pose, x[i], x[i]);
     }
-    meeting->gap = far - depth - constraint->offset;
-    meeting->weights[3] = 0;
-    pel_rotate(tool->pose.rotation, normal, meeting->normal);
+    double distance = find_nearest(&solid, constraint, x, meeting->weights, way);
+    /* on the axis every way out is as good */
+    if (distance > 0)
+        pel_vec3_scale(way, 1 / distance, way);
+    else
+        pel_vec3_set(way, 1, 0, 0);
+    meeting->gap = distance - solid.radius - constraint->offset;
+    pel_rotate(tool->pose.rotation, way, meeting->normal);
 }
 
 void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
                               pel_gap_sample *meeting)
 {
     double point[3];
-    if (constraint->triangle >= 0) {
+    if (constraint->points > 0) {
         meet_round(sim, constraint, position, meeting);
         return;
     }
@@ -136,7 +167,8 @@ static void drag_stiffness(const pel_descent_contact *constraint, const double d
 
      d = n . sum w_i y_i - d/2 sum_t (sum_i grad w_i . t (n . y_i) + w_i t . y_i / d)^2 + |across|^2 / (2 d);
 
-   the last term would make the matrix indefinite and is left out. A capsule counts as the sphere that is nearest. */
+   the last term would make the matrix indefinite and is left out. An edge along a capsule counts as one at the sphere
+   that is nearest. */
 static void add_row(const pel_gap_sample *meeting, double load, double distance, const double gradients[3][3],
                     const double t[3], pel_contact_stiffness *stiffness)
 {
@@ -216,7 +248,7 @@ bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact
             stiffness->along[a][b] = constraint->stiffness * meeting.normal[a] * meeting.normal[b];
     if (drags)
         drag_stiffness(constraint, drag, stiffness->across);
-    if (load > 0 && constraint->triangle >= 0)
+    if (load > 0 && constraint->points > 0)
         add_turning(sim, constraint, position, &meeting, load, stiffness);
     return load > 0 || drags;
 }
@@ -278,23 +310,40 @@ double pel_descent_contacts_update(pel_sim *sim)
     return largest;
 }
 
-/* the load that takes away most of what is left of the forces on its vertices */
-static void balance(const pel_sim *sim, pel_descent_contact *constraint, double reach, pel_record *force)
+/* What is left to balance at a constraint, N: without inertia the force that takes away most of those on its vertices.
+   With inertia the one under which its point, as far as springs of `stiffness` let the forces move it, keeps the gap
+   and stays with the tool. False where it has none. */
+static bool find_left(const pel_sim *sim, const pel_descent_contact *constraint, const pel_gap_sample *meeting,
+                      const double *stiffness, const pel_record *force, double left[3])
+{
+    double square = 0, slip[3];
+    pel_vec3_set(left, 0, 0, 0);
+    for (int i = 0; i < 4; i++) {
+        int32_t v = constraint->vertices[i];
+        double weight = mobility_of(sim, v) > 0 ? meeting->weights[i] : 0;
+        double compliance = weight == 0 || stiffness == NULL ? 1 : 1 / stiffness[v];
+        square += weight * weight * compliance;
+        for (int k = 0; k < 3; k++)
+            left[k] += weight * compliance * (double)force[v][k];
+    }
+    if (stiffness != NULL) {
+        double along = pel_vec3_dot(constraint->drift, meeting->normal);
+        pel_vec3_along(constraint->drift, -along - meeting->gap, meeting->normal, slip);
+        pel_vec3_subtract(left, slip, left);
+    }
+    if (square > 0)
+        pel_vec3_scale(left, -1 / square, left);
+    return square > 0;
+}
+
+static void balance(const pel_sim *sim, pel_descent_contact *constraint, double reach, const double *stiffness,
+                    pel_record *force)
 {
     pel_gap_sample meeting;
     pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
-    double square = 0, left[3] = {0, 0, 0}, change[3], drag[3];
-    if (meeting.gap > reach)
+    double left[3], change[3], drag[3];
+    if ((stiffness == NULL && meeting.gap > reach) || !find_left(sim, constraint, &meeting, stiffness, force, left))
         return;
-    for (int i = 0; i < 4; i++) {
-        double weight = mobility_of(sim, constraint->vertices[i]) > 0 ? meeting.weights[i] : 0;
-        square += weight * weight;
-        for (int k = 0; k < 3; k++)
-            left[k] += weight * (double)force[constraint->vertices[i]][k];
-    }
-    if (!(square > 0))
-        return;
-    pel_vec3_scale(left, -1 / square, left);
     double along = pel_vec3_dot(left, meeting.normal), load = fmax(0, constraint->load + along);
     pel_vec3_along(left, -along, meeting.normal, drag);
     pel_vec3_add(constraint->drag, drag, drag);
@@ -306,12 +355,12 @@ static void balance(const pel_sim *sim, pel_descent_contact *constraint, double 
     pel_vec3_copy(drag, constraint->drag);
 }
 
-void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach)
+void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach, const double *stiffness)
 {
     pel_sim_descent *descent = sim->descent;
     for (int sweep = 0; sweep < ESTIMATE_SWEEPS; sweep++)
         for (int32_t c = 0; c < descent->count; c++)
-            balance(sim, &descent->constraints[c], reach + descent->constraints[c].tolerance, force);
+            balance(sim, &descent->constraints[c], reach + descent->constraints[c].tolerance, stiffness, force);
 }
 
 double pel_descent_contacts_force(const pel_sim *sim)
@@ -342,7 +391,6 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_descent_contac
         .load = key->load,
         .friction = (double)contact->friction,
         .tool = key->tool,
-        .triangle = -1,
         .number = number,
     };
     for (int i = 0; i < 4; i++) {

@@ -1,6 +1,7 @@
-/* What the minimiser knows of tools: spheres and capsules by the nearest point of each triangle about them, wherever
-   that goes; boxes, where contact does not take them as surfaces, by planes at vertices and at the deepest points of
-   triangles, along separating axes, which are found anew in each round. */
+/* What the minimiser knows of tools: spheres by the nearest point of each triangle about them, wherever that goes;
+   capsules by those of vertices and edges to their axis, and of triangles to its ends; boxes, where contact does not
+   take them as surfaces, by planes at vertices and at the deepest points of triangles, along separating axes, which are
+   found anew in each round. */
 #include "sim/descent.h"
 #include "sim/tool.h"
 
@@ -14,11 +15,14 @@
 /* of the depth that pressing leaves: gaps keep so much more, to within the tolerance */
 #define SLACK_SHARE 2.0
 #define GAP_TOLERANCE 1.5
+/* weights of what touches inside an edge; tangent of the angle below which an edge lies along an axis */
+#define INSIDE 1e-9
+#define ALONG_AXIS 0.01
 
 /* one tool at work */
 typedef struct tool_search {
     pel_sim *sim;
-    int32_t tool;
+    int32_t tool, other_count;
     double reach, slack;
     pel_descent_contact blank;
 } tool_search;
@@ -64,20 +68,108 @@ static pel_descent_contact at_triangle(const tool_search *search, int32_t t)
 
 /* ---- round tools ---- */
 
-static pel_status add_round(const tool_search *search, int32_t t, pel_error *error)
+/* the same feature in the list of what was known, where those of a triangle stand together: its number plus 1 */
+static int32_t find_known(const tool_search *search, const pel_descent_contact *constraint)
+{
+    const pel_sim_descent *descent = search->sim->descent;
+    int32_t c = search->sim->plane_of_triangle[constraint->number];
+    for (; c > 0 && c <= search->other_count; c++) {
+        const pel_descent_contact *old = &descent->others[c - 1];
+        if (old->tool != search->tool || old->number != constraint->number)
+            break;
+        if (old->points == constraint->points && old->end == constraint->end &&
+            old->vertices[0] == constraint->vertices[0])
+            return c;
+    }
+    return 0;
+}
+
+static pel_status add_feature(const tool_search *search, pel_descent_contact *constraint, int32_t known,
+                              pel_error *error)
+{
+    pel_gap_sample meeting;
+    constraint->offset = search->slack;
+    pel_descent_contact_meet(search->sim, constraint, search->sim->state->position_next, &meeting);
+    if (meeting.gap > search->reach && known == 0)
+        return PEL_OK;
+    memcpy(constraint->weights, meeting.weights, sizeof constraint->weights);
+    pel_vec3_copy(meeting.normal, constraint->normal);
+    return add(search, constraint, known, error);
+}
+
+static pel_status add_face(const tool_search *search, int32_t t, int end, pel_error *error)
+{
+    pel_descent_contact constraint = at_triangle(search, t);
+    constraint.points = 3;
+    constraint.end = end;
+    return add_feature(search, &constraint, find_known(search, &constraint), error);
+}
+
+/* whether an edge lies along the axis, where its nearest point would jump from end to end: its vertices hold it */
+static bool is_along_axis(const tool_search *search, const pel_descent_contact *constraint)
+{
+    double way[3], from[3], to[3];
+    pel_vertex_position(search->sim->state->position_next, constraint->vertices[0], from);
+    pel_vertex_position(search->sim->state->position_next, constraint->vertices[1], to);
+    pel_vec3_subtract(to, from, way);
+    pel_rotate_back(search->sim->tools[search->tool].pose.rotation, way, way);
+    return hypot(way[0], way[1]) < ALONG_AXIS * fabs(way[2]);
+}
+
+/* A side of a triangle that crosses the axis; beyond its ends their spheres hold the triangle, and vertices have
+   constraints of their own. */
+static pel_status add_side(const tool_search *search, int32_t t, int side, pel_error *error)
 {
     pel_sim *sim = search->sim;
     pel_descent_contact constraint = at_triangle(search, t);
-    pel_gap_sample meeting;
-    constraint.triangle = t;
-    constraint.offset = search->slack;
-    pel_descent_contact_meet(sim, &constraint, sim->state->position_next, &meeting);
-    int32_t known = sim->plane_of_triangle[t];
-    if (meeting.gap > search->reach && known == 0)
+    const int32_t *corners = sim->model->triangles[t];
+    for (int i = 0; i < 4; i++)
+        constraint.vertices[i] = corners[i == 1 ? (side + 1) % 3 : side];
+    constraint.points = 2;
+    int32_t known = find_known(search, &constraint);
+    bool presses = known > 0 && sim->descent->others[known - 1].load > 0;
+    if (is_along_axis(search, &constraint))
         return PEL_OK;
-    memcpy(constraint.weights, meeting.weights, sizeof constraint.weights);
-    pel_vec3_copy(meeting.normal, constraint.normal);
-    return add(search, &constraint, known, error);
+    pel_gap_sample meeting;
+    pel_descent_contact_meet(sim, &constraint, sim->state->position_next, &meeting);
+    if (!presses && fmax(meeting.weights[0], meeting.weights[1]) > 1 - INSIDE)
+        return PEL_OK;
+    return add_feature(search, &constraint, presses ? known : 0, error);
+}
+
+static pel_status add_vertex(const tool_search *search, int32_t v, pel_error *error)
+{
+    pel_sim *sim = search->sim;
+    int32_t known = sim->descent->constraint_of_vertex[v];
+    /* found before, in this search */
+    if (known < 0)
+        return PEL_OK;
+    pel_descent_contact constraint = search->blank;
+    for (int i = 0; i < 4; i++)
+        constraint.vertices[i] = v;
+    constraint.points = 1;
+    constraint.number = -1 - v;
+    int32_t before = sim->descent->count;
+    pel_status status = add_feature(search, &constraint, known, error);
+    /* where nothing was added nothing would take the mark away */
+    if (sim->descent->count > before)
+        sim->descent->constraint_of_vertex[v] = -1;
+    return status;
+}
+
+static pel_status add_round(const tool_search *search, int32_t t, pel_error *error)
+{
+    const pel_sim *sim = search->sim;
+    if (sim->tools[search->tool].solid.kind == PEL_SOLID_SPHERE)
+        return add_face(search, t, 0, error);
+    pel_status status = PEL_OK;
+    for (int end = -1; status == PEL_OK && end <= 1; end += 2)
+        status = add_face(search, t, end, error);
+    for (int i = 0; status == PEL_OK && i < 3; i++)
+        status = add_side(search, t, i, error);
+    for (int i = 0; status == PEL_OK && i < 3; i++)
+        status = add_vertex(search, sim->model->triangles[t][i], error);
+    return status;
 }
 
 /* ---- boxes ---- */
@@ -160,27 +252,34 @@ static void set_known(pel_sim *sim, int32_t tool, int32_t other_count, bool forg
             continue;
         int32_t *known =
             old->number < 0 ? &descent->constraint_of_vertex[-1 - old->number] : &sim->plane_of_triangle[old->number];
-        *known = forget ? 0 : c + 1;
+        /* the first one of a triangle */
+        if (forget || *known == 0)
+            *known = forget ? 0 : c + 1;
     }
     for (int32_t c = 0; forget && c < descent->count; c++)
         if (descent->constraints[c].number < 0)
             descent->constraint_of_vertex[-1 - descent->constraints[c].number] = 0;
 }
 
-static pel_status find(pel_sim *sim, int32_t tool, double longest, pel_error *error)
+static pel_status find(pel_sim *sim, int32_t tool, int32_t other_count, double longest, pel_error *error)
 {
     const pel_tool *t = &sim->tools[tool];
     double free_depth = pel_tool_press_tolerance(sim, t);
-    tool_search search = {sim, tool, REACH_SHARE * longest, SLACK_SHARE * free_depth, {.triangle = -1, .tool = tool}};
-    search.blank.tolerance = GAP_TOLERANCE * free_depth;
+    const tool_search search = {.sim = sim,
+                                .tool = tool,
+                                .other_count = other_count,
+                                .reach = REACH_SHARE * longest,
+                                .slack = SLACK_SHARE * free_depth,
+                                .blank = {.tool = tool, .tolerance = GAP_TOLERANCE * free_depth}};
     int32_t near_count = pel_tool_near_triangles(sim, t, sim->state->position_next, search.reach);
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < near_count; i++) {
-        search.blank.friction = pel_sim_friction(sim, t, sim->model->triangles[sim->near_triangles[i]][0]);
+        tool_search own = search;
+        own.blank.friction = pel_sim_friction(sim, t, sim->model->triangles[sim->near_triangles[i]][0]);
         if (pel_tool_is_round(t))
-            status = add_round(&search, sim->near_triangles[i], error);
+            status = add_round(&own, sim->near_triangles[i], error);
         else
-            status = add_flat(&search, sim->near_triangles[i], error);
+            status = add_flat(&own, sim->near_triangles[i], error);
     }
     return status;
 }
@@ -202,7 +301,7 @@ pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
         if (!is_found_here(sim, &sim->tools[i]))
             continue;
         set_known(sim, i, other_count, false);
-        status = find(sim, i, longest, error);
+        status = find(sim, i, other_count, longest, error);
         set_known(sim, i, other_count, true);
     }
     descent->tool_count = descent->count;

@@ -8,12 +8,10 @@
 
 #include <string.h>
 
-/* runs of a step in time end at this share of the forces that they began with */
+/* runs of a step in time without constraints end at this share of the forces that they began with */
 #define DYNAMIC_REDUCTION 1e-3
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
-/* and those that follow the first one in a step at this share of what that began with */
-#define ROUND_REDUCTION 1e-4
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
 #define NEAR_TOLERANCES 10
 enum { DYNAMIC_ITERATIONS = 20 };
@@ -61,7 +59,6 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
 void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->descent->newton->goes_on = false;
-    sim->descent->newton->first_residual = 0;
     pel_newton_forget(sim->descent->newton->newton);
     if (sim->solver.budget > 0)
         sim->deadline = sim->clock() + sim->solver.budget;
@@ -327,7 +324,7 @@ static void copy_vertices(const pel_descent_contact *constraint, int32_t vertice
     while (first < 3 && constraint->weights[first] == 0)
         first++;
     for (int i = 0; i < 4; i++)
-        vertices[i] = constraint->vertices[constraint->weights[i] != 0 || constraint->triangle >= 0 ? i : first];
+        vertices[i] = constraint->vertices[constraint->weights[i] != 0 || i < constraint->points ? i : first];
 }
 
 /* Lists the constraints that act, or (acts = false) those that do not but are near. */
@@ -449,9 +446,9 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .target = newton->target,
         .frames = frames,
         .terms = context->is_constrained || has_springs ? &terms : NULL,
-        .tolerance = fmax(tolerance, is_dynamic ? ROUND_REDUCTION * newton->first_residual : 0),
+        .tolerance = tolerance,
         .held_share = problem->held_share,
-        .reduction = is_dynamic ? DYNAMIC_REDUCTION : problem->reduction,
+        .reduction = is_dynamic && !context->is_constrained ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
         .short_move = problem->short_move,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations
@@ -459,6 +456,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
         .keeps_factor = is_dynamic,
+        .moves = is_dynamic && !problem->goes_on,
         .is_dynamic = is_dynamic,
     };
     pel_newton_result run;
@@ -478,7 +476,6 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .stuck = run.stuck,
         .unstable = run.unstable,
     };
-    newton->first_residual = fmax(newton->first_residual, run.first_residual);
     pel_edge_loads_add_work(sim, context->time, pel_newton_turns(newton->newton));
     return status;
 }

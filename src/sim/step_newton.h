@@ -21,9 +21,8 @@ struct pel_sim_newton {
                             half the square of radial . x - radial[3]; null = none */
     int32_t (*couplings)[4]; /* scratch: vertices of constraints */
     size_t coupling_capacity;
-    double first_residual; /* N, of the first run of the step */
-    bool is_damped;        /* drag, or damping of springs */
-    bool goes_on;          /* the unknowns belong to the step in progress */
+    bool is_damped; /* drag, or damping of springs */
+    bool goes_on;   /* the unknowns belong to the step in progress */
 };
 
 /* Unknowns, matrix and room, after sim->descent was made. Errors of pel_newton_create. */

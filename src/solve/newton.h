@@ -65,6 +65,7 @@ typedef struct pel_newton_problem {
     double (*clock)(void); /* s; null = no deadline */
     double deadline;       /* s by the clock: after the first step that ends later the best state by then is taken */
     bool keeps_factor;     /* conjugate gradients with an older factor, while they need few iterations */
+    bool moves;            /* has not converged before one step: forces below the tolerance move what is light */
     bool is_dynamic;       /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
 } pel_newton_problem;
 

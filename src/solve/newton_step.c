@@ -326,6 +326,8 @@ bool pel_newton_has_converged(newton_run *run)
     for (int32_t u = 0; u < run->newton->pattern->unknown_count; u++)
         if (run->newton->fixed[u] && fabs(pel_newton_way_to_target(run, u)) > SHORT_SHARE * run->newton->size)
             return false;
+    if (problem->moves && result->iterations == 0)
+        return false;
     double held = problem->held_share * result->held_force;
     bool reduced = result->residual <= problem->reduction * result->first_residual;
     result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held) ||

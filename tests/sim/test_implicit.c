@@ -1,4 +1,5 @@
 /* Steps in time by Newton's method: order, what is kept, and what touches. */
+#include "pellicle/geometry.h"
 #include "sim/contact_scene.h"
 #include "sim/descent_fixture.h"
 #include "sim/sim.h"
@@ -259,6 +260,89 @@ static void test_round_tool(void **unused)
     assert_true(reading_of(sim, 0).force[2] > 0);
     assert_true(most < 60);
     press_end(&scene, sim);
+}
+
+/* least distance of the triangles from the axis of a capsule along x */
+static double axis_distance(const press_scene *scene, const pel_sim *sim)
+{
+    double least = HUGE_VAL, x[252][3], weights[5];
+    const pel_tool_reading reading = reading_of(sim, 0);
+    const double *middle = reading.position, half = scene->tool.half_length;
+    const double ends[2][3] = {{middle[0] - half, middle[1], middle[2]}, {middle[0] + half, middle[1], middle[2]}};
+    assert_true(scene->mesh->vertex_count <= 252);
+    pel_sim_get_positions(sim, 0, *x);
+    for (int32_t t = 0; t < scene->mesh->triangle_count; t++) {
+        const int32_t *c = scene->mesh->triangles[t];
+        least = fmin(least, pel_closest_segment_triangle(ends[0], ends[1], x[c[0]], x[c[1]], x[c[2]], weights));
+    }
+    return sqrt(least);
+}
+
+/* A capsule lies down on a ball along its triangles, in motion and at rest: few systems a step, and nothing goes into
+   it. */
+static void test_capsule(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < 2; i++) {
+        press_scene scene;
+        press_begin(&scene, 5, 1e5);
+        press_move(&scene, 1.1, 0.08);
+        for (int k = 0; k < PRESS_KEYS; k++)
+            scene.keys[k].rotation[1] = scene.keys[k].rotation[3] = sqrt(0.5);
+        scene.tool.shape = PEL_TOOL_CAPSULE;
+        scene.tool.radius = 0.1;
+        scene.tool.half_length = 0.6;
+        scene.def.solver.method = i == 0 ? PEL_METHOD_IMPLICIT : PEL_METHOD_STATIC;
+        scene.def.solver.dt = 0.05;
+        scene.def.solver.iterations = 0;
+        pel_sim *sim = press_create(&scene);
+        for (int n = 0; n < 20; n++) {
+            run_steps(sim, 1);
+            /* gaps in float round to more than the tolerance of forces */
+            if (sizeof(pel_real) == 8) {
+                assert_true(solver_of(sim).converged);
+                assert_true(solver_of(sim).iterations < 20);
+            }
+            assert_true(axis_distance(&scene, sim) > 0.1 - (sizeof(pel_real) == 4 ? 1e-6 : 1e-9));
+        }
+        assert_true(reading_of(sim, 0).force[2] > 10);
+        press_end(&scene, sim);
+    }
+}
+
+/* a light body falls beside a heavy one that lies on a table: its forces are far below those of the contact */
+static void test_light(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_IMPLICIT);
+    scene_body(&scene, make_sheet(4, 0));
+    pel_mesh *light = make_sheet(4, 0);
+    for (int32_t v = 0; v < light->vertex_count; v++)
+        light->positions[v][2] += 1;
+    scene_body(&scene, light);
+    for (int b = 0; b < 2; b++) {
+        scene.bodies[b].mass_kind = PEL_MASS_PER_VERTEX;
+        scene.bodies[b].mass = b == 0 ? 1e3 : 1e-3;
+        scene.bodies[b].spring_damping.value = scene.bodies[b].volumetric_damping.value = 0;
+    }
+    pel_shape_def ground = pel_shape_def_default(PEL_SHAPE_GRID);
+    ground.nx = ground.ny = 9;
+    ground.size_x = ground.size_y = 8;
+    assert_int_equal(pel_shape_create(&ground, &scene.tool_mesh, NULL), PEL_OK);
+    scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
+    scene_move(&scene, 0, 0.31, 0.17, -7e-4, -7e-4, 1);
+    scene.gravity = -10;
+    scene.def.contact.thickness = 5e-4;
+    scene.def.solver.dt = 0.01;
+    pel_sim *sim = scene_create(&scene);
+    double before[3 * 25], after[3 * 25];
+    pel_sim_get_positions(sim, 1, before);
+    run_steps(sim, 20);
+    pel_sim_get_positions(sim, 1, after);
+    /* implicit Euler falls by g t (t + dt) / 2 */
+    assert_near((before[2] - after[2]) / (0.5 * 10 * 0.2 * 0.21), 1, 0.01);
+    scene_end(&scene, sim);
 }
 
 /* the same bits for any number of threads, and after a snapshot */
@@ -578,7 +662,8 @@ int main(void)
         cmocka_unit_test(test_order),         cmocka_unit_test(test_energy),
         cmocka_unit_test(test_momentum),      cmocka_unit_test(test_load_in_time),
         cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_slide),
-        cmocka_unit_test(test_round_tool),    cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_round_tool),    cmocka_unit_test(test_capsule),
+        cmocka_unit_test(test_light),         cmocka_unit_test(test_bits),
         cmocka_unit_test(test_collision),     cmocka_unit_test(test_collision_bits),
         cmocka_unit_test(test_refined),       cmocka_unit_test(test_refined_bits),
         cmocka_unit_test(test_refusal),       cmocka_unit_test(test_radial_damping),

@@ -58,6 +58,34 @@ static void test_roll_up(void **unused)
     end_stage(&s);
 }
 
+/* A volume that is driven: where a step begins its pressure is a thousand times what it is in the balance, and what may
+   be left of the forces goes by that of the balance. */
+static void test_driven_volume(void **unused)
+{
+    (void)unused;
+    const pel_key keys[] = {{0, 1}, {1, 2}};
+    stage s;
+    pel_solver_reading reading;
+    s.mesh = make_sphere(4);
+    pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_NEO_HOOKEAN);
+    body.shell.membrane.young.value = 1e6;
+    body.shell.membrane.thickness.value = 0.01;
+    body.shell.pressure.kind = PEL_PRESSURE_VOLUME;
+    body.shell.pressure.target = (pel_quantity){.value = 1, .keys = keys, .key_count = 2};
+    body.shell.pressure.bulk = 1e7;
+    s.model = make_model(&body);
+    const pel_sim_def def = lone_sim(s.model, PEL_METHOD_STATIC, 0.25);
+    s.sim = make_sim(&def);
+    for (int n = 0; n < 4; n++)
+        assert_int_equal(pel_sim_step(s.sim, NULL), PEL_OK);
+    pel_sim_get_solver(s.sim, &reading);
+    assert_true(reading.converged);
+    /* N, over all vertices of the unit sphere: some 4 kPa on 20 m2 */
+    double force = 4e3 * 20 / sqrt((double)s.mesh->vertex_count);
+    assert_true(reading.residual < IN_FLOAT(1e-6, 2e-3) * force);
+    end_stage(&s);
+}
+
 /* ---- paths ---- */
 
 static pel_sim *make_balloon(stage *s, double pressure, int32_t threads)
@@ -188,8 +216,8 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_roll_up), cmocka_unit_test(test_limit_point), cmocka_unit_test(test_full_load),
-        cmocka_unit_test(test_bits),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_roll_up),   cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_limit_point),
+        cmocka_unit_test(test_full_load), cmocka_unit_test(test_bits),          cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
