@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly demo bench bench-peers web python format docs pictures install deb packages clean
+.PHONY: help build program test nightly demo bench bench-peers web site reproduction python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -18,8 +18,8 @@ help: ## this list
 program: build/$(PRESET)/build.ninja
 	@cmake --build build/$(PRESET) --target pellicle_program $(QUIET)
 
-demo: program ## press the human lens capsule; MESH=file presses that mesh, SCENE=file runs that scene
-	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)"
+demo: program ## press the human lens capsule; MESH=file presses that mesh (SCALE=0.001: millimetres), SCENE=file runs that scene
+	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)" "$(SCALE)"
 
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET); exit $$status
@@ -51,6 +51,13 @@ docs: program ## write docs/reference from the program's own tables
 	@mkdir -p docs/reference
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
+
+site: ## make the documentation as web pages in build/site (installs MkDocs and Doxygen)
+	@tools/install-packages mkdocs doxygen
+	@tools/site
+
+reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
+	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md
 
 pictures: program ## draw docs/pictures from scenes/
 	@tools/pictures $(PROGRAM) docs/pictures

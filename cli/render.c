@@ -205,6 +205,7 @@ static bool read_choices(const cli_call *call, pel_render_def *def)
     def->hide_ground = cli_has(call, "no-ground");
     def->frame_numbers = cli_has(call, "frame-numbers");
     def->frame_rate = cli_number(call, "fps");
+    def->turn = cli_number(call, "turn");
     return read_component(call, &def->component) && read_range(call, def) && read_view(call, &def->angle) &&
            read_pair(call, "size", &def->width, &def->height) && read_pair(call, "sheet", &def->columns, &def->rows);
 }

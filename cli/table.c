@@ -317,9 +317,16 @@ static const cli_command commands[] = {
               .kind = CLI_LENGTH,
               .value = "N",
               .doc = "pictures per second of a film; left out: real time, between 10 and 60"},
+             {.name = "turn",
+              .kind = CLI_LENGTH,
+              .value = "DEGREES",
+              .doc =
+                  "go around the body by so many degrees during a film; a mesh, or a single frame, becomes a turntable "
+                  "of 72 pictures"},
              {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
              JSON_OPTION},
         .examples = "pellicle render results/sphere-press -o press.png --edges --frames 50\n"
+                    "pellicle render liver.ply -o turntable.gif --turn 360\n"
                     "pellicle render results/sphere-press -o press.mp4\n"
                     "pellicle render results/soft results/stiff -o both.png --frames 0,25,50 --field force\n"
                     "pellicle render liver.obj -o liver.png --view 20,10 --up y",

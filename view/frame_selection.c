@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MOST_CELLS = 144 };
+enum { MOST_CELLS = 144, TURNTABLE_PICTURES = 72 };
 
 view_output view_output_kind(const char *output)
 {
@@ -159,6 +159,9 @@ static pel_status fill_pages(view_frame_selection *shots, const pel_render_def *
 {
     for (int32_t r = 0; r < def->input_count; ++r)
         shots->page_count = lists[r].count > shots->page_count ? lists[r].count : shots->page_count;
+    /* what stands still is seen from all sides */
+    if (def->turn != 0 && shots->page_count == 1)
+        shots->page_count = TURNTABLE_PICTURES;
     int32_t used = def->input_count;
     pel_status status = choose_layout(shots, def, used, used <= 3 ? used : (int32_t)ceil(sqrt(used)), error);
     for (int32_t p = 0; status == PEL_OK && p < shots->page_count; ++p) {

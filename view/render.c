@@ -39,6 +39,7 @@ typedef struct job {
     double range[2];
     pel_color_map color_map;
     double bounds[2][3]; /* of the surfaces of all frames */
+    double around;       /* radius of a ball about their middle with them and small tools in it */
     double longest;      /* arrow, in the unit of its field */
     int time_decimals;
     double *values; /* (value_count) numbers of one frame */
@@ -77,6 +78,8 @@ static pel_status check_numbers(const pel_render_def *def, pel_error *error)
         return refuse("the sheet's columns and rows are out of range", "give both from 1", error);
     if (!(def->frame_rate >= 0 && def->frame_rate <= 1000))
         return refuse("the frame rate is out of range", "give up to 1000 pictures a second", error);
+    if (!isfinite(def->turn) || (def->turn != 0 && view_output_kind(def->output) != VIEW_FILM))
+        return refuse("the camera turns in films alone", "write a .mp4 or a .gif, or choose a view", error);
     if (def->component < -1 || def->up < 0 || def->up > 2 || (unsigned)def->color_map > PEL_COLORS_AUTO ||
         (unsigned)def->background > PEL_BACKGROUND_TRANSPARENT)
         return refuse("a choice is out of range", "begin with pel_render_def_default", error);
@@ -210,6 +213,12 @@ static double tool_radius(const pel_tool_def *tool)
                                        : tool->radius + (tool->shape == PEL_TOOL_CAPSULE ? tool->half_length : 0);
 }
 
+static void find_middle(const job *j, double middle[3])
+{
+    for (int i = 0; i < 3; ++i)
+        middle[i] = 0.5 * (j->bounds[0][i] + j->bounds[1][i]);
+}
+
 /* tools smaller than the body belong into the picture; larger ones may reach out of it */
 static void survey_tools(job *j, view_shot shot)
 {
@@ -219,11 +228,16 @@ static void survey_tools(job *j, view_shot shot)
         const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
         if (tool->shape == PEL_TOOL_SUPPORT)
             continue;
-        double radius = tool_radius(tool);
-        if (radius < 0.35 * body_size(j))
+        double radius = tool_radius(tool), middle[3];
+        find_middle(j, middle);
+        if (radius < 0.35 * body_size(j)) {
             view_camera_see(&j->camera, position, radius);
-        else
+            j->around =
+                fmax(j->around,
+                     hypot(hypot(position[0] - middle[0], position[1] - middle[1]), position[2] - middle[2]) + radius);
+        } else {
             view_camera_reach(&j->camera, position, radius);
+        }
     }
 }
 
@@ -380,6 +394,7 @@ static pel_status survey(job *j, pel_error *error)
     }
     if (status != PEL_OK)
         return status;
+    j->around = 0.5 * body_size(j);
     for (int32_t i = 0; i < count; ++i) {
         if (j->shots.shots[i].run >= 0)
             survey_tools(j, j->shots.shots[i]);
@@ -468,8 +483,7 @@ static void draw_parts(job *j, const parts *ends)
     const view_look tools = {.plain = {{120, 132, 148, 165}}, .highlight = 0.25};
     const view_look ground = {.ground = true, .occlusion = j->def.background == PEL_BACKGROUND_DARK ? 1 : 0.8};
     double middle[3], center[3];
-    for (int i = 0; i < 3; ++i)
-        middle[i] = 0.5 * (j->bounds[0][i] + j->bounds[1][i]);
+    find_middle(j, middle);
     view_camera_turn(&j->camera, middle, center);
     view_gl_target_load(j->canvas, &j->soup, ends->tools, center, fmax(0.6 * body_size(j), 1e-30));
     view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &surface);
@@ -527,11 +541,26 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     return status;
 }
 
+/* The camera of a picture of a film that goes around the body, always from the same distance. */
+static void turn_camera(job *j, int32_t page)
+{
+    pel_camera_angle angle = j->def.angle;
+    double middle[3];
+    find_middle(j, middle);
+    angle.azimuth += j->def.turn * page / j->shots.page_count;
+    view_camera_begin(&j->camera, &angle, j->def.up, j->page.cell_width, j->page.cell_height);
+    view_camera_see(&j->camera, middle, j->around);
+    view_camera_reach(&j->camera, middle, 2 * j->around);
+    view_camera_fit(&j->camera, angle.zoom);
+}
+
 static pel_status draw_page(job *j, int32_t page, pel_error *error)
 {
     const view_shot *shots = j->shots.shots + (size_t)page * (size_t)j->shots.cell_count;
     double start = view_clock();
     double before = j->summary.draw_s;
+    if (j->def.turn != 0)
+        turn_camera(j, page);
     view_sheet_begin(&j->page, &j->image);
     if (j->field != NULL && !j->def.hide_bar)
         view_sheet_bar(&j->page, &j->image, j->color_map, &j->scale);

@@ -71,6 +71,15 @@ typedef struct pel_body_def {
     bool volumetric_by_area; /* the volumetric numbers and spring_damping are those of a vertex with 1/reference_count
                                 of the body's area and scale with nodal area (theory: consistent under refinement) */
     int32_t reference_count; /* 252 by default: the vertices of paper A's sphere */
+    /* Springs by Young's modulus, so that the response does not depend on the fineness of the mesh. Both are 0 by
+       default: the numbers above are those of each edge and vertex. */
+    double
+        spring_thickness; /* m; above 0: spring_stiffness is the Young's modulus [Pa] of a sheet of this thickness. An
+                             edge has it times the thickness times the area of its triangles over its squared length
+                             (van Gelder 1998), and spring_damping is a drag [1/s] on the mass of each vertex */
+    double volumetric_depth; /* m; above 0: volumetric_stiffness is the Young's modulus [Pa] of a filling of this depth.
+                                A vertex has it times its area over the depth (an elastic foundation), and
+                                volumetric_damping is a drag [1/s] on its mass. volumetric_by_area is not used */
     const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;
     double velocity[3];         /* m/s, of all vertices at the start; 0 for methods without velocities */

@@ -83,8 +83,10 @@ typedef struct pel_render_def {
     bool hide_ground;          /* leave out the shadow on the ground */
     bool frame_numbers;        /* labels tell the number of the frame instead of the time */
     pel_background background;
-    const char *title;            /* above the picture; null or empty = none */
-    double frame_rate;            /* pictures per second of a film; 0 = real time, between 10 and 60 */
+    const char *title; /* above the picture; null or empty = none */
+    double frame_rate; /* pictures per second of a film; 0 = real time, between 10 and 60 */
+    double turn; /* degrees by which the camera goes around the body in a film, counter-clockwise; a single frame is
+                    shown in 72 pictures: 360 makes a turntable that can be repeated. 0 = it stands still */
     const char *program;          /* the ffmpeg to use; null = the one of the search path */
     bool (*progress)(void *user); /* asked before each frame is read; false stops with PEL_STOPPED; nullable */
     void *user;

@@ -136,6 +136,8 @@ const pel_member pel_body_members[] = {
     DEF(pel_body_def, volumetric_damping, VOLUMETRIC, quantity),
     PLAIN(pel_body_def, volumetric_by_area, VOLUMETRIC),
     PLAIN(pel_body_def, reference_count, VOLUMETRIC),
+    PLAIN(pel_body_def, spring_thickness, SPRINGS),
+    PLAIN(pel_body_def, volumetric_depth, VOLUMETRIC),
     LIST(pel_body_def, pinned, PINS, pinned_count),
     OTHER(pel_body_def, pinned_count),
     PLAIN(pel_body_def, velocity, START),

@@ -155,16 +155,14 @@ static void spread_pins(pel_body_levels *detail, const pel_model *model, const p
     pel_levels_spread_marks(detail->forest, detail->pinned);
 }
 
-static void fit_moduli(pel_body_levels *detail, const pel_quantity *stiffness)
+static void fit_moduli(pel_body_levels *detail, const pel_body_def *def)
 {
     const pel_topology *base = detail->forest->levels[0];
     const double(*x)[3] = (const double(*)[3])detail->forest->rest_positions;
     for (int32_t e = 0; e < base->edge_count; e++) {
         int32_t h = base->half_edge_of_edge[e], twin = base->twin[h];
         int32_t a = pel_half_edge_origin(base, h), b = pel_half_edge_target(base, h);
-        double k = stiffness->key_count > 0 ? 1 : stiffness->value, d[3];
-        if (stiffness->key_count == 0 && stiffness->field != NULL)
-            k = 0.5 * (stiffness->field[a] + stiffness->field[b]);
+        double k = pel_model_rest_stiffness(def, base, e), d[3];
         double area = detail->areas[h / 3] + (twin >= 0 ? detail->areas[twin / 3] : 0);
         pel_vec3_subtract(x[b], x[a], d);
         detail->stiffnesses[e] = k;
@@ -196,7 +194,7 @@ pel_status pel_body_detail_create(const pel_body_def *def, pel_model *model, int
     measure_areas(detail);
     spread_densities(detail, model, &model->bodies[body]);
     spread_pins(detail, model, &model->bodies[body]);
-    fit_moduli(detail, &def->spring_stiffness);
+    fit_moduli(detail, def);
     return PEL_OK;
 }
 

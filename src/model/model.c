@@ -89,6 +89,10 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
                                "give a number of metres above 0");
     if (!isfinite(b->restitution))
         return pel_body_refuse(error, body, "restitution", b->restitution, "give a number from 0 to 1");
+    if (!(b->spring_thickness >= 0 && isfinite(b->spring_thickness)))
+        return pel_body_refuse(error, body, "spring_thickness", b->spring_thickness, "give a number of metres, or 0");
+    if (!(b->volumetric_depth >= 0 && isfinite(b->volumetric_depth)))
+        return pel_body_refuse(error, body, "volumetric_depth", b->volumetric_depth, "give a number of metres, or 0");
     if (b->reference_count < 1)
         return pel_body_refuse(error, body, "reference_count", b->reference_count, "give at least 1");
     const struct {
@@ -234,13 +238,14 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
                           const double *areas)
 {
     int32_t first = body->slice_begin * PEL_WIDTH, last = body->slice_end * PEL_WIDTH;
-    double mean_area = body->rest_area / def->reference_count;
+    double mean_area = body->rest_area / def->reference_count, depth = def->volumetric_depth;
     for (int32_t i = first; i < last; i++) {
         bool padding = i - first >= def->mesh->vertex_count;
         int32_t v = order[padding ? 0 : i - first];
         const double *x = def->mesh->positions[v];
         double share = def->volumetric_by_area ? areas[v] / mean_area : 1;
-        double volumetric = padding ? 0 : share * pel_quantity_at(&def->volumetric_stiffness, v);
+        double volumetric_share = depth > 0 ? areas[v] / depth : share;
+        double volumetric = padding ? 0 : volumetric_share * pel_quantity_at(&def->volumetric_stiffness, v);
         model->rest[i] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], (pel_real)volumetric};
         model->mesh_vertex[i] = padding ? -1 : v;
         if (padding)
@@ -253,8 +258,9 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
             mass *= pel_quantity_at(&def->thickness, v) * areas[v];
         model->mass[i] = (pel_real)mass;
         model->inverse_mass[i] = (pel_real)(1 / mass);
-        model->damping[i] = (pel_real)(share * pel_quantity_at(&def->spring_damping, v));
-        model->volumetric_damping[i] = (pel_real)(share * pel_quantity_at(&def->volumetric_damping, v));
+        double spring_share = def->spring_thickness > 0 ? mass : share, filling_share = depth > 0 ? mass : share;
+        model->damping[i] = (pel_real)(spring_share * pel_quantity_at(&def->spring_damping, v));
+        model->volumetric_damping[i] = (pel_real)(filling_share * pel_quantity_at(&def->volumetric_damping, v));
     }
     for (int32_t p = 0; p < def->pinned_count; p++)
         model->inverse_mass[body->model_index[def->pinned[p]]] = 0;
@@ -270,6 +276,24 @@ static void count_slots(pel_model *model, const pel_body *body, const int32_t *v
                 most = valence[model->mesh_vertex[i]];
         model->slot_begin[s + 1] = model->slot_end[s] = model->slot_begin[s] + most;
     }
+}
+
+static double area_beside(const pel_mesh *mesh, int32_t half_edge)
+{
+    return half_edge < 0 ? 0 : pel_surface_area(mesh->positions[0], mesh->triangles[half_edge / 3], 1);
+}
+
+double pel_model_rest_stiffness(const pel_body_def *def, const pel_topology *topology, int32_t edge)
+{
+    int32_t h = topology->half_edge_of_edge[edge];
+    int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
+    double d[3],
+        given = 0.5 * (pel_quantity_at(&def->spring_stiffness, a) + pel_quantity_at(&def->spring_stiffness, b));
+    if (!(def->spring_thickness > 0))
+        return given;
+    pel_vec3_subtract(def->mesh->positions[b], def->mesh->positions[a], d);
+    double area = area_beside(def->mesh, h) + area_beside(def->mesh, topology->twin[h]);
+    return given * def->spring_thickness * area / pel_vec3_squared_length(d);
 }
 
 static void add_spring(pel_model *model, int32_t i, int32_t j, int32_t *filled, double stiffness)
@@ -288,8 +312,7 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
     for (int32_t e = 0; e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e];
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
-        const pel_quantity *k = &def->spring_stiffness;
-        double stiffness = 0.5 * (pel_quantity_at(k, a) + pel_quantity_at(k, b));
+        double stiffness = pel_model_rest_stiffness(def, topology, e);
         int32_t i = body->model_index[a], j = body->model_index[b];
         add_spring(model, i, j, filled, stiffness);
         add_spring(model, j, i, filled, stiffness);
@@ -380,6 +403,13 @@ static pel_status begin_surface(const pel_body_def *given, pel_body *body, build
     return pel_topology_create(body->mesh, &scratch->topology, error);
 }
 
+/* all springs of a body have one stiffness */
+static bool same_everywhere(const pel_body_def *def)
+{
+    const pel_quantity *k = &def->spring_stiffness;
+    return k->field == NULL && !(def->spring_thickness > 0 && pel_quantity_at(k, 0) > 0);
+}
+
 /* first pass: everything about a body that does not need the model's arrays */
 static pel_status begin_body(const pel_body_def *given, pel_body *body, build *scratch, pel_error *error)
 {
@@ -409,7 +439,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
         }
     const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
-    body->uniform_spring = body->plain_spring = k->field != NULL ? -1 : pel_quantity_at(k, 0);
+    body->uniform_spring = body->plain_spring = same_everywhere(def) ? pel_quantity_at(k, 0) : -1;
     body->diameter = bounding_diagonal(def->mesh);
     memcpy(body->velocity, def->velocity, sizeof body->velocity);
     memcpy(body->angular_velocity, def->angular_velocity, sizeof body->angular_velocity);

@@ -134,6 +134,9 @@ bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan
 /* All of them; names, meshes and the like belong to the bodies. */
 void pel_model_free_arrays(pel_model *model);
 
+/* Stiffness of the spring on an edge of the body's mesh [N/m]; of keyed springs that at the factor 1. */
+double pel_model_rest_stiffness(const pel_body_def *def, const pel_topology *topology, int32_t edge);
+
 /* Writes the spring from place i to j into a slot of i; from i to itself, with stiffness 0, it fills the slot up. The
    rest length comes from the very operations of the force loop, and the stiffness, in its last bit, from the product:
    so the rest shape is free of force to the last bit. */

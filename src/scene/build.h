@@ -36,6 +36,9 @@ pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const p
 pel_status pel_scene_read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
                                    const int32_t **vertices, int32_t *count);
 
+/* Masses and springs of a body (build_tissue.c). */
+pel_status pel_scene_build_tissue(const pel_scene_body_source *source, pel_body_def *body);
+
 /* Membrane, bending, fibres and pressure of a body (build_shell.c). */
 pel_status pel_scene_build_shell(const pel_scene_body_source *source, pel_shell_def *shell);
 

@@ -98,43 +98,12 @@ pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const p
                                 &quantity->key_count);
 }
 
-static pel_status read_mass(const pel_scene_body_source *source, pel_body_def *body)
+static void read_surface(const pel_scene_body_source *source, pel_body_def *body)
 {
-    static const struct {
-        const char *key;
-        pel_mass_kind kind;
-    } kinds[] = {{"per_vertex", PEL_MASS_PER_VERTEX}, {"total", PEL_MASS_TOTAL}, {"density", PEL_MASS_DENSITY}};
-    const pel_scene_value *mass = pel_scene_value_entry(source->value, "mass");
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        const pel_scene_value *value = pel_scene_value_entry(mass, kinds[i].key);
-        if (value == NULL)
-            continue;
-        body->mass_kind = kinds[i].kind;
-        body->mass = value->number;
-    }
-    return pel_scene_build_quantity(source, mass, "thickness", "bodies[].mass", &body->thickness);
-}
-
-static pel_status read_materials(const pel_scene_body_source *source, pel_body_def *body)
-{
-    const struct {
-        const char *group, *key, *row_path;
-        pel_quantity *quantity;
-    } quantities[] = {
-        {"springs", "stiffness", "bodies[].springs", &body->spring_stiffness},
-        {"springs", "damping", "bodies[].springs", &body->spring_damping},
-        {"volumetric", "stiffness", "bodies[].volumetric", &body->volumetric_stiffness},
-        {"volumetric", "damping", "bodies[].volumetric", &body->volumetric_damping},
-    };
     const pel_scene_value *contact = pel_scene_value_entry(source->value, "contact");
     pel_scene_value_read(contact, "friction", &body->friction);
     pel_scene_value_read(contact, "restitution", &body->restitution);
     pel_scene_value_read(contact, "thickness", &body->contact_thickness);
-    pel_status status = read_mass(source, body);
-    for (size_t i = 0; status == PEL_OK && i < sizeof quantities / sizeof quantities[0]; i++)
-        status = pel_scene_build_quantity(source, pel_scene_value_entry(source->value, quantities[i].group),
-                                          quantities[i].key, quantities[i].row_path, quantities[i].quantity);
-    return status;
 }
 
 pel_status pel_scene_read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
@@ -238,9 +207,10 @@ static pel_status read_body(const pel_scene_body_source *source, pel_body_def *b
     pel_scene_value_numbers(pel_scene_value_entry(source->value, "angular_velocity"), body->angular_velocity);
     body->volumetric_by_area = pel_scene_value_boolean(source->value, "scale_with_area");
     body->reference_count = pel_scene_value_integer(source->value, "reference_count");
+    read_surface(source, body);
     pel_status status = read_refine(source, &body->refine);
     if (status == PEL_OK)
-        status = read_materials(source, body);
+        status = pel_scene_build_tissue(source, body);
     if (status == PEL_OK)
         status = pel_scene_build_shell(source, &body->shell);
     if (status != PEL_OK)

@@ -74,6 +74,12 @@ static pel_status set_copy(pel_scene_reader *reader, pel_scene_value *map, const
     return status;
 }
 
+static bool is_word(pel_scene_value *map, const char *key, const char *word)
+{
+    const pel_scene_value *value = find(map, key);
+    return value != NULL && value->kind == PEL_SCENE_SCALAR && strcmp(value->text, word) == 0;
+}
+
 /* the number of an entry, 0 when it is none above 0 */
 static double positive(pel_scene_value *map, const char *key)
 {
@@ -146,7 +152,8 @@ static pel_status imply_membrane(pel_scene_reader *reader, pel_scene_value *body
     const pel_material_preset *preset;
     pel_scene_value *mass = find_map(body, "mass"), *thickness = find(mass, "thickness");
     pel_status status = find_preset(reader, membrane, &preset);
-    if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL)
+    if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL &&
+        !is_word(mass, "thickness", "auto"))
         status = set_copy(reader, membrane, "thickness", thickness);
     if (status == PEL_OK && preset != NULL)
         status = imply_material(reader, membrane, preset);
@@ -165,10 +172,54 @@ static pel_status imply_no_springs(pel_scene_reader *reader, pel_scene_value *bo
     return status == PEL_OK ? set_text(reader, springs, "damping", "0") : status;
 }
 
-static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_membrane)
+/* a number of paper A in a map, unless one of the keys that exclude it is there */
+static pel_status imply_number(pel_scene_reader *reader, pel_scene_value *map, const char *key, const char *number,
+                               const char *const *others)
+{
+    for (; *others != NULL; others++)
+        if (find(map, *others) != NULL)
+            return PEL_OK;
+    return set_text(reader, map, key, number);
+}
+
+static pel_status find_or_add(pel_scene_reader *reader, pel_scene_value *body, const char *key, pel_scene_value **map)
+{
+    *map = find(body, key);
+    if (*map == NULL)
+        *map = add(reader, body, key, PEL_SCENE_MAP);
+    return *map != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+static pel_status imply_paper_a(pel_scene_reader *reader, pel_scene_value *body)
+{
+    static const char *const masses[] = {"total", "density", NULL}, *const young[] = {"young", NULL};
+    pel_scene_value *mass, *springs, *volumetric = find_map(body, "volumetric");
+    pel_status status = find_or_add(reader, body, "mass", &mass);
+    if (status == PEL_OK)
+        status = find_or_add(reader, body, "springs", &springs);
+    if (status == PEL_OK && mass->kind == PEL_SCENE_MAP)
+        status = imply_number(reader, mass, "per_vertex", "1", masses);
+    if (status == PEL_OK && springs->kind == PEL_SCENE_MAP)
+        status = imply_number(reader, springs, "stiffness", "3", young);
+    if (status == PEL_OK && volumetric != NULL)
+        status = imply_number(reader, volumetric, "stiffness", "1.5", young);
+    return status;
+}
+
+/* the filling is as stiff as the skin */
+static pel_status imply_tissue(pel_scene_reader *reader, pel_scene_value *body)
+{
+    pel_scene_value *young = find(find_map(body, "springs"), "young"), *volumetric = find_map(body, "volumetric");
+    if (young == NULL || volumetric == NULL || find(volumetric, "young") != NULL ||
+        find(volumetric, "stiffness") != NULL)
+        return PEL_OK;
+    return set_copy(reader, volumetric, "young", young);
+}
+
+/* `has_material`: its response is that of a material, not that of numbers for each edge */
+static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_material)
 {
     pel_scene_value *membrane = find_map(body, "membrane");
-    *has_membrane |= membrane != NULL;
     pel_status status = PEL_OK;
     if (membrane != NULL)
         status = imply_membrane(reader, body, membrane);
@@ -178,6 +229,11 @@ static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bo
     pel_scene_value *bending = find_map(body, "bending");
     if (status == PEL_OK && bending != NULL)
         status = set_text(reader, bending, "model", "hinge");
+    if (status != PEL_OK)
+        return status;
+    bool is_paper_a = body->kind == PEL_SCENE_MAP && is_word(body, "preset", "paper-a");
+    status = is_paper_a ? imply_paper_a(reader, body) : imply_tissue(reader, body);
+    *has_material |= membrane != NULL || find(find_map(body, "springs"), "stiffness") == NULL;
     return status;
 }
 
@@ -191,12 +247,6 @@ static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
 }
 
 /* ---- statics: neither duration nor dt ---- */
-
-static bool is_word(pel_scene_value *map, const char *key, const char *word)
-{
-    const pel_scene_value *value = find(map, key);
-    return value != NULL && value->kind == PEL_SCENE_SCALAR && strcmp(value->text, word) == 0;
-}
 
 static pel_status imply_static(pel_scene_reader *reader, pel_scene_value *root)
 {
@@ -289,15 +339,15 @@ static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root
 pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *root)
 {
     pel_scene_value *bodies = root->kind == PEL_SCENE_MAP ? pel_scene_value_entry(root, "bodies") : NULL;
-    bool has_membrane = false;
+    bool has_material = false;
     pel_status status = PEL_OK;
     if (bodies == NULL || bodies->kind != PEL_SCENE_LIST)
         return PEL_OK;
     for (pel_scene_value *body = bodies->first; status == PEL_OK && body != NULL; body = body->next)
-        status = imply_body(reader, body, &has_membrane);
+        status = imply_body(reader, body, &has_material);
     if (status == PEL_OK)
         status = imply_static(reader, root);
-    if (status == PEL_OK && has_membrane)
+    if (status == PEL_OK && has_material)
         status = imply_method(reader, root);
     return status == PEL_OK ? imply_duration(reader, root) : status;
 }

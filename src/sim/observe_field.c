@@ -242,6 +242,25 @@ static pel_status read_stress(const pel_sim *sim, int32_t body, view *v, double 
     return PEL_OK;
 }
 
+/* a triangle has the level of its finest corner: midpoints of edges appear with the triangles that share them */
+static pel_status read_levels(const pel_sim *sim, int32_t body, view *v, double *values, pel_error *error)
+{
+    if (!has_scratch(v) || !has_triangles(sim, body, v))
+        return pel_fail_memory(error);
+    int32_t *levels = (int32_t *)(void *)v->scratch;
+    pel_sim_get_levels(sim, body, levels);
+    memset(values, 0, (size_t)v->vertex_count * sizeof *values);
+    for (int32_t t = 0; t < v->triangle_count; t++) {
+        const int32_t *corner = v->triangles + 3 * (size_t)t;
+        int32_t level = 0;
+        for (int k = 0; k < 3; k++)
+            level = levels[corner[k]] > level ? levels[corner[k]] : level;
+        for (int k = 0; k < 3; k++)
+            values[corner[k]] = values[corner[k]] < level ? level : values[corner[k]];
+    }
+    return PEL_OK;
+}
+
 static pel_status read_measures(const pel_sim *sim, int32_t field, int32_t body, view *v, double *values,
                                 pel_error *error)
 {
@@ -299,6 +318,8 @@ pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values
     case PEL_FIELD_PRESSURE:
         pel_sim_get_pressure_forces(sim, body, values);
         break;
+    case PEL_FIELD_LEVEL:
+        return read_levels(sim, body, v, values, error);
     case PEL_FIELD_STRESS:
         return read_stress(sim, body, v, values, error);
     default:

@@ -56,6 +56,26 @@ static bool is_density(const void *def)
     return ((const pel_body_def *)def)->mass_kind == PEL_MASS_DENSITY;
 }
 
+static bool has_spring_young(const void *def)
+{
+    return ((const pel_body_def *)def)->spring_thickness > 0;
+}
+
+static bool has_spring_stiffness(const void *def)
+{
+    return !has_spring_young(def);
+}
+
+static bool has_filling_young(const void *def)
+{
+    return ((const pel_body_def *)def)->volumetric_depth > 0;
+}
+
+static bool has_filling_stiffness(const void *def)
+{
+    return !has_filling_young(def);
+}
+
 static bool has_membrane(const void *def)
 {
     return ((const pel_body_def *)def)->shell.membrane.on;
@@ -224,13 +244,27 @@ static const pel_parameter_row rows[] = {
     {"bodies[].mass.total", BODY(mass), NUMBER, .unit = "kg", POSITIVE, .applies = is_total},
     {"bodies[].mass.density", BODY(mass), NUMBER, .unit = "kg/m3", POSITIVE, .applies = is_density},
     {"bodies[].mass.thickness", BODY(thickness), QUANTITY, .unit = "m", POSITIVE, .applies = is_density},
-    {"bodies[].springs.stiffness", BODY(spring_stiffness), QUANTITY, .unit = "N/m", AT_LEAST(0), KEYED},
-    {"bodies[].springs.damping", BODY(spring_damping), QUANTITY, .unit = "N s/m", AT_LEAST(0), KEYED},
+    {"bodies[].springs.young", BODY(spring_stiffness), QUANTITY, .unit = "Pa", AT_LEAST(0), KEYED,
+     .applies = has_spring_young},
+    {"bodies[].springs.thickness", BODY(spring_thickness), NUMBER, .unit = "m", POSITIVE, .applies = has_spring_young},
+    {"bodies[].springs.drag", BODY(spring_damping), QUANTITY, .unit = "1/s", AT_LEAST(0), KEYED,
+     .applies = has_spring_young},
+    {"bodies[].springs.stiffness", BODY(spring_stiffness), QUANTITY, .unit = "N/m", AT_LEAST(0), KEYED,
+     .applies = has_spring_stiffness},
+    {"bodies[].springs.damping", BODY(spring_damping), QUANTITY, .unit = "N s/m", AT_LEAST(0), KEYED,
+     .applies = has_spring_stiffness},
     {"bodies[].contact.friction", BODY(friction), NUMBER, AT_LEAST(0), AUTO(-1)},
     {"bodies[].contact.thickness", BODY(contact_thickness), NUMBER, .unit = "m", POSITIVE, AUTO(-1)},
     {"bodies[].contact.restitution", BODY(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1)},
-    {"bodies[].volumetric.stiffness", BODY(volumetric_stiffness), QUANTITY, .unit = "N/m", AT_LEAST(0), KEYED},
-    {"bodies[].volumetric.damping", BODY(volumetric_damping), QUANTITY, .unit = "N s/m", AT_LEAST(0), KEYED},
+    {"bodies[].volumetric.young", BODY(volumetric_stiffness), QUANTITY, .unit = "Pa", AT_LEAST(0), KEYED,
+     .applies = has_filling_young},
+    {"bodies[].volumetric.depth", BODY(volumetric_depth), NUMBER, .unit = "m", POSITIVE, .applies = has_filling_young},
+    {"bodies[].volumetric.drag", BODY(volumetric_damping), QUANTITY, .unit = "1/s", AT_LEAST(0), KEYED,
+     .applies = has_filling_young},
+    {"bodies[].volumetric.stiffness", BODY(volumetric_stiffness), QUANTITY, .unit = "N/m", AT_LEAST(0), KEYED,
+     .applies = has_filling_stiffness},
+    {"bodies[].volumetric.damping", BODY(volumetric_damping), QUANTITY, .unit = "N s/m", AT_LEAST(0), KEYED,
+     .applies = has_filling_stiffness},
     {"bodies[].scale_with_area", BODY(volumetric_by_area), SWITCH, BETWEEN(0, 1)},
     {"bodies[].reference_count", BODY(reference_count), INTEGER, COUNT_FROM(1)},
     {"bodies[].membrane.material", BODY(shell.membrane.kind), .kind = PEL_PARAMETER_WORD, .store = PEL_STORE_INT,

@@ -15,6 +15,7 @@ def ball(**more):
         "bodies": [
             {
                 "name": "ball",
+                "preset": "paper-a",
                 "mesh": {"shape": "geodesic-sphere", "frequency": 3, "radius": 1},
                 "volumetric": {"stiffness": 1.5, "damping": 0.5},
             }

@@ -44,9 +44,10 @@ static const char busy[] =
     "}\n";
 
 /* 100 steps of an icosahedron: its series becomes longer than its frames and checkpoints */
-static const char small[] = "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 1 } }]\n"
-                            "tools: [{ shape: sphere, radius: 0.1, motion: [{ time: 0, position: [0, 0, 3] }] }]\n"
-                            "solver: { dt: 0.01 }\nduration: 1\noutput: { every_frame: 1, checkpoint: 0.1 }\n";
+static const char small[] =
+    "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 1 }, preset: paper-a }]\n"
+    "tools: [{ shape: sphere, radius: 0.1, motion: [{ time: 0, position: [0, 0, 3] }] }]\n"
+    "solver: { dt: 0.01 }\nduration: 1\noutput: { every_frame: 1, checkpoint: 0.1 }\n";
 
 static char folder[64];
 

@@ -21,7 +21,7 @@ static const char text[] =
     "solver: { method: quasi-static, dt: 0.01 }\n"
     "duration: 1\n"
     "output: { precision: double, fields: [displacement, velocity, force, energy, spring_energy, volumetric_energy,\n"
-    "    membrane_energy, bending_energy, fibre_energy, pressure, contact, contact_force, area, normal, "
+    "    membrane_energy, bending_energy, fibre_energy, pressure, contact, contact_force, level, area, normal, "
     "mean_curvature,\n"
     "    gaussian_curvature, stress, strain, piola_stress, cauchy_stress, membrane_force, bending_moment,\n"
     "    principal_strain, principal_stress, principal_direction, von_mises_top, von_mises_bottom,\n"

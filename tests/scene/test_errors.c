@@ -34,7 +34,7 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:26: error: bodies.0.springs.stiffness is 'soft', it must be: number or map. it means: stiffness k"},
     {BALL "    springs: {stiffness: '3'}\n", NULL, "a.yaml:5:26: error: bodies.0.springs.stiffness is '3', it must be"},
     {BALL "    springs: 3\n", NULL,
-     "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. write { key: value } with keys of: stiff"},
+     "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. write { key: value } with keys of: young, thick"},
     {BALL "    springs: { stiffness: 3 N/m }\n", NULL,
      "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number alone, it "
      "is taken in N/m"},
@@ -110,7 +110,8 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:4:5: error: bodies.0 lacks 'mesh'. add 'mesh:"},
     {"version: 1\nduration: 1\nbodies:\n  - mesh: {scale: 1}\n", NULL,
      "a.yaml:4:11: error: bodies.0.mesh lacks one of its main keys. add one of: shape, file"},
-    {BALL "    mass: {density: 3}\n", NULL, "a.yaml:5:11: error: bodies.0.mass lacks 'thickness'. add 'thickness:"},
+    {BALL "    mass: {total: 3, thickness: 2}\n", NULL,
+     "a.yaml:5:22: error: key 'thickness' goes only with: density. give"},
     {BALL "tools:\n  - radius: 1\n", NULL, "a.yaml:6:5: error: key 'radius' goes only with: shape. give that beside"},
     {BALL "tools:\n  - press: true\n", NULL,
      "a.yaml:6:5: error: tools.0 lacks one of its main keys. add one of: shape, mesh"},
@@ -121,7 +122,7 @@ static const bad_scene bad_scenes[] = {
     /* keys that do not go together */
     {BALL "    mass: {total: 1, per_vertex: 2}\n", NULL,
      "a.yaml:5:22: error: 'total' and 'per_vertex' exclude each other. remove one of them"},
-    {BALL "    mass: {thickness: 2}\n", NULL, "a.yaml:5:12: error: key 'thickness' goes only with: density. give"},
+    {BALL "    springs: {damping: 2}\n", NULL, "a.yaml:5:15: error: key 'damping' goes only with: stiffness. give"},
     {BALL "version: 1\n", NULL,
      "a.yaml:5:1: error: key 'version' is given twice. keep one of them; the other is in line 1"},
     {BALL "    mass: {total: 1, total: 1}\n", NULL, "a.yaml:5:22: error: key 'total' is given twice"},
@@ -157,8 +158,8 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:19: error: unknown field 'displacment'. did you mean 'displacement'?"},
     {BALL "output: {fields: [area, gausian_curvature]}\n", NULL,
      "a.yaml:5:25: error: unknown field 'gausian_curvature'. did you mean 'gaussian_curvature'?"},
-    {BALL "    springs: {damping: {field: thickness}}\n", NULL,
-     "a.yaml:5:32: error: unknown scalar field of the mesh 'thickness'. there is none"},
+    {BALL "    springs: {drag: {field: thickness}}\n", NULL,
+     "a.yaml:5:29: error: unknown scalar field of the mesh 'thickness'. there is none"},
     {BALL "    pinned: {sphere: {center: [9, 9, 9], radius: 1}}\n", NULL,
      "a.yaml:5:13: error: the region is empty: the nearest vertex is "},
     {BALL "    pinned: {vertices: [1, 252]}\n", NULL,
@@ -281,7 +282,7 @@ static void check_location(const char *end, const char *expected)
 static void test_locations(void **unused)
 {
     (void)unused;
-    check_location("solver: {alpha: 5000}\n", "a.yaml:5:17: error: alpha 5000 is unstable");
+    check_location("solver: {method: quasi-static, alpha: 5000}\n", "a.yaml:5:39: error: alpha 5000 is unstable");
     check_location("solver: {method: explicit, integrator: forward, dt: 5}\n", "a.yaml:5:53: error: dt 5 is unstable");
     check_location("    refine: {above: 1, budget: 30}\n",
                    "a.yaml:4:5: error: body 'body1': refine: the budget is 30 triangles, 500 are needed");

@@ -34,17 +34,16 @@ static void test_defaults(void **unused)
     assert_int_equal(scene->model.body_count, 1);
     assert_string_equal(body->name, "body1");
     assert_int_equal(body->mesh->vertex_count, 252);
-    assert_int_equal(body->mass_kind, expected.mass_kind);
-    assert_true(body->mass == expected.mass);
-    assert_true(body->spring_stiffness.value == expected.spring_stiffness.value);
-    assert_true(body->spring_damping.value == expected.spring_damping.value);
+    assert_int_equal(body->mass_kind, PEL_MASS_DENSITY);
+    assert_true(body->mass == 1000);
+    assert_true(body->spring_stiffness.value == 5000 && body->spring_thickness > 0);
     assert_true(body->volumetric_stiffness.value == 0 && body->volumetric_damping.value == 0);
     assert_int_equal(body->reference_count, expected.reference_count);
     assert_int_equal(body->volumetric_by_area, expected.volumetric_by_area);
     assert_int_equal(body->pinned_count, 0);
     assert_int_equal(scene->sim.load_count, 0);
     assert_int_equal(scene->sim.tool_count, 0);
-    assert_int_equal(scene->sim.solver.method, expected_sim.solver.method);
+    assert_int_equal(scene->sim.solver.method, PEL_METHOD_XPBD);
     assert_true(scene->sim.solver.dt == expected_sim.solver.dt);
     assert_true(scene->sim.solver.alpha == expected_sim.solver.alpha);
     assert_int_equal(scene->sim.solver.keep_velocity, expected_sim.solver.keep_velocity);
@@ -56,10 +55,17 @@ static void test_defaults(void **unused)
     assert_string_equal(scene->output.fields[0], "displacement");
     assert_true(!scene->output.compress && !scene->output.float64);
     pel_scene_destroy(scene);
-    /* an empty map of volumetric springs takes the numbers of paper A */
-    scene = load(BALL "    volumetric: {}\n", NULL, 0);
-    assert_true(scene->model.bodies->volumetric_stiffness.value == expected.volumetric_stiffness.value);
-    assert_true(scene->model.bodies->volumetric_damping.value == expected.volumetric_damping.value);
+    /* paper A's numbers are those of the library */
+    scene = load(BALL "    preset: paper-a\n    volumetric: {}\n", NULL, 0);
+    body = scene->model.bodies;
+    assert_int_equal(scene->sim.solver.method, expected_sim.solver.method);
+    assert_int_equal(body->mass_kind, expected.mass_kind);
+    assert_true(body->mass == expected.mass);
+    assert_true(body->spring_thickness == 0 && body->volumetric_depth == 0);
+    assert_true(body->spring_stiffness.value == expected.spring_stiffness.value);
+    assert_true(body->spring_damping.value == expected.spring_damping.value);
+    assert_true(body->volumetric_stiffness.value == expected.volumetric_stiffness.value);
+    assert_true(body->volumetric_damping.value == expected.volumetric_damping.value);
     pel_scene_destroy(scene);
     pel_scene_destroy(NULL);
 }

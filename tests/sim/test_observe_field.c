@@ -76,6 +76,35 @@ static void test_follows_the_state(void **unused)
     end_stage(&s);
 }
 
+/* what is around a refined vertex has its level, the rest of the ball none */
+static void test_level(void **unused)
+{
+    (void)unused;
+    stage s = {.mesh = make_sphere(4)};
+    const int32_t region[] = {0};
+    pel_body_def body = ball_body(s.mesh);
+    body.refine.levels = 2;
+    body.refine.region = region;
+    body.refine.region_count = 1;
+    s.model = make_model(&body);
+    pel_sim_def def = lone_sim(s.model, PEL_METHOD_QUASI_STATIC, 1e-2);
+    s.sim = make_sim(&def);
+    int32_t count = pel_sim_vertex_count(s.sim, 0), far = 0;
+    double *values = malloc((size_t)count * sizeof *values);
+    int32_t *levels = malloc((size_t)count * sizeof *levels);
+    assert_int_equal(pel_observe(s.sim, pel_field_find("level"), 0, values, NULL), PEL_OK);
+    pel_sim_get_levels(s.sim, 0, levels);
+    assert_true(values[0] == 2 && levels[0] == 0);
+    for (int32_t v = 0; v < count; v++) {
+        assert_true(values[v] >= levels[v] && values[v] <= 2);
+        far += values[v] == 0;
+    }
+    assert_true(far > s.mesh->vertex_count / 2);
+    free(levels);
+    free(values);
+    end_stage(&s);
+}
+
 static void test_refusals(void **unused)
 {
     (void)unused;
@@ -115,10 +144,8 @@ static void test_out_of_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_table),
-        cmocka_unit_test(test_follows_the_state),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_table),    cmocka_unit_test(test_follows_the_state), cmocka_unit_test(test_level),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -43,6 +43,26 @@ static void check_shots(fixture f, int32_t pages, int32_t columns, int32_t rows,
     view_frame_selection_destroy(&shots);
 }
 
+/* a camera that turns shows a single frame from 72 sides; a film of several keeps its length */
+static void test_turn(void **unused)
+{
+    (void)unused;
+    const pel_frame_range last = {-1, -1, 1};
+    fixture f = make_fixture("a.mp4", 1);
+    view_frame_selection shots;
+    f.def.turn = 360;
+    assert_int_equal(create(&shots, &f, NULL), PEL_OK);
+    assert_int_equal(shots.page_count, FRAMES);
+    view_frame_selection_destroy(&shots);
+    f.def.frames = &last;
+    f.def.frame_range_count = 1;
+    assert_int_equal(create(&shots, &f, NULL), PEL_OK);
+    assert_int_equal(shots.page_count, 72);
+    for (int32_t p = 0; p < shots.page_count; p++)
+        assert_int_equal(shots.shots[p].frame, FRAMES - 1);
+    view_frame_selection_destroy(&shots);
+}
+
 static void test_layouts(void **unused)
 {
     (void)unused;
@@ -128,7 +148,7 @@ static void test_out_of_memory(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_layouts), cmocka_unit_test(test_refuses),
-                                       cmocka_unit_test(test_out_of_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_layouts), cmocka_unit_test(test_turn),
+                                       cmocka_unit_test(test_refuses), cmocka_unit_test(test_out_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -246,6 +246,9 @@ static void test_bad_defs(void **unused)
     bad = def;
     bad.field = "displacment";
     check_refused(&bad, PEL_BAD_ARGUMENT, "there is no field");
+    bad = def;
+    bad.turn = 360;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "turns in films alone");
     if (!can_draw)
         return;
     bad = def;
