@@ -42,6 +42,7 @@ typedef struct pel_run_frames {
     const pel_scene *scene;
     const char *folder;
     const pel_run_plan *plan;
+    int32_t tool_count; /* of the scene */
     pel_run_surface surface;
     pel_run_series series;
     char series_path[PEL_RUN_FILE_SIZE];
