@@ -44,8 +44,8 @@ static bool quote(const char *path, char *out, size_t size)
     return true;
 }
 
-/* Tissue fills the mesh (paper A): springs on the edges, and each vertex is drawn home. A shell is a sheet of rubber,
-   1/100 of the diagonal thick. */
+/* Tissue fills the mesh (paper A): springs on the edges, and each vertex is drawn home, as much as on the paper's
+   sphere of 252 vertices whatever the mesh. A shell is a sheet of rubber, 1/100 of the diagonal thick. */
 static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char *text)
 {
     char name[PATH_SIZE * 2];
@@ -60,7 +60,8 @@ static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char
         }
         squared += (high[i] - low[i]) * (high[i] - low[i]);
     }
-    static const char tissue[] = "    mass: { total: 1 }\n    springs: { stiffness: 3, damping: 0.01 }\n"
+    static const char tissue[] = "    mass: { total: 1 }\n    scale_with_area: true\n"
+                                 "    springs: { stiffness: 3, damping: 0.01 }\n"
                                  "    volumetric: { stiffness: 1.5, damping: 0.01 }\n"
                                  "solver: { method: quasi-static, dt: 0.01 }\n";
     const char *slash = strrchr(path, '/');

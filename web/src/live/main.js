@@ -117,13 +117,21 @@ function draw(now) {
         showColour();
         showTexts(now);
     }
-    stage.draw({ surface: state.surface, ink: theme().ink, marks: state.marks });
-    placeLabels();
+    stage.coarsen();
+    drawPicture();
+    clearTimeout(rest);
+    rest = setTimeout(() => stage.refine() && drawPicture(), 250);
     if (frame !== shown) {
         shown = frame;
         send("drawn");
     }
     if (hand?.moves) needs();
+}
+
+let rest = 0;
+function drawPicture() {
+    stage.draw({ surface: state.surface, ink: theme().ink, marks: state.marks });
+    placeLabels();
 }
 
 let lastTexts = 0;
@@ -246,7 +254,9 @@ const modes = {
     },
     press(ray, hit) {
         const radius = state.radius;
-        const start = hit.point.clone().addScaledVector(hit.normal, 1.1 * radius + 0.01);
+        // far enough that a box on a dent does not start inside
+        const clear = 0.3 * radius + 0.2;
+        const start = hit.point.clone().addScaledVector(hit.normal, radius + clear);
         const flat = new Vector3(0, 0, 1).cross(hit.normal);
         const axis = state.shape === "capsule" ? (flat.lengthSq() > 1e-6 ? flat.normalize() : new Vector3(1, 0, 0)) : hit.normal;
         send("mark");
@@ -263,7 +273,7 @@ const modes = {
             tick() {
                 const part = Math.min((performance.now() - began) / 500, 1);
                 const shift = stage.onPlane(this.last, hit.point).sub(hit.point);
-                moveTo(start.clone().add(shift).addScaledVector(hit.normal, -part * (0.1 * radius + 0.01 + state.depth)));
+                moveTo(start.clone().add(shift).addScaledVector(hit.normal, -part * (clear + state.depth)));
             },
             end: () => send("release"),
         };
@@ -310,8 +320,9 @@ function listenToPicture() {
             if (!hit) return;
             stage.controls.enabled = false;
             canvas.setPointerCapture(event.pointerId);
-            if (state.mode !== "measure" && !state.playing) send("play");
             hand = modes[state.mode](ray, hit);
+            // after the mark, so that undo leads to where the simulation stood
+            if (hand && !state.playing) send("play");
             needs();
         },
         { capture: true },

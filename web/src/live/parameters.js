@@ -103,6 +103,8 @@ class Row {
         input.addEventListener("change", () => {
             const texts = this.numbers?.map((number) => number.value.trim());
             this.change(texts ? `[${texts.join(", ")}]` : input.value.trim() || "auto");
+            // what the program answers is shown, also where it refuses
+            input.blur();
         });
         return input;
     }

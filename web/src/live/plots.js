@@ -13,6 +13,9 @@ const groups = [
     { title: "Step time [ms]", columns: [["step", "step_ms"]] },
 ];
 
+// uPlot has no ticks for ranges below 1e-16: six digits, and nothing below 1e-12
+const tidy = (value) => (Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(6)));
+
 class Chart {
     constructor(parent, group) {
         this.group = group;
@@ -88,7 +91,9 @@ export class LivePlots {
     add(frame) {
         if (this.rows.length > 0 && frame.time < this.rows.at(-1).time) this.rows = this.rows.filter((row) => row.time < frame.time);
         if (this.rows.at(-1)?.time === frame.time) this.rows.pop();
-        this.rows.push({ time: frame.time, force: Math.hypot(...frame.hand.force), step_ms: frame.step_ms, ...frame.measures });
+        const row = { force: Math.hypot(...frame.hand.force), step_ms: frame.step_ms, ...frame.measures };
+        for (const name in row) row[name] = row[name] === null ? null : tidy(row[name]);
+        this.rows.push({ time: frame.time, ...row });
         if (this.rows.length > WINDOW) this.rows.shift();
     }
 

@@ -196,7 +196,7 @@ export class Stage {
         this.controls.addEventListener("change", changed);
         this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d1341d");
         this.arrow.line.material.depthTest = this.arrow.cone.material.depthTest = false;
-        this.arrow.renderOrder = 2;
+        this.arrow.line.renderOrder = this.arrow.cone.renderOrder = 2;
         this.arrow.visible = false;
         this.scene.add(this.arrow);
         this.resize();
@@ -325,9 +325,19 @@ export class Stage {
         const middle = this.intervals.sort((a, b) => a - b)[4];
         this.intervals = [];
         const ratio = middle > 40 ? Math.max(0.5, this.ratio * 0.8) : middle < 22 ? Math.min(1, this.ratio * 1.25) : this.ratio;
-        if (ratio === this.ratio) return;
         this.ratio = ratio;
-        this.renderer.setPixelRatio(ratio);
+    }
+
+    // A picture that stays is drawn at full resolution. False when the last one was.
+    refine() {
+        if (!this.software || this.renderer.getPixelRatio() === 2) return false;
+        this.renderer.setPixelRatio(2);
+        return true;
+    }
+
+    // back to the resolution of movement
+    coarsen() {
+        if (this.software && this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
     }
 
     setMap(name) {
