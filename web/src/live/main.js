@@ -109,7 +109,7 @@ function needs() {
 function draw(now) {
     scheduled = false;
     if (!hello) return;
-    if (hand) follow(now);
+    hand?.tick?.();
     const fresh = frame !== shown && frame && stage.showFrame(frame, state.contacts);
     if (fresh) {
         if (shown && frame.playing) stage.adapt(now - lastPicture);
@@ -296,14 +296,6 @@ function brush(word, ray) {
     return { kind: word, move: paint, end: () => {} };
 }
 
-function follow() {
-    if (hand.pending) {
-        hand.move(hand.pending);
-        hand.pending = null;
-    }
-    hand.tick?.();
-}
-
 function rayOf(event) {
     const box = $("view").getBoundingClientRect();
     return stage.ray(event.clientX - box.left, event.clientY - box.top);
@@ -329,7 +321,7 @@ function listenToPicture() {
     );
     canvas.addEventListener("pointermove", (event) => {
         if (!hand) return;
-        hand.pending = rayOf(event);
+        hand.move(rayOf(event));
         needs();
     });
     const end = () => {
