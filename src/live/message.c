@@ -113,7 +113,7 @@ static void put_fields(pel_json *json)
 /* the box about all bodies at rest */
 static void put_box(pel_json *json, const pel_model_def *model)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     for (int32_t b = 0; b < model->body_count; b++)
         for (int32_t v = 0; v < model->bodies[b].mesh->vertex_count; v++)
             for (int i = 0; i < 3; i++) {

@@ -97,7 +97,7 @@ static bool take_body(body_grip *grip, const pel_body_def *def, bool closed)
 
 static double diagonal(const pel_model_def *model)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, sum = 0;
     for (int32_t b = 0; b < model->body_count; b++)
         for (int32_t v = 0; v < model->bodies[b].mesh->vertex_count; v++)
             for (int i = 0; i < 3; i++) {
@@ -662,6 +662,8 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
     pel_status status = move_hand(session, error);
     if (status == PEL_OK)
         status = push_bodies(session, error);
+    if (status == PEL_BAD_ARGUMENT && session->hand == PEL_HAND_FREE)
+        status = pel_fail(error, PEL_DIVERGED, "the inflating pressure gives forces that are not finite");
     if (status == PEL_OK)
         status = pel_sim_step(session->sim, error);
     if (status != PEL_DIVERGED)
