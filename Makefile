@@ -37,7 +37,7 @@ bench-peers: packages ## compare subdivision with VTK and OpenMesh (takes libvtk
 	@cmake --build build/peers --target bench_peers $(QUIET)
 	@build/peers/bench/peers/bench_peers $(MESH)
 
-web: build/web/report.html ## build the page that `pellicle report` fills (takes Node.js and the npm registry)
+web: build/web/report.html ## build the pages of `pellicle report` and `pellicle live` (takes Node.js and the npm registry)
 
 python: packages ## build the Python package and install it into build/venv (README and docs/python.md)
 	@test -x build/venv/bin/python || /usr/bin/python3 -m venv --system-site-packages build/venv
@@ -76,7 +76,7 @@ clean: ## remove everything that was built (results/ stays)
 	rm -rf build
 
 # Node.js may come from elsewhere than Debian
-build/web/report.html: web/node_modules/.package-lock.json web/index.html web/vite.config.js $(wildcard web/src/*)
+build/web/report.html: web/node_modules/.package-lock.json web/index.html web/live.html web/vite.config.js $(wildcard web/src/* web/src/live/*)
 	@cd web && npm run --silent build
 
 web/node_modules/.package-lock.json: web/package-lock.json

@@ -5,6 +5,7 @@
 #include "options.h"
 
 int cli_run(const cli_call *call);
+int cli_live(const cli_call *call);
 int cli_check(const cli_call *call);
 int cli_info(const cli_call *call);
 int cli_measure(const cli_call *call);

@@ -85,6 +85,45 @@ static const cli_command commands[] = {
         .run = cli_run,
     },
     {
+        .name = "live",
+        .summary = "touch a simulation in a browser",
+        .text =
+            "Simulates SCENE at its own pace and serves a page that shows it: pull the surface by a spring, press it "
+            "with a tool, pin, inflate, change parameters, undo, and save what was done as a scene that 'pellicle run' "
+            "repeats to the bit. A mesh is filled with tissue, or is a shell of rubber. Without SCENE: the balloon.\n\n"
+            "Prints 'live at http://127.0.0.1:PORT/?token=TOKEN', opens the address and serves until it is "
+            "interrupted. Only this machine can reach it, unless --host names another address, and only with the "
+            "token.",
+        .slots = {{.name = "SCENE|MESH", .kind = CLI_SCENE, .optional = true}},
+        .options = {{.name = "shell", .kind = CLI_FLAG, .doc = "make a mesh a shell, not tissue"},
+                    {.name = "no-open", .kind = CLI_FLAG, .doc = "open no browser"},
+                    {.name = "port", .kind = CLI_COUNT, .value = "N", .doc = "port; left out: one that is free"},
+                    {.name = "host",
+                     .kind = CLI_TEXT,
+                     .value = "ADDRESS",
+                     .doc = "serve on this address of the machine; left out: 127.0.0.1"},
+                    {.name = "paused", .kind = CLI_FLAG, .doc = "begin paused"},
+                    {.name = "set",
+                     .kind = CLI_SETTING,
+                     .repeated = true,
+                     .value = "KEY=VALUE",
+                     .print_keys = cli_print_scene_keys,
+                     .doc = "change one value of the scene, such as solver.drag=2"},
+                    {.name = "threads",
+                     .kind = CLI_COUNT,
+                     .value = "N",
+                     .doc = "threads of a step; left out: what the scene says"},
+                    {.name = "page",
+                     .kind = CLI_FILE,
+                     .value = "FILE",
+                     .doc = "the page; left out: the one that 'make web' built"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print the address and errors only"}},
+        .examples = "pellicle live balloon\n"
+                    "pellicle live liver.obj\n"
+                    "pellicle live bust.ply --shell --no-open --port 8080",
+        .run = cli_live,
+    },
+    {
         .name = "check",
         .summary = "find what is wrong with a mesh or a scene; repair a mesh",
         .text =

@@ -10,8 +10,8 @@ install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL FILES_MATCHING PATTERN *.yaml)
 
-# the page that `pellicle report` fills; made by `make web`, which this does not wait for
-install(FILES ${PROJECT_SOURCE_DIR}/build/web/report.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL)
+# the pages of `pellicle report` and `pellicle live`; made by `make web`, which this does not wait for
+install(FILES ${PROJECT_SOURCE_DIR}/build/web/report.html ${PROJECT_SOURCE_DIR}/build/web/live.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL)
 
 # CMake package
 configure_package_config_file(cmake/pellicle-config.cmake.in pellicle-config.cmake INSTALL_DESTINATION ${PACKAGE_DIR})
@@ -48,6 +48,13 @@ if(TARGET pellicle_view)
     install(EXPORT pellicleViewTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
     configure_file(cmake/pellicle-view.pc.in pellicle-view.pc @ONLY)
     install(FILES ${PROJECT_BINARY_DIR}/pellicle-view.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
+if(TARGET pellicle_live)
+    set_target_properties(pellicle_live PROPERTIES EXPORT_NAME live)
+    install(TARGETS pellicle_live EXPORT pellicleLiveTargets)
+    install(EXPORT pellicleLiveTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
+    configure_file(cmake/pellicle-live.pc.in pellicle-live.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/pellicle-live.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endif()
 if(TARGET pellicle_program)
     install(TARGETS pellicle_program)

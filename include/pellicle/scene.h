@@ -22,6 +22,13 @@ typedef struct pel_output_def {
     int32_t field_count;
 } pel_output_def;
 
+/* A command of a recorded session (pellicle/session.h). */
+typedef struct pel_scene_command {
+    int64_t step;               /* it is done when so many steps are done */
+    const char *line;           /* the command */
+    int32_t at_line, at_column; /* its place in the scene, from 1 */
+} pel_scene_command;
+
 /* A scene that was read, checked and resolved: defs ready for the library, arrays and meshes owned by it. */
 typedef struct pel_scene {
     const char *path;
@@ -35,6 +42,8 @@ typedef struct pel_scene {
     bool stop_at_contact;      /* a run ends when a body touches itself or another */
     int64_t frame_limit;       /* steps after which a run ends; 0 = no limit */
     double time_limit;         /* s, likewise */
+    const pel_scene_command *session; /* (session_count) steps do not decrease; empty = none */
+    int32_t session_count;
     const char *const *mesh_files; /* (mesh_file_count) absolute paths of the meshes that were read */
     int32_t mesh_file_count;
     void *inner; /* storage */

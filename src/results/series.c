@@ -75,9 +75,9 @@ static const char *const part_columns[] = {"force",    "force_x",  "force_y", "f
 enum { PART_COLUMN_COUNT = sizeof part_columns / sizeof part_columns[0] };
 
 /* a body whose pins have no tool for columns */
-static bool has_pins(const pel_sim *sim, int32_t body)
+static bool has_pins(const pel_run_series *series, int32_t body)
 {
-    return pel_model_pinned_count(pel_sim_model(sim), body) > 0;
+    return pel_model_pinned_count(series->model, body) > 0;
 }
 
 static const char *const body_columns[] = {"contact_force", "contact_force_x", "contact_force_y", "contact_force_z"};
@@ -136,12 +136,12 @@ static void put_residual(pel_run_series *series, const pel_sim *sim)
 static void put_header(pel_run_series *series, const pel_sim *sim)
 {
     put_text(series, first_columns);
-    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+    for (int32_t t = 0; t < series->tool_count; t++)
         for (int c = 0; c < TOOL_COLUMN_COUNT; c++)
             put_named_column(series, pel_sim_tool_name(sim, t), tool_columns[c]);
     const pel_model *model = pel_sim_model(sim);
     for (int32_t b = 0; b < pel_model_body_count(model); b++)
-        for (int c = 0; has_pins(sim, b) && c < SUPPORT_COLUMN_COUNT; c++)
+        for (int c = 0; has_pins(series, b) && c < SUPPORT_COLUMN_COUNT; c++)
             put_named_column(series, pel_model_body_name(model, b), support_columns[c]);
     for (int32_t s = 0; s < pel_sim_support_count(sim); s++)
         for (int c = 0; c < PART_COLUMN_COUNT; c++)
@@ -252,11 +252,12 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
 {
     size_t name_room = 2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE;
     size_t tool_room = TOOL_COLUMN_COUNT * name_room;
-    *series = (pel_run_series){.descriptor = -1, .path = path};
+    *series = (pel_run_series){
+        .descriptor = -1, .path = path, .tool_count = pel_sim_tool_count(sim), .model = pel_sim_model(sim)};
     series->room =
         sizeof first_columns +
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
-        (size_t)pel_sim_tool_count(sim) * tool_room +
+        (size_t)series->tool_count * tool_room +
         (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
     series->line = pel_allocate(series->room, 1);
@@ -356,10 +357,10 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
     put_count(series, ",", m->triangle_count);
     put_count(series, ",", m->contact_count);
     put_number(series, round(row->step_ms * 1e5) / 1e5);
-    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
+    for (int32_t t = 0; t < series->tool_count; t++)
         put_tool(series, sim, t, row->tool_force_max[t]);
     for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
-        if (has_pins(sim, b))
+        if (has_pins(series, b))
             put_support(series, sim, b);
     for (int32_t s = 0; s < pel_sim_support_count(sim); s++)
         put_part(series, sim, s);

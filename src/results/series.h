@@ -10,6 +10,9 @@ typedef struct pel_run_series {
     char *line;          /* the row being made */
     size_t length, room; /* of the line */
     const char *path;    /* the caller's */
+    /* at the start, which the columns are of: a session adds tools and pins */
+    int32_t tool_count;
+    const pel_model *model; /* the caller's */
 } pel_run_series;
 
 /* One row; the tools' present readings come from the sim. */

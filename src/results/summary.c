@@ -75,7 +75,7 @@ static void write_tools(pel_file_writer *writer, const pel_run_ending *ending)
     const pel_sim *sim = ending->sim;
     begin(writer, "tools");
     pel_file_writer_printf(writer, "[");
-    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
+    for (int32_t t = 0; t < ending->tool_count; t++) {
         pel_file_writer_printf(writer, "%s{\"name\": ", t > 0 ? ", " : "");
         write_text(writer, pel_sim_tool_name(sim, t));
         pel_file_writer_printf(writer, ", \"max_force\": ");

@@ -11,7 +11,8 @@ typedef struct pel_run_ending {
     pel_method method;
     const pel_run_summary *summary;
     const pel_sim *sim;       /* at the end */
-    const double *tool_force; /* (tool count) N, largest over the run */
+    int32_t tool_count;       /* of the scene: a session may have added some */
+    const double *tool_force; /* (tool_count) N, largest over the run */
     const pel_error *cause;   /* what ended the run; null when it is done */
 } pel_run_ending;
 

@@ -127,7 +127,7 @@ static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_e
     pel_run_frame *frame = &frames->frame;
     frames->snapshot_size = pel_sim_save_size(sim);
     frame->snapshot = pel_allocate(frames->snapshot_size, 1);
-    frame->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(sim), sizeof *frame->tool_force);
+    frame->tool_force = pel_allocate(2 * (size_t)frames->tool_count, sizeof *frame->tool_force);
     if (frame->snapshot == NULL || frame->tool_force == NULL)
         return pel_fail_memory(error);
     return pel_worker_create(1, write_job, frames, &frames->worker, error);
@@ -136,13 +136,13 @@ static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_e
 /* ---- the caller's side ---- */
 
 /* what is summed up since the last frame begins anew */
-static void begin_interval(pel_run_totals *totals, const pel_sim *sim, double *tool_force)
+static void begin_interval(pel_run_totals *totals, const pel_sim *sim, double *tool_force, int32_t tool_count)
 {
     totals->frame_count++;
     totals->frame_step = pel_sim_step_count(sim);
     totals->frame_seconds = 0;
     pel_sim_get_contact_statistics(sim, &totals->contact);
-    memset(tool_force, 0, (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
+    memset(tool_force, 0, (size_t)tool_count * sizeof *tool_force);
 }
 
 pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_def, const pel_sim *sim,
@@ -185,7 +185,7 @@ static void keep_state(pel_run_frames *frames, const pel_sim *sim, const pel_run
                        const double *tool_force)
 {
     frames->frame.totals = *totals;
-    memcpy(frames->frame.tool_force, tool_force, 2 * (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
+    memcpy(frames->frame.tool_force, tool_force, 2 * (size_t)frames->tool_count * sizeof *tool_force);
     pel_sim_save(sim, frames->frame.snapshot);
 }
 
@@ -203,12 +203,12 @@ pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_tota
     if (frames->worker != NULL) {
         keep_state(frames, sim, totals, tool_force);
         pel_worker_give(frames->worker);
-        begin_interval(totals, sim, tool_force);
+        begin_interval(totals, sim, tool_force, frames->tool_count);
         return PEL_OK;
     }
     status = write_frame(frames, error);
     if (frames->frame_count > totals->frame_count)
-        begin_interval(totals, sim, tool_force);
+        begin_interval(totals, sim, tool_force, frames->tool_count);
     return status;
 }
 
@@ -229,10 +229,10 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
         status = error->status;
         pel_sim_load(sim, frame->snapshot, frames->snapshot_size, NULL);
         *totals = frame->totals;
-        memcpy(tool_force, frame->tool_force, 2 * (size_t)pel_sim_tool_count(sim) * sizeof *tool_force);
+        memcpy(tool_force, frame->tool_force, 2 * (size_t)frames->tool_count * sizeof *tool_force);
         /* the frame may be there and only the list not */
         if (frames->frame_count > totals->frame_count)
-            begin_interval(totals, sim, tool_force);
+            begin_interval(totals, sim, tool_force, frames->tool_count);
     }
     totals->max_displacement = fmax(totals->max_displacement, frames->max_displacement);
     /* after a failure the totals are set back each time, and what was counted before the failure is added again */

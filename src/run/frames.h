@@ -44,6 +44,7 @@ typedef struct pel_run_frames {
     const pel_run_plan *plan;
     void (*row)(void *user, const char *line); /* as in pel_run_def; nullable */
     void *user;
+    int32_t tool_count; /* of the scene */
     pel_run_surface surface;
     pel_run_series series;
     char series_path[PEL_RUN_FILE_SIZE];

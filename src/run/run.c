@@ -108,6 +108,13 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
         def.thread_count = run->def->thread_count;
     run->thread_count = def.thread_count > 0 ? def.thread_count : (int32_t)pel_thread_limit();
     status = pel_sim_create(&def, &run->sim, error);
+    if (status == PEL_OK)
+        run->tool_count = run->frames.tool_count = pel_sim_tool_count(run->sim);
+    if (status == PEL_OK && run->scene->session_count > 0) {
+        status = pel_session_create(run->scene, run->sim, &run->session, error);
+        /* what a session changes is not in the states that frames are taken back to */
+        def.thread_count = 1;
+    }
     return status == PEL_OK ? pel_run_frames_create(&run->frames, &def, run->sim, error) : status;
 }
 
@@ -160,9 +167,21 @@ static pel_status try_step(const pel_run_state *run, pel_error *error)
     return status;
 }
 
+/* a session changes what a checkpoint is compared with */
+static pel_status refuse_resume(const pel_run_state *run, pel_error *error)
+{
+    if (run->scene->session_count == 0 || run->def->resume == NULL)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_SCENE, "a run of a scene with a session cannot be resumed");
+    pel_fail_remedy(error, "run it from its start, without --resume");
+    return PEL_BAD_SCENE;
+}
+
 static pel_status prepare(pel_run_state *run, pel_error *error)
 {
-    pel_status status = create_sim(run, error);
+    pel_status status = refuse_resume(run, error);
+    if (status == PEL_OK)
+        status = create_sim(run, error);
     if (status == PEL_OK)
         status = check_stop(run, error);
     if (status == PEL_OK)
@@ -171,7 +190,7 @@ static pel_status prepare(pel_run_state *run, pel_error *error)
         status = pel_warnings_check_scene(run, error);
     if (status != PEL_OK)
         return status;
-    run->tool_force = pel_allocate(2 * (size_t)pel_sim_tool_count(run->sim), sizeof *run->tool_force);
+    run->tool_force = pel_allocate(2 * (size_t)run->tool_count, sizeof *run->tool_force);
     if (run->tool_force == NULL)
         return pel_fail_memory(error);
     if (run->def->folder != NULL) {
@@ -190,6 +209,7 @@ static void release(pel_run_state *run)
     pel_run_folder_unlock(run->def->folder, run->lock);
     pel_free(run->checkpoint);
     pel_free(run->tool_force);
+    pel_session_destroy(run->session);
     pel_sim_destroy(run->sim);
     pel_model_destroy(run->model);
 }
@@ -243,7 +263,7 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
 
 static void note_tools(pel_run_state *run)
 {
-    int32_t count = pel_sim_tool_count(run->sim);
+    int32_t count = run->tool_count;
     for (int32_t t = 0; t < count; t++) {
         pel_tool_reading reading;
         pel_sim_get_tool(run->sim, t, &reading);
@@ -355,7 +375,7 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
     run->settled = status == PEL_OK && run->stop_reason != NULL;
     if (run->settled && !is_due)
         status = add_frame(run, error);
-    if (status != PEL_OK || run->settled || plan->checkpoint_steps == 0 || step == 0 ||
+    if (status != PEL_OK || run->settled || run->session != NULL || plan->checkpoint_steps == 0 || step == 0 ||
         step % plan->checkpoint_steps != 0)
         return status;
     status = settle_frames(run, error);
@@ -366,7 +386,7 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
 static pel_status keep_state(pel_run_state *run, pel_error *error)
 {
     double now = pel_run_clock();
-    if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || now < run->keep_at)
+    if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || run->session != NULL || now < run->keep_at)
         return PEL_OK;
     pel_status status = settle_frames(run, error);
     if (status != PEL_OK)
@@ -381,11 +401,19 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
     return PEL_OK;
 }
 
+static pel_status step(pel_run_state *run, pel_error *error)
+{
+    if (run->session == NULL)
+        return pel_sim_step(run->sim, error);
+    pel_status status = pel_session_repeat(run->session, error);
+    return status == PEL_OK ? pel_session_step(run->session, error) : status;
+}
+
 /* one step and what belongs to it */
 static pel_status advance(pel_run_state *run, pel_error *error)
 {
     double before = pel_run_clock();
-    pel_status status = pel_sim_step(run->sim, error);
+    pel_status status = step(run, error);
     if (status != PEL_OK)
         return status;
     double seconds = pel_run_clock() - before;
@@ -443,6 +471,8 @@ static pel_status write_results(pel_run_state *run, pel_error *error)
 static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
+    if (run->session != NULL)
+        return PEL_OK;
     if (!over && (run->checkpoint_path[0] == '\0' || run->checkpoint_step != pel_sim_step_count(run->sim)))
         return pel_run_checkpoint_write(run, false, error);
     if (over && run->plan.checkpoint_steps == 0) {

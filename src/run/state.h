@@ -3,6 +3,7 @@
 #define PEL_RUN_STATE_H
 
 #include "pellicle/run.h"
+#include "pellicle/session.h"
 #include "run/frames.h"
 
 typedef struct pel_run_state {
@@ -10,6 +11,8 @@ typedef struct pel_run_state {
     const pel_run_def *def;
     pel_model *model;
     pel_sim *sim;
+    int32_t tool_count;   /* of the scene: a session adds some and takes them away */
+    pel_session *session; /* null when the scene has none */
     int32_t thread_count;
     uint64_t fingerprint; /* of the scene with its meshes and of the program version */
     pel_run_plan plan;

@@ -61,8 +61,8 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
     summary->warning_count = pel_warnings_list(run, summary->warnings);
     pel_sim_get_solver(sim, &summary->solver);
     summary->mode_count = pel_sim_get_modes(sim, summary->modes);
-    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++)
-        summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[pel_sim_tool_count(sim) + t]);
+    for (int32_t t = 0; t < run->tool_count; t++)
+        summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[run->tool_count + t]);
     memcpy(summary->checkpoint, run->checkpoint_path, sizeof summary->checkpoint);
 }
 
@@ -77,7 +77,8 @@ pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary
         .method_name = pel_scene_method_name(method),
         .summary = summary,
         .sim = run->sim,
-        .tool_force = run->tool_force + pel_sim_tool_count(run->sim),
+        .tool_count = run->tool_count,
+        .tool_force = run->tool_force + run->tool_count,
         .cause = cause,
     };
     return pel_results_write_summary(&ending, error);

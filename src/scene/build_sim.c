@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_NAMES = 64 };
@@ -369,6 +370,42 @@ static void read_stop(const pel_scene_value *value, pel_scene *scene)
     scene->time_limit = number_or(value, "time", 0);
 }
 
+/* "STEP COMMAND"; the command itself is read by who repeats it */
+static pel_status read_command(pel_scene_reader *reader, const pel_scene_value *value, int64_t least,
+                               pel_scene_command *command)
+{
+    char *end;
+    long long step = strtoll(value->text, &end, 10);
+    if (value->text[0] < '0' || value->text[0] > '9' || *end != ' ' || step < least || step > INT32_MAX) {
+        pel_scene_fail(reader, &value->place, "a command of the session has no step from %lld on: \"%.60s\"",
+                       (long long)least, value->text);
+        pel_fail_remedy(reader->error, "write the step, a space and the command: \"120 release\"");
+        return PEL_BAD_SCENE;
+    }
+    *command = (pel_scene_command){step, end + 1, value->place.line, value->place.column};
+    return PEL_OK;
+}
+
+static pel_status read_session(pel_scene_reader *reader, const pel_scene_value *list, pel_scene *scene)
+{
+    if (list == NULL)
+        return PEL_OK;
+    pel_scene_command *commands = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *commands);
+    if (commands == NULL)
+        return pel_fail_memory(reader->error);
+    scene->session = commands;
+    int64_t least = 0;
+    for (const pel_scene_value *value = list->first; value != NULL; value = value->next) {
+        pel_scene_command *command = &commands[scene->session_count];
+        pel_status status = read_command(reader, value, least, command);
+        if (status != PEL_OK)
+            return status;
+        least = command->step;
+        scene->session_count++;
+    }
+    return PEL_OK;
+}
+
 pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
 {
@@ -390,5 +427,7 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
         status = pel_scene_build_supports(reader, bodies, scene);
     if (status == PEL_OK)
         status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
+    if (status == PEL_OK)
+        status = read_session(reader, pel_scene_value_entry(root, "session"), scene);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;
 }

@@ -396,6 +396,12 @@ static const pel_scene_row rows[] = {
     {"stop.time", NUMBER, .unit = "s", POSITIVE, .doc = "ends the run at this simulated time"},
     {"stop.self_contact", BOOLEAN, .preset = "false", .doc = "ends the run when a body touches itself or another"},
 
+    {"session", LIST,
+     .doc = "commands of a hand that `pellicle live` recorded, to be repeated to the bit; leave out for none"},
+    {"session[]", TEXT,
+     .doc = "step before which it is done, and a command of pellicle/session.h, such as "
+            "120 set solver.drag 2; steps do not decrease"},
+
     {"output", MAP, .preset = "{}", .doc = "what the run leaves in its folder"},
     {"output.every", NUMBER, .unit = "s", POSITIVE, ALTERNATIVE, .preset = "0.1",
      .doc = "simulated time between frames"},

@@ -10,8 +10,9 @@ import tempfile
 
 TREES = ("src", "cli", "view", "python", "include", "examples", "bench")
 # outer libraries and the folders that may use them
-OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "cli", "view"},
-         "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"}}
+OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "src/live", "cli", "view"},
+         "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"},
+         "libwebsockets": {"src/live"}}
 
 
 def read_ranks(root):

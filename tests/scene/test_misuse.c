@@ -12,6 +12,7 @@
 #include <pellicle/report.h>
 #include <pellicle/results.h>
 #include <pellicle/run.h>
+#include <pellicle/session.h>
 #include <pellicle/shape.h>
 
 #include <math.h>
@@ -707,12 +708,47 @@ static void test_scenes(void **unused)
     finish();
 }
 
+static void test_session(void **unused)
+{
+    (void)unused;
+    pel_session *session = NULL;
+    pel_hand_reading hand;
+    bool done;
+    char *words;
+    int32_t count;
+    REFUSED("scene", pel_session_create(NULL, sim, &session, &error));
+    REFUSED("sim", pel_session_create(scene, NULL, &session, &error));
+    REFUSED("session", pel_session_create(scene, sim, NULL, &error));
+    assert_int_equal(pel_session_create(scene, sim, &session, NULL), PEL_OK);
+    REFUSED("session", pel_session_apply(NULL, "mark", &error));
+    REFUSED("line", pel_session_apply(session, NULL, &error));
+    REFUSED("session", pel_session_step(NULL, &error));
+    REFUSED("session", pel_session_undo(NULL, &done, &error));
+    REFUSED("done", pel_session_undo(session, NULL, &error));
+    REFUSED("session", pel_session_reset(NULL, &error));
+    REFUSED("session", pel_session_record(NULL, &words, &error));
+    REFUSED("text", pel_session_record(session, NULL, &error));
+    REFUSED("session", pel_session_scene(NULL, &words, &error));
+    REFUSED("text", pel_session_scene(session, NULL, &error));
+    REFUSED("session", pel_session_repeat(NULL, &error));
+    SURVIVES(pel_session_get_hand(NULL, &hand));
+    SURVIVES(pel_session_get_hand(session, NULL));
+    SURVIVES(pel_session_free_text(NULL));
+    SURVIVES(pel_session_destroy(NULL));
+    GIVES(pel_session_undo_count(NULL) == 0);
+    GIVES(pel_session_pins(NULL, 0, &count) == NULL && pel_session_pins(session, 9, &count) == NULL);
+    GIVES(pel_session_pins(session, 0, NULL) == NULL && pel_session_pins(session, 0, &count) != NULL && count > 0);
+    GIVES(pel_session_pressure(NULL, 0) == 0 && pel_session_pressure(session, -1) == 0);
+    pel_session_destroy(session);
+    finish();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_results), cmocka_unit_test(test_model),           cmocka_unit_test(test_shell),
         cmocka_unit_test(test_sim),     cmocka_unit_test(test_loads_and_tools), cmocka_unit_test(test_sim_calls),
-        cmocka_unit_test(test_live),    cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_live),    cmocka_unit_test(test_scenes),          cmocka_unit_test(test_session),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

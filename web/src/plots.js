@@ -24,7 +24,7 @@ const groups = [
     { title: "More", unit: null, takes: () => true, choose: true },
 ];
 
-const palettes = {
+export const palettes = {
     light: ["#0f6ab4", "#c2410c", "#0b7a53", "#8b3fa8", "#8a6d00", "#b3245f"],
     dark: ["#6cb4f0", "#fb923c", "#4ecb97", "#d19cf0", "#e3c34b", "#f587b0"],
 };
@@ -65,7 +65,7 @@ function tabulate(runs, names) {
     return tables.length > 1 ? uPlot.join(tables) : tables[0];
 }
 
-function element(tag, className, text) {
+export function element(tag, className, text) {
     const made = document.createElement(tag);
     if (className) made.className = className;
     if (text !== undefined) made.textContent = text;

@@ -47,7 +47,7 @@ const mapShader = `
     }`;
 
 // Where the vertices are dense (FINE) they are lit, which costs a software renderer less; else each pixel is.
-const vertexShader = `
+export const vertexShader = `
     attribute float value;
     varying float fieldValue;
     varying vec3 viewNormal, viewPosition;
@@ -65,7 +65,7 @@ const vertexShader = `
         gl_Position = projectionMatrix * place;
     }`;
 
-const surfaceShader = `
+export const surfaceShader = `
     varying vec3 viewNormal, viewPosition;
     varying vec4 light;
     ${mapShader}
@@ -84,7 +84,7 @@ const surfaceShader = `
         gl_FragColor = vec4(colourOf() * lit.x + lit.y, 1.0);
     }`;
 
-const lineShader = `
+export const lineShader = `
     uniform float opacity;
     ${mapShader}
     void main() {
@@ -92,10 +92,10 @@ const lineShader = `
     }`;
 
 // from how many vertices on the light is computed at the vertices
-const FINE_COUNT = 4000;
+export const FINE_COUNT = 4000;
 
 // every edge once, as pairs of vertices
-function listEdges(corners, vertexCount) {
+export function listEdges(corners, vertexCount) {
     const keys = new Float64Array(corners.length);
     for (let i = 0; i < corners.length; i++) {
         const a = corners[i];
@@ -110,7 +110,7 @@ function listEdges(corners, vertexCount) {
 }
 
 // vertex normals, weighted by area; the shader makes them unit vectors
-function fillNormals(corners, positions, normals) {
+export function fillNormals(corners, positions, normals) {
     normals.fill(0);
     for (let i = 0; i < corners.length; i += 3) {
         const a = 3 * corners[i];
@@ -264,7 +264,7 @@ class Body {
 }
 
 // whether pictures are drawn by the processor: smooth edges would take twice as long there
-function isSoftware() {
+export function isSoftware() {
     const context = document.createElement("canvas").getContext("webgl2");
     const names = context?.getExtension("WEBGL_debug_renderer_info");
     const name = context?.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER) ?? "";

@@ -17,7 +17,8 @@ const flags = [
     "--disable-sync",
 ];
 
-// { open(file, { viewport, dark }), close() }; open gives { page, errors, opened }, opened in milliseconds
+// { open(file, { viewport, dark }), visit(address, the same), close() }; open gives { page, errors, opened }, opened in
+// milliseconds; visit gives { page, errors } of the live page once it has drawn
 export async function startBrowser() {
     const profile = mkdtempSync(join(tmpdir(), "pellicle-browser-"));
     const context = await chromium.launchPersistentContext(profile, {
@@ -25,21 +26,31 @@ export async function startBrowser() {
         args: flags,
         viewport: { width: 1280, height: 800 },
     });
+    const newPage = async (allowed, viewport, dark) => {
+        const page = await context.newPage();
+        const errors = [];
+        page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+        page.on("pageerror", (error) => errors.push(String(error)));
+        page.on("request", (request) => !allowed.test(request.url()) && errors.push(request.url()));
+        await page.setViewportSize(viewport);
+        await page.emulateMedia({ colorScheme: dark ? "dark" : "light" });
+        return { page, errors };
+    };
     return {
         async open(file, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {
-            const page = await context.newPage();
-            const errors = [];
-            page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
-            page.on("pageerror", (error) => errors.push(String(error)));
-            page.on("request", (request) => !/^(file|data|blob):/.test(request.url()) && errors.push(request.url()));
-            await page.setViewportSize(viewport);
-            await page.emulateMedia({ colorScheme: dark ? "dark" : "light" });
+            const { page, errors } = await newPage(/^(file|data|blob):/, viewport, dark);
             const start = performance.now();
             await page.goto(`file://${file}`);
             await page.waitForFunction(() => globalThis.pellicle?.view.pictures > 0);
             const drawn = performance.now() - start;
             await page.waitForFunction(() => document.body.classList.contains("ready"));
             return { page, errors, drawn, opened: performance.now() - start };
+        },
+        async visit(address, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {
+            const { page, errors } = await newPage(/^(http:\/\/127\.0\.0\.1:|ws:\/\/127\.0\.0\.1:|data:|blob:)/, viewport, dark);
+            await page.goto(address);
+            await page.waitForFunction(() => globalThis.pellicle?.frame);
+            return { page, errors };
         },
         async close() {
             await context.close();

@@ -1,0 +1,190 @@
+/* pellicle live: a scene, or a mesh with a scene that suits it, on a page that a browser shows. */
+#define _XOPEN_SOURCE 700
+#include "commands.h"
+#include "diagnostics.h"
+#include "stop.h"
+
+#include <pellicle/geometry.h>
+#include <pellicle/import.h>
+
+#ifndef PELLICLE_LIVE
+
+int cli_live(const cli_call *call)
+{
+    (void)call;
+    return cli_complain("this program was built without a server. build it with -DPELLICLE_LIVE=ON");
+}
+
+#else
+
+#include <pellicle/server.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { PATH_SIZE = 4096, SCENE_SIZE = 2 * PATH_SIZE + 1024 };
+
+/* ---- the scene of a mesh ---- */
+
+/* a path between double quotes of YAML */
+static bool quote(const char *path, char *out, size_t size)
+{
+    size_t length = 0;
+    for (; *path != '\0'; path++) {
+        if (length + 3 > size || (unsigned char)*path < ' ')
+            return false;
+        if (*path == '"' || *path == '\\')
+            out[length++] = '\\';
+        out[length++] = *path;
+    }
+    out[length] = '\0';
+    return true;
+}
+
+/* Tissue fills the mesh (paper A): springs on the edges, and each vertex is drawn home, as much as on the paper's
+   sphere of 252 vertices whatever the mesh. A shell is a sheet of rubber, 1/100 of the diagonal thick. */
+static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char *text)
+{
+    char name[PATH_SIZE * 2];
+    double low[3], high[3], squared = 0;
+    if (!quote(path, name, sizeof name))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        low[i] = high[i] = mesh->positions[0][i];
+        for (int32_t v = 1; v < mesh->vertex_count; v++) {
+            low[i] = fmin(low[i], mesh->positions[v][i]);
+            high[i] = fmax(high[i], mesh->positions[v][i]);
+        }
+        squared += (high[i] - low[i]) * (high[i] - low[i]);
+    }
+    static const char tissue[] = "    mass: { total: 1 }\n    scale_with_area: true\n"
+                                 "    springs: { stiffness: 3, damping: 0.01 }\n"
+                                 "    volumetric: { stiffness: 1.5, damping: 0.01 }\n"
+                                 "solver: { method: quasi-static, dt: 0.01 }\n";
+    const char *slash = strrchr(path, '/');
+    int length = snprintf(text, SCENE_SIZE,
+                          "version: 1\ntitle: \"%.200s\"\nbodies:\n  - name: body\n    mesh: { file: \"%s\" }\n",
+                          slash != NULL ? slash + 1 : path, name);
+    if (!shell)
+        length += snprintf(text + length, SCENE_SIZE - (size_t)length, "%s", tissue);
+    else
+        length += snprintf(text + length, SCENE_SIZE - (size_t)length,
+                           "    membrane: { preset: rubber, thickness: %.6g }\n    bending: { model: hinge }\n"
+                           "    mass: { density: 1000 }\n"
+                           "solver: { method: xpbd, dt: 0.01, substeps: 20, second_order: false, drag: 2 }\n",
+                           sqrt(squared) / 100);
+    snprintf(text + length, SCENE_SIZE - (size_t)length, "duration: 60\n");
+    return true;
+}
+
+/* a mesh that cannot be simulated is told with what repairs it */
+static int load_mesh(const cli_call *call, const char *const *settings, int setting_count, pel_scene **scene)
+{
+    const char *path = call->arguments[0];
+    char full[PATH_SIZE], text[SCENE_SIZE];
+    int status = CLI_DONE;
+    pel_error error;
+    pel_mesh *mesh = cli_read_mesh(path, &cli_notes, NULL, &status);
+    if (mesh == NULL)
+        return status;
+    bool written = realpath(path, full) != NULL && write_scene(mesh, full, cli_has(call, "shell"), text);
+    pel_mesh_destroy(mesh);
+    if (!written)
+        return cli_complain("the name of '%s' is too long or holds control characters", path);
+    if (pel_scene_parse(path, text, strlen(text), settings, setting_count, NULL, scene, &error) == PEL_OK)
+        return CLI_DONE;
+    return cli_report(&error);
+}
+
+static int load(const cli_call *call, const char *const *settings, int setting_count, pel_scene **scene)
+{
+    const char *path = call->arguments[0];
+    pel_error error;
+    if (pel_mesh_format_of_path(path) != PEL_FORMAT_AUTO)
+        return load_mesh(call, settings, setting_count, scene);
+    if (cli_has(call, "shell"))
+        return cli_complain("--shell is for a mesh, and '%s' is a scene: give its body a membrane", path);
+    bool done = pel_scene_load(path, settings, setting_count, &cli_notes, scene, &error) == PEL_OK;
+    return done ? CLI_DONE : cli_report(&error);
+}
+
+/* ---- the server ---- */
+
+/* the browser of the desktop; false when there is none */
+static bool open_browser(const char *address)
+{
+    int status = -1;
+    pid_t child = fork();
+    if (child == 0) {
+        if (freopen("/dev/null", "w", stdout) != NULL && freopen("/dev/null", "w", stderr) != NULL)
+            execlp("xdg-open", "xdg-open", address, (char *)NULL);
+        _exit(127);
+    }
+    return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+static void tell_address(void *user, const char *address)
+{
+    const cli_call *call = user;
+    cli_catch_stop("");
+    printf("live at %s\n", address);
+    fflush(stdout);
+    if (!cli_has(call, "no-open") && !open_browser(address))
+        fputs("note: no browser could be opened: open the address by hand\n", stderr);
+}
+
+static bool is_wanted(void *user)
+{
+    (void)user;
+    return !cli_stop_asked();
+}
+
+static int serve(const cli_call *call, const pel_scene *scene)
+{
+    char found[PATH_SIZE];
+    pel_server_def def = pel_server_def_default();
+    pel_error error;
+    def.scene = scene;
+    def.page = cli_value(call, "page");
+    if (def.page == NULL)
+        def.page = cli_share_path(found, sizeof found, "live.html");
+    if (def.page == NULL)
+        return cli_complain("the live page has not been built. build it once with 'make web' (it takes the Debian "
+                            "packages nodejs and npm), then 'make install', or name it with --page");
+    def.host = cli_value(call, "host");
+    def.port = cli_count(call, "port");
+    def.thread_count = cli_count(call, "threads");
+    def.paused = cli_has(call, "paused");
+    def.opened = tell_address;
+    def.wanted = is_wanted;
+    def.user = (void *)(uintptr_t)call;
+    def.log = cli_has(call, "quiet") ? NULL : &cli_notes;
+    if (pel_serve(&def, &error) == PEL_OK)
+        return CLI_DONE;
+    pel_scene_locate(scene, &error);
+    return cli_report(&error);
+}
+
+int cli_live(const cli_call *given)
+{
+    char path[PATH_SIZE];
+    cli_call named = *given;
+    pel_scene *scene = NULL;
+    named.arguments[0] = cli_scene_path(path, sizeof path, given->argument_count > 0 ? given->arguments[0] : "balloon");
+    const char **settings = calloc((size_t)named.given_count + 1, sizeof *settings);
+    if (settings == NULL) {
+        cli_complain("out of memory");
+        return CLI_FAILED;
+    }
+    int status = load(&named, settings, cli_values(&named, "set", settings), &scene);
+    if (status == CLI_DONE)
+        status = serve(&named, scene);
+    pel_scene_destroy(scene);
+    free(settings);
+    return status;
+}
+
+#endif

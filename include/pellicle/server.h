@@ -1,0 +1,39 @@
+/* Pellicle: a simulation in a browser. A page is served by HTTP; what it draws and the commands of its user go through
+   one WebSocket. In the library pellicle_live, which is built where libwebsockets is installed. */
+#ifndef PELLICLE_SERVER_H
+#define PELLICLE_SERVER_H
+
+#include "session.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pel_server_def {
+    const pel_scene *scene;
+    const char *page;     /* path of the page, one file */
+    const char *host;     /* address of an interface; null = 127.0.0.1, which only this machine reaches */
+    int32_t port;         /* 0 = any that is free */
+    int32_t thread_count; /* 0 = what the scene says */
+    bool paused;          /* does not begin when the first page comes */
+    /* Called once when browsers can come: "http://127.0.0.1:PORT/?token=TOKEN". Nullable. */
+    void (*opened)(void *user, const char *address);
+    /* Asked about ten times a second; false ends the server. Nullable. */
+    bool (*wanted)(void *user);
+    void *user;
+    const pel_log *log; /* refused steps and commands; nullable */
+    uint32_t cookie;    /* set by pel_server_def_default */
+} pel_server_def;
+
+PEL_API pel_server_def pel_server_def_default(void);
+
+/* Serves the scene until `wanted` says no. The simulation steps in a thread of its own, at the pace of the clock or as
+   fast as it can. Requests need the token; those with another Host or a foreign Origin are refused with status 403.
+   PEL_BAD_FILE (the page cannot be read; the port is taken, with the remedy), what pel_model_create and pel_sim_create
+   return, PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
+PEL_API pel_status pel_serve(const pel_server_def *def, pel_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,101 @@
+#include "live/mailbox.h"
+
+#include "base/memory.h"
+
+#include <errno.h>
+#include <math.h>
+#include <time.h>
+
+void pel_mailbox_create(pel_mailbox *box)
+{
+    pthread_condattr_t clock;
+    *box = (pel_mailbox){0};
+    pthread_mutex_init(&box->lock, NULL);
+    pthread_condattr_init(&clock);
+    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
+    pthread_cond_init(&box->arrived, &clock);
+    pthread_condattr_destroy(&clock);
+}
+
+void pel_mailbox_destroy(pel_mailbox *box)
+{
+    for (int k = 0; k < PEL_POST_COUNT; k++)
+        pel_free(box->posts[k].bytes);
+    for (int32_t i = 0; i < box->line_count; i++)
+        pel_free(box->lines[i]);
+    pthread_cond_destroy(&box->arrived);
+    pthread_mutex_destroy(&box->lock);
+}
+
+void pel_mailbox_post(pel_mailbox *box, pel_post_kind kind, unsigned char *bytes, size_t size)
+{
+    if (bytes == NULL)
+        return;
+    pthread_mutex_lock(&box->lock);
+    pel_post *post = &box->posts[kind];
+    unsigned char *old = post->bytes;
+    *post = (pel_post){bytes, size, post->revision + 1};
+    pthread_mutex_unlock(&box->lock);
+    pel_free(old);
+    if (box->ring != NULL)
+        box->ring(box->user);
+}
+
+static struct timespec later(double seconds)
+{
+    struct timespec at;
+    clock_gettime(CLOCK_MONOTONIC, &at);
+    double whole = floor(seconds);
+    at.tv_sec += (time_t)whole;
+    at.tv_nsec += (long)(1e9 * (seconds - whole));
+    if (at.tv_nsec >= 1000000000) {
+        at.tv_sec++;
+        at.tv_nsec -= 1000000000;
+    }
+    return at;
+}
+
+bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *count)
+{
+    struct timespec end = later(fmax(seconds, 0));
+    pthread_mutex_lock(&box->lock);
+    int waited = seconds > 0 ? 0 : ETIMEDOUT;
+    while (!box->ended && box->line_count == 0 && waited != ETIMEDOUT)
+        waited = pthread_cond_timedwait(&box->arrived, &box->lock, &end);
+    *count = box->line_count;
+    for (int32_t i = 0; i < box->line_count; i++)
+        lines[i] = box->lines[i];
+    box->line_count = 0;
+    bool goes_on = !box->ended;
+    pthread_mutex_unlock(&box->lock);
+    return goes_on;
+}
+
+void pel_mailbox_line(pel_mailbox *box, char *line)
+{
+    if (line == NULL)
+        return;
+    pthread_mutex_lock(&box->lock);
+    bool fits = box->line_count < PEL_LINE_LIMIT;
+    if (fits)
+        box->lines[box->line_count++] = line;
+    else
+        box->lost_lines++;
+    pthread_cond_signal(&box->arrived);
+    pthread_mutex_unlock(&box->lock);
+    if (!fits)
+        pel_free(line);
+}
+
+void pel_mailbox_want(pel_mailbox *box)
+{
+    atomic_store(&box->wanted, true);
+}
+
+void pel_mailbox_end(pel_mailbox *box)
+{
+    pthread_mutex_lock(&box->lock);
+    box->ended = true;
+    pthread_cond_signal(&box->arrived);
+    pthread_mutex_unlock(&box->lock);
+}

@@ -1,0 +1,438 @@
+#include "live/message.h"
+
+#include "base/memory.h"
+#include "io/json.h"
+#include "pellicle/observe.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+/* ---- small pieces of JSON ---- */
+
+static void put_key(pel_json *json, const char *key)
+{
+    char last = json->length > 0 ? json->text[json->length - 1] : '{';
+    pel_json_print(json, "%s\"%s\":", last == '{' || last == '[' ? "" : ",", key);
+}
+
+static void put_number(pel_json *json, const char *key, double value)
+{
+    put_key(json, key);
+    pel_json_number(json, value);
+}
+
+static void put_string(pel_json *json, const char *key, const char *text)
+{
+    put_key(json, key);
+    pel_json_string(json, text);
+}
+
+static void put_flag(pel_json *json, const char *key, bool value)
+{
+    put_key(json, key);
+    pel_json_print(json, value ? "true" : "false");
+}
+
+static void put_numbers(pel_json *json, const char *key, const double *numbers, int32_t count)
+{
+    put_key(json, key);
+    pel_json_numbers(json, numbers, count);
+}
+
+/* begins an element of a list: with a comma behind another one */
+static void next_element(pel_json *json, bool first)
+{
+    pel_json_print(json, first ? "{" : ",{");
+}
+
+static unsigned char *text_message(pel_json *json, size_t *size)
+{
+    if (json->failed) {
+        pel_json_free(json);
+        return NULL;
+    }
+    *size = json->length;
+    return (unsigned char *)json->text;
+}
+
+/* ---- hello ---- */
+
+static const char *shape_name(pel_tool_shape shape)
+{
+    static const char *const names[] = {"sphere", "capsule", "box", "mesh", "support"};
+    return names[shape];
+}
+
+static void put_mesh(pel_json *json, const pel_mesh *mesh)
+{
+    put_key(json, "positions");
+    pel_json_numbers(json, &mesh->positions[0][0], 3 * mesh->vertex_count);
+    put_key(json, "triangles");
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        pel_json_print(json, "%s%d,%d,%d", t == 0 ? "[" : ",", (int)mesh->triangles[t][0], (int)mesh->triangles[t][1],
+                       (int)mesh->triangles[t][2]);
+    pel_json_print(json, "]");
+}
+
+static void put_tools(pel_json *json, const pel_scene *scene)
+{
+    put_key(json, "tools");
+    pel_json_print(json, "[");
+    for (int32_t t = 0; t < scene->sim.tool_count; t++) {
+        const pel_tool_def *tool = &scene->sim.tools[t];
+        next_element(json, t == 0);
+        put_string(json, "name", tool->name);
+        put_string(json, "shape", shape_name(tool->shape));
+        put_number(json, "radius", tool->radius);
+        put_number(json, "half_length", tool->half_length);
+        put_numbers(json, "half_extents", tool->half_extents, 3);
+        if (tool->shape == PEL_TOOL_MESH && tool->mesh != NULL)
+            put_mesh(json, tool->mesh);
+        pel_json_print(json, "}");
+    }
+    pel_json_print(json, "]");
+}
+
+static void put_fields(pel_json *json)
+{
+    put_key(json, "fields");
+    pel_json_print(json, "[");
+    for (int32_t f = 0; f < pel_field_count(); f++) {
+        const pel_field_info *field = pel_field_at(f);
+        next_element(json, f == 0);
+        put_string(json, "name", field->name);
+        put_string(json, "unit", field->unit);
+        put_number(json, "components", field->component_count);
+        put_string(json, "doc", field->doc);
+        pel_json_print(json, "}");
+    }
+    pel_json_print(json, "]");
+}
+
+/* the box about all bodies at rest */
+static void put_box(pel_json *json, const pel_model_def *model)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int32_t b = 0; b < model->body_count; b++)
+        for (int32_t v = 0; v < model->bodies[b].mesh->vertex_count; v++)
+            for (int i = 0; i < 3; i++) {
+                low[i] = fmin(low[i], model->bodies[b].mesh->positions[v][i]);
+                high[i] = fmax(high[i], model->bodies[b].mesh->positions[v][i]);
+            }
+    put_numbers(json, "low", low, 3);
+    put_numbers(json, "high", high, 3);
+}
+
+unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, double stiffness, size_t *size)
+{
+    pel_json json = {0};
+    pel_json_print(&json, "{");
+    put_string(&json, "type", "hello");
+    put_string(&json, "title", scene->title);
+    put_string(&json, "path", scene->path);
+    put_number(&json, "dt", scene->sim.solver.dt);
+    put_number(&json, "stiffness", stiffness);
+    put_box(&json, &scene->model);
+    put_key(&json, "bodies");
+    pel_json_print(&json, "[");
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        next_element(&json, b == 0);
+        put_string(&json, "name", scene->model.bodies[b].name);
+        put_flag(&json, "closed", pel_model_is_closed(pel_sim_model(sim), b));
+        pel_json_print(&json, "}");
+    }
+    pel_json_print(&json, "]");
+    put_tools(&json, scene);
+    put_fields(&json);
+    pel_json_print(&json, "}");
+    return text_message(&json, size);
+}
+
+/* ---- parameters ---- */
+
+static void put_parameter(pel_json *json, const pel_parameter_info *info)
+{
+    static const char *const kinds[] = {"number", "integer", "switch", "word", "vector"};
+    put_string(json, "path", info->path);
+    put_string(json, "row", info->row);
+    put_string(json, "kind", kinds[info->kind]);
+    put_string(json, "unit", info->unit);
+    put_number(json, "least", info->least);
+    put_number(json, "most", info->most);
+    put_flag(json, "open", info->is_open);
+    put_flag(json, "auto", info->may_be_auto);
+    put_flag(json, "keyed", info->is_keyed);
+    put_flag(json, "field", info->is_field);
+    put_flag(json, "live", info->is_live);
+    put_string(json, "refusal", info->refusal);
+    put_string(json, "remedy", info->remedy);
+    put_numbers(json, "preset", info->preset, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
+    put_numbers(json, "value", info->value, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
+    if (info->words == NULL)
+        return;
+    put_key(json, "words");
+    pel_json_print(json, "[");
+    for (int w = 0; info->words[w] != NULL; w++) {
+        pel_json_print(json, w > 0 ? "," : "");
+        pel_json_string(json, info->words[w]);
+    }
+    pel_json_print(json, "]");
+}
+
+unsigned char *pel_message_parameters(const pel_sim *sim, const pel_session *session, const pel_scene *scene,
+                                      size_t *size)
+{
+    pel_json json = {0};
+    pel_json_print(&json, "{");
+    put_string(&json, "type", "parameters");
+    put_key(&json, "list");
+    pel_json_print(&json, "[");
+    for (int32_t p = 0; p < pel_parameter_count(sim); p++) {
+        pel_parameter_info info;
+        pel_parameter_at(sim, p, &info);
+        next_element(&json, p == 0);
+        put_parameter(&json, &info);
+        pel_json_print(&json, "}");
+    }
+    pel_json_print(&json, "]");
+    put_key(&json, "inflate");
+    pel_json_print(&json, "{");
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        put_number(&json, scene->model.bodies[b].name, pel_session_pressure(session, b));
+    pel_json_print(&json, "}}");
+    return text_message(&json, size);
+}
+
+/* ---- binary messages ---- */
+
+/* closes the head; arrays of `tail` bytes follow at *arrays */
+static unsigned char *binary_message(pel_json *json, size_t tail, unsigned char **arrays, size_t *size)
+{
+    pel_json_print(json, "}");
+    size_t head = (json->length + 3) / 4 * 4;
+    unsigned char *bytes = json->failed ? NULL : pel_allocate(4 + head + tail, 1);
+    if (bytes != NULL) {
+        uint32_t length = (uint32_t)head;
+        for (int i = 0; i < 4; i++)
+            bytes[i] = (unsigned char)(length >> (8 * i));
+        memcpy(bytes + 4, json->text, json->length);
+        memset(bytes + 4 + json->length, ' ', head - json->length);
+        *arrays = bytes + 4 + head;
+        *size = 4 + head + tail;
+    }
+    pel_json_free(json);
+    return bytes;
+}
+
+static void put_hand(pel_json *json, const pel_session *session)
+{
+    static const char *const kinds[] = {"free", "grab", "press"};
+    pel_hand_reading hand;
+    pel_session_get_hand(session, &hand);
+    put_key(json, "hand");
+    pel_json_print(json, "{");
+    put_string(json, "kind", kinds[hand.kind]);
+    put_string(json, "shape", shape_name(hand.shape));
+    put_number(json, "radius", hand.radius);
+    put_numbers(json, "point", hand.point, 3);
+    put_numbers(json, "rotation", hand.rotation, 4);
+    put_numbers(json, "target", hand.target, 3);
+    put_numbers(json, "force", hand.force, 3);
+    pel_json_print(json, "}");
+}
+
+static void put_poses(pel_json *json, const pel_sim *sim)
+{
+    put_key(json, "tools");
+    pel_json_print(json, "[");
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
+        pel_tool_reading tool;
+        pel_sim_get_tool(sim, t, &tool);
+        next_element(json, t == 0);
+        put_string(json, "name", pel_sim_tool_name(sim, t));
+        put_numbers(json, "position", tool.position, 3);
+        put_numbers(json, "rotation", tool.rotation, 4);
+        put_numbers(json, "force", tool.force, 3);
+        pel_json_print(json, "}");
+    }
+    pel_json_print(json, "]");
+}
+
+static void put_measures(pel_json *json, pel_sim *sim)
+{
+    pel_sim_measures m;
+    pel_sim_ledger ledger;
+    pel_sim_measure(sim, &m);
+    pel_sim_get_ledger(sim, &ledger);
+    put_key(json, "measures");
+    pel_json_print(json, "{");
+    put_number(json, "volume_ratio", m.volume_ratio);
+    put_number(json, "area_ratio", m.area_ratio);
+    put_number(json, "elastic_energy", m.elastic_energy);
+    put_number(json, "kinetic_energy", m.kinetic_energy);
+    put_number(json, "max_displacement", m.max_displacement);
+    put_number(json, "contacts", (double)m.contact_count);
+    put_number(json, "work_hand", ledger.work_tools);
+    put_number(json, "dissipated", ledger.dissipated_drag + ledger.dissipated_solver);
+    put_number(json, "energy_error", ledger.energy_error);
+    pel_json_print(json, "}");
+}
+
+/* one number for each value of the field: its own, its first one, or its length */
+static void reduce(const double *values, int32_t components, size_t count, float *out)
+{
+    for (size_t v = 0; v < count; v++) {
+        const double *x = values + v * (size_t)components;
+        double number = x[0];
+        if (components == 3)
+            number = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        if (components == 6) {
+            double off = x[3] * x[3] + x[4] * x[4] + x[5] * x[5];
+            number = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + 2 * off);
+        }
+        out[v] = (float)number;
+    }
+}
+
+/* positions, values of the field where there is one, and a byte a vertex for contact, of all bodies */
+static bool fill_frame(pel_sim *sim, int32_t field, unsigned char *at)
+{
+    int32_t components = field >= 0 ? pel_field_at(field)->component_count : 0;
+    bool done = true;
+    for (int32_t b = 0; done && b < pel_model_body_count(pel_sim_model(sim)); b++) {
+        size_t count = (size_t)pel_sim_vertex_count(sim, b);
+        size_t room = count * (size_t)(components > 3 ? components : 3);
+        double *numbers = pel_allocate(room, sizeof *numbers);
+        float *floats = pel_allocate(3 * count, sizeof *floats);
+        done = numbers != NULL && floats != NULL;
+        if (done) {
+            pel_sim_get_positions(sim, b, numbers);
+            for (size_t i = 0; i < 3 * count; i++)
+                floats[i] = (float)numbers[i];
+            memcpy(at, floats, 3 * count * sizeof *floats);
+            at += 3 * count * sizeof *floats;
+        }
+        if (done && field >= 0) {
+            memset(floats, 0, count * sizeof *floats);
+            if (pel_observe(sim, field, b, numbers, NULL) == PEL_OK)
+                reduce(numbers, components, count, floats);
+            memcpy(at, floats, count * sizeof *floats);
+            at += count * sizeof *floats;
+        }
+        if (done) {
+            pel_sim_get_contacts(sim, b, numbers);
+            for (size_t v = 0; v < count; v++)
+                at[v] = numbers[v] > 0;
+            memset(at + count, 0, (4 - count % 4) % 4);
+            at += (count + 3) / 4 * 4;
+        }
+        pel_free(numbers);
+        pel_free(floats);
+    }
+    return done;
+}
+
+static void put_counts(pel_json *json, const pel_sim *sim)
+{
+    put_key(json, "bodies");
+    pel_json_print(json, "[");
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
+        pel_json_print(json, "%s%d", b > 0 ? "," : "", (int)pel_sim_vertex_count(sim, b));
+    pel_json_print(json, "]");
+}
+
+unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32_t field, const pel_pace *pace,
+                                 size_t *size)
+{
+    pel_json json = {0};
+    size_t tail = 0;
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++) {
+        size_t count = (size_t)pel_sim_vertex_count(sim, b);
+        tail += count * (field >= 0 ? 4 : 3) * sizeof(float) + (count + 3) / 4 * 4;
+    }
+    pel_json_print(&json, "{");
+    put_string(&json, "type", "frame");
+    put_number(&json, "time", pel_sim_time(sim));
+    put_number(&json, "step", (double)pel_sim_step_count(sim));
+    put_flag(&json, "playing", pace->playing);
+    put_number(&json, "pace", pace->pace);
+    put_number(&json, "step_ms", pace->step_ms);
+    put_number(&json, "serving", pace->serving);
+    put_number(&json, "echo", pace->echo);
+    put_number(&json, "undo", pel_session_undo_count(session));
+    put_string(&json, "field", field >= 0 ? pel_field_at(field)->name : "");
+    if (!pace->playing)
+        pel_json_print(&json, ",\"hash\":\"%016" PRIx64 "\"", pel_sim_hash(sim));
+    put_hand(&json, session);
+    put_poses(&json, sim);
+    put_counts(&json, sim);
+    if (pace->measures)
+        put_measures(&json, sim);
+    unsigned char *arrays = NULL, *bytes = binary_message(&json, tail, &arrays, size);
+    if (bytes != NULL && !fill_frame(sim, field, arrays)) {
+        pel_free(bytes);
+        return NULL;
+    }
+    return bytes;
+}
+
+unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *session, size_t *size)
+{
+    pel_json json = {0};
+    size_t tail = 0;
+    pel_json_print(&json, "{");
+    put_string(&json, "type", "surface");
+    put_key(&json, "bodies");
+    pel_json_print(&json, "[");
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++) {
+        int32_t triangles = pel_sim_triangle_count(sim, b), pins = 0;
+        pel_session_pins(session, b, &pins);
+        next_element(&json, b == 0);
+        put_number(&json, "vertices", pel_sim_vertex_count(sim, b));
+        put_number(&json, "triangles", triangles);
+        put_number(&json, "pins", pins);
+        pel_json_print(&json, "}");
+        tail += 3 * sizeof(int32_t) * (size_t)triangles + ((size_t)pins + 3) / 4 * 4;
+    }
+    pel_json_print(&json, "]");
+    unsigned char *at = NULL, *bytes = binary_message(&json, tail, &at, size);
+    for (int32_t b = 0; bytes != NULL && b < pel_model_body_count(pel_sim_model(sim)); b++) {
+        int32_t count = 0, *triangles = pel_allocate(3 * (size_t)pel_sim_triangle_count(sim, b), sizeof *triangles);
+        if (triangles == NULL) {
+            pel_free(bytes);
+            return NULL;
+        }
+        pel_sim_get_triangles(sim, b, triangles);
+        size_t length = 3 * sizeof *triangles * (size_t)pel_sim_triangle_count(sim, b);
+        memcpy(at, triangles, length);
+        pel_free(triangles);
+        const unsigned char *pins = pel_session_pins(session, b, &count);
+        memcpy(at + length, pins, (size_t)count);
+        at += length + ((size_t)count + 3) / 4 * 4;
+    }
+    return bytes;
+}
+
+/* ---- short ones ---- */
+
+unsigned char *pel_message_scene(const char *text, size_t *size)
+{
+    pel_json json = {0};
+    pel_json_print(&json, "{");
+    put_string(&json, "type", "scene");
+    put_string(&json, "text", text);
+    pel_json_print(&json, "}");
+    return text_message(&json, size);
+}
+
+unsigned char *pel_message_notice(const char *kind, const char *text, size_t *size)
+{
+    pel_json json = {0};
+    pel_json_print(&json, "{");
+    put_string(&json, "type", "notice");
+    put_string(&json, "kind", kind);
+    put_string(&json, "text", text);
+    pel_json_print(&json, "}");
+    return text_message(&json, size);
+}

@@ -1,0 +1,452 @@
+/* Beside the commands of a session a page may send: play, pause, step, undo, reset, field NAME (or none), save,
+   open TEXT (a scene), echo NUMBER (comes back with the next frame). */
+#include "live/player.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "live/message.h"
+#include "pellicle/observe.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* s between pictures, and between measures */
+#define PICTURE_SECONDS (1.0 / 60)
+#define MEASURE_SECONDS 0.1
+/* s that the simulation may lag behind the clock before it gives up catching up */
+#define LAG_SECONDS 0.1
+/* s over which pace and step time are averaged */
+#define PACE_SECONDS 0.5
+/* steps a second of methods that look for rest */
+#define REST_STEP_SECONDS (1.0 / 60)
+
+struct pel_player {
+    const pel_server_def *def;
+    pel_mailbox *box;
+    const pel_scene *scene;
+    pel_scene *own_scene; /* one that was opened; else null */
+    pel_model *model;
+    pel_sim *sim;
+    pel_session *session;
+    int32_t field;
+    bool playing, changed; /* since the last picture */
+    bool has_new_parameters, has_new_surface;
+    int64_t shown_revision; /* sum of those of the surfaces */
+    uint32_t echo;
+    double step_seconds; /* of the clock for a step */
+    double due;          /* clock of the next step */
+    double pictured_at, measured_at;
+    /* of the present interval, and what the last one gave */
+    double interval_at, interval_time, interval_stepping, interval_serving;
+    int64_t interval_steps;
+    double pace, step_ms, serving;
+    bool has_told_slow;
+};
+
+static double clock_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- posts ---- */
+
+static void tell(pel_player *player, const char *kind, const char *text)
+{
+    size_t size = 0;
+    unsigned char *bytes = pel_message_notice(kind, text, &size);
+    pel_mailbox_post(player->box, PEL_POST_NOTICE, bytes, size);
+}
+
+static void tell_error(pel_player *player, const char *before, const pel_error *error)
+{
+    char text[1200], whole[1300];
+    pel_error_text(error, text, sizeof text);
+    const char *what = strncmp(text, "error: ", 7) == 0 ? text + 7 : text;
+    snprintf(whole, sizeof whole, "%s%s", before, what);
+    tell(player, "error", whole);
+    pel_log_line(player->def->log, "%s", whole);
+}
+
+static bool read_number(const pel_sim *sim, const char *body, const char *key, double *value)
+{
+    char path[PEL_PARAMETER_PATH_SIZE];
+    pel_parameter_info info;
+    snprintf(path, sizeof path, "bodies.%s.%s", body, key);
+    if (pel_parameter_find(sim, path, &info, NULL) != PEL_OK || !isfinite(info.value[0]))
+        return false;
+    *value = info.value[0];
+    return true;
+}
+
+/* N/m, a spring about as stiff as the piece of surface that it holds: E h of a sheet; of springs those of some edges */
+static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
+{
+    double most = 0;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        const char *name = scene->model.bodies[b].name;
+        double young = 0, thickness = 0, springs = 0, home = 0;
+        if (read_number(sim, name, "membrane.young", &young) &&
+            read_number(sim, name, "membrane.thickness", &thickness))
+            most = fmax(most, 0.3 * young * thickness);
+        read_number(sim, name, "volumetric.stiffness", &home);
+        if (read_number(sim, name, "springs.stiffness", &springs))
+            most = fmax(most, 4 * (springs + home));
+    }
+    return most > 0 ? most : 1;
+}
+
+static void post_hello(pel_player *player)
+{
+    size_t size = 0;
+    double stiffness = suit_stiffness(player->sim, player->scene);
+    unsigned char *bytes = pel_message_hello(player->scene, player->sim, stiffness, &size);
+    pel_mailbox_post(player->box, PEL_POST_HELLO, bytes, size);
+}
+
+static int64_t surface_revision(const pel_player *player)
+{
+    int64_t sum = 0;
+    for (int32_t b = 0; b < player->scene->model.body_count; b++)
+        sum += pel_sim_surface_revision(player->sim, b);
+    return sum;
+}
+
+static void post_surface(pel_player *player)
+{
+    size_t size = 0;
+    unsigned char *bytes = pel_message_surface(player->sim, player->session, &size);
+    pel_mailbox_post(player->box, PEL_POST_SURFACE, bytes, size);
+    player->has_new_surface = false;
+    player->shown_revision = surface_revision(player);
+}
+
+static void post_parameters(pel_player *player)
+{
+    size_t size = 0;
+    unsigned char *bytes = pel_message_parameters(player->sim, player->session, player->scene, &size);
+    pel_mailbox_post(player->box, PEL_POST_PARAMETERS, bytes, size);
+    player->has_new_parameters = false;
+}
+
+static void post_frame(pel_player *player, double now)
+{
+    size_t size = 0;
+    bool measures = now - player->measured_at >= MEASURE_SECONDS || !player->playing;
+    const pel_pace pace = {player->playing, player->pace, player->step_ms, player->serving, player->echo, measures};
+    unsigned char *bytes = pel_message_frame(player->sim, player->session, player->field, &pace, &size);
+    pel_mailbox_post(player->box, PEL_POST_FRAME, bytes, size);
+    player->pictured_at = now;
+    player->measured_at = measures ? now : player->measured_at;
+    player->changed = false;
+}
+
+/* what pages have to know now; a picture only when one waits for it */
+static void post_all(pel_player *player)
+{
+    double start = clock_now();
+    if (player->has_new_parameters)
+        post_parameters(player);
+    if (player->changed && start - player->pictured_at >= PICTURE_SECONDS &&
+        atomic_exchange(&player->box->wanted, false)) {
+        if (player->has_new_surface || surface_revision(player) != player->shown_revision)
+            post_surface(player);
+        post_frame(player, start);
+    }
+    player->interval_serving += clock_now() - start;
+}
+
+/* ---- scenes ---- */
+
+static void close_scene(pel_player *player)
+{
+    pel_session_destroy(player->session);
+    pel_sim_destroy(player->sim);
+    pel_model_destroy(player->model);
+    pel_scene_destroy(player->own_scene);
+    player->session = NULL;
+    player->sim = NULL;
+    player->model = NULL;
+    player->own_scene = NULL;
+}
+
+/* model, simulation and session of the player's scene */
+static pel_status start_scene(pel_player *player, pel_error *error)
+{
+    pel_status status = pel_model_create(&player->scene->model, &player->model, error);
+    if (status != PEL_OK)
+        return status;
+    pel_sim_def def = player->scene->sim;
+    def.model = player->model;
+    if (player->def->thread_count > 0)
+        def.thread_count = player->def->thread_count;
+    status = pel_sim_create(&def, &player->sim, error);
+    if (status == PEL_OK)
+        status = pel_session_create(player->scene, player->sim, &player->session, error);
+    if (status != PEL_OK)
+        return status;
+    pel_method method = def.solver.method;
+    bool rests = method == PEL_METHOD_QUASI_STATIC || method == PEL_METHOD_DESCENT || method == PEL_METHOD_STATIC;
+    player->step_seconds = rests ? fmin(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
+    player->field = -1;
+    player->changed = player->has_new_parameters = true;
+    player->has_told_slow = false;
+    return PEL_OK;
+}
+
+static void post_scene(pel_player *player)
+{
+    post_hello(player);
+    post_surface(player);
+    post_frame(player, clock_now());
+}
+
+/* replaces the scene; a text that cannot be simulated leaves the present one */
+static void open_scene(pel_player *player, const char *text)
+{
+    pel_player next = *player;
+    pel_error error;
+    next.own_scene = NULL;
+    next.model = NULL;
+    next.sim = NULL;
+    next.session = NULL;
+    pel_status status =
+        pel_scene_parse(player->def->scene->path, text, strlen(text), NULL, 0, NULL, &next.own_scene, &error);
+    next.scene = next.own_scene;
+    if (status == PEL_OK)
+        status = start_scene(&next, &error);
+    if (status != PEL_OK) {
+        close_scene(&next);
+        tell_error(player, "the scene was not opened. ", &error);
+        return;
+    }
+    close_scene(player);
+    *player = next;
+    post_scene(player);
+}
+
+static void save_scene(pel_player *player)
+{
+    char *text = NULL;
+    size_t size = 0;
+    pel_error error;
+    if (pel_session_scene(player->session, &text, &error) != PEL_OK) {
+        tell_error(player, "", &error);
+        return;
+    }
+    unsigned char *bytes = pel_message_scene(text, &size);
+    pel_mailbox_post(player->box, PEL_POST_SCENE, bytes, size);
+    pel_session_free_text(text);
+}
+
+/* ---- steps ---- */
+
+static void begin_interval(pel_player *player, double now)
+{
+    player->interval_at = now;
+    player->interval_time = pel_sim_time(player->sim);
+    player->interval_stepping = player->interval_serving = 0;
+    player->interval_steps = 0;
+}
+
+static void play(pel_player *player, bool playing)
+{
+    player->playing = playing;
+    player->due = clock_now();
+    player->changed = true;
+    begin_interval(player, player->due);
+}
+
+/* the remedy that fits where a step takes longer than it may */
+static void tell_slow(pel_player *player)
+{
+    char text[300];
+    const char *remedy = player->scene->sim.contact.enabled ? "a coarser mesh or a longer dt"
+                                                            : "fewer substeps, a coarser mesh or a longer dt";
+    if (player->pace > 0.8 || player->pace <= 0 || player->has_told_slow)
+        return;
+    player->has_told_slow = true;
+    snprintf(text, sizeof text,
+             "slower than real time: %.2g s of simulation in a second, %.3g ms a step of %.3g ms. %s helps",
+             player->pace, player->step_ms, 1e3 * player->step_seconds, remedy);
+    tell(player, "note", text);
+}
+
+static void end_interval(pel_player *player, double now)
+{
+    double length = now - player->interval_at;
+    if (length < PACE_SECONDS || player->interval_steps == 0)
+        return;
+    double dt = player->scene->sim.solver.dt;
+    player->pace = (double)player->interval_steps * player->step_seconds / length;
+    if (player->step_seconds >= dt)
+        player->pace = (pel_sim_time(player->sim) - player->interval_time) / length;
+    player->step_ms = 1e3 * player->interval_stepping / (double)player->interval_steps;
+    player->serving = player->interval_serving / length;
+    tell_slow(player);
+    begin_interval(player, now);
+}
+
+/* false when the simulation cannot go on */
+static bool do_step(pel_player *player)
+{
+    pel_error error;
+    double start = clock_now();
+    pel_status status = pel_session_repeat(player->session, &error);
+    if (status == PEL_OK)
+        status = pel_session_step(player->session, &error);
+    player->interval_stepping += clock_now() - start;
+    player->interval_steps++;
+    player->changed = true;
+    if (status == PEL_OK)
+        return true;
+    player->has_new_parameters = player->has_new_surface = true;
+    tell_error(player, status == PEL_DIVERGED ? "the last good state is back: " : "", &error);
+    play(player, false);
+    return false;
+}
+
+/* steps that are due, at most for as long as a picture lasts */
+static void do_steps(pel_player *player)
+{
+    double start = clock_now(), now = start;
+    while (player->playing && player->due <= now && now - start < PICTURE_SECONDS) {
+        if (!do_step(player))
+            return;
+        player->due += player->step_seconds;
+        now = clock_now();
+    }
+    if (now - player->due > LAG_SECONDS)
+        player->due = now;
+    if (player->playing)
+        end_interval(player, now);
+}
+
+/* ---- lines ---- */
+
+static void choose_field(pel_player *player, const char *name)
+{
+    char text[200];
+    player->field = strcmp(name, "none") == 0 ? -1 : pel_field_find(name);
+    if (player->field < 0 && strcmp(name, "none") != 0) {
+        snprintf(text, sizeof text, "there is no field '%.100s'", name);
+        tell(player, "error", text);
+    }
+}
+
+static void go_back(pel_player *player, bool whole)
+{
+    pel_error error;
+    bool done = true;
+    pel_status status =
+        whole ? pel_session_reset(player->session, &error) : pel_session_undo(player->session, &done, &error);
+    if (status != PEL_OK)
+        tell_error(player, "", &error);
+    else if (!done)
+        tell(player, "note", "there is nothing to undo");
+    player->has_new_surface = player->has_new_parameters = true;
+    if (whole)
+        play(player, false);
+}
+
+/* commands that change parameters or pins, and so what pages show beside the picture */
+static void apply(pel_player *player, const char *line)
+{
+    pel_error error;
+    pel_status status = pel_session_apply(player->session, line, &error);
+    bool moves = strncmp(line, "move ", 5) == 0;
+    if (status != PEL_OK)
+        tell_error(player, "", &error);
+    if (strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0 || status != PEL_OK)
+        player->has_new_parameters = true;
+    if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0)
+        player->has_new_surface = true;
+    if (moves && status == PEL_OK)
+        return;
+    /* what is done while the simulation rests has to be seen */
+    player->changed = true;
+}
+
+static void do_line(pel_player *player, const char *line)
+{
+    if (strcmp(line, "play") == 0)
+        play(player, true);
+    else if (strcmp(line, "pause") == 0)
+        play(player, false);
+    else if (strcmp(line, "step") == 0)
+        (void)do_step(player);
+    else if (strcmp(line, "undo") == 0)
+        go_back(player, false);
+    else if (strcmp(line, "reset") == 0)
+        go_back(player, true);
+    else if (strcmp(line, "save") == 0)
+        save_scene(player);
+    else if (strncmp(line, "field ", 6) == 0)
+        choose_field(player, line + 6);
+    else if (strncmp(line, "open ", 5) == 0)
+        open_scene(player, line + 5);
+    else if (strncmp(line, "echo ", 5) == 0)
+        player->echo = (uint32_t)strtoul(line + 5, NULL, 10);
+    else
+        apply(player, line);
+    player->changed = true;
+}
+
+void *pel_player_run(void *context)
+{
+    pel_player *player = context;
+    char *lines[PEL_LINE_LIMIT];
+    int32_t count = 0;
+    play(player, false);
+    for (bool goes_on = true; goes_on;) {
+        double now = clock_now(), rest = player->playing ? player->due - now : 0.1;
+        if (player->changed && atomic_load(&player->box->wanted))
+            rest = fmin(rest, player->pictured_at + PICTURE_SECONDS - now);
+        else if (player->changed)
+            rest = fmin(rest, 0.004);
+        goes_on = pel_mailbox_wait(player->box, rest, lines, &count);
+        for (int32_t i = 0; i < count; i++) {
+            if (goes_on)
+                do_line(player, lines[i]);
+            pel_free(lines[i]);
+        }
+        if (goes_on && player->playing)
+            do_steps(player);
+        if (goes_on)
+            post_all(player);
+    }
+    return NULL;
+}
+
+pel_status pel_player_create(const pel_server_def *def, pel_mailbox *box, pel_player **player, pel_error *error)
+{
+    *player = NULL;
+    pel_player *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->def = def;
+    made->box = box;
+    made->scene = def->scene;
+    pel_status status = start_scene(made, error);
+    if (status != PEL_OK) {
+        pel_player_destroy(made);
+        return status;
+    }
+    post_scene(made);
+    post_parameters(made);
+    *player = made;
+    return PEL_OK;
+}
+
+void pel_player_destroy(pel_player *player)
+{
+    if (player == NULL)
+        return;
+    close_scene(player);
+    pel_free(player);
+}

@@ -1,0 +1,360 @@
+/* Sessions: words that are refused, undo and reset to the bit, a record that a run repeats to the bit. */
+#define _XOPEN_SOURCE 700
+#include "run_fixture.h"
+
+#include "pellicle/session.h"
+#include "run/command.h"
+
+/* a sheet that hangs on two pins, and a ball of springs, with a tool of the scene's own */
+static const char text[] =
+    "version: 1\ntitle: play\nbodies:\n"
+    "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { per_vertex: 0.1 },\n"
+    "      springs: { stiffness: 3, damping: 0.1 }, volumetric: { stiffness: 1.5, damping: 0.1 } }\n"
+    "  - { name: sheet, mesh: { shape: grid, nx: 8, ny: 8, translate: [3, 0, 0] }, mass: { density: 1000, thickness: "
+    "0.01 },\n"
+    "      membrane: { young: 1e4, thickness: 0.01 }, pinned: { nearest: [3, 0, 0] } }\n"
+    "tools:\n"
+    "  - { name: probe, shape: sphere, radius: 0.3, body: ball,\n"
+    "      motion: [{ time: 0, position: [0, 0, 1.35] }, { time: 0.3, position: [0, 0, 1.2] }] }\n"
+    "solver: { method: xpbd, dt: 0.01, substeps: 4 }\nduration: 0.5\nstop: { time: 0.4 }\n"
+    "output: { every: 0.1 }\n";
+
+typedef struct play {
+    pel_scene *scene;
+    pel_model *model;
+    pel_sim *sim;
+    pel_session *session;
+} play;
+
+static play begin(const char *scene)
+{
+    play made;
+    made.scene = load_scene(scene, NULL, 0);
+    assert_int_equal(pel_model_create(&made.scene->model, &made.model, NULL), PEL_OK);
+    pel_sim_def def = made.scene->sim;
+    def.model = made.model;
+    assert_int_equal(pel_sim_create(&def, &made.sim, NULL), PEL_OK);
+    assert_int_equal(pel_session_create(made.scene, made.sim, &made.session, NULL), PEL_OK);
+    return made;
+}
+
+static void end(play *made)
+{
+    pel_session_destroy(made->session);
+    pel_sim_destroy(made->sim);
+    pel_model_destroy(made->model);
+    pel_scene_destroy(made->scene);
+}
+
+static void apply(play *made, const char *line)
+{
+    char message[900];
+    pel_error error;
+    pel_status status = pel_session_apply(made->session, line, &error);
+    if (status != PEL_OK)
+        print_error("%s: %s\n", line, pel_error_text(&error, message, sizeof message));
+    assert_int_equal(status, PEL_OK);
+}
+
+static void steps(play *made, int count)
+{
+    pel_error error;
+    char message[900];
+    for (int i = 0; i < count; i++) {
+        pel_status status = pel_session_step(made->session, &error);
+        if (status != PEL_OK)
+            print_error("%s\n", pel_error_text(&error, message, sizeof message));
+        assert_int_equal(status, PEL_OK);
+    }
+}
+
+/* every word once and more */
+static void act(play *made)
+{
+    pel_hand_reading hand;
+    steps(made, 3);
+    apply(made, "mark");
+    apply(made, "grab 0 -5 0.1  0 1 0  20 0.3");
+    pel_session_get_hand(made->session, &hand);
+    assert_int_equal(hand.kind, PEL_HAND_GRAB);
+    for (int i = 0; i < 6; i++) {
+        char line[64];
+        snprintf(line, sizeof line, "move 0 %g 0.1", -1 - 0.05 * i);
+        apply(made, "move 0 -0.9 0.1");
+        apply(made, line);
+        steps(made, 1);
+    }
+    pel_session_get_hand(made->session, &hand);
+    assert_true(hand.force[1] < 0);
+    apply(made, "release");
+    apply(made, "set bodies.ball.springs.stiffness 4.25");
+    apply(made, "set gravity [0, 0, -1]");
+    apply(made, "inflate sheet 3");
+    apply(made, "pin 3.3 0.2 4  0 0 -1  0.2");
+    steps(made, 4);
+    apply(made, "mark");
+    apply(made, "press box 0.2  -2 0 0  0 0.5 0 1");
+    apply(made, "move -1 0 0");
+    double most = 0;
+    for (int i = 0; i < 30; i++) {
+        steps(made, 1);
+        pel_session_get_hand(made->session, &hand);
+        assert_int_equal(hand.kind, PEL_HAND_PRESS);
+        most = fmax(most, hand.force[0]);
+    }
+    /* it knocks the ball away */
+    assert_true(most > 0);
+    apply(made, "unpin 3.3 0.2 4  0 0 -1  0.2");
+    apply(made, "inflate sheet 0");
+    steps(made, 5);
+}
+
+static void test_undo_and_reset(void **unused)
+{
+    (void)unused;
+    play made = begin(text);
+    char *record;
+    bool done;
+    int32_t pin_count;
+    uint64_t start = pel_sim_hash(made.sim);
+    act(&made);
+    uint64_t last = pel_sim_hash(made.sim);
+    assert_int_equal(pel_session_undo_count(made.session), 2);
+    /* over the tool that presses: the pins and the pressure of then */
+    assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+    assert_true(done && pel_session_pressure(made.session, 1) == 3);
+    const unsigned char *pins = pel_session_pins(made.session, 1, &pin_count);
+    int32_t pinned = 0;
+    for (int32_t v = 0; v < pin_count; v++)
+        pinned += pins[v];
+    assert_true(pinned > 1);
+    assert_int_equal(pel_sim_step_count(made.sim), 13);
+    /* the same again from there gives the same */
+    apply(&made, "press box 0.2  -2 0 0  0 0.5 0 1");
+    apply(&made, "move -1 0 0");
+    steps(&made, 30);
+    apply(&made, "unpin 3.3 0.2 4  0 0 -1  0.2");
+    apply(&made, "inflate sheet 0");
+    steps(&made, 5);
+    assert_true(pel_sim_hash(made.sim) == last);
+    assert_int_equal(pel_session_reset(made.session, NULL), PEL_OK);
+    assert_true(pel_sim_hash(made.sim) == start);
+    assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+    assert_false(done);
+    assert_int_equal(pel_session_record(made.session, &record, NULL), PEL_OK);
+    assert_string_equal(record, "");
+    pel_session_free_text(record);
+    act(&made);
+    assert_true(pel_sim_hash(made.sim) == last);
+    end(&made);
+}
+
+/* a hand that stays closed, and what came after an undo, are in the record too */
+static void test_run_repeats(void **unused)
+{
+    (void)unused;
+    play made = begin(text);
+    bool done;
+    char *repeated;
+    act(&made);
+    assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+    apply(&made, "grab 2.8 0.1 4  0 0 -1  2 0.1");
+    apply(&made, "move 2.8 0.1 0.4");
+    steps(&made, 12);
+    uint64_t hash = pel_sim_hash(made.sim);
+    int64_t count = pel_sim_step_count(made.sim);
+    assert_int_equal(pel_session_scene(made.session, &repeated, NULL), PEL_OK);
+    end(&made);
+    for (int32_t threads = 1; threads <= 2; threads++) {
+        pel_scene *scene = load_scene(repeated, NULL, 0);
+        run_case test = {.run = "repeat", .threads = threads};
+        check_run(scene, &test, PEL_OK);
+        assert_int_equal(test.summary.steps, count);
+        assert_true(test.summary.state_hash == hash);
+        check_whole("repeat");
+        /* the resolved scene says it all again */
+        pel_scene *again = load_scene(pel_scene_text(scene), NULL, 0);
+        assert_string_equal(pel_scene_text(again), pel_scene_text(scene));
+        pel_scene_destroy(again);
+        test = (run_case){.run = "repeat", .resume = "checkpoint"};
+        assert_int_equal(do_run(scene, &test), PEL_BAD_SCENE);
+        pel_scene_destroy(scene);
+    }
+    pel_session_free_text(repeated);
+}
+
+static void test_bad_lines(void **unused)
+{
+    (void)unused;
+    static const char *const lines[] = {"",
+                                        " ",
+                                        "fly",
+                                        "Set a 1",
+                                        "set",
+                                        "set gravity",
+                                        "set bodies.ball.springs.stiffness -1",
+                                        "set nothing 1",
+                                        "set solver.dt 0.02",
+                                        "move 1 2",
+                                        "move 1 2 3 4",
+                                        "move 1 2 x",
+                                        "move nan 0 0",
+                                        "move inf 0 0",
+                                        "move 1e999 0 0",
+                                        "release now",
+                                        "grab 0 -5 0 0 0 0 20 0.3",
+                                        "grab 0 -5 0 0 1 0 -20 0.3",
+                                        "grab 0 -5 0 0 1 0 20 -1",
+                                        "press cone 0.2 -2 0 0 0 0 0 1",
+                                        "press sphere 0 -2 0 0 0 0 0 1",
+                                        "press sphere 0.2 -2 0 0 0 0 0 0",
+                                        "press sphere 0.2 0 0 0 0 0 0 1",
+                                        "pin 3 0 4 0 0 -1 -1",
+                                        "pin 3 0 4 0 0 0 1",
+                                        "inflate nobody 1",
+                                        "inflate sheet",
+                                        "mark 1",
+                                        "set gravity \"[0, 0, 1]\"",
+                                        "set a\\b 1",
+                                        "move 0 0 0\n",
+                                        "move\t0 0 0"};
+    play made = begin(text);
+    char long_line[PEL_SESSION_LINE + 8], *record;
+    pel_error error;
+    steps(&made, 2);
+    uint64_t hash = pel_sim_hash(made.sim);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        pel_status status = pel_session_apply(made.session, lines[i], &error);
+        if (status == PEL_OK)
+            print_error("taken: '%s'\n", lines[i]);
+        assert_int_not_equal(status, PEL_OK);
+        assert_true(error.what[0] != '\0');
+    }
+    memset(long_line, 'a', sizeof long_line - 1);
+    long_line[sizeof long_line - 1] = '\0';
+    assert_int_equal(pel_session_apply(made.session, long_line, &error), PEL_BAD_ARGUMENT);
+    /* nothing is met, or the hand is free: no error, and nothing to repeat */
+    apply(&made, "grab 0 -5 9 0 1 0 20 0.3");
+    apply(&made, "pin 0 -5 9 0 1 0 0.3");
+    apply(&made, "release");
+    apply(&made, "move 0 0 0");
+    assert_true(pel_sim_hash(made.sim) == hash);
+    assert_int_equal(pel_session_record(made.session, &record, NULL), PEL_OK);
+    assert_string_equal(record, "");
+    pel_session_free_text(record);
+    end(&made);
+}
+
+/* as the hand, so the record: a line of a scene that cannot be done names its place before anything is written */
+static void test_bad_scenes(void **unused)
+{
+    (void)unused;
+    char scene_text[2000];
+    static const char *const bad[][2] = {
+        {"session: [\"now release\"]\n", "no step from 0 on"},
+        {"session: [\"5 release\", \"4 release\"]\n", "no step from 5 on"},
+        {"session:\n  - \"0 release\"\n  - \"3 fly\"\n", "'fly' is no command"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        pel_scene *scene = NULL;
+        pel_error error;
+        char message[900];
+        run_case test = {.run = "bad"};
+        snprintf(scene_text, sizeof scene_text, "%s%s", text, bad[i][0]);
+        pel_status status = pel_scene_parse("bad.yaml", scene_text, strlen(scene_text), NULL, 0, NULL, &scene, &error);
+        if (status == PEL_OK) {
+            status = do_run(scene, &test);
+            error = test.error;
+        }
+        assert_int_equal(status, PEL_BAD_SCENE);
+        pel_error_text(&error, message, sizeof message);
+        if (strstr(message, bad[i][1]) == NULL)
+            print_error("%s\n", message);
+        assert_non_null(strstr(message, bad[i][1]));
+        assert_true(error.line > 10 && error.column > 1);
+        assert_false(exists("bad", ""));
+        pel_scene_destroy(scene);
+    }
+}
+
+/* a step that diverges takes the session back to the last mark */
+static void test_divergence(void **unused)
+{
+    (void)unused;
+    static const char stiff[] = "version: 1\nbodies:\n"
+                                "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 2 },\n"
+                                "      mass: { per_vertex: 1 }, springs: { stiffness: 3, damping: 0 } }\n"
+                                "solver: { method: explicit, dt: 0.05 }\nduration: 1\n";
+    play made = begin(stiff);
+    pel_error error;
+    pel_status status = PEL_OK;
+    steps(&made, 5);
+    apply(&made, "mark");
+    uint64_t hash = pel_sim_hash(made.sim);
+    apply(&made, "inflate ball 1e300");
+    for (int i = 0; i < 50 && status == PEL_OK; i++)
+        status = pel_session_step(made.session, &error);
+    assert_int_equal(status, PEL_DIVERGED);
+    assert_true(pel_sim_hash(made.sim) == hash);
+    assert_true(pel_session_pressure(made.session, 0) == 0);
+    steps(&made, 5);
+    end(&made);
+}
+
+typedef struct allocation_data {
+    const pel_scene *scene;
+    pel_sim *sim;
+    pel_session *session;
+} allocation_data;
+
+static pel_status create_one(const void *context, pel_error *error)
+{
+    const allocation_data *data = context;
+    pel_session *session = (pel_session *)1;
+    pel_status status = pel_session_create(data->scene, data->sim, &session, error);
+    if (status != PEL_OK)
+        assert_null(session);
+    pel_session_destroy(session);
+    return status;
+}
+
+static pel_status record_one(const void *context, pel_error *error)
+{
+    const allocation_data *data = context;
+    char *record = NULL;
+    pel_status status = pel_session_record(data->session, &record, error);
+    assert_true((record != NULL) == (status == PEL_OK));
+    pel_session_free_text(record);
+    return status;
+}
+
+static pel_status print_one(const void *context, pel_error *error)
+{
+    const allocation_data *data = context;
+    char *record = NULL;
+    pel_status status = pel_session_scene(data->session, &record, error);
+    assert_true((record != NULL) == (status == PEL_OK));
+    pel_session_free_text(record);
+    return status;
+}
+
+static void test_allocations(void **unused)
+{
+    (void)unused;
+    play made = begin(text);
+    const allocation_data data = {made.scene, made.sim, made.session};
+    assert_true(for_every_allocation_failure(create_one, &data) > 3);
+    act(&made);
+    assert_true(for_every_allocation_failure(record_one, &data) > 1);
+    assert_true(for_every_allocation_failure(print_one, &data) > 1);
+    end(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_run_repeats), cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_divergence),  cmocka_unit_test(test_allocations),
+    };
+    return cmocka_run_group_tests(tests, make_folder, clear_folder);
+}

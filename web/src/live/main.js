@@ -1,0 +1,597 @@
+// The live page: what the user does becomes lines for the program, what the program sends becomes pictures.
+import { Vector3 } from "three";
+import { isDiverging, mapGradient, mapNames } from "../colour.js";
+import { formatNumber, formatTogether, plainName, withUnit } from "../format.js";
+import { element } from "../plots.js";
+import { Parameters } from "./parameters.js";
+import { LivePlots } from "./plots.js";
+import { Stage } from "./stage.js";
+import { Wire } from "./wire.js";
+
+const $ = (id) => document.getElementById(id);
+
+const state = {
+    mode: "pull",
+    shape: "sphere",
+    radius: 0.12, // of half the size
+    depth: 0.15, // likewise
+    reach: 0.15, // likewise, of a grasp
+    brush: 0.08, // likewise
+    grip: 0, // decimal exponent beside the stiffness that the program proposes
+    field: "",
+    map: "viridis",
+    surface: "smooth",
+    contacts: false,
+    marks: true,
+    playing: false,
+};
+let hello = null;
+let frame = null; // the newest one
+let shown = null; // the last one drawn
+let hand = null; // what the pointer does now
+const ruler = []; // up to two places on surfaces
+
+const stage = new Stage($("view"), () => needs());
+const plots = new LivePlots($("plots"));
+const wire = new Wire(receive, showConnection);
+const send = (line) => wire.send(line);
+const parameters = new Parameters($("parameters"), send);
+
+/* ---- messages ---- */
+
+function receive(message) {
+    const actions = { hello: start, parameters: showParameters, surface: showSurface, frame: takeFrame, notice: showNotice, scene: saveScene };
+    actions[message.type]?.(message);
+}
+
+function start(message) {
+    hello = message;
+    shown = frame = hand = null;
+    ruler.length = 0;
+    range.reset();
+    plots.clear();
+    stage.setScene(message);
+    makeOptions();
+    $("title").textContent = message.title || message.path.split("/").pop();
+    document.title = `${$("title").textContent} – Pellicle live`;
+    const known = message.fields.map(({ name }) => name);
+    if (!known.includes(state.field)) state.field = "";
+    fill("colour", [["", "none"], ...known.map((name) => [name, plainName(name)])], state.field);
+    if (state.field) send(`field ${state.field}`);
+}
+
+function showSurface(message) {
+    stage.setSurface(message.bodies);
+}
+
+function showParameters(message) {
+    latestParameters = message;
+    const scale = (2 * (hello?.stiffness ?? 1)) / stage.size;
+    parameters.show(message, Number(scale.toPrecision(2)));
+}
+let latestParameters = null;
+
+function takeFrame(message) {
+    frame = message;
+    if (message.measures) plots.add(message);
+    needs();
+}
+
+function showNotice({ kind, text }) {
+    if (kind === "error" && parameters.refuse(text)) return;
+    const notice = $("notice");
+    notice.textContent = text.charAt(0).toUpperCase() + text.slice(1);
+    notice.className = kind;
+    notice.hidden = false;
+    clearTimeout(noticeTimer);
+    noticeTimer = setTimeout(() => (notice.hidden = true), 12000);
+}
+let noticeTimer = 0;
+
+function showConnection(open) {
+    document.body.classList.toggle("away", !open);
+    if (!open) {
+        hand = null;
+        $("facts").textContent = "The program has ended or cannot be reached. Start it again, or wait: this page tries again.";
+    }
+}
+
+/* ---- pictures ---- */
+
+let scheduled = false;
+let lastPicture = 0;
+function needs() {
+    if (scheduled) return;
+    scheduled = true;
+    requestAnimationFrame(draw);
+}
+
+function draw(now) {
+    scheduled = false;
+    if (!hello) return;
+    hand?.tick?.();
+    const fresh = frame !== shown && frame && stage.showFrame(frame, state.contacts);
+    if (fresh) {
+        if (shown && frame.playing) stage.adapt(now - lastPicture);
+        lastPicture = now;
+        showColour();
+        showTexts(now);
+    }
+    stage.coarsen();
+    drawPicture();
+    clearTimeout(rest);
+    rest = setTimeout(() => stage.refine() && drawPicture(), 250);
+    if (frame !== shown) {
+        shown = frame;
+        send("drawn");
+    }
+    if (hand?.moves) needs();
+}
+
+let rest = 0;
+function drawPicture() {
+    stage.draw({ surface: state.surface, ink: theme().ink, marks: state.marks });
+    placeLabels();
+}
+
+let lastTexts = 0;
+function showTexts(now) {
+    if (frame.playing && now - lastTexts < 120) return;
+    lastTexts = now;
+    state.playing = frame.playing;
+    document.body.classList.toggle("playing", frame.playing);
+    $("play").setAttribute("aria-label", frame.playing ? "Pause" : "Play");
+    $("undo").disabled = frame.undo === 0;
+    $("clock").textContent = `${formatNumber(frame.time, 4)} s`;
+    const pace = frame.pace > 0 ? ` · ${formatNumber(frame.pace, 2)} × real time · ${formatNumber(frame.step_ms, 3)} ms a step` : "";
+    const vertices = stage.bodies.reduce((sum, body) => sum + body.count, 0);
+    $("facts").textContent = `${vertices.toLocaleString("en")} vertices${pace}`;
+    plots.show();
+}
+
+/* ---- colour ---- */
+
+// widens while the field stays, so that colours keep their meaning from picture to picture
+const range = {
+    low: Infinity,
+    high: -Infinity,
+    reset() {
+        this.low = Infinity;
+        this.high = -Infinity;
+    },
+    take(values) {
+        for (const value of values) {
+            if (value < this.low) this.low = value;
+            if (value > this.high) this.high = value;
+        }
+    },
+};
+
+function showColour() {
+    const coloured = Boolean(state.field) && frame.field === state.field;
+    stage.uniforms.coloured.value = coloured;
+    $("legend").hidden = !coloured;
+    $("map").disabled = !coloured;
+    if (!coloured) return;
+    frame.bodies.forEach((body) => range.take(body.values));
+    let { low, high } = range;
+    if (isDiverging(state.map) && low < 0 && high > 0) {
+        high = Math.max(-low, high);
+        low = -high;
+    }
+    stage.uniforms.range.value.set(low, high);
+    const { name, unit, components } = hello.fields.find((field) => field.name === state.field);
+    $("legend-name").textContent = withUnit(components > 2 ? `|${plainName(name)}|` : plainName(name), unit && `[${unit.replace(/m2$/, "m²")}]`);
+    const ticks = formatTogether([low, low + (high - low) / 2, high], 3);
+    [...$("legend-ticks").children].forEach((tick, i) => (tick.textContent = ticks[i]));
+}
+
+function setField(name) {
+    state.field = name;
+    $("colour").value = name;
+    range.reset();
+    send(`field ${name || "none"}`);
+}
+
+function setMap(name) {
+    state.map = name;
+    $("map").value = name;
+    stage.setMap(name);
+    $("legend-bar").style.background = mapGradient(name);
+    needs();
+}
+
+function setSurface(name) {
+    state.surface = name;
+    $("surface").value = name;
+    needs();
+}
+
+/* ---- labels ---- */
+
+function put(id, at, text) {
+    const label = $(id);
+    label.hidden = !at;
+    if (!at) return;
+    label.textContent = text;
+    label.style.transform = `translate(${at.x + 12}px, ${at.y - 12}px)`;
+}
+
+function placeLabels() {
+    const held = shown?.hand ?? frame?.hand;
+    const newton = held && held.kind !== "free" ? Math.hypot(...held.force) : 0;
+    put("newton", stage.arrow.visible ? stage.project(stage.tip) : null, `${formatNumber(newton, 3)} N`);
+    placeRuler();
+}
+
+function placeRuler() {
+    const points = ruler.map(({ body, place }) => stage.bodies[body].point(place));
+    const [a, b] = points.map((point) => stage.project(point));
+    $("ruler").toggleAttribute("hidden", !b);
+    if (!a) return put("length", null);
+    const valueAt = ({ body, place }) => place.corners.reduce((sum, v, c) => sum + place.weights[c] * stage.bodies[body].values[v], 0);
+    const values = stage.uniforms.coloured.value ? ruler.map((at) => formatNumber(valueAt(at), 3)).join(" → ") : "";
+    if (!b) return put("length", a, values || "to …");
+    const line = $("ruler").firstElementChild;
+    for (const [name, value] of Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y })) line.setAttribute(name, value);
+    const metres = points[0].distanceTo(points[1]) * stage.size;
+    put("length", { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }, `${formatNumber(metres, 4)} m${values ? `   ${values}` : ""}`);
+}
+
+/* ---- the hand ---- */
+
+const numbers = (values) => values.map((value) => Number(value.toPrecision(9))).join(" ");
+const rayText = ({ origin, direction }) => `${numbers(stage.outward(origin))} ${numbers(direction.toArray())}`;
+const stiffness = () => (hello?.stiffness ?? 1) * 10 ** state.grip;
+const moveTo = (point) => send(`move ${numbers(stage.outward(point))}`);
+
+// each begins what the pointer does where it met a surface, and says how it goes on
+const modes = {
+    pull(ray, hit) {
+        send("mark");
+        send(`grab ${rayText(ray)} ${numbers([stiffness(), state.reach * stage.size])}`);
+        return { kind: "pull", point: hit.point, move: (now) => moveTo(stage.onPlane(now, hit.point)), end: () => send("release") };
+    },
+    press(ray, hit) {
+        const radius = state.radius;
+        // far enough that a box on a dent does not start inside
+        const clear = 0.3 * radius + 0.2;
+        const start = hit.point.clone().addScaledVector(hit.normal, radius + clear);
+        const flat = new Vector3(0, 0, 1).cross(hit.normal);
+        const axis = state.shape === "capsule" ? (flat.lengthSq() > 1e-6 ? flat.normalize() : new Vector3(1, 0, 0)) : hit.normal;
+        send("mark");
+        send(`press ${state.shape} ${numbers([radius * stage.size, ...stage.outward(start), ...Stage.facing(axis).toArray()])}`);
+        const began = performance.now();
+        return {
+            kind: "press",
+            moves: true,
+            last: ray,
+            move(now) {
+                this.last = now;
+            },
+            // deeper for half a second, then as deep as the slider says
+            tick() {
+                const part = Math.min((performance.now() - began) / 500, 1);
+                const shift = stage.onPlane(this.last, hit.point).sub(hit.point);
+                moveTo(start.clone().add(shift).addScaledVector(hit.normal, -part * (clear + state.depth)));
+            },
+            end: () => send("release"),
+        };
+    },
+    pin: (ray) => brush("pin", ray),
+    unpin: (ray) => brush("unpin", ray),
+    measure(_, hit) {
+        if (ruler.length === 2) ruler.length = 0;
+        ruler.push(hit);
+        needs();
+        return null;
+    },
+    turn: () => undefined,
+};
+
+function brush(word, ray) {
+    const paint = (at) => send(`${word} ${rayText(at)} ${numbers([state.brush * stage.size])}`);
+    send("mark");
+    paint(ray);
+    return { kind: word, move: paint, end: () => {} };
+}
+
+function rayOf(event) {
+    const box = $("view").getBoundingClientRect();
+    return stage.ray(event.clientX - box.left, event.clientY - box.top);
+}
+
+function listenToPicture() {
+    const canvas = $("view");
+    canvas.addEventListener(
+        "pointerdown",
+        (event) => {
+            if (hand || event.button !== 0 || event.ctrlKey || event.metaKey || state.mode === "turn" || !shown) return;
+            const ray = rayOf(event);
+            const hit = stage.pick(ray);
+            if (!hit) return;
+            stage.controls.enabled = false;
+            canvas.setPointerCapture(event.pointerId);
+            hand = modes[state.mode](ray, hit);
+            // after the mark, so that undo leads to where the simulation stood
+            if (hand && !state.playing) send("play");
+            needs();
+        },
+        { capture: true },
+    );
+    canvas.addEventListener("pointermove", (event) => {
+        if (!hand) return;
+        hand.move(rayOf(event));
+        needs();
+    });
+    const end = () => {
+        hand?.end();
+        hand = null;
+        stage.controls.enabled = true;
+    };
+    canvas.addEventListener("pointerup", end);
+    canvas.addEventListener("pointercancel", end);
+    canvas.addEventListener(
+        "wheel",
+        (event) => {
+            if (hand?.kind !== "press") return;
+            event.preventDefault();
+            event.stopImmediatePropagation();
+            state.depth = Math.max(0, Math.min(1, state.depth - 0.0005 * event.deltaY));
+            makeOptions();
+        },
+        { capture: true, passive: false },
+    );
+}
+
+/* ---- controls ---- */
+
+function fill(id, entries, value, changed) {
+    const select = $(id);
+    select.replaceChildren(...entries.map(([key, text]) => new Option(text, key)));
+    select.value = value;
+    if (changed) select.addEventListener("change", () => changed(select.value));
+}
+
+const modeNames = [
+    ["pull", "Pull"],
+    ["press", "Press"],
+    ["pin", "Pin"],
+    ["unpin", "Unpin"],
+    ["measure", "Measure"],
+    ["turn", "Turn"],
+];
+
+function setMode(mode) {
+    state.mode = mode;
+    for (const button of $("modes").children) {
+        const chosen = button.dataset.mode === mode;
+        button.setAttribute("aria-checked", chosen);
+        button.tabIndex = chosen ? 0 : -1;
+    }
+    $("view").classList.toggle("turning", mode === "turn");
+    makeOptions();
+}
+
+function slider(text, key, low, high, show) {
+    const label = element("label", "", text);
+    const input = element("input");
+    const value = element("output");
+    Object.assign(input, { type: "range", min: low, max: high, step: (high - low) / 100, value: state[key] });
+    const update = () => (value.textContent = show(state[key]));
+    input.addEventListener("input", () => {
+        state[key] = input.valueAsNumber;
+        update();
+    });
+    update();
+    label.append(input, value);
+    return label;
+}
+
+const metres = (part) => `${formatNumber(part * stage.size, 2)} m`;
+
+function makeOptions() {
+    const shape = () => {
+        const label = element("label", "", "Shape");
+        const select = element("select");
+        select.append(...["sphere", "capsule", "box"].map((name) => new Option(name, name)));
+        select.value = state.shape;
+        select.addEventListener("change", () => (state.shape = select.value));
+        label.append(select);
+        return label;
+    };
+    const made = {
+        pull: () => [slider("Spring", "grip", -2, 2, () => `${formatNumber(stiffness(), 2)} N/m`), slider("Reach", "reach", 0, 0.6, metres)],
+        press: () => [shape(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
+        pin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
+        unpin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
+    };
+    $("options").replaceChildren(...(made[state.mode]?.() ?? []));
+}
+
+function makeControls() {
+    $("modes").append(
+        ...modeNames.map(([mode, name], i) => {
+            const button = element("button", "", name);
+            button.type = "button";
+            button.role = "radio";
+            button.dataset.mode = mode;
+            button.title = `${name} (${i + 1})`;
+            button.addEventListener("click", () => setMode(mode));
+            return button;
+        }),
+    );
+    $("modes").addEventListener("keydown", (event) => {
+        const way = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+        if (!way) return;
+        event.preventDefault();
+        const index = modeNames.findIndex(([mode]) => mode === state.mode);
+        setMode(modeNames.at((index + way) % modeNames.length)[0]);
+        $("modes").querySelector('[aria-checked="true"]').focus();
+    });
+    setMode("pull");
+    $("colour").addEventListener("change", () => setField($("colour").value));
+    fill("map", mapNames.map((name) => [name, name]), state.map, setMap);
+    fill("surface", [["smooth", "plain"], ["edges", "with edges"], ["wireframe", "wireframe"]], state.surface, setSurface);
+    for (const key of ["contacts", "marks"])
+        $(key).addEventListener("change", () => {
+            state[key] = $(key).checked;
+            if (frame) stage.showFrame(frame, state.contacts);
+            needs();
+        });
+    $("play").addEventListener("click", playOrPause);
+    $("step").addEventListener("click", step);
+    $("undo").addEventListener("click", () => send("undo"));
+    $("restart").addEventListener("click", restart);
+    $("reset").addEventListener("click", () => stage.reset());
+    $("save").addEventListener("click", askForScene);
+    $("open").addEventListener("click", () => $("file").click());
+    $("file").addEventListener("change", openScene);
+    $("film").addEventListener("click", film);
+    setMap(state.map);
+}
+
+const playOrPause = () => send(state.playing ? "pause" : "play");
+const restart = () => send("reset");
+function step() {
+    send("pause");
+    send("step");
+}
+
+/* ---- files ---- */
+
+function download(blob, name) {
+    const link = element("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+let asked = false;
+function askForScene() {
+    asked = true;
+    send("save");
+}
+
+// a reply that another page asked for is not ours
+function saveScene({ text }) {
+    if (asked) download(new Blob([text], { type: "application/yaml" }), "session.yaml");
+    asked = false;
+}
+
+async function openScene() {
+    const file = $("file").files[0];
+    if (file) send(`open ${await file.text()}`);
+    $("file").value = "";
+}
+
+let recorder = null;
+function film() {
+    if (recorder) {
+        recorder.stop();
+        recorder = null;
+    } else {
+        const parts = [];
+        recorder = new MediaRecorder($("view").captureStream(30), { mimeType: "video/webm" });
+        recorder.ondataavailable = ({ data }) => parts.push(data);
+        recorder.onstop = () => download(new Blob(parts, { type: "video/webm" }), "session.webm");
+        recorder.start();
+    }
+    $("film").setAttribute("aria-pressed", Boolean(recorder));
+    $("film").textContent = recorder ? "Stop film" : "Film";
+}
+
+/* ---- keys ---- */
+
+function cycle(id, change) {
+    const { options, selectedIndex } = $(id);
+    change(options[(selectedIndex + 1) % options.length].value);
+}
+
+const turn = 0.12;
+const keys = {
+    " ": playOrPause,
+    s: step,
+    u: () => send("undo"),
+    "ctrl z": () => send("undo"),
+    r: restart,
+    v: () => stage.reset(),
+    c: () => cycle("colour", setField),
+    w: () => cycle("surface", setSurface),
+    "ctrl s": askForScene,
+    o: () => $("file").click(),
+    "+": () => stage.zoom(1.15),
+    "=": () => stage.zoom(1.15),
+    "-": () => stage.zoom(1 / 1.15),
+    "?": () => $("keys").showModal(),
+    "shift ArrowLeft": () => stage.turn(-turn, 0),
+    "shift ArrowRight": () => stage.turn(turn, 0),
+    "shift ArrowUp": () => stage.turn(0, turn),
+    "shift ArrowDown": () => stage.turn(0, -turn),
+    ...Object.fromEntries(modeNames.map(([mode], i) => [String(i + 1), () => setMode(mode)])),
+};
+
+function listenToKeys() {
+    addEventListener("keydown", (event) => {
+        if (event.altKey || $("keys").open) return;
+        const target = event.target.closest("input, select, button, summary, textarea, a");
+        const ctrl = event.ctrlKey || event.metaKey;
+        if (target && !ctrl && !(target.matches("button") && event.key !== " " && event.key !== "Enter")) return;
+        if (target?.matches('input[type="text"], input[type="number"]')) return;
+        const action = keys[ctrl ? `ctrl ${event.key}` : event.shiftKey && event.key.startsWith("Arrow") ? `shift ${event.key}` : event.key];
+        if (!action) return;
+        event.preventDefault();
+        action();
+    });
+    $("keys-open").addEventListener("click", () => $("keys").showModal());
+}
+
+/* ---- light and dark ---- */
+
+const prefersDark = matchMedia("(prefers-color-scheme: dark)");
+const isDark = () => (document.documentElement.dataset.theme ?? (prefersDark.matches ? "dark" : "light")) === "dark";
+
+function theme() {
+    const style = getComputedStyle(document.documentElement);
+    const read = (name) => style.getPropertyValue(name).trim();
+    return { name: isDark() ? "dark" : "light", ink: read("--soft"), grid: read("--line"), font: "system-ui, sans-serif" };
+}
+
+function showTheme() {
+    $("theme").textContent = isDark() ? "Light" : "Dark";
+    plots.build(theme());
+    needs();
+}
+
+prefersDark.addEventListener("change", showTheme);
+$("theme").addEventListener("click", () => {
+    document.documentElement.dataset.theme = isDark() ? "light" : "dark";
+    showTheme();
+});
+
+makeControls();
+listenToPicture();
+listenToKeys();
+showTheme();
+new ResizeObserver(() => {
+    stage.resize();
+    needs();
+}).observe($("picture"));
+
+globalThis.pellicle = {
+    state,
+    stage,
+    wire,
+    send,
+    plots,
+    get frame() {
+        return shown;
+    },
+    get parameters() {
+        return latestParameters;
+    },
+    get hello() {
+        return hello;
+    },
+};

@@ -1,0 +1,397 @@
+// What stands on the stage: bodies, tools, the hand, pins and contacts. Lengths are about the middle of the bodies at
+// rest, in units of half their size, as in the report.
+import {
+    ArrowHelper,
+    BoxGeometry,
+    BufferAttribute,
+    BufferGeometry,
+    CapsuleGeometry,
+    ClampToEdgeWrapping,
+    Color,
+    DataTexture,
+    DoubleSide,
+    LineSegments,
+    Mesh,
+    NearestFilter,
+    PerspectiveCamera,
+    Points,
+    PointsMaterial,
+    Quaternion,
+    RGBAFormat,
+    Scene,
+    ShaderMaterial,
+    SphereGeometry,
+    Vector2,
+    Vector3,
+    WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { mapBytes } from "../colour.js";
+import { FINE_COUNT, fillNormals, isSoftware, lineShader, listEdges, surfaceShader, vertexShader } from "../view.js";
+
+class Body {
+    constructor(stage) {
+        this.stage = stage;
+        const options = { vertexShader, uniforms: stage.uniforms, side: DoubleSide };
+        this.surface = new Mesh(
+            new BufferGeometry(),
+            new ShaderMaterial({ ...options, fragmentShader: surfaceShader, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }),
+        );
+        this.lines = new LineSegments(new BufferGeometry(), new ShaderMaterial({ ...options, fragmentShader: lineShader, transparent: true }));
+        this.lines.material.uniforms = { ...stage.uniforms, coloured: { value: false }, plain: { value: new Color() }, opacity: { value: 1 } };
+        this.pins = this.makePoints("#1d6fd1", 5);
+        this.contacts = this.makePoints("#d1341d", 4);
+        this.count = 0;
+        for (const object of [this.surface, this.lines, this.pins, this.contacts]) {
+            object.frustumCulled = false;
+            stage.scene.add(object);
+        }
+    }
+
+    makePoints(colour, size) {
+        return new Points(new BufferGeometry(), new PointsMaterial({ color: colour, size, sizeAttenuation: false }));
+    }
+
+    dispose() {
+        for (const object of [this.surface, this.lines, this.pins, this.contacts]) {
+            this.stage.scene.remove(object);
+            object.geometry.dispose();
+            object.material.dispose();
+        }
+    }
+
+    setSurface({ vertices, corners, pins }) {
+        this.corners = corners;
+        this.pinned = Uint32Array.from(pins.keys()).filter((v) => pins[v]);
+        this.edges = null;
+        if (vertices !== this.count) this.allocate(vertices);
+        this.surface.geometry.setIndex(new BufferAttribute(corners, 1));
+        this.pins.geometry.setIndex(new BufferAttribute(this.pinned, 1));
+    }
+
+    allocate(count) {
+        this.count = count;
+        this.positions = new Float32Array(3 * count);
+        this.normals = new Float32Array(3 * count);
+        this.values = new Float32Array(count);
+        const attributes = {
+            position: new BufferAttribute(this.positions, 3),
+            normal: new BufferAttribute(this.normals, 3),
+            value: new BufferAttribute(this.values, 1),
+        };
+        for (const object of [this.surface, this.lines, this.pins, this.contacts]) {
+            object.geometry.dispose();
+            object.geometry = new BufferGeometry();
+            for (const name in attributes) object.geometry.setAttribute(name, attributes[name]);
+        }
+        const fine = count >= FINE_COUNT;
+        this.surface.material.defines = fine ? { FINE: 1 } : {};
+        this.surface.material.needsUpdate = true;
+    }
+
+    show({ positions, values, contacts }, withContacts) {
+        const { centre, size } = this.stage;
+        for (let i = 0; i < positions.length; i += 3)
+            for (let c = 0; c < 3; c++) this.positions[i + c] = (positions[i + c] - centre[c]) / size;
+        fillNormals(this.corners, this.positions, this.normals);
+        if (values) this.values.set(values);
+        const { position, normal, value } = this.surface.geometry.attributes;
+        position.needsUpdate = normal.needsUpdate = true;
+        if (values) value.needsUpdate = true;
+        this.contacts.visible = withContacts;
+        if (withContacts) {
+            const touched = Uint32Array.from(contacts.keys()).filter((v) => contacts[v]);
+            this.contacts.geometry.setIndex(new BufferAttribute(touched, 1));
+        }
+    }
+
+    setStyle(surface, ink) {
+        const wire = surface === "wireframe";
+        this.surface.visible = !wire;
+        this.lines.visible = surface !== "smooth";
+        if (this.lines.visible && !this.edges && this.corners) {
+            this.edges = listEdges(this.corners, this.count);
+            this.lines.geometry.setIndex(new BufferAttribute(this.edges, 1));
+        }
+        const uniforms = this.lines.material.uniforms;
+        uniforms.coloured.value = wire && this.stage.uniforms.coloured.value;
+        uniforms.opacity.value = wire ? 1 : 0.35;
+        uniforms.plain.value.set(wire ? ink : "#000000").convertLinearToSRGB();
+    }
+
+    // { distance, corners, weights } of the first triangle on the ray, or null
+    hit(origin, direction) {
+        const [a, u, w, p, q, s] = Array.from({ length: 6 }, () => new Vector3());
+        let best = null;
+        for (let i = 0; i < this.corners.length; i += 3) {
+            a.fromArray(this.positions, 3 * this.corners[i]);
+            u.fromArray(this.positions, 3 * this.corners[i + 1]).sub(a);
+            w.fromArray(this.positions, 3 * this.corners[i + 2]).sub(a);
+            p.crossVectors(direction, w);
+            const determinant = u.dot(p);
+            if (Math.abs(determinant) < 1e-14) continue;
+            s.subVectors(origin, a);
+            const x = s.dot(p) / determinant;
+            q.crossVectors(s, u);
+            const y = direction.dot(q) / determinant;
+            const distance = w.dot(q) / determinant;
+            if (x < 0 || y < 0 || x + y > 1 || distance <= 0 || (best && distance >= best.distance)) continue;
+            best = { distance, corners: [...this.corners.subarray(i, i + 3)], weights: [1 - x - y, x, y], normal: u.clone().cross(w).normalize() };
+        }
+        return best;
+    }
+
+    // a point of the surface that goes along with it
+    point({ corners, weights }) {
+        const at = new Vector3();
+        corners.forEach((v, c) => at.addScaledVector(new Vector3().fromArray(this.positions, 3 * v), weights[c]));
+        return at;
+    }
+}
+
+function toolGeometry(tool, size) {
+    const length = (value) => value / size;
+    if (tool.shape === "sphere") return new SphereGeometry(length(tool.radius), 40, 24);
+    if (tool.shape === "capsule") return new CapsuleGeometry(length(tool.radius), length(2 * tool.half_length), 12, 32).rotateX(Math.PI / 2);
+    if (tool.shape === "box") return new BoxGeometry(...tool.half_extents.map((half) => length(2 * half)));
+    if (!tool.positions) return null;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(Float32Array.from(tool.positions, length), 3));
+    geometry.setIndex(new BufferAttribute(Uint32Array.from(tool.triangles), 1));
+    geometry.computeVertexNormals();
+    return geometry;
+}
+
+export class Stage {
+    // changed() is called when the picture has to be drawn again
+    constructor(canvas, changed) {
+        this.canvas = canvas;
+        this.software = isSoftware();
+        this.ratio = 1;
+        this.intervals = [];
+        this.pictures = 0;
+        this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, alpha: true, preserveDrawingBuffer: false });
+        this.renderer.setClearColor(0x000000, 0);
+        const texture = new DataTexture(mapBytes("viridis"), 256, 1, RGBAFormat);
+        texture.magFilter = texture.minFilter = NearestFilter;
+        texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+        texture.needsUpdate = true;
+        this.uniforms = {
+            map: { value: texture },
+            range: { value: new Vector2(0, 1) },
+            plain: { value: new Vector3(0.82, 0.6, 0.52) },
+            coloured: { value: false },
+        };
+        this.scene = new Scene();
+        this.centre = [0, 0, 0];
+        this.size = 1;
+        this.bodies = [];
+        this.tools = new Map();
+        this.camera = new PerspectiveCamera(28, 1, 0.01, 100);
+        this.camera.up.set(0, 0, 1);
+        this.controls = new OrbitControls(this.camera, canvas);
+        this.controls.enableDamping = false;
+        this.controls.minDistance = 0.05;
+        this.controls.maxDistance = 40;
+        this.controls.addEventListener("change", changed);
+        this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d1341d");
+        this.arrow.line.material.depthTest = this.arrow.cone.material.depthTest = false;
+        this.arrow.line.renderOrder = this.arrow.cone.renderOrder = 2;
+        this.arrow.visible = false;
+        this.scene.add(this.arrow);
+        this.resize();
+    }
+
+    /* ---- places ---- */
+
+    // metres to the stage, and back
+    inward(point) {
+        return new Vector3(...point.map((x, c) => (x - this.centre[c]) / this.size));
+    }
+
+    outward(point) {
+        return point.toArray().map((x, c) => x * this.size + this.centre[c]);
+    }
+
+    /* ---- what stands there ---- */
+
+    setScene({ low, high, bodies, tools }) {
+        this.bodies.forEach((body) => body.dispose());
+        for (const name of this.tools.keys()) this.removeTool(name);
+        this.centre = low.map((x, c) => (x + high[c]) / 2);
+        this.size = Math.hypot(...low.map((x, c) => high[c] - x)) / 2 || 1;
+        this.bodies = bodies.map(() => new Body(this));
+        for (const tool of tools) this.addTool(tool);
+        this.reset();
+    }
+
+    addTool(tool) {
+        const geometry = toolGeometry(tool, this.size);
+        if (!geometry) return;
+        const uniforms = { ...this.uniforms, coloured: { value: false }, plain: { value: new Vector3(0.62, 0.67, 0.72) } };
+        const mesh = new Mesh(geometry, new ShaderMaterial({ vertexShader, fragmentShader: surfaceShader, uniforms, side: DoubleSide }));
+        mesh.frustumCulled = false;
+        this.tools.set(tool.name, mesh);
+        this.scene.add(mesh);
+    }
+
+    removeTool(name) {
+        const mesh = this.tools.get(name);
+        this.scene.remove(mesh);
+        mesh.geometry.dispose();
+        mesh.material.dispose();
+        this.tools.delete(name);
+    }
+
+    setSurface(bodies) {
+        bodies.forEach((body, b) => this.bodies[b].setSurface(body));
+    }
+
+    // false where a frame does not fit the surface at hand
+    showFrame(frame, withContacts) {
+        if (frame.bodies.length !== this.bodies.length || frame.bodies.some((body, b) => body.positions.length !== 3 * this.bodies[b].count)) return false;
+        frame.bodies.forEach((body, b) => this.bodies[b].show(body, withContacts));
+        this.showTools(frame);
+        this.showForce(frame.hand);
+        return true;
+    }
+
+    showTools({ tools, hand }) {
+        const held = hand.kind === "press" ? tools.at(-1).name : "";
+        if (held && !this.tools.has(held))
+            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius] });
+        const names = new Set(tools.map((tool) => tool.name));
+        for (const name of [...this.tools.keys()]) if (!names.has(name)) this.removeTool(name);
+        for (const tool of tools) {
+            const mesh = this.tools.get(tool.name);
+            mesh?.position.copy(this.inward(tool.position));
+            mesh?.quaternion.set(...tool.rotation);
+        }
+    }
+
+    // the spring of a hand that pulls, the force of a tool that presses
+    showForce({ kind, point, target, force }) {
+        const newton = Math.hypot(...force);
+        this.arrow.visible = kind !== "free" && newton > 0;
+        if (!this.arrow.visible) return;
+        const from = this.inward(point);
+        const way = kind === "grab" ? this.inward(target).sub(from) : new Vector3(...force).normalize().multiplyScalar(0.45);
+        const length = Math.max(way.length(), 1e-6);
+        this.arrow.position.copy(kind === "grab" ? from : from.clone().sub(way));
+        this.arrow.setDirection(way.clone().normalize());
+        this.arrow.setLength(length, Math.min(0.08, 0.4 * length), Math.min(0.05, 0.25 * length));
+        this.tip = this.arrow.position.clone().add(way);
+    }
+
+    /* ---- camera ---- */
+
+    reset() {
+        const half = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) * Math.min(1, this.camera.aspect);
+        this.controls.target.set(0, 0, 0);
+        this.camera.position.set(0.5, -0.75, 0.5).normalize().multiplyScalar(1.3 / Math.sin(Math.atan(half)));
+        this.controls.update();
+    }
+
+    turn(right, up) {
+        const offset = this.camera.position.clone().sub(this.controls.target);
+        const elevation = Math.asin(offset.z / offset.length());
+        offset.applyAxisAngle(this.camera.up, -right);
+        const side = new Vector3().crossVectors(offset, this.camera.up).normalize();
+        if (Math.abs(elevation + up) < 1.5) offset.applyAxisAngle(side, up);
+        this.camera.position.copy(this.controls.target).add(offset);
+        this.controls.update();
+    }
+
+    zoom(factor) {
+        const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(1 / factor);
+        this.camera.position.copy(this.controls.target).add(offset);
+        this.controls.update();
+    }
+
+    resize() {
+        const { clientWidth: width, clientHeight: height } = this.canvas;
+        if (width === 0 || height === 0) return;
+        this.renderer.setPixelRatio(this.software ? this.ratio : Math.min(window.devicePixelRatio, 2));
+        this.renderer.setSize(width, height, false);
+        this.camera.aspect = width / height;
+        this.camera.updateProjectionMatrix();
+    }
+
+    // in software the resolution follows the time that pictures take
+    adapt(interval) {
+        if (!this.software) return;
+        this.intervals.push(interval);
+        if (this.intervals.length < 8) return;
+        const middle = this.intervals.sort((a, b) => a - b)[4];
+        this.intervals = [];
+        const ratio = middle > 40 ? Math.max(0.5, this.ratio * 0.8) : middle < 22 ? Math.min(1, this.ratio * 1.25) : this.ratio;
+        this.ratio = ratio;
+    }
+
+    // A picture that stays is drawn at full resolution. False when the last one was.
+    refine() {
+        if (!this.software || this.renderer.getPixelRatio() === 2) return false;
+        this.renderer.setPixelRatio(2);
+        return true;
+    }
+
+    // back to the resolution of movement
+    coarsen() {
+        if (this.software && this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
+    }
+
+    setMap(name) {
+        this.uniforms.map.value.image.data.set(mapBytes(name));
+        this.uniforms.map.value.needsUpdate = true;
+    }
+
+    draw({ surface, ink, marks }) {
+        for (const body of this.bodies) {
+            body.setStyle(surface, ink);
+            body.pins.visible = marks;
+        }
+        this.renderer.render(this.scene, this.camera);
+        this.pictures++;
+    }
+
+    /* ---- rays ---- */
+
+    ray(x, y) {
+        const { clientWidth: width, clientHeight: height } = this.canvas;
+        this.camera.updateMatrixWorld();
+        const direction = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5).unproject(this.camera).sub(this.camera.position).normalize();
+        return { origin: this.camera.position.clone(), direction };
+    }
+
+    // { body, point, normal toward the eye, place } or null
+    pick({ origin, direction }) {
+        let best = null;
+        this.bodies.forEach((body, b) => {
+            const place = body.corners ? body.hit(origin, direction) : null;
+            if (place && (!best || place.distance < best.place.distance)) best = { body: b, place };
+        });
+        if (!best) return null;
+        best.point = origin.clone().addScaledVector(direction, best.place.distance);
+        best.normal = best.place.normal.dot(direction) > 0 ? best.place.normal.clone().negate() : best.place.normal;
+        return best;
+    }
+
+    // where the ray meets the plane through a point that faces the eye
+    onPlane({ origin, direction }, point) {
+        const normal = this.camera.getWorldDirection(new Vector3());
+        const way = point.clone().sub(origin).dot(normal) / direction.dot(normal);
+        return origin.clone().addScaledVector(direction, way);
+    }
+
+    // pixels of the canvas
+    project(point) {
+        this.camera.updateMatrixWorld();
+        const at = point.clone().project(this.camera);
+        return { x: ((at.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - at.y) / 2) * this.canvas.clientHeight };
+    }
+
+    // turns z to the direction
+    static facing(direction) {
+        return new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), direction);
+    }
+}

@@ -1,0 +1,67 @@
+// The channel to the program (src/live/message.c describes its messages).
+
+// { head, arrays: the rest of the buffer as a DataView-like cursor }
+function readBinary(buffer) {
+    const length = new DataView(buffer).getUint32(0, true);
+    const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+    let at = 4 + length;
+    const take = (Kind, count) => {
+        const array = new Kind(buffer, at, count);
+        at += Math.ceil((count * Kind.BYTES_PER_ELEMENT) / 4) * 4;
+        return array;
+    };
+    return { head, take };
+}
+
+function readSurface({ head, take }) {
+    head.bodies = head.bodies.map(({ vertices, triangles, pins }) => ({
+        vertices,
+        corners: take(Uint32Array, 3 * triangles),
+        pins: take(Uint8Array, pins),
+    }));
+    return head;
+}
+
+function readFrame({ head, take }) {
+    head.bodies = head.bodies.map((count) => ({
+        positions: take(Float32Array, 3 * count),
+        values: head.field ? take(Float32Array, count) : null,
+        contacts: take(Uint8Array, count),
+    }));
+    return head;
+}
+
+export class Wire {
+    // received(message) gets { type, ... }; changed(open) tells of the connection
+    constructor(received, changed) {
+        this.received = received;
+        this.changed = changed;
+        this.waiting = 250;
+        this.connect();
+    }
+
+    connect() {
+        this.socket = new WebSocket(`ws://${location.host}/${location.search}`, "pellicle");
+        this.socket.binaryType = "arraybuffer";
+        this.socket.onopen = () => {
+            this.waiting = 250;
+            this.changed(true);
+        };
+        this.socket.onclose = () => {
+            this.changed(false);
+            setTimeout(() => this.connect(), this.waiting);
+            this.waiting = Math.min(2 * this.waiting, 4000);
+        };
+        this.socket.onmessage = ({ data }) => this.read(data);
+    }
+
+    read(data) {
+        if (typeof data === "string") return this.received(JSON.parse(data));
+        const message = readBinary(data);
+        this.received(message.head.type === "surface" ? readSurface(message) : readFrame(message));
+    }
+
+    send(line) {
+        if (this.socket.readyState === WebSocket.OPEN) this.socket.send(line);
+    }
+}

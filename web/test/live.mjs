@@ -1,0 +1,267 @@
+// The live page in Chromium: a drag deforms, a slider changes, a bad value is refused in place, reset and undo give the
+// same hash, a saved session repeats to the bit, the tab can be closed and opened again.
+// usage: node live.mjs PROGRAM [FOLDER FOR PICTURES]
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { startBrowser } from "./browser.mjs";
+
+const program = resolve(process.argv[2]);
+const pictures = process.argv[3] && resolve(process.argv[3]);
+const folder = mkdtempSync(join(tmpdir(), "pellicle-live-"));
+
+/* ---- the program ---- */
+
+// { address, stop() }
+async function serve(...words) {
+    const child = spawn(program, ["live", ...words, "--no-open", "-q"], { stdio: ["ignore", "pipe", "inherit"] });
+    const address = await new Promise((done, fail) => {
+        let text = "";
+        child.stdout.on("data", (bytes) => {
+            text += bytes;
+            const found = /^live at (http:\S+)\n/.exec(text);
+            if (found) done(found[1]);
+        });
+        child.on("exit", (status) => fail(new Error(`the program ended with ${status}`)));
+    });
+    const ended = new Promise((done) => child.on("exit", done));
+    return {
+        address,
+        end: () => child.kill("SIGKILL"),
+        async stop() {
+            child.kill("SIGTERM");
+            assert.equal(await ended, 0);
+        },
+    };
+}
+
+/* ---- what the page is asked ---- */
+
+const frame = (page) =>
+    page.evaluate(() => {
+        const { time, step, hash, hand, measures, undo, playing } = globalThis.pellicle.frame;
+        return { time, step, hash, hand, measures, undo, playing };
+    });
+const until = (page, condition, value) => page.waitForFunction(condition, value, { timeout: 20000 });
+const pause = async (page) => {
+    await page.evaluate(() => globalThis.pellicle.send("pause"));
+    await until(page, () => !globalThis.pellicle.frame.playing && globalThis.pellicle.frame.hash);
+};
+
+async function picture(page, name) {
+    if (!pictures) return;
+    await page.waitForTimeout(600);
+    await page.screenshot({ path: join(pictures, `${name}.png`), fullPage: name.includes("phone") });
+}
+
+// presses at the middle of the picture, moves there and holds
+async function drag(page, x, y, steps = 12) {
+    const box = await page.locator("#view").boundingBox();
+    const [a, b] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(a, b);
+    await page.mouse.down();
+    for (let i = 1; i <= steps; i++) {
+        await page.mouse.move(a + (x * i) / steps, b + (y * i) / steps);
+        await page.waitForTimeout(25);
+    }
+}
+
+/* ---- the parts ---- */
+
+async function pulling(page) {
+    await pause(page);
+    await page.click("#restart");
+    await until(page, () => globalThis.pellicle.frame.step === 0 && globalThis.pellicle.frame.hash);
+    const start = await frame(page);
+    await drag(page, 90, -90);
+    await until(page, () => globalThis.pellicle.frame.hand.kind === "grab" && Math.hypot(...globalThis.pellicle.frame.hand.force) > 0.1);
+    await until(page, () => globalThis.pellicle.frame.measures?.max_displacement > 0.02);
+    assert.match(await page.textContent("#newton"), /N$/);
+    await picture(page, "pull");
+    await page.mouse.up();
+    await until(page, () => globalThis.pellicle.frame.hand.kind === "free");
+    await pause(page);
+    assert.notEqual((await frame(page)).hash, start.hash);
+    await page.click("#undo");
+    await until(page, (hash) => globalThis.pellicle.frame.hash === hash, start.hash);
+    assert.equal((await frame(page)).undo, 0);
+    return start.hash;
+}
+
+async function pressing(page, shape) {
+    await page.click("[data-mode=press]");
+    await page.selectOption("#options select", shape);
+    await drag(page, 10, 10);
+    await until(page, () => globalThis.pellicle.frame.hand.kind === "press" && Math.hypot(...globalThis.pellicle.frame.hand.force) > 0.01);
+    await picture(page, `press-${shape}`);
+    await page.mouse.up();
+    await until(page, () => globalThis.pellicle.frame.hand.kind === "free");
+}
+
+async function pinning(page) {
+    const count = () => page.evaluate(() => globalThis.pellicle.stage.bodies[0].pinned.length);
+    const before = await count();
+    await page.click("[data-mode=pin]");
+    await drag(page, 60, 0);
+    await page.mouse.up();
+    await until(page, (n) => globalThis.pellicle.stage.bodies[0].pinned.length > n, before);
+    await picture(page, "pins");
+    await page.click("[data-mode=unpin]");
+    await drag(page, 60, 0);
+    await page.mouse.up();
+    await until(page, (n) => globalThis.pellicle.stage.bodies[0].pinned.length <= n + 2, before);
+}
+
+async function sliding(page) {
+    const path = "bodies.sphere.springs.stiffness";
+    const valueOf = (path) => page.evaluate((path) => globalThis.pellicle.parameters.list.find((info) => info.path === path).value[0], path);
+    const before = await valueOf(path);
+    const slider = page.locator(`[id="p-${path}"]`);
+    await slider.evaluate((input) => {
+        input.value = 300;
+        input.dispatchEvent(new Event("input", { bubbles: true }));
+        input.dispatchEvent(new Event("change", { bubbles: true }));
+    });
+    await until(page, ([path, before]) => globalThis.pellicle.parameters.list.find((info) => info.path === path).value[0] > before, [path, before]);
+    const number = page.locator(`[id="p-${path}-2"]`);
+    const changed = await valueOf(path);
+    await number.fill("-5");
+    await number.press("Enter");
+    await until(page, () => [...document.querySelectorAll(".refused")].some((text) => !text.hidden && text.textContent.includes("stiffness")));
+    assert.equal(await valueOf(path), changed, "a value that is refused changes nothing");
+    await picture(page, "refused");
+    await number.fill("3");
+    await number.press("Enter");
+    await until(page, (path) => globalThis.pellicle.parameters.list.find((info) => info.path === path).value[0] === 3, path);
+}
+
+async function colouring(page) {
+    await page.selectOption("#colour", "displacement");
+    await until(page, () => globalThis.pellicle.frame.field === "displacement" && !document.getElementById("legend").hidden);
+    assert.match(await page.textContent("#legend-name"), /displacement/);
+    await page.selectOption("#surface", "edges");
+    await picture(page, "colours");
+    await page.selectOption("#surface", "smooth");
+}
+
+async function measuring(page) {
+    await page.click("[data-mode=measure]");
+    await drag(page, 0, 0, 1);
+    await page.mouse.up();
+    const box = await page.locator("#view").boundingBox();
+    await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2);
+    await until(page, () => / m( |$)/.test(document.getElementById("length").textContent));
+    await picture(page, "measure");
+    await page.click("[data-mode=pull]");
+}
+
+// what was done since the start, saved as the user does, gives the same bits in a run
+async function saving(page) {
+    await pause(page);
+    const { hash, step } = await frame(page);
+    assert.ok(step > 10);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+    const file = join(folder, "session.yaml");
+    await download.saveAs(file);
+    assert.match(readFileSync(file, "utf8"), /\nsession:\n {2}- "/);
+    execFileSync(program, ["run", file, "-o", join(folder, "run"), "-q"], { stdio: ["ignore", "ignore", "inherit"] });
+    const summary = JSON.parse(readFileSync(join(folder, "run", "summary.json"), "utf8"));
+    assert.equal(summary.steps, step);
+    assert.equal(summary.state_hash.replace(/^0x/, ""), hash, "a session repeats to the bit");
+    return file;
+}
+
+// the same bits again, step by step on the page
+async function opening(page, file, hash, last) {
+    await page.setInputFiles("#file", file);
+    await until(page, () => globalThis.pellicle.frame?.step === 0);
+    for (let step = 0; step < last; ) {
+        const count = Math.min(100, last - step);
+        await page.evaluate((count) => {
+            for (let i = 0; i < count; i++) globalThis.pellicle.send("step");
+        }, count);
+        step += count;
+        await until(page, (step) => globalThis.pellicle.frame?.step === step, step);
+    }
+    await until(page, (hash) => globalThis.pellicle.frame.hash === hash, hash);
+}
+
+async function comingBack(browser, address, page) {
+    await page.close();
+    const again = await browser.visit(address);
+    await again.page.evaluate(() => globalThis.pellicle.send("play"));
+    const { time } = await frame(again.page);
+    await until(again.page, (time) => globalThis.pellicle.frame.time > time, time);
+    return again;
+}
+
+async function looks(browser, address) {
+    for (const [name, options] of [["dark", { dark: true }], ["phone", { viewport: { width: 390, height: 844 } }]]) {
+        const { page, errors } = await browser.visit(address, options);
+        await picture(page, name);
+        const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+        assert.ok(wide <= 0, `${name}: ${wide} pixels too wide`);
+        const unnamed = await page.evaluate(() =>
+            [...document.querySelectorAll("input:not([hidden]), select, button")].filter((item) => !(item.labels?.length || item.getAttribute("aria-label") || item.textContent.trim())).map((item) => item.outerHTML));
+        assert.deepEqual(unnamed, []);
+        assert.deepEqual(errors, []);
+        await page.close();
+    }
+}
+
+// another page of the same browser cannot come in
+async function intruding(browser, address) {
+    const port = new URL(address).port;
+    const { page } = await browser.visit(address);
+    const opened = (url) =>
+        page.evaluate((url) => new Promise((done) => {
+            const socket = new WebSocket(url, "pellicle");
+            socket.onopen = () => done(true);
+            socket.onerror = () => done(false);
+        }), url);
+    assert.equal(await opened(`ws://127.0.0.1:${port}/?token=0123456789abcdef0123456789abcdef`), false);
+    assert.equal((await page.request.get(`http://127.0.0.1:${port}/`)).status(), 403);
+    await page.goto("about:blank");
+    assert.equal(await opened(`ws://127.0.0.1:${port}/${new URL(address).search}`), false, "a page of another origin");
+    await page.close();
+}
+
+/* ---- all of it ---- */
+
+const scene = join(folder, "ball.yaml");
+writeFileSync(
+    scene,
+    "version: 1\ntitle: a ball of tissue\nbodies:\n" +
+        "  - { name: sphere, mesh: { shape: geodesic-sphere, frequency: 8 }, mass: { total: 1 }, scale_with_area: true,\n" +
+        "      springs: { stiffness: 3, damping: 0.01 }, volumetric: { stiffness: 1.5, damping: 0.01 } }\n" +
+        "solver: { method: quasi-static, dt: 0.01 }\nduration: 1\n",
+);
+if (pictures) mkdirSync(pictures, { recursive: true });
+const browser = await startBrowser();
+const server = await serve(scene);
+try {
+    let { page, errors } = await browser.visit(server.address);
+    await pulling(page);
+    await sliding(page);
+    for (const shape of ["sphere", "capsule", "box"]) await pressing(page, shape);
+    await pinning(page);
+    await colouring(page);
+    await measuring(page);
+    const { hash, step } = (await pause(page), await frame(page));
+    const file = await saving(page);
+    await opening(page, file, hash, step);
+    assert.deepEqual(errors, []);
+    ({ page, errors } = await comingBack(browser, server.address, page));
+    assert.deepEqual(errors, []);
+    await page.close();
+    await looks(browser, server.address);
+    await intruding(browser, server.address);
+    await server.stop();
+    console.log("the live page pulls, presses, pins, slides, colours, measures, saves and repeats");
+} finally {
+    server.end();
+    await browser.close();
+    rmSync(folder, { recursive: true, force: true });
+}
