@@ -493,7 +493,7 @@ PEL_API bool pel_sim_has_shells(const pel_sim *sim);
    implicit, quasi-static and position-based methods. Above 0 energy appears: the step is too long, the method does not
    follow the material, or contact and tools put energy in. docs/results.md has the rule of each work. */
 typedef struct pel_sim_ledger {
-    double work_tools;    /* by tools on bodies, grasps included: from their readings and motions */
+    double work_tools;    /* by tools, grasps and supports on bodies: from their readings and motions */
     double work_loads;    /* mean force times displacement */
     double work_pressure; /* of the given pressure, enclosed gas or target volume */
     double work_gravity;

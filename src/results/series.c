@@ -257,8 +257,7 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
     series->room =
         sizeof first_columns +
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
-        (size_t)series->tool_count * tool_room +
-        (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
+        (size_t)series->tool_count * tool_room + (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
     series->line = pel_allocate(series->room, 1);
     return series->line != NULL ? PEL_OK : pel_fail_memory(error);

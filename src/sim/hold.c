@@ -549,6 +549,35 @@ void pel_holds_read(pel_sim *sim, double time)
     }
 }
 
+double pel_holds_work(pel_sim *sim, double time)
+{
+    pel_sim_holds *holds = sim->holds;
+    double work = 0, energy = 0;
+    if (holds == NULL)
+        return 0;
+    /* readings of methods with velocities are means of the step, the others forces at its end */
+    double share = pel_sim_has_velocity(sim) ? 1 : 0.5;
+    for (int32_t h = 0; h < holds->hold_count; h++) {
+        pel_hold *hold = &holds->holds[h];
+        for (int c = 0; c < 3; c++) {
+            double way = displacement(hold, c, time);
+            work -= (way - hold->booked_way[c]) * (share * pel_vec3_dot(hold->reading.force, hold->axes[c]) +
+                                                   (1 - share) * pel_vec3_dot(hold->booked_force, hold->axes[c]));
+            hold->booked_way[c] = way;
+        }
+        pel_vec3_copy(hold->reading.force, hold->booked_force);
+    }
+    for (int32_t i = 0; i < holds->spring_count; i++) {
+        double point[3];
+        pel_vertex_position(sim->state->position_next, holds->springs[i].vertex, point);
+        double long_by = stretch(sim, &holds->springs[i], time, point);
+        energy += 0.5 * holds->springs[i].stiffness * long_by * long_by;
+    }
+    work += holds->booked_energy - energy;
+    holds->booked_energy = energy;
+    return work;
+}
+
 void pel_holds_add_readings(const pel_sim *sim, int32_t body, pel_support_reading *sum)
 {
     for (int32_t h = 0; sim->holds != NULL && h < sim->holds->hold_count; h++) {

@@ -13,6 +13,8 @@ typedef struct pel_hold {
     pel_key *keys;
     int32_t key_count;
     pel_support_reading reading; /* after the last step */
+    /* after the last step that the ledger has booked: N, m along the axes */
+    double booked_force[3], booked_way[3];
 } pel_hold;
 
 /* A vertex that is held along its first `count` axes. The direction of row i, an axis of support owner[i], is the sum
@@ -38,7 +40,8 @@ struct pel_sim_holds {
     double (*axes)[3][3]; /* (held_count) */
     pel_hold_spring *springs;
     int32_t spring_count;
-    uint8_t *edge_fixed; /* (edges of mid-edge bending) */
+    double booked_energy; /* J, of the springs, likewise */
+    uint8_t *edge_fixed;  /* (edges of mid-edge bending) */
 };
 
 /* Copies and checks the supports; sim->holds stays null without any. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
@@ -60,6 +63,9 @@ void pel_holds_add_matrix(const pel_sim *sim, pel_matrix *matrix);
 
 /* Readings from the gradient after a step, with positions at its end. */
 void pel_holds_read(pel_sim *sim, double time);
+/* Work [J] of all supports on the bodies in a step that ends at a time, with readings and positions at its end. What
+   elastic supports store is what the bodies have given them. */
+double pel_holds_work(pel_sim *sim, double time);
 /* adds the readings of a body's supports */
 void pel_holds_add_readings(const pel_sim *sim, int32_t body, pel_support_reading *sum);
 

@@ -17,6 +17,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "sim/hold.h"
 #include "sim/sim.h"
 #include "solve/shell_stability.h"
 
@@ -364,6 +365,7 @@ void pel_ledger_step(pel_sim *sim, double next)
     add_gravity(sim);
     add_dissipation(sim);
     sim->ledger.sums.work_loads += pel_loads_work(sim, time, next) + sim->edge_load_work;
+    sim->ledger.sums.work_tools += pel_holds_work(sim, next);
     add_pressure(sim, time, next);
     add_material(sim, time, next);
     add_tools(sim);

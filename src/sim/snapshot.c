@@ -285,8 +285,13 @@ static void transfer_supports(cursor *at, const pel_sim *sim, int32_t unused)
     (void)unused;
     if (sim->supports != NULL)
         transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
-    for (int32_t h = 0; h < pel_sim_support_count(sim); h++)
+    for (int32_t h = 0; h < pel_sim_support_count(sim); h++) {
         transfer(at, &sim->holds->holds[h].reading, sizeof sim->holds->holds[h].reading);
+        transfer(at, sim->holds->holds[h].booked_force, sizeof sim->holds->holds[h].booked_force);
+        transfer(at, sim->holds->holds[h].booked_way, sizeof sim->holds->holds[h].booked_way);
+    }
+    if (sim->holds != NULL)
+        transfer(at, &sim->holds->booked_energy, sizeof sim->holds->booked_energy);
 }
 
 static void transfer_vertex_forces(cursor *at, const pel_sim *sim, int32_t unused)

@@ -44,7 +44,7 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
 
 SCENE = """version: 1
-bodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { per_vertex: 1 } }]
+bodies: [{ name: ball, preset: paper-a, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { per_vertex: 1 } }]
 loads: [{ name: finger, body: ball, force: [0, 0, -1], at: { nearest: [0, 0, 1] } }]
 solver: { method: quasi-static, alpha: 20, dt: 0.01 }
 duration: 0.5

@@ -360,6 +360,15 @@ static void begin_bar(structure *s)
     support(s, 0, 0, true, true, true, true);
 }
 
+/* the ledger's work of supports is what the bodies have gained, by a share */
+static void assert_booked(pel_sim *sim, double share)
+{
+    pel_sim_ledger ledger;
+    pel_sim_get_ledger(sim, &ledger);
+    assert_true(ledger.elastic > 0);
+    assert_within(ledger.work_tools, ledger.elastic + ledger.kinetic, share);
+}
+
 static void displacement_pulls_with_the_stiffness_of_the_bar(void **state)
 {
     (void)state;
@@ -382,6 +391,7 @@ static void displacement_pulls_with_the_stiffness_of_the_bar(void **state)
     assert_within(right.force[0], -1e6 * 0.01 * 1e-6, 1e-5);
     assert_within(left.force[0], 1e6 * 0.01 * 1e-6, 1e-5);
     assert_int_equal(right.vertex_count, 5);
+    assert_booked(s->sim, 1e-4);
     end(s);
     free(s);
 }
@@ -401,6 +411,7 @@ static void springs_are_in_series_with_the_bar(void **state)
     pel_sim_get_support_part(s->sim, 1, &right);
     /* the bar has 5000 N/m, the springs together too; the end stays straight within its shear */
     assert_within(right.force[0], -2500 * 2e-6, 0.01);
+    assert_booked(s->sim, 1e-4);
     end(s);
     free(s);
 }
