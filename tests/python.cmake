@@ -11,7 +11,11 @@ endif()
 set(PYTHON_ENVIRONMENT "PYTHONPATH=${PROJECT_BINARY_DIR}/python:${CMAKE_CURRENT_SOURCE_DIR}/python;PYTHONDONTWRITEBYTECODE=1")
 # a module with sanitizers needs their runtime before Python's own allocations, which are never freed
 if(PELLICLE_SANITIZE MATCHES "address")
-    execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=libasan.so OUTPUT_VARIABLE ASAN OUTPUT_STRIP_TRAILING_WHITESPACE)
+    set(ASAN_NAME libasan.so)
+    if(CMAKE_C_COMPILER_ID MATCHES "Clang")
+        set(ASAN_NAME libclang_rt.asan-${CMAKE_SYSTEM_PROCESSOR}.so)
+    endif()
+    execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=${ASAN_NAME} OUTPUT_VARIABLE ASAN OUTPUT_STRIP_TRAILING_WHITESPACE)
     execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=libstdc++.so OUTPUT_VARIABLE STDCXX OUTPUT_STRIP_TRAILING_WHITESPACE)
     list(APPEND PYTHON_ENVIRONMENT "LD_PRELOAD=${ASAN}:${STDCXX}" "ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1"
          "PYTHONMALLOC=malloc")

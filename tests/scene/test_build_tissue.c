@@ -137,7 +137,7 @@ static void test_skin(void **unused)
     double *x = malloc(3 * count * sizeof *x), *spring = malloc(2 * count * sizeof *spring), sum = 0, share = 1e-3;
     assert_true(x != NULL && spring != NULL);
     for (size_t i = 0; i < 3 * count; i++)
-        x[i] = (1 + share) * mesh->positions[0][i];
+        x[i] = (1 + share) * mesh->positions[i / 3][i % 3];
     pel_model *model;
     pel_sim *sim;
     pel_sim_def def = scene->sim;
