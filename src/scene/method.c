@@ -67,19 +67,11 @@ static bool has_rest(const pel_scene *scene, const pel_model *model)
     return true;
 }
 
-static bool touches(const pel_scene *scene)
-{
-    bool presses = scene->sim.contact.enabled;
-    for (int32_t t = 0; t < scene->sim.tool_count; t++)
-        presses |= scene->sim.tools[t].press;
-    return presses;
-}
-
-/* the method for what is too stiff for xpbd: implicit where nothing touches, else descent where there is a state of
+/* the method for what is too stiff for xpbd: implicit where the surface stays, else descent where there is a state of
    rest; xpbd where neither knows what is asked for */
 static pel_method stiff_method(const pel_scene *scene, const pel_model *model)
 {
-    if (is_solvable(model) && !touches(scene))
+    if (is_solvable(model))
         return PEL_METHOD_IMPLICIT;
     return has_rest(scene, model) ? PEL_METHOD_DESCENT : PEL_METHOD_XPBD;
 }

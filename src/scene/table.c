@@ -352,8 +352,7 @@ static const pel_scene_row rows[] = {
             "material's, chosen anew while running"},
     {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
      .doc = "xpbd: automatic substeps, at most; a scene without `method` that needs more is run by implicit, or where "
-            "something touches by descent if it has "
-            "a state of rest"},
+            "the surface refines by descent if it has a state of rest"},
     {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
      .doc = "xpbd: second order in time (BDF2) instead of first, not for bodies that touch; auto: on without tools, "
             "contact, gas and target volumes"},
