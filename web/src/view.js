@@ -133,6 +133,65 @@ export function fillNormals(corners, positions, normals) {
     }
 }
 
+/* ---- what the report and the live page draw with ---- */
+
+// of all surfaces of a picture: the colour map, its range, the colour without a field
+export function makeUniforms() {
+    const texture = new DataTexture(mapBytes("viridis"), 256, 1, RGBAFormat);
+    texture.magFilter = texture.minFilter = NearestFilter;
+    texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+    texture.needsUpdate = true;
+    return {
+        map: { value: texture },
+        range: { value: new Vector2(0, 1) },
+        plain: { value: new Vector3(0.82, 0.6, 0.52) },
+        coloured: { value: false },
+    };
+}
+
+export function showMap(uniforms, name) {
+    uniforms.map.value.image.data.set(mapBytes(name));
+    uniforms.map.value.needsUpdate = true;
+}
+
+// a surface without triangles, and the lines of its edges
+export function makeSurface(uniforms) {
+    const options = { vertexShader, uniforms, side: DoubleSide };
+    const surface = new Mesh(
+        new BufferGeometry(),
+        new ShaderMaterial({
+            ...options,
+            fragmentShader: surfaceShader,
+            polygonOffset: true,
+            polygonOffsetFactor: 1,
+            polygonOffsetUnits: 1,
+        }),
+    );
+    const lines = new LineSegments(new BufferGeometry(), new ShaderMaterial({ ...options, fragmentShader: lineShader, transparent: true }));
+    lines.material.uniforms = { ...uniforms, coloured: { value: false }, plain: { value: new Color() }, opacity: { value: 1 } };
+    return { surface, lines };
+}
+
+// edges alone are drawn in ink or by the field, those on a surface in thin black
+export function styleLines(lines, alone, coloured, ink) {
+    const uniforms = lines.material.uniforms;
+    uniforms.coloured.value = alone && coloured;
+    uniforms.opacity.value = alone ? 1 : 0.35;
+    uniforms.plain.value.set(alone ? ink : "#000000").convertLinearToSRGB();
+}
+
+// z is up
+export function makeEye(canvas, changed) {
+    const camera = new PerspectiveCamera(28, 1, 0.01, 100);
+    camera.up.set(0, 0, 1);
+    const controls = new OrbitControls(camera, canvas);
+    controls.enableDamping = false;
+    controls.minDistance = 0.05;
+    controls.maxDistance = 40;
+    controls.addEventListener("change", changed);
+    return { camera, controls };
+}
+
 // One run: geometry of the topology at hand. Positions are about the middle of the box, in units of its size, so that
 // a body of any size far from the origin keeps all digits of a float.
 class Body {
@@ -143,22 +202,7 @@ class Body {
         this.scene = new Scene();
         this.shown = "";
         this.topology = -1;
-        const options = { vertexShader, uniforms, side: DoubleSide };
-        this.surface = new Mesh(
-            new BufferGeometry(),
-            new ShaderMaterial({
-                ...options,
-                fragmentShader: surfaceShader,
-                polygonOffset: true,
-                polygonOffsetFactor: 1,
-                polygonOffsetUnits: 1,
-            }),
-        );
-        this.lines = new LineSegments(
-            new BufferGeometry(),
-            new ShaderMaterial({ ...options, fragmentShader: lineShader, transparent: true }),
-        );
-        this.lines.material.uniforms = { ...uniforms, coloured: { value: false }, plain: { value: new Color() }, opacity: { value: 1 } };
+        Object.assign(this, makeSurface(uniforms));
         this.surface.frustumCulled = this.lines.frustumCulled = false;
         this.scene.add(this.surface, this.lines);
     }
@@ -230,10 +274,7 @@ class Body {
             this.edges = listEdges(this.run.corners[this.topology], this.run.topologies[this.topology][0]);
             this.lines.geometry.setIndex(new BufferAttribute(this.edges, 1));
         }
-        const uniforms = this.lines.material.uniforms;
-        uniforms.coloured.value = wire && this.surface.material.uniforms.coloured.value;
-        uniforms.opacity.value = wire ? 1 : 0.35;
-        uniforms.plain.value.set(wire ? ink : "#000000").convertLinearToSRGB();
+        styleLines(this.lines, wire, this.surface.material.uniforms.coloured.value, ink);
     }
 
     // the vertex of the first triangle that the ray hits that is nearest to the hit, or -1
@@ -291,25 +332,10 @@ export class View {
         this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, alpha: true });
         this.renderer.setClearColor(0x000000, 0);
         this.renderer.setScissorTest(true);
-        const texture = new DataTexture(mapBytes("viridis"), 256, 1, RGBAFormat);
-        texture.magFilter = texture.minFilter = NearestFilter;
-        texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
-        texture.needsUpdate = true;
-        this.uniforms = {
-            map: { value: texture },
-            range: { value: new Vector2(0, 1) },
-            plain: { value: new Vector3(0.82, 0.6, 0.52) },
-            coloured: { value: false },
-        };
+        this.uniforms = makeUniforms();
         const { centre, size } = unionBox(runs);
         this.bodies = runs.map((run) => new Body(run, this.uniforms, centre, size));
-        this.camera = new PerspectiveCamera(28, 1, 0.01, 100);
-        this.camera.up.set(0, 0, 1);
-        this.controls = new OrbitControls(this.camera, canvas);
-        this.controls.enableDamping = false;
-        this.controls.minDistance = 0.05;
-        this.controls.maxDistance = 40;
-        this.controls.addEventListener("change", changed);
+        Object.assign(this, makeEye(canvas, changed));
         this.resize();
     }
 
@@ -385,8 +411,7 @@ export class View {
     }
 
     setMap(name) {
-        this.uniforms.map.value.image.data.set(mapBytes(name));
-        this.uniforms.map.value.needsUpdate = true;
+        showMap(this.uniforms, name);
         this.diverging = isDiverging(name);
     }
 

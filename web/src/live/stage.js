@@ -6,39 +6,35 @@ import {
     BufferAttribute,
     BufferGeometry,
     CapsuleGeometry,
-    ClampToEdgeWrapping,
-    Color,
-    DataTexture,
     DoubleSide,
-    LineSegments,
     Mesh,
-    NearestFilter,
-    PerspectiveCamera,
     Points,
     PointsMaterial,
     Quaternion,
-    RGBAFormat,
     Scene,
     ShaderMaterial,
     SphereGeometry,
-    Vector2,
     Vector3,
     WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { mapBytes } from "../colour.js";
-import { FINE_COUNT, fillNormals, isSoftware, lineShader, listEdges, surfaceShader, vertexShader } from "../view.js";
+import {
+    FINE_COUNT,
+    fillNormals,
+    isSoftware,
+    listEdges,
+    makeEye,
+    makeSurface,
+    makeUniforms,
+    showMap,
+    styleLines,
+    surfaceShader,
+    vertexShader,
+} from "../view.js";
 
 class Body {
     constructor(stage) {
         this.stage = stage;
-        const options = { vertexShader, uniforms: stage.uniforms, side: DoubleSide };
-        this.surface = new Mesh(
-            new BufferGeometry(),
-            new ShaderMaterial({ ...options, fragmentShader: surfaceShader, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }),
-        );
-        this.lines = new LineSegments(new BufferGeometry(), new ShaderMaterial({ ...options, fragmentShader: lineShader, transparent: true }));
-        this.lines.material.uniforms = { ...stage.uniforms, coloured: { value: false }, plain: { value: new Color() }, opacity: { value: 1 } };
+        Object.assign(this, makeSurface(stage.uniforms));
         this.pins = this.makePoints("#1d6fd1", 5);
         this.contacts = this.makePoints("#d1341d", 4);
         this.count = 0;
@@ -113,10 +109,7 @@ class Body {
             this.edges = listEdges(this.corners, this.count);
             this.lines.geometry.setIndex(new BufferAttribute(this.edges, 1));
         }
-        const uniforms = this.lines.material.uniforms;
-        uniforms.coloured.value = wire && this.stage.uniforms.coloured.value;
-        uniforms.opacity.value = wire ? 1 : 0.35;
-        uniforms.plain.value.set(wire ? ink : "#000000").convertLinearToSRGB();
+        styleLines(this.lines, wire, this.stage.uniforms.coloured.value, ink);
     }
 
     // { distance, corners, weights } of the first triangle on the ray, or null
@@ -172,28 +165,13 @@ export class Stage {
         this.pictures = 0;
         this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, alpha: true, preserveDrawingBuffer: false });
         this.renderer.setClearColor(0x000000, 0);
-        const texture = new DataTexture(mapBytes("viridis"), 256, 1, RGBAFormat);
-        texture.magFilter = texture.minFilter = NearestFilter;
-        texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
-        texture.needsUpdate = true;
-        this.uniforms = {
-            map: { value: texture },
-            range: { value: new Vector2(0, 1) },
-            plain: { value: new Vector3(0.82, 0.6, 0.52) },
-            coloured: { value: false },
-        };
+        this.uniforms = makeUniforms();
         this.scene = new Scene();
         this.centre = [0, 0, 0];
         this.size = 1;
         this.bodies = [];
         this.tools = new Map();
-        this.camera = new PerspectiveCamera(28, 1, 0.01, 100);
-        this.camera.up.set(0, 0, 1);
-        this.controls = new OrbitControls(this.camera, canvas);
-        this.controls.enableDamping = false;
-        this.controls.minDistance = 0.05;
-        this.controls.maxDistance = 40;
-        this.controls.addEventListener("change", changed);
+        Object.assign(this, makeEye(canvas, changed));
         this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d1341d");
         this.arrow.line.material.depthTest = this.arrow.cone.material.depthTest = false;
         this.arrow.line.renderOrder = this.arrow.cone.renderOrder = 2;
@@ -341,8 +319,7 @@ export class Stage {
     }
 
     setMap(name) {
-        this.uniforms.map.value.image.data.set(mapBytes(name));
-        this.uniforms.map.value.needsUpdate = true;
+        showMap(this.uniforms, name);
     }
 
     draw({ surface, ink, marks }) {
