@@ -37,33 +37,19 @@ static pel_status fail_at(pel_scene_reader *reader, const pel_scene_value *value
 
 /* ---- values as YAML ---- */
 
-/* a value in one line, which --set takes */
-static void print_value(pel_json *json, const pel_scene_value *value)
+/* as it was written, for --set */
+static void put_as_written(pel_json *json, const pel_scene_value *scalar)
 {
-    if (value->kind == PEL_SCENE_SCALAR) {
-        if (value->quoted)
-            pel_json_string(json, value->text);
-        else
-            pel_json_print(json, "%s", value->text);
-        return;
-    }
-    bool is_list = value->kind == PEL_SCENE_LIST;
-    pel_json_print(json, is_list ? "[" : "{");
-    for (const pel_scene_value *child = value->first; child != NULL; child = child->next) {
-        pel_json_print(json, "%s", child != value->first ? ", " : "");
-        if (!is_list) {
-            pel_json_string(json, child->key);
-            pel_json_print(json, ": ");
-        }
-        print_value(json, child);
-    }
-    pel_json_print(json, is_list ? "]" : "}");
+    if (scalar->quoted)
+        pel_json_string(json, scalar->text);
+    else
+        pel_json_print(json, "%s", scalar->text);
 }
 
 static const char *value_text(pel_scene_reader *reader, const pel_scene_value *value)
 {
     pel_json json = {0};
-    print_value(&json, value);
+    pel_study_put_value(&json, value, put_as_written);
     const char *kept = json.failed ? NULL : pel_arena_text(reader->arena, json.text, json.length);
     pel_json_free(&json);
     if (kept == NULL)

@@ -15,27 +15,13 @@ static const char *const data_keys[] = {"file",    "x",       "y",      "column_
 
 /* ---- the value as JSON ---- */
 
-static void put_value(pel_json *json, const pel_scene_value *value)
+static void put_as_json(pel_json *json, const pel_scene_value *scalar)
 {
     double number;
-    if (value->kind == PEL_SCENE_SCALAR) {
-        if (!value->quoted && pel_scene_parse_number(value->text, &number))
-            pel_json_number(json, number);
-        else
-            pel_json_string(json, value->text);
-        return;
-    }
-    bool is_list = value->kind == PEL_SCENE_LIST;
-    pel_json_print(json, is_list ? "[" : "{");
-    for (const pel_scene_value *child = value->first; child != NULL; child = child->next) {
-        pel_json_print(json, "%s", child != value->first ? ", " : "");
-        if (!is_list) {
-            pel_json_string(json, child->key);
-            pel_json_print(json, ": ");
-        }
-        put_value(json, child);
-    }
-    pel_json_print(json, is_list ? "]" : "}");
+    if (!scalar->quoted && pel_scene_parse_number(scalar->text, &number))
+        pel_json_number(json, number);
+    else
+        pel_json_string(json, scalar->text);
 }
 
 /* ---- checks ---- */
@@ -187,7 +173,7 @@ static pel_status parse(const char *path, const char *text, size_t size, char **
     pel_status status = root != NULL ? check_fit(&reader, root) : error->status;
     if (status == PEL_OK) {
         pel_json made = {0};
-        put_value(&made, root);
+        pel_study_put_value(&made, root, put_as_json);
         *json = made.failed ? NULL : pel_copy_string(made.text);
         pel_json_free(&made);
         if (*json == NULL)

@@ -131,6 +131,26 @@ void pel_study_fail_file(pel_scene_reader *reader, const pel_scene_value *value)
     reader->error->status = PEL_BAD_FILE;
 }
 
+void pel_study_put_value(pel_json *json, const pel_scene_value *value,
+                         void (*put_scalar)(pel_json *json, const pel_scene_value *scalar))
+{
+    if (value->kind == PEL_SCENE_SCALAR) {
+        put_scalar(json, value);
+        return;
+    }
+    bool is_list = value->kind == PEL_SCENE_LIST;
+    pel_json_print(json, is_list ? "[" : "{");
+    for (const pel_scene_value *child = value->first; child != NULL; child = child->next) {
+        pel_json_print(json, "%s", child != value->first ? ", " : "");
+        if (!is_list) {
+            pel_json_string(json, child->key);
+            pel_json_print(json, ": ");
+        }
+        pel_study_put_value(json, child, put_scalar);
+    }
+    pel_json_print(json, is_list ? "]" : "}");
+}
+
 void pel_study_put_cell(pel_json *json, const char *text)
 {
     if (strpbrk(text, ",\"\r\n") == NULL) {

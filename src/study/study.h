@@ -111,6 +111,9 @@ pel_status pel_study_need_word(pel_scene_reader *reader, const pel_scene_value *
 const char *pel_study_resolve(pel_scene_reader *reader, const char *beside, const char *path);
 /* Tells the error of a file that cannot be read at the place that names it. */
 void pel_study_fail_file(pel_scene_reader *reader, const pel_scene_value *value);
+/* A value in one line, in the brackets of JSON, with scalars as put_scalar writes them. */
+void pel_study_put_value(pel_json *json, const pel_scene_value *value,
+                         void (*put_scalar)(pel_json *json, const pel_scene_value *scalar));
 /* the text of a cell of a CSV file, in quotes where it needs them */
 void pel_study_put_cell(pel_json *json, const char *text);
 
