@@ -12,9 +12,9 @@ extern "C" {
 #endif
 
 #define PEL_VERSION_MAJOR 0
-#define PEL_VERSION_MINOR 1
+#define PEL_VERSION_MINOR 2
 #define PEL_VERSION_PATCH 0
-#define PEL_VERSION "0.1.0"
+#define PEL_VERSION "0.2.0"
 
 /* On every public function. The shared library exports these and nothing else. */
 #ifndef PEL_API
