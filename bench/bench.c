@@ -83,3 +83,16 @@ bench_spread bench_spread_of(double *times, int count)
     qsort(times, (size_t)count, sizeof *times, by_size);
     return (bench_spread){times[0], times[count / 2], times[count * 99 / 100], times[count - 1]};
 }
+
+void bench_part(const char *name, int rounds, void (*part)(void *context), void *context)
+{
+    double *times = bench_allocate((size_t)rounds, sizeof *times);
+    for (int round = 0; round < rounds; round++) {
+        double begin = bench_seconds();
+        part(context);
+        times[round] = 1e3 * (bench_seconds() - begin);
+    }
+    bench_spread spread = bench_spread_of(times, rounds);
+    printf("  %-28s %8.3f ms, median %8.3f\n", name, spread.least, spread.median);
+    free(times);
+}

@@ -37,6 +37,9 @@ typedef struct bench_spread {
 /* puts the times in order */
 bench_spread bench_spread_of(double *times, int count);
 
+/* calls `part` with `context` `rounds` times, and prints its least and median time */
+void bench_part(const char *name, int rounds, void (*part)(void *context), void *context);
+
 #ifdef __cplusplus
 }
 #endif

@@ -42,8 +42,9 @@ static void prepare(run *on)
     };
 }
 
-static void step(run *on)
+static void step(void *context)
 {
+    run *on = context;
     pel_newton_result result;
     on->problem.keeps_factor = on->keeps;
     if (!on->keeps)
@@ -51,23 +52,12 @@ static void step(run *on)
     pel_newton_run(on->newton, &on->problem, on->unknowns, &result, NULL);
 }
 
-static void order(run *on)
+static void order(void *context)
 {
+    run *on = context;
     pel_newton_rebuild(on->newton);
     on->keeps = false;
     step(on);
-}
-
-static void time_part(const char *name, run *on, void (*part)(run *on))
-{
-    double times[ROUNDS];
-    for (int round = 0; round < ROUNDS; round++) {
-        double begin = bench_seconds();
-        part(on);
-        times[round] = 1e3 * (bench_seconds() - begin);
-    }
-    bench_spread spread = bench_spread_of(times, ROUNDS);
-    printf("  %-28s %8.2f ms, median %8.2f\n", name, spread.least, spread.median);
 }
 
 static void time_model(const char *name, pel_bending_model bending, int32_t frequency, pel_pool *pool)
@@ -99,10 +89,10 @@ static void time_model(const char *name, pel_bending_model bending, int32_t freq
         prepare(&on);
         printf("%s, %d triangles, %d unknowns\n", name, (int)mesh->triangle_count,
                (int)pel_newton_pattern(on.newton)->unknown_count);
-        time_part("step, factor of its own", &on, step);
+        bench_part("step, factor of its own", ROUNDS, step, &on);
         on.keeps = true;
-        time_part("step, factor kept", &on, step);
-        time_part("pattern, order and a step", &on, order);
+        bench_part("step, factor kept", ROUNDS, step, &on);
+        bench_part("pattern, order and a step", ROUNDS, order, &on);
     }
     free(on.unknowns);
     free(on.stiffness);

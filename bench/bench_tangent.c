@@ -34,37 +34,30 @@ static void matrix_chunk(void *context, int32_t chunk)
     on->sums[chunk] = sum;
 }
 
-static void time_part(const char *name, run *on, void (*part)(run *on))
+static void part_energy(void *context)
 {
-    double times[ROUNDS];
-    for (int round = 0; round < ROUNDS; round++) {
-        double begin = bench_seconds();
-        part(on);
-        times[round] = 1e3 * (bench_seconds() - begin);
-    }
-    bench_spread spread = bench_spread_of(times, ROUNDS);
-    printf("  %-12s %7.3f ms, median %7.3f\n", name, spread.least, spread.median);
-}
-
-static void part_energy(run *on)
-{
+    run *on = context;
     pel_tangent_evaluate(on->tangent, &on->input, on->pool, NULL);
 }
-static void part_gradient(run *on)
+static void part_gradient(void *context)
 {
+    run *on = context;
     pel_tangent_evaluate(on->tangent, &on->input, on->pool, on->gradient);
 }
-static void part_matrices(run *on)
+static void part_matrices(void *context)
 {
+    run *on = context;
     pel_pool_run(on->pool, on->pattern->element_count / (CHUNK * GROUP) + 1, matrix_chunk, on);
 }
-static void part_extrapolate(run *on)
+static void part_extrapolate(void *context)
 {
+    run *on = context;
     pel_tangent_extrapolate(on->tangent, &on->input, on->step, on->pool, on->stresses);
     pel_tangent_evaluate(on->tangent, &on->input, on->pool, NULL);
 }
-static void part_advance(run *on)
+static void part_advance(void *context)
 {
+    run *on = context;
     pel_tangent_advance(on->tangent, on->unknowns, on->step, 1e-3, on->pool);
 }
 
@@ -99,11 +92,11 @@ static void time_model(const char *name, int32_t frequency, pel_bending_model be
     on.input.unknowns = on.unknowns;
     printf("%s: %d triangles, %d elements, %d unknowns\n", name, (int)mesh->triangle_count,
            (int)on.pattern->element_count, (int)count);
-    time_part("energy", &on, part_energy);
-    time_part("gradient", &on, part_gradient);
-    time_part("matrices", &on, part_matrices);
-    time_part("extrapolate", &on, part_extrapolate);
-    time_part("advance", &on, part_advance);
+    bench_part("energy", ROUNDS, part_energy, &on);
+    bench_part("gradient", ROUNDS, part_gradient, &on);
+    bench_part("matrices", ROUNDS, part_matrices, &on);
+    bench_part("extrapolate", ROUNDS, part_extrapolate, &on);
+    bench_part("advance", ROUNDS, part_advance, &on);
     double *arrays[] = {on.unknowns, on.gradient, on.step, on.stresses, on.sums};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
