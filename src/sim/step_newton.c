@@ -14,7 +14,8 @@
 #define HELD_SHIFT 1e-7
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
 #define NEAR_TOLERANCES 10
-enum { DYNAMIC_ITERATIONS = 20 };
+/* of a run of a step in time, without constraints and with them */
+enum { DYNAMIC_ITERATIONS = 20, CONSTRAINED_ITERATIONS = 40 };
 
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
@@ -361,64 +362,6 @@ static int32_t list_couplings(void *context, const int32_t (**vertices)[4], int3
     return list_constraints(sim, false, *acting);
 }
 
-/* the weighted sum of the moves of four vertices */
-static void weigh_moves(const int32_t vertices[4], const double weights[4], const double *move, double sum[3])
-{
-    pel_vec3_set(sum, 0, 0, 0);
-    for (int i = 0; i < 4; i++)
-        pel_vec3_along(sum, weights[i], move + 3 * (size_t)vertices[i], sum);
-}
-
-static double form_of(const double stiffness[3][3], const double way[3])
-{
-    double sum = 0;
-    for (int a = 0; a < 3; a++)
-        sum += way[a] * pel_vec3_dot(stiffness[a], way);
-    return sum;
-}
-
-/* second derivative of one constraint along a move */
-static double curvature_of(const pel_sim *sim, const pel_descent_contact *constraint, const double *move)
-{
-    pel_contact_stiffness stiffness;
-    double way[3];
-    if (!pel_descent_contact_stiffness(sim, constraint, sim->descent->newton->position, &stiffness))
-        return 0;
-    weigh_moves(constraint->vertices, stiffness.weights, move, way);
-    double sum = form_of((const double(*)[3])stiffness.along, way);
-    weigh_moves(constraint->vertices, constraint->weights, move, way);
-    sum += form_of((const double(*)[3])stiffness.across, way);
-    for (int r = 0; r < stiffness.row_count; r++) {
-        double product = 0;
-        for (int i = 0; i < 3; i++)
-            product += pel_vec3_dot(stiffness.rows[r][i], move + 3 * (size_t)constraint->vertices[i]);
-        sum += product * product;
-    }
-    return sum;
-}
-
-static double find_slope(void *context, const double *unknowns, const double *move, double share, double *curvature)
-{
-    const pel_descent_context *at = context;
-    const pel_sim *sim = at->sim;
-    pel_sim_newton *newton = sim->descent->newton;
-    int32_t count = sim->model->vertex_count;
-    double slope = 0;
-    for (int32_t v = 0; v < count; v++)
-        for (int k = 0; k < 3; k++)
-            newton->position[v][k] = (pel_real)(unknowns[3 * v + k] + share * move[3 * v + k]);
-    memset(newton->force, 0, (size_t)count * sizeof *newton->force);
-    pel_descent_contacts_evaluate(sim, newton->position, newton->force);
-    for (int32_t v = 0; v < count; v++)
-        for (int k = 0; k < 3; k++)
-            slope -= (double)newton->force[v][k] * move[3 * v + k];
-    if (curvature != NULL)
-        *curvature = 0;
-    for (int32_t c = 0; curvature != NULL && c < sim->descent->count; c++)
-        *curvature += curvature_of(sim, &sim->descent->constraints[c], move);
-    return slope;
-}
-
 /* ---- a run ---- */
 
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
@@ -429,13 +372,16 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     bool is_dynamic = newton->point_stiffness != NULL;
     bool has_springs = (sim->holds != NULL && sim->holds->spring_count > 0) || newton->radial != NULL;
     const pel_newton_terms terms = {context, evaluate_constraints, add_constraints, list_couplings,
-                                    context->is_constrained ? find_slope : NULL};
+                                    context->is_constrained};
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
                      sizeof *newton->couplings))
         return pel_fail_memory(error);
     const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     double moments = pel_newton_moment_force(newton->newton, newton->loads);
     double tolerance = hypot(problem->tolerance, pel_descent_held_share() * moments);
+    int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
+                        : context->is_constrained ? CONSTRAINED_ITERATIONS
+                                                  : DYNAMIC_ITERATIONS;
     const pel_newton_problem own = {
         .time = context->time,
         .state = sim->state,
@@ -451,8 +397,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .reduction = is_dynamic && !context->is_constrained ? DYNAMIC_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
         .short_move = problem->short_move,
-        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations
-                                                 : (is_dynamic ? DYNAMIC_ITERATIONS : PEL_STATIC_ITERATIONS),
+        .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : automatic,
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
         .keeps_factor = is_dynamic,

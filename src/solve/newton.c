@@ -10,11 +10,13 @@
 /* full steps of mixed integration points without a new least residual, after which steps of least energy follow; such
    steps in a part of the loads */
 enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6, PART_ITERATIONS = 30 };
-/* such steps after which all that follow go only to where constraints take their slope away; evaluations of that */
-enum { STALLED = 1, SEARCHES = 12 };
-/* a slope of so much of that at the begin counts as zero; one steeper than FLAT of it pays to go on, up to MOST_SHARE
-   times the step */
+/* evaluations along a step: for its slope to be zero, for its energy to fall */
+enum { SEARCHES = 12, CUTS = 12 };
+/* A slope of so much of that at the begin counts as zero; one steeper than FLAT of it pays to go on, up to MOST_SHARE
+   times the step. Of a step that went too far, what is cut at least and at most. */
 #define STEEP 0.2
+#define LEAST_CUT 0.1
+#define MOST_CUT 0.5
 #define FLAT 0.5
 #define MOST_SHARE 16
 /* multiples of the masses: the first one, of the stiffness over mass; by how much they shrink and grow */
@@ -295,51 +297,20 @@ typedef struct slope_point {
 } slope_point;
 
 /* Between a point where an energy falls and one where it rises: where its slope is nearly zero, by the Illinois variant
-   of regula falsi (Dowell, Jarratt 1971). The energy itself is of no use there: its changes are those of rounding. */
+   of regula falsi (Dowell, Jarratt 1971) with cuts that are not too small: membranes are walls. Where it finds none,
+   the last point at which the energy falls. */
 static double find_zero_slope(slope_point low, slope_point high, double flat, slope_at *slope_of_share, void *context)
 {
     double at = high.share, slope = high.slope;
     for (int n = 0; n < SEARCHES && fabs(slope) > flat; n++) {
-        at = low.share + (high.share - low.share) * low.slope / (low.slope - high.slope);
+        double width = high.share - low.share, cut = low.slope / (low.slope - high.slope);
+        at = low.share + width * fmin(fmax(cut, LEAST_CUT), 1 - LEAST_CUT);
         slope = slope_of_share(context, at);
         slope_point *moved = slope > 0 ? &high : &low, *kept = slope > 0 ? &low : &high;
         *moved = (slope_point){at, slope};
         kept->slope *= 0.5;
     }
-    return at;
-}
-
-/* constraints as they are along the step, the rest as the matrix has it */
-typedef struct kinked_slope {
-    const pel_newton_terms *terms;
-    const double *unknowns, *move;
-    double smooth, curvature; /* J, of the rest at the begin */
-} kinked_slope;
-
-static double kinked_slope_at(void *context, double share)
-{
-    const kinked_slope *s = context;
-    return s->smooth + s->curvature * share +
-           s->terms->find_slope(s->terms->context, s->unknowns, s->move, share, NULL);
-}
-
-static bool has_kinks(const newton_run *run)
-{
-    return run->problem->terms != NULL && run->problem->terms->find_slope != NULL;
-}
-
-/* Constraints begin and cease to act along a step, and full steps may go to and fro between them for ever: the share of
-   the step at which the slope is zero. The bodies count as linear, since full steps are good for them. */
-static double find_kink(const newton_run *run, double share)
-{
-    pel_newton *newton = run->newton;
-    double curvature, before = slope_of(newton, newton->gradient);
-    kinked_slope s = {.terms = run->problem->terms, .unknowns = run->unknowns, .move = pel_newton_find_move(run, 1)};
-    double kinked = s.terms->find_slope(s.terms->context, s.unknowns, s.move, 0, &curvature);
-    s.smooth = before - kinked;
-    s.curvature = fmax(0, -before - curvature);
-    const slope_point low = {0, before}, high = {share, kinked_slope_at(&s, share)};
-    return before < 0 && high.slope > 0 ? find_zero_slope(low, high, -STEEP * before, kinked_slope_at, &s) : share;
+    return fabs(slope) <= flat || !(low.share > 0) ? at : low.share;
 }
 
 /* a run along its step */
@@ -377,7 +348,54 @@ static void go_to_slope(newton_run *run, double share)
         high.slope = walk_to(&walk, high.share);
     }
     if (before < 0 && high.slope > 0)
-        find_zero_slope(low, high, -STEEP * before, walk_to, &walk);
+        walk_to(&walk, find_zero_slope(low, high, -STEEP * before, walk_to, &walk));
+}
+
+/* the energy with the work of moments on edges, which this run's turns of edges have */
+static double merit_of(const newton_run *run)
+{
+    const pel_newton *newton = run->newton;
+    double work = 0;
+    for (int32_t u = 3 * newton->pattern->vertex_count; u < newton->pattern->unknown_count; u++)
+        work += run->problem->force != NULL ? run->factor * run->problem->force[u] * newton->walked[u] : 0;
+    return run->result->energy - work;
+}
+
+/* where a point of an energy along a step stands */
+typedef struct energy_point {
+    double share, energy, slope;
+} energy_point;
+
+/* least value between two points of the cubic with their energies and slopes (Nocedal, Wright 2006, eq. 3.59), within
+   the shares of the second that are tried next */
+static double find_least(energy_point a, energy_point b)
+{
+    double way = b.share - a.share, d = a.slope + b.slope - 3 * (b.energy - a.energy) / way;
+    double root = sqrt(d * d - a.slope * b.slope), cut = (b.slope + root - d) / (b.slope - a.slope + 2 * root);
+    double least = isfinite(cut) ? b.share - cut * way : 0;
+    return fmin(fmax(least, LEAST_CUT * b.share), MOST_CUT * b.share);
+}
+
+/* A step as far as the energy falls enough (Armijo 1966; Nocedal, Wright 2006, section 3.1): constraints begin and
+   cease to act along it. False, at the begin, where no share of it does. */
+static bool go_by_energy(newton_run *run, double share)
+{
+    step_walk walk = {.run = run};
+    const energy_point begin = {0, merit_of(run), slope_of(run->newton, run->newton->gradient)};
+    double noise = ROUNDING * run->parts;
+    run->result->iterations++;
+    run->kind = PEL_TANGENT_EXACT;
+    run->has_stresses = false;
+    for (int n = 0; n < CUTS; n++) {
+        energy_point end = {.share = share, .slope = walk_to(&walk, share)};
+        end.energy = merit_of(run);
+        bool is_finite = pel_newton_is_finite(run);
+        if (is_finite && end.energy <= begin.energy + DECREASE * share * begin.slope + noise)
+            return true;
+        share = is_finite ? find_least(begin, end) : LEAST_CUT * share;
+    }
+    walk_to(&walk, 0);
+    return false;
 }
 
 /* ---- time ---- */
@@ -416,16 +434,51 @@ static void take_best(newton_run *run, double best)
 
 /* ---- full steps ---- */
 
-/* Full steps of mixed integration points. False where they lead nowhere. */
+static bool has_kinks(const newton_run *run)
+{
+    return run->problem->terms != NULL && run->problem->terms->has_kinks;
+}
+
+/* the step of the matrix; of a positive one where the exact one is not; false where that has no factor either */
+static bool find_full_step(newton_run *run)
+{
+    if (pel_newton_find_step(run))
+        return true;
+    run->kind = PEL_TANGENT_POSITIVE;
+    run->has_stresses = false;
+    pel_newton_evaluate(run);
+    return run->status == PEL_OK && pel_newton_find_step(run);
+}
+
+/* Goes along the step. Ways to targets raise the energy: under constraints as well the first step is a full one.
+   Returns whether the run is evaluated at its end. */
+static bool take_step(newton_run *run)
+{
+    double share = pel_newton_find_share(run->newton);
+    bool is_down = has_kinks(run) && pel_newton_is_at_targets(run);
+    if (is_down && go_by_energy(run, share))
+        return true;
+    if (is_down || run->kind == PEL_TANGENT_POSITIVE) {
+        go_to_slope(run, share);
+        return false;
+    }
+    pel_newton_extrapolate(run, share);
+    pel_newton_go(run, share);
+    return false;
+}
+
+/* Full steps of mixed integration points, or as far as the energy falls under constraints. False where they lead
+   nowhere. */
 static bool go_full_steps(newton_run *run)
 {
     pel_newton_result *result = run->result;
     double best = HUGE_VAL;
     int since = 0;
-    bool searches = false;
+    bool is_evaluated = false;
     for (;;) {
         run->kind = PEL_TANGENT_EXACT;
-        pel_newton_evaluate(run);
+        if (!is_evaluated)
+            pel_newton_evaluate(run);
         if (!pel_newton_is_finite(run))
             return false;
         if (result->iterations == 0)
@@ -439,26 +492,14 @@ static bool go_full_steps(newton_run *run)
         since = result->residual < best ? 0 : since + 1;
         keep_best(run, best);
         best = fmin(best, result->residual);
-        if (since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
+        if (!has_kinks(run) && since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
             return false;
-        if (!pel_newton_find_step(run)) {
-            run->kind = PEL_TANGENT_POSITIVE;
-            run->has_stresses = false;
-            pel_newton_evaluate(run);
-            if (run->status != PEL_OK || !pel_newton_find_step(run))
-                return false;
-        }
-        double share = pel_newton_find_share(run->newton);
-        if (run->kind == PEL_TANGENT_POSITIVE) {
-            go_to_slope(run, share);
-            continue;
-        }
-        searches |= since >= STALLED && has_kinks(run);
-        if (searches)
-            share = find_kink(run, share);
-        pel_newton_extrapolate(run, share);
-        pel_newton_go(run, share);
-        if (share == 1 && pel_newton_longest_move(run->newton) <= run->problem->short_move) {
+        if (!find_full_step(run))
+            return false;
+        bool is_short =
+            run->kind == PEL_TANGENT_EXACT && pel_newton_longest_move(run->newton) <= run->problem->short_move;
+        is_evaluated = take_step(run);
+        if (is_short) {
             pel_newton_evaluate(run);
             result->converged = result->is_near = pel_newton_is_finite(run);
             return result->converged;

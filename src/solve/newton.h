@@ -3,7 +3,9 @@
 
    The tangent is that of mixed integration points: its geometric part takes the stresses that the last step promised.
    It goes in full steps and gets by with some ten of them where membrane and bending stiffness are far apart, but
-   nothing makes it go downhill. Where it finds no end, steps of least energy follow: the tangent plus a multiple of
+   nothing makes it go downhill. Under constraints, which begin and cease to act, it would run to and fro between far
+   states: there steps of the exact tangent, of its positive part where it has no factor, go as far as the energy
+   falls. Where it finds no end, steps of least energy follow: the tangent plus a multiple of
    the masses (a step of implicit Euler from rest, of Levenberg and Marquardt), smaller whenever the energy falls. Those
    end in a minimum; a balance whose exact tangent is not positive definite is left along them. Where they find no end
    either (moments on edges have no energy), the loads come in parts of automatic size: forces that balance the start
@@ -27,9 +29,7 @@ typedef struct pel_newton_terms {
     /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
        have some for soon: (returned count). acting = number of the first. Null = it adds to the blocks of the model. */
     int32_t (*list_couplings)(void *context, const int32_t (**vertices)[4], int32_t *acting);
-    /* J, slope along a move (unknown_count) of what begins and ceases to act, at a share of the move from unknowns;
-       curvature [J], if not null: its second derivative there by add_matrix. Null = nothing does. */
-    double (*find_slope)(void *context, const double *unknowns, const double *move, double share, double *curvature);
+    bool has_kinks; /* what it adds begins and ceases to act: steps go as far as the energy falls */
 } pel_newton_terms;
 
 /* The unknowns of a vertex along axes of its own. */

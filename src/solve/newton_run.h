@@ -103,6 +103,7 @@ void pel_newton_go(newton_run *run, double scale);
 /* mixed integration points: the stresses that a share of the step promises */
 void pel_newton_extrapolate(newton_run *run, double scale);
 bool pel_newton_has_converged(newton_run *run);
+bool pel_newton_is_at_targets(const newton_run *run);
 /* stiffness over mass, 1/s2, of the free vertices and the last matrix */
 double pel_newton_stiffness_scale(const pel_newton *newton);
 /* flags of what is fixed, frames; sums of the run at zero */

@@ -319,13 +319,20 @@ void pel_newton_extrapolate(newton_run *run, double scale)
     run->has_stresses = true;
 }
 
+bool pel_newton_is_at_targets(const newton_run *run)
+{
+    for (int32_t u = 0; u < run->newton->pattern->unknown_count; u++)
+        if (run->newton->fixed[u] && fabs(pel_newton_way_to_target(run, u)) > SHORT_SHARE * run->newton->size)
+            return false;
+    return true;
+}
+
 bool pel_newton_has_converged(newton_run *run)
 {
     const pel_newton_problem *problem = run->problem;
     pel_newton_result *result = run->result;
-    for (int32_t u = 0; u < run->newton->pattern->unknown_count; u++)
-        if (run->newton->fixed[u] && fabs(pel_newton_way_to_target(run, u)) > SHORT_SHARE * run->newton->size)
-            return false;
+    if (!pel_newton_is_at_targets(run))
+        return false;
     if (problem->moves && result->iterations == 0)
         return false;
     double held = problem->held_share * result->held_force;

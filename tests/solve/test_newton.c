@@ -113,27 +113,9 @@ static int32_t list_walls(void *context, const int32_t (**vertices)[4], int32_t 
     return *acting;
 }
 
-static double find_wall_slope(void *context, const double *unknowns, const double *move, double share,
-                              double *curvature)
-{
-    walls *w = context;
-    double slope = 0, sum = 0;
-    for (int i = 0; i < w->count; i++) {
-        double way = move[3 * w->pairs[i][0] + 2] + move[3 * w->pairs[i][1] + 2];
-        double depth = depth_of(w, i, unknowns) - share * way;
-        if (depth > 0) {
-            slope -= w->stiffness * depth * way;
-            sum += w->stiffness * way * way;
-        }
-    }
-    if (curvature != NULL)
-        *curvature = sum;
-    return slope;
-}
-
 static pel_newton_terms terms_of(walls *w)
 {
-    return (pel_newton_terms){w, evaluate_walls, add_walls, list_walls, find_wall_slope};
+    return (pel_newton_terms){w, evaluate_walls, add_walls, list_walls, true};
 }
 
 /* vertices that share no element: opposite ones */
