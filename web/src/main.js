@@ -9,7 +9,7 @@ import { View } from "./view.js";
 const $ = (id) => document.getElementById(id);
 
 const state = {
-    time: 0,
+    time: null, // until the first picture
     playing: false,
     speed: 1,
     field: "",
@@ -188,6 +188,16 @@ function showColour() {
 function seek(time) {
     state.time = Math.max(firstTime(), Math.min(lastTime(), time));
     needs("frames");
+}
+
+// where the leader is displaced most: there the page opens, unless somebody was faster
+function seekMost() {
+    const { names, columns } = leader.table;
+    const displacements = columns[names.indexOf("max_displacement")] ?? [];
+    const rows = columns[names.indexOf(leader.timed ? "time" : "frame")];
+    let most = 0;
+    displacements.forEach((value, row) => value > displacements[most] && (most = row));
+    if (displacements.length > 0 && !state.playing && (state.time ?? firstTime()) === firstTime()) seekFrame(rows[most]);
 }
 
 // nearest frame of the leader; used where people point at a time
@@ -472,7 +482,7 @@ function placeLabels() {
 
 function start() {
     view = new View($("view"), runs, () => needs("picture"));
-    state.time = firstTime();
+    state.time ??= firstTime();
     for (let i = 0; i < 3; i++) $("legend-ticks").append(document.createElement("span"));
     makeLabels();
     makeControls();
@@ -508,5 +518,10 @@ if (runs.length === 0) {
     $("title").textContent = runs.map((run) => run.sceneTitle || run.name).filter((t, i, all) => all.indexOf(t) === i).join(" · ");
     document.title = `${runs.map((run) => run.name).join(", ")} – Pellicle`;
     showFacts($("facts"), runs);
-    finished.then(() => document.body.classList.add("ready")).catch(fail);
+    finished
+        .then(() => {
+            seekMost();
+            document.body.classList.add("ready");
+        })
+        .catch(fail);
 }

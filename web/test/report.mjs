@@ -48,6 +48,8 @@ async function picture(page, name) {
 /* ---- the parts ---- */
 
 async function playing(page) {
+    await page.keyboard.press("Home");
+    await settle(page);
     const before = await state(page);
     await page.keyboard.press("Space");
     await page.waitForFunction(
@@ -220,6 +222,11 @@ function changingRun() {
 }
 
 await onPage("desktop", [at("ball")], {}, async (page) => {
+    const rows = readFileSync(at("ball", "series.csv"), "utf8").trim().split("\n").map((row) => row.split(","));
+    const displacements = rows.slice(1).map((row) => Number(row[rows[0].indexOf("max_displacement")]));
+    const most = displacements.indexOf(Math.max(...displacements));
+    assert.ok(most > 0);
+    assert.match(await clock(page), new RegExp(`frame ${most}/30`), "it opens where the ball is pressed most");
     await playing(page);
     await keys(page, 30);
     await colouring(page);
