@@ -80,6 +80,19 @@ pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_e
     return state->older_position != NULL && state->older_velocity != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
+void pel_state_move_history(const pel_model *model, pel_state *state, double before, double step)
+{
+    if (state->older_position == NULL || !state->older_is_known || step == before)
+        return;
+    pel_real by_velocity = (pel_real)step, by_change = (pel_real)(0.5 * step * step / before);
+    pel_real share = (pel_real)(step / before);
+    for (int32_t v = 0; v < model->vertex_count; v++) {
+        pel_record change = state->velocity[v] - state->older_velocity[v];
+        state->older_position[v] = state->position[v] - by_velocity * state->velocity[v] + by_change * change;
+        state->older_velocity[v] = state->velocity[v] - share * change;
+    }
+}
+
 void pel_state_destroy(pel_state *state)
 {
     if (state == NULL)

@@ -37,6 +37,9 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
 void pel_state_start(const pel_model *model, pel_state *state);
 /* makes room for what second order methods remember; nothing is known yet */
 pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error);
+/* brings what is remembered of a step of length `before` to one of length `step`: x(t - h) and v(t - h) of the motion
+   with the mean acceleration of that step */
+void pel_state_move_history(const pel_model *model, pel_state *state, double before, double step);
 void pel_state_destroy(pel_state *state);
 
 #endif

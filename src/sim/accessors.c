@@ -16,6 +16,12 @@ double pel_sim_next_time(const pel_sim *sim)
            sim->solver.dt;
 }
 
+double pel_sim_part_time(const pel_sim *sim, double share)
+{
+    double at = (sim->parts.at + share * sim->parts.step_size) / PEL_PART_LIMIT;
+    return ((double)sim->state->step + at) * sim->solver.dt;
+}
+
 int64_t pel_sim_step_count(const pel_sim *sim)
 {
     if (sim == NULL)

@@ -21,6 +21,8 @@
 #include <string.h>
 
 enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
+/* rounds, and rounds that did not converge, after which a step is done anew in parts */
+enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 
 /* forces are balanced when the residual is this share of the forces that act */
 #ifdef PEL_SINGLE
@@ -307,10 +309,11 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
     pel_descent_problem problem = make_problem(context);
     pel_descent_result *sum = &descent->result, round;
     pel_status status = PEL_OK;
-    bool closed = false, is_dynamic = pel_sim_has_velocity(sim);
+    bool closed = false, is_dynamic = pel_sim_has_velocity(sim), can_halve = pel_parts_can_halve(sim);
+    int failures = 0, limit = can_halve ? HALVING_ROUNDS : ROUND_LIMIT;
     double before = HUGE_VAL;
     sum->converged = false;
-    for (int n = 0; status == PEL_OK && !sum->converged && n < ROUND_LIMIT; n++) {
+    for (int n = 0; status == PEL_OK && !sum->converged && n < limit; n++) {
         bool again, had_any = descent->count > 0;
         problem.tolerance = is_dynamic ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
         problem.enough = ROUGH_SHARE * problem.tolerance;
@@ -324,7 +327,8 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         sum->held_force = round.held_force;
         if (n == 0)
             remember_acting(sim, loads, round.first_residual);
-        if (!pel_sim_all_inside(sim))
+        failures += !round.converged;
+        if (!pel_sim_all_inside(sim) || (can_halve && failures == HALVING_FAILURES))
             return PEL_OK;
         double error_of_gaps = pel_descent_contacts_update(sim);
         if (round.converged && error_of_gaps > 1 && error_of_gaps > CLOSING * before)
@@ -464,7 +468,7 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
 {
     pel_state *state = sim->state;
     pel_descent_context context = {
-        .sim = sim, .state = *state, .time = ((double)state->step + sim->descent->force_time) * sim->step.dt};
+        .sim = sim, .state = *state, .time = pel_sim_part_time(sim, sim->descent->force_time)};
     pel_shell_forces_follow(sim->shells, state->position);
     double loads = find_external(sim, context.time);
     pel_status status =
@@ -578,7 +582,14 @@ void pel_sim_descent_destroy(pel_sim *sim)
 
 void pel_sim_descent_accept(pel_sim *sim)
 {
-    sim->descent->accepted = sim->descent->result;
+    pel_descent_result *accepted = &sim->descent->accepted, *part = &sim->descent->result;
+    if (sim->parts.at > 0) {
+        part->iterations += accepted->iterations;
+        part->evaluations += accepted->evaluations;
+        part->residual = fmax(part->residual, accepted->residual);
+        part->converged &= accepted->converged;
+    }
+    *accepted = *part;
 }
 
 static void advise(const pel_sim *sim, pel_error *error)

@@ -35,6 +35,10 @@ typedef struct pel_descent_contact {
     int32_t number; /* of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
 } pel_descent_contact;
 
+/* Gaps between surfaces keep so much of the thickness more than it, to within the tolerance of a little less: nothing
+   has to be corrected after a step, and what starts at the thickness is lifted by no more than that. */
+#define PEL_SLACK_SHARE 0.05
+
 typedef struct pel_descent_context pel_descent_context;
 
 /* Moves position_next downhill: pel_descent_run, or Newton's method (step_newton.h). PEL_OUT_OF_MEMORY. */
@@ -107,7 +111,7 @@ double pel_descent_tolerance(pel_sim *sim, double time);
 double pel_descent_held_share(void);
 double pel_descent_short_move(const pel_sim *sim);
 
-/* After a step that is accepted: its result is the one that is told. */
+/* After a step that is accepted, or a part of one: what is told of the step is the sum, the worst of residuals. */
 void pel_sim_descent_accept(pel_sim *sim);
 
 /* ---- descent_free.c ---- */

@@ -10,9 +10,8 @@
 
 enum { ESTIMATE_SWEEPS = 20 };
 
-/* of the thickness: gaps keep so much more than it, to within the tolerance */
-#define SLACK_SHARE 0.2
-#define GAP_TOLERANCE 0.15
+/* of the thickness */
+#define GAP_TOLERANCE (0.75 * PEL_SLACK_SHARE)
 
 /* weights of what touches inside a feature are larger */
 #define INSIDE 1e-9
@@ -386,7 +385,7 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_descent_contac
     const int32_t *group = sim->contacts->group_of_point;
     double thickness = pel_contact_thickness(sim->contacts, group[key->points[0]], group[key->points[3]]);
     *constraint = (pel_descent_contact){
-        .offset = (double)contact->separation + SLACK_SHARE * thickness,
+        .offset = (double)contact->separation + PEL_SLACK_SHARE * thickness,
         .tolerance = GAP_TOLERANCE * thickness,
         .load = key->load,
         .friction = (double)contact->friction,

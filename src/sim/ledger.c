@@ -17,6 +17,8 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "sim/contact.h"
+#include "sim/descent.h"
 #include "sim/hold.h"
 #include "sim/sim.h"
 #include "solve/shell_stability.h"
@@ -441,7 +443,8 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
 
 /* ---- creation ---- */
 
-/* half the largest stiffness times the square of the rounding of positions, and the weight times that rounding */
+/* half the largest stiffness times the square of the rounding of positions, and the weight times that rounding and the
+   slack of contacts inside the solve */
 static double rounding_of(const pel_sim *sim)
 {
     const pel_model *model = sim->model;
@@ -456,7 +459,8 @@ static double rounding_of(const pel_sim *sim)
     }
     double shift = ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * farthest;
     double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
-    return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * shift;
+    double slack = sim->contacts != NULL && sim->contact_in_loop ? PEL_SLACK_SHARE * sim->contacts->largest : 0;
+    return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * (shift + slack);
 }
 
 static bool has_any(const pel_real *numbers, int32_t count)

@@ -1,7 +1,8 @@
 /* Steps in parts. Contacts are searched once a step, along straight ways. Where things move many thicknesses in a step,
    or press each other in layers, too many pairs meet for the substeps to solve them: the guard would step bodies back,
-   and corrections would put energy into them. Such a step is done anew in halves, each a step of its own with search,
-   substeps and guard, and halves again where needed. Parts stay that short until a number of them went well. */
+   and corrections would put energy into them. An implicit step may have no solution near its begin. Such a step is done
+   anew in halves, each a step of its own with search, substeps and guard, and halves again where needed. Parts stay
+   that short until a number of them went well. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/tool.h"
@@ -14,8 +15,10 @@ void pel_parts_create(pel_sim *sim)
     parts->step_size = PEL_PART_LIMIT;
     parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
     parts->substeps = sim->solver.substeps;
-    /* a collision with a restitution of its own is told by steps */
-    parts->can_halve = pel_sim_is_projected(sim) && sim->contacts != NULL && sim->collisions == NULL;
+    /* a collision with a restitution of its own is told by steps, and who bounds the work of a step wants one */
+    bool is_bounded = sim->solver.budget > 0 || (!pel_sim_is_projected(sim) && sim->solver.iterations > 0);
+    bool divides = pel_sim_is_projected(sim) ? sim->contacts != NULL : sim->stepper->divides;
+    parts->can_halve = divides && !is_bounded && sim->collisions == NULL;
 }
 
 void pel_parts_destroy(pel_sim *sim)
@@ -45,10 +48,13 @@ static pel_status save_before(pel_sim *sim, pel_error *error)
 static void set_size(pel_sim *sim, int32_t size)
 {
     int32_t count = PEL_PART_LIMIT / size;
+    double before = sim->step.dt;
     sim->parts.step_size = size;
     sim->step.dt = sim->solver.dt / count;
-    if (!pel_sim_is_projected(sim))
+    if (!pel_sim_is_projected(sim)) {
+        pel_state_move_history(sim->model, sim->state, before, sim->step.dt);
         return;
+    }
     sim->solver.substeps = (sim->parts.substeps + count - 1) / count;
     pel_projector_set_time(sim->projector, sim->state, sim->step.dt, sim->solver.substeps);
 }

@@ -88,9 +88,9 @@ static pel_status solve(pel_sim *sim, double next, double *longest, pel_error *e
     if (status == PEL_OK && result.diverged)
         status = report_divergence(sim, error);
     /* a surface that never cuts itself cannot turn inside out */
-    if (status == PEL_OK && !pel_sim_has_self_contact(sim))
+    if (status == PEL_OK && !sim->parts.is_refused && !pel_sim_has_self_contact(sim))
         status = pel_shells_check_volume(sim, error);
-    if (status != PEL_OK && stepper->moves_tools)
+    if ((status != PEL_OK || sim->parts.is_refused) && stepper->moves_tools)
         pel_tools_return(sim);
     return status;
 }
@@ -134,7 +134,7 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
     double next = pel_sim_next_time(sim), longest = 0;
     pel_contact_forces_begin(sim);
     pel_status status = solve(sim, next, &longest, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK && !sim->parts.is_refused)
         status = keep_apart(sim, next, longest, error);
     /* a shorter part has fewer pairs, and does not go that far */
     bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;

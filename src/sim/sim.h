@@ -376,7 +376,7 @@ void pel_substeps_remedy(const pel_sim *sim, pel_error *error);
 void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading);
 
 /* ---- parts.c ---- */
-/* After contacts and restitution. */
+/* After contacts and restitution, before anything asks for the size of a snapshot. */
 void pel_parts_create(pel_sim *sim);
 void pel_parts_destroy(pel_sim *sim);
 /* At the start of a step: chooses substeps and the size of the first part. PEL_OUT_OF_MEMORY. */
@@ -404,6 +404,8 @@ void pel_parts_accept(pel_sim *sim);
 void pel_parts_end(pel_sim *sim, pel_status status);
 /* at the end of the present part [s] */
 double pel_sim_next_time(const pel_sim *sim);
+/* s, at a share of the present part of the step */
+double pel_sim_part_time(const pel_sim *sim, double share);
 
 /* ---- contact_event.c ---- */
 /* Room for that, where bodies refine under contact. PEL_OUT_OF_MEMORY. */

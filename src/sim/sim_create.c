@@ -233,13 +233,13 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)
         status = pel_restitution_create(sim, error);
+    pel_parts_create(sim);
     if (status == PEL_OK)
         status = pel_contacts_create_event(sim, error);
     if (status == PEL_OK && sim->stepper->check_start != NULL)
         status = sim->stepper->check_start(sim, error);
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
-    pel_parts_create(sim);
     if (status == PEL_OK)
         status = keep_def(sim, def, error);
     if (status == PEL_OK)

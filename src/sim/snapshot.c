@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 9 };
+enum { SNAPSHOT_VERSION = 10 };
 
 typedef struct header {
     char magic[8];
@@ -231,7 +231,7 @@ static void transfer_substeps(cursor *at, const pel_sim *sim, int32_t unused)
 static void transfer_parts(cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    if (sim->contacts != NULL && pel_sim_is_projected(sim))
+    if (sim->parts.can_halve)
         transfer(at, (pel_parts_now *)(uintptr_t)&sim->parts.now, sizeof sim->parts.now);
 }
 

@@ -172,6 +172,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     pel_status status = pel_sim_descent_step(sim, result, error);
     if (status != PEL_OK)
         return status;
+    sim->parts.is_refused = !sim->descent->result.converged && pel_parts_can_halve(sim);
     finish(sim, s);
     result->diverged |= !pel_sim_all_inside(sim);
     return PEL_OK;
@@ -199,6 +200,7 @@ const pel_stepper pel_step_implicit_kind = {
     .is_at_end = true,
     .turns_edges = true,
     .moves_tools = true,
+    .divides = true,
     .create = create,
     .step = step,
     .read_tools = pel_sim_newton_read_tools,

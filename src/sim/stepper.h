@@ -16,6 +16,7 @@ typedef struct pel_stepper {
     bool is_compliant;  /* of these: constraints have the compliance of the material, and substeps are automatic */
     bool weighs;        /* of these: the weight of bending follows the volume where it is automatic */
     bool limits_strain; /* of these: a bound of stretch is a constraint */
+    bool divides;       /* a step that it does not solve is done anew in parts; projection does so under contact */
     bool is_at_end;     /* loads and keyed numbers act as they are at the end of the step */
     bool moves_tools;   /* tools and what they hold move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */

@@ -3,6 +3,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "force/pressure.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,6 +11,8 @@
 /* full steps of mixed integration points without a new least residual, after which steps of least energy follow; such
    steps in a part of the loads */
 enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6, PART_ITERATIONS = 30 };
+/* short steps in a row that end a run under constraints whatever they leave: what sticks may give way in the next */
+enum { SHORT_STEPS = 4 };
 /* evaluations along a step: for its slope to be zero, for its energy to fall */
 enum { SEARCHES = 12, CUTS = 12 };
 /* A slope of so much of that at the begin counts as zero; one steeper than FLAT of it pays to go on, up to MOST_SHARE
@@ -25,6 +28,8 @@ enum { SEARCHES = 12, CUTS = 12 };
 #define MOST_SHIFT 1e3
 #define SHRINK 0.2
 #define GROW 4.0
+/* of the residual, that a short step leaves where it is the last one */
+#define SHORT_REDUCTION 0.1
 /* of the decrease that a step promises; changes below this share of the energy's parts may be rounding */
 #define DECREASE 1e-3
 #define ROUNDING 1e-13
@@ -131,6 +136,14 @@ static pel_status create_system(pel_newton *newton, int32_t count, const int32_t
     return status;
 }
 
+static bool has_potential(const pel_model *model)
+{
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&model->bodies[b]))
+            return false;
+    return true;
+}
+
 /* masses, and lengths to compare with */
 static void measure(pel_newton *newton)
 {
@@ -152,6 +165,7 @@ static void measure(pel_newton *newton)
         sum += pel_vec3_distance(a, b);
     }
     newton->edge = pattern->edge_count > 0 ? sum / pattern->edge_count : 1;
+    newton->has_potential = has_potential(model);
 }
 
 static bool make_room(pel_newton *newton)
@@ -376,6 +390,15 @@ static double find_least(energy_point a, energy_point b)
     return fmin(fmax(least, LEAST_CUT * b.share), MOST_CUT * b.share);
 }
 
+/* where a run stands along its step; forces without a potential have the work of the mean of both ends */
+static energy_point find_point(step_walk *walk, double share, const energy_point *begin)
+{
+    energy_point point = {.share = share, .slope = walk_to(walk, share)};
+    bool has_energy = walk->run->newton->has_potential;
+    point.energy = has_energy ? merit_of(walk->run) : begin->energy + 0.5 * share * (begin->slope + point.slope);
+    return point;
+}
+
 /* A step as far as the energy falls enough (Armijo 1966; Nocedal, Wright 2006, section 3.1): constraints begin and
    cease to act along it. False, at the begin, where no share of it does. */
 static bool go_by_energy(newton_run *run, double share)
@@ -387,8 +410,7 @@ static bool go_by_energy(newton_run *run, double share)
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     for (int n = 0; n < CUTS; n++) {
-        energy_point end = {.share = share, .slope = walk_to(&walk, share)};
-        end.energy = merit_of(run);
+        const energy_point end = find_point(&walk, share, &begin);
         bool is_finite = pel_newton_is_finite(run);
         if (is_finite && end.energy <= begin.energy + DECREASE * share * begin.slope + noise)
             return true;
@@ -473,7 +495,7 @@ static bool go_full_steps(newton_run *run)
 {
     pel_newton_result *result = run->result;
     double best = HUGE_VAL;
-    int since = 0;
+    int since = 0, short_steps = 0;
     bool is_evaluated = false;
     for (;;) {
         run->kind = PEL_TANGENT_EXACT;
@@ -498,9 +520,15 @@ static bool go_full_steps(newton_run *run)
             return false;
         bool is_short =
             run->kind == PEL_TANGENT_EXACT && pel_newton_longest_move(run->newton) <= run->problem->short_move;
+        double before = result->residual;
         is_evaluated = take_step(run);
-        if (is_short) {
+        short_steps = is_short ? short_steps + 1 : 0;
+        if (!is_short)
+            continue;
+        if (!is_evaluated)
             pel_newton_evaluate(run);
+        is_evaluated = true;
+        if (!has_kinks(run) || short_steps == SHORT_STEPS || result->residual <= SHORT_REDUCTION * before) {
             result->converged = result->is_near = pel_newton_is_finite(run);
             return result->converged;
         }

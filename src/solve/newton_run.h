@@ -35,6 +35,7 @@ struct pel_newton {
     uint8_t *fixed;                   /* (unknown_count) */
     double size;                      /* m, of the model */
     double edge;                      /* m, mean length of edges with an unknown */
+    bool has_potential;               /* no pressure without one */
 };
 
 /* one run */

@@ -76,19 +76,6 @@ void pel_projector_destroy(pel_projector *projector)
     pel_free(projector);
 }
 
-/* x(t - h) and v(t - h) of the motion with the mean acceleration of the last substep */
-static void move_history(pel_projector *projector, pel_state *state, double substep)
-{
-    double before = projector->substep;
-    pel_real by_velocity = (pel_real)substep, by_change = (pel_real)(0.5 * substep * substep / before);
-    pel_real share = (pel_real)(substep / before);
-    for (int32_t v = 0; v < projector->model->vertex_count; v++) {
-        pel_record change = state->velocity[v] - state->older_velocity[v];
-        state->older_position[v] = state->position[v] - by_velocity * state->velocity[v] + by_change * change;
-        state->older_velocity[v] = state->velocity[v] - share * change;
-    }
-}
-
 void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int32_t substeps)
 {
     pel_projector_set_time(projector, state, projector->solver.dt, substeps);
@@ -97,8 +84,8 @@ void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int3
 void pel_projector_set_time(pel_projector *projector, pel_state *state, double dt, int32_t substeps)
 {
     double substep = dt / substeps;
-    if (state != NULL && state->older_position != NULL && state->older_is_known && substep != projector->substep)
-        move_history(projector, state, substep);
+    if (state != NULL)
+        pel_state_move_history(projector->model, state, projector->substep, substep);
     projector->solver.dt = dt;
     projector->solver.substeps = substeps;
     projector->substep = substep;

@@ -206,16 +206,24 @@ static void test_driven_volume(void **unused)
 
 /* ---- what touches ---- */
 
-/* A sheet on a slope, across the edges of a flat mesh: g (sin - mu cos) t^2 / 2. */
+/* A sheet on a slope, across the edges of a flat mesh: g (sin - mu cos) t^2 / 2. One of steel whose friction nearly
+   holds it: what sticks is so stiff that the first steps of Newton's method are very short. */
 static void test_slide(void **unused)
 {
     (void)unused;
-    for (int i = 0; i < 2; i++) {
-        const double gravity = 10, sine = 0.6, cosine = 0.8, mu = i == 0 ? 0 : 0.4, time = 0.6;
+    for (int i = 0; i < 3; i++) {
+        const double gravity = 10, sine = 0.6, cosine = 0.8, time = 0.6;
+        const double friction[3] = {0, 0.4, 0.735}, mu = friction[i];
         contact_scene scene;
         scene_begin(&scene, PEL_METHOD_IMPLICIT);
         scene_body(&scene, make_sheet(6, 0));
         scene.bodies[0].spring_damping.value = scene.bodies[0].volumetric_damping.value = 0;
+        if (i == 2) {
+            scene.bodies[0].spring_stiffness.value = 0;
+            scene.bodies[0].shell.membrane.on = true;
+            scene.bodies[0].shell.membrane.young.value = 2e11;
+            scene.bodies[0].shell.membrane.thickness.value = 5e-4;
+        }
         pel_shape_def ground = pel_shape_def_default(PEL_SHAPE_GRID);
         ground.nx = ground.ny = 9;
         ground.size_x = ground.size_y = 8;

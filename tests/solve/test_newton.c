@@ -17,11 +17,13 @@ typedef struct sheet {
 
 enum { SIDE = 3, VERTICES = SIDE * SIDE, WALLS = 30 };
 
-static sheet make_sheet_of(double young, double tie)
+static sheet make_sheet_of(double young, double tie, double pressure)
 {
     sheet s = {.mesh = make_grid(SIDE - 1, SIDE - 1, 1, 1, PEL_GRID_ONE_DIAGONAL)};
     pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_STVK);
     body.shell.membrane.young.value = young;
+    body.shell.pressure.kind = pressure != 0 ? PEL_PRESSURE_GIVEN : PEL_PRESSURE_NONE;
+    body.shell.pressure.outside.value = pressure;
     s.model = make_model(&body);
     assert_int_equal(pel_newton_create(s.model, NULL, &s.newton, NULL), PEL_OK);
     s.count = pel_newton_pattern(s.newton)->unknown_count;
@@ -136,7 +138,7 @@ static walls make_walls(const sheet *s, double stiffness)
 static void test_couplings(void **unused)
 {
     (void)unused;
-    sheet s = make_sheet_of(1e-6, 1);
+    sheet s = make_sheet_of(1e-6, 1, 0);
     walls w = make_walls(&s, 1e4);
     const pel_newton_terms terms = terms_of(&w);
     pel_newton_problem problem = problem_of(&s, &terms);
@@ -178,7 +180,7 @@ static void test_kinks(void **unused)
     for (uint32_t seed = 1; seed <= 200; seed++) {
         double ends[2][3 * 64];
         for (int again = 0; again < 2; again++) {
-            sheet s = make_sheet_of(1e-6, 1);
+            sheet s = make_sheet_of(1e-6, 1, 0);
             random_state random = {seed};
             walls w, other = make_walls(&s, 1);
             random_walls(&s, &random, &w);
@@ -202,6 +204,21 @@ static void test_kinks(void **unused)
     }
 }
 
+/* A pressure on an open sheet has no potential: steps that go by an energy would see one that does not fall. */
+static void test_open_pressure(void **unused)
+{
+    (void)unused;
+    sheet s = make_sheet_of(1e3, 1, 0.5);
+    walls w = {0};
+    const pel_newton_terms terms = terms_of(&w);
+    pel_newton_problem problem = problem_of(&s, &terms);
+    pel_newton_result result;
+    assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+    assert_true(result.converged);
+    assert_true(result.iterations <= 12);
+    free_sheet(&s);
+}
+
 /* ---- time ---- */
 
 static int ticks;
@@ -221,7 +238,7 @@ static void test_deadline(void **unused)
         double before = HUGE_VAL;
         bool converged = false;
         for (int most = 1; !converged; most++) {
-            sheet s = make_sheet_of(1e-6, 1);
+            sheet s = make_sheet_of(1e-6, 1, 0);
             random_state random = {seed};
             walls w;
             random_walls(&s, &random, &w);
@@ -283,7 +300,7 @@ static pel_status run_walls(const void *data, pel_error *error)
 static void test_allocation_failure(void **unused)
 {
     (void)unused;
-    sheet s = make_sheet_of(1e-6, 1);
+    sheet s = make_sheet_of(1e-6, 1, 0);
     for_every_allocation_failure(create_newton, s.model);
     for_every_allocation_failure(run_walls, s.model);
     free_sheet(&s);
@@ -292,9 +309,8 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_couplings),
-        cmocka_unit_test(test_kinks),
-        cmocka_unit_test(test_deadline),
+        cmocka_unit_test(test_couplings),          cmocka_unit_test(test_kinks),
+        cmocka_unit_test(test_open_pressure),      cmocka_unit_test(test_deadline),
         cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
