@@ -343,6 +343,18 @@ static void tell_inverted_volume(const text_context *at)
              -at->tally->worst);
 }
 
+/* implicit steps go in parts before they give up */
+static void write_remedy(const pel_solver_def *solver, int32_t automatic, char *text, size_t size)
+{
+    if (solver->budget > 0)
+        snprintf(text, size, "use a larger solver.budget");
+    else if (solver->method == PEL_METHOD_IMPLICIT && solver->iterations <= 0)
+        snprintf(text, size, "use a smaller solver.dt");
+    else
+        snprintf(text, size, "use solver.iterations above %d",
+                 (int)(solver->iterations > 0 ? solver->iterations : automatic));
+}
+
 static void tell_unconverged(const text_context *at)
 {
     const pel_sim_def *sim = &at->run->scene->sim;
@@ -355,12 +367,12 @@ static void tell_unconverged(const text_context *at)
         return;
     }
     bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
-    int32_t automatic = in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS;
+    char remedy[64];
+    write_remedy(&sim->solver, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
     snprintf(at->text, at->size,
-             "%" PRId64 " of %" PRId64 " steps did not converge: a residual of up to %.3g N is left. use "
-             "solver.iterations above %d, or let loads and tools move over more steps",
-             at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst,
-             (int)(sim->solver.iterations > 0 ? sim->solver.iterations : automatic));
+             "%" PRId64 " of %" PRId64 " steps did not converge: a residual of up to %.3g N is left. %s, or let loads "
+             "and tools move over more steps",
+             at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst, remedy);
 }
 
 static void tell_unstable(const text_context *at)
