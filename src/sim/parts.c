@@ -44,19 +44,14 @@ static pel_status save_before(pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-/* time and substeps of the solver for parts of a size; the length of a substep stays */
+/* what goes by the length of a part, for parts of a size */
 static void set_size(pel_sim *sim, int32_t size)
 {
-    int32_t count = PEL_PART_LIMIT / size;
     double before = sim->step.dt;
     sim->parts.step_size = size;
-    sim->step.dt = sim->solver.dt / count;
-    if (!pel_sim_is_projected(sim)) {
-        pel_state_move_history(sim->model, sim->state, before, sim->step.dt);
-        return;
-    }
-    sim->solver.substeps = (sim->parts.substeps + count - 1) / count;
-    pel_projector_set_time(sim->projector, sim->state, sim->step.dt, sim->solver.substeps);
+    sim->step.dt = sim->solver.dt * size / PEL_PART_LIMIT;
+    if (sim->stepper->set_time != NULL)
+        sim->stepper->set_time(sim, before);
 }
 
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error)

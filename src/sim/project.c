@@ -163,6 +163,15 @@ static void follow_surface(pel_sim *sim)
     pel_projector_hold(sim->projector, sim->boundary.is_held);
 }
 
+/* the length of a substep stays */
+static void set_time(pel_sim *sim, double before)
+{
+    (void)before;
+    int32_t count = PEL_PART_LIMIT / sim->parts.step_size;
+    sim->solver.substeps = (sim->parts.substeps + count - 1) / count;
+    pel_projector_set_time(sim->projector, sim->state, sim->step.dt, sim->solver.substeps);
+}
+
 static void restart(pel_sim *sim, int32_t body)
 {
     pel_projector_restart(sim->projector, sim->state, body);
@@ -183,7 +192,7 @@ static void advise(const pel_sim *sim, pel_error *error)
 
 #define PROJECTS                                                                                                       \
     .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step,                   \
-    .follow_surface = follow_surface, .restart = restart, .accept = accept, .advise = advise
+    .follow_surface = follow_surface, .restart = restart, .set_time = set_time, .accept = accept, .advise = advise
 
 const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true, .limits_strain = true};
 const pel_stepper pel_project_distance_kind = {PROJECTS};

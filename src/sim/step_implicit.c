@@ -190,6 +190,11 @@ static void accept(pel_sim *sim)
     pel_sim_descent_accept(sim);
 }
 
+static void set_time(pel_sim *sim, double before)
+{
+    pel_state_move_history(sim->model, sim->state, before, sim->step.dt);
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
     pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads", sim->step.dt);
@@ -208,6 +213,7 @@ const pel_stepper pel_step_implicit_kind = {
     .follow_surface = pel_sim_newton_follow_surface,
     .get_held_force = pel_sim_newton_held_force,
     .mark_contacts = pel_descent_contacts_mark,
+    .set_time = set_time,
     .accept = accept,
     .advise = advise,
 };

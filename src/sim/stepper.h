@@ -39,6 +39,8 @@ typedef struct pel_stepper {
     void (*follow_surface)(pel_sim *sim);
     /* after the velocities of a body have changed between steps; nullable */
     void (*restart)(pel_sim *sim, int32_t body);
+    /* where parts of a step of another length begin: of sim->step.dt, after those of `before` [s]; nullable */
+    void (*set_time)(pel_sim *sim, double before);
     /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
     void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
     /* after a step that is accepted; nullable */
