@@ -12,8 +12,9 @@
 #define SAME_DIRECTION 0.5
 /* of the sum of the sizes of all forces: groups below this are no plane of their own */
 #define LEAST_GROUP 0.02
-/* of the reach: moves below this tell nothing about stiffness */
+/* of the reach: moves below this tell nothing about stiffness, and moves of this much tell half of it */
 #define LEAST_MOVE 1e-3
+#define TELLING_MOVE 0.05
 /* of the sums of the estimate, that is kept when a step is added */
 #define MEMORY 0.7
 
@@ -226,7 +227,9 @@ static void learn(const pel_local_model *last, const pel_local_model *now, pel_s
         return;
     estimate->force_change = MEMORY * estimate->force_change + force_change;
     estimate->depth_change = MEMORY * estimate->depth_change + depth_change;
-    double stiffness = estimate->force_change / estimate->depth_change;
+    /* a small move tells little: it changes the estimate little */
+    double little = TELLING_MOVE * now->reach * TELLING_MOVE * now->reach;
+    double stiffness = (estimate->force_change + little * estimate->stiffness) / (estimate->depth_change + little);
     estimate->stiffness = fmin(fmax(stiffness, estimate->least), estimate->most);
 }
 
@@ -280,7 +283,8 @@ void pel_local_model_take(pel_sim *sim, int32_t tool, double reach, const pel_lo
     pel_vec3_copy(t->force, model->force);
     if (last != NULL && pel_vec3_length(model->force) > 0)
         learn(last, model, estimate);
-    model->stiffness = estimate->stiffness;
+    /* planes lie within the reach above the tool: farther up the model does not hold */
+    model->stiffness = fmax(estimate->stiffness, pel_vec3_length(model->force) / reach);
     if (t->held_count > 0) {
         hold(model);
         return;

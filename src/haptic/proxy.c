@@ -6,8 +6,6 @@
 enum { ROUND_LIMIT = 30, HALVING_LIMIT = 20 };
 /* of the search for how far planes are withdrawn: to a millionth of their depth */
 enum { BISECTIONS = 20 };
-/* of the way to the device: a Newton step this short ends the search */
-#define FOUND 1e-12
 /* of the device's damping beyond what holding the force needs: may pay for changes of the local model */
 #define RESERVE 0.5
 /* planes below this share of the largest stiffness are dropped when a new model comes */
@@ -118,19 +116,28 @@ static void solve3(const double m[6], const double right[3], double solution[3])
         solution[i] = (right[0] * bc[i] + right[1] * ca[i] + right[2] * ab[i]) / determinant;
 }
 
-/* step of Newton's method at p, with the planes that push there */
-static void newton_step(const pel_haptic_plane *planes, int32_t count, double stiffness, const double x[3],
+/* bit i: plane i pushes or pulls at p */
+static uint32_t acting_planes(const pel_haptic_plane *planes, int32_t count, const double p[3])
+{
+    uint32_t acting = 0;
+    for (int32_t i = 0; i < count; i++)
+        if (planes[i].is_two_sided || plane_depth(&planes[i], p) > 0)
+            acting |= (uint32_t)1 << i;
+    return acting;
+}
+
+/* step of Newton's method from p: to the least energy of the coupling and the planes that act */
+static void newton_step(const pel_haptic_plane *planes, uint32_t acting, double stiffness, const double x[3],
                         const double p[3], double step[3])
 {
     double matrix[6] = {stiffness, stiffness, stiffness, 0, 0, 0}, right[3];
     pel_vec3_subtract(x, p, right);
     pel_vec3_scale(right, stiffness, right);
-    for (int32_t i = 0; i < count; i++) {
-        double k = planes[i].stiffness, depth = plane_depth(&planes[i], p);
-        const double *n = planes[i].normal;
-        if (!(depth > 0) && !planes[i].is_two_sided)
+    for (int32_t i = 0; acting >> i != 0; i++) {
+        if ((acting >> i & 1) == 0)
             continue;
-        pel_vec3_along(right, k * depth, n, right);
+        const double k = planes[i].stiffness, *n = planes[i].normal;
+        pel_vec3_along(right, k * (planes[i].offset - pel_vec3_dot(n, p)), n, right);
         for (int c = 0; c < 3; c++) {
             matrix[c] += k * n[c] * n[c];
             matrix[3 + c] += k * n[c == 1 ? 1 : 0] * n[c == 0 ? 1 : 2];
@@ -142,29 +149,27 @@ static void newton_step(const pel_haptic_plane *planes, int32_t count, double st
 bool pel_proxy_find(const pel_haptic_plane *planes, int32_t count, double coupling_stiffness, const double x[3],
                     double p[3])
 {
-    bool pushes = false;
     pel_vec3_copy(x, p);
-    for (int32_t i = 0; i < count; i++)
-        pushes |= plane_depth(&planes[i], p) != 0;
-    if (!pushes)
+    uint32_t acting = acting_planes(planes, count, p);
+    if (acting == 0)
         return false;
-    double energy = energy_at(planes, count, coupling_stiffness, x, p);
     for (int round = 0; round < ROUND_LIMIT; round++) {
-        double step[3], next[3], share = 1, next_energy = HUGE_VAL;
-        newton_step(planes, count, coupling_stiffness, x, p, step);
-        for (int h = 0; h < HALVING_LIMIT; h++, share /= 2) {
-            pel_vec3_along(p, share, step, next);
-            next_energy = energy_at(planes, count, coupling_stiffness, x, next);
-            if (next_energy < energy)
+        double step[3], next[3], share = 1, energy = energy_at(planes, count, coupling_stiffness, x, p);
+        newton_step(planes, acting, coupling_stiffness, x, p, step);
+        pel_vec3_add(p, step, next);
+        uint32_t acting_next = acting_planes(planes, count, next);
+        /* the energy is quadratic where the same planes act: this is its least */
+        bool is_found = acting_next == acting;
+        for (int h = 0; !is_found && h < HALVING_LIMIT; h++) {
+            if (energy_at(planes, count, coupling_stiffness, x, next) < energy)
                 break;
+            share /= 2;
+            pel_vec3_along(p, share, step, next);
         }
-        /* no step leads on: within rounding of the least energy */
-        if (!(next_energy < energy))
-            break;
         pel_vec3_copy(next, p);
-        energy = next_energy;
-        if (share * pel_vec3_length(step) <= FOUND * pel_vec3_distance(p, x))
+        if (is_found)
             break;
+        acting = acting_planes(planes, count, p);
     }
     return true;
 }
