@@ -126,11 +126,25 @@ static double walk(double stiffness, bool control, bool changes, uint64_t seed)
 /* J, rounding of energies up to some J */
 #define ROUNDING 1e-9
 
+/* in and out of a rigid wall: the motion to which a held force gives most, and at the limit just what damping takes */
+static double knock(double stiffness)
+{
+    pel_haptic_def def = make_def(stiffness, false);
+    pel_proxy proxy;
+    pel_proxy_create(&proxy, &def);
+    pel_local_model wall = {.plane_count = 1, .planes = {{.normal = {0, 0, 1}, .stiffness = 1e12}}, .reach = 1};
+    pel_proxy_set_model(&proxy, &wall);
+    for (int update = 0; update < 100; update++)
+        pel_proxy_update(&proxy, (const double[3]){0, 0, update % 2 == 0 ? 0 : -0.01});
+    return proxy.most_energy;
+}
+
 static void test_static_planes_give_no_energy(void **unused)
 {
     (void)unused;
     double limit = pel_haptic_passive_stiffness(0.5, 0, 1000);
     assert_near(limit, 1000, 1e-9);
+    assert_true(knock(limit) <= ROUNDING && knock(0.5 * limit) <= ROUNDING);
     for (uint64_t seed = 1; seed <= 20; seed++) {
         assert_true(walk(limit, false, false, seed) <= ROUNDING);
         assert_true(walk(0.5 * limit, false, false, seed) <= ROUNDING);
