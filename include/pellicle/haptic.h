@@ -58,7 +58,7 @@ typedef struct pel_haptic_def {
 PEL_API pel_haptic_def pel_haptic_def_default(void);
 
 /* N/m, the largest stiffness of the coupling at which the loop can give no energy to a device of this damping [N s/m]:
-   2 (b - B) / T with the period T = 1 / rate [Hz] (Colgate and Schenkel, J. Robotic Systems 1997, eq. 37: b > K T / 2 +
+   2 (b - B) / T with the period T = 1 / rate [Hz] (Colgate and Schenkel, J. Robotic Systems 1997: b > K T / 2 +
    B for a wall of spring K and damper B behind a zero-order hold; a coupling in series with anything passive is softer:
    Adams and Hannaford, IEEE Trans. Robotics and Automation 1999). 0 where B >= b. */
 PEL_API double pel_haptic_passive_stiffness(double device_damping, double coupling_damping, double rate);
