@@ -34,6 +34,7 @@ static void write_head(pel_file_writer *writer, int32_t vertex_count, int32_t fr
 
 /* the bodies, or a tool */
 enum { BODIES = -1 };
+static const char bodies_name[] = "bodies";
 
 static pel_status read_part(const pel_export_source *source, int32_t frame, int32_t part, pel_mesh **mesh,
                             pel_error *error)
@@ -77,46 +78,58 @@ static pel_status write_file(const char *path, const pel_export_source *source, 
     return status;
 }
 
-/* out/ball.pc2 and tool 0, 'tip of forceps': out/ball-tip_of_forceps_0 and the ending */
-static void tool_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, const char *name, int32_t tool,
+/* out/ball.pc2 and tool 0, 'tip of forceps': out/ball-tip_of_forceps_0 and the ending; the bodies: out/ball-bodies */
+static void part_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, const char *name, int32_t part,
                       const char *ending)
 {
     const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
     size_t stem = dot != NULL && (slash == NULL || dot > slash) ? (size_t)(dot - path) : strlen(path);
     char safe[PEL_NAME_SIZE + 16];
-    bool changed = name[0] == '\0';
+    bool changed = part != BODIES && (name[0] == '\0' || strcmp(name, bodies_name) == 0);
     size_t length = 0;
     for (; name[length] != '\0' && length + 1 < PEL_NAME_SIZE; length++) {
-        unsigned char c = (unsigned char)name[length];
+        char c = name[length];
         bool is_safe =
             (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-        safe[length] = is_safe ? (char)c : '_';
+        safe[length] = is_safe ? c : '_';
         changed |= !is_safe;
     }
     safe[length] = '\0';
     if (changed)
-        snprintf(safe + length, 16, "_%d", (int)tool);
+        snprintf(safe + length, 16, "_%d", (int)part);
     snprintf(text, PEL_EXPORT_PATH_SIZE, "%.*s-%s%s", (int)stem, path, safe, ending);
 }
 
-/* a mesh and a point cache of its own for each tool */
-static pel_status write_tools(const char *path, const pel_export_source *source, pel_error *error)
+/* the mesh that the cache of a part goes on: one object */
+static pel_status write_mesh(const char *path, const pel_export_source *source, int32_t part, pel_error *error)
 {
-    char mesh_path[PEL_EXPORT_PATH_SIZE], cache_path[PEL_EXPORT_PATH_SIZE];
-    pel_status status = PEL_OK;
+    pel_mesh *mesh, *bare = NULL;
+    pel_status status = read_part(source, 0, part, &mesh, error);
+    if (status == PEL_OK)
+        status = pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0], mesh->triangle_count,
+                                 &bare, error);
+    if (status == PEL_OK)
+        status = pel_mesh_write(path, PEL_FORMAT_OBJ, bare, NULL, error);
+    pel_mesh_destroy(bare);
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* a mesh for the bodies, and a mesh and a cache of its own for each tool */
+static pel_status write_parts(const char *path, const pel_export_source *source, pel_error *error)
+{
+    char file[PEL_EXPORT_PATH_SIZE];
+    part_path(file, path, bodies_name, BODIES, ".obj");
+    pel_status status = write_mesh(file, source, BODIES, error);
     for (int32_t i = 0; status == PEL_OK && i < source->frames->tool_count; i++) {
         const char *name = source->frames->tool_names[i];
-        pel_mesh *mesh;
         if (source->tools[i] == NULL)
             continue;
-        tool_path(mesh_path, path, name, i, ".obj");
-        tool_path(cache_path, path, name, i, ".pc2");
-        status = pel_export_read_tool(source, 0, i, &mesh, error);
+        part_path(file, path, name, i, ".obj");
+        status = write_mesh(file, source, i, error);
+        part_path(file, path, name, i, ".pc2");
         if (status == PEL_OK)
-            status = pel_mesh_write(mesh_path, PEL_FORMAT_OBJ, mesh, NULL, error);
-        pel_mesh_destroy(mesh);
-        if (status == PEL_OK)
-            status = write_file(cache_path, source, i, error);
+            status = write_file(file, source, i, error);
     }
     return status;
 }
@@ -135,7 +148,7 @@ pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error 
     if (status == PEL_OK)
         status = write_file(path, &source, BODIES, error);
     if (status == PEL_OK)
-        status = write_tools(path, &source, error);
+        status = write_parts(path, &source, error);
     pel_export_close(&source);
     return status;
 }

@@ -203,6 +203,11 @@ static void test_tools(void **unused)
     assert_int_equal(mesh->vertex_count, 8);
     pel_mesh_destroy(mesh);
 
+    assert_int_equal(pel_mesh_read(folder_path(path, folder, "a-bodies.obj"), PEL_FORMAT_AUTO, NULL, &mesh, NULL),
+                     PEL_OK);
+    assert_int_equal(mesh->vertex_count, FOLDER_VERTICES);
+    pel_mesh_destroy(mesh);
+
     /* numbered files: two objects in one mesh, with the numbers of the parts where the format holds fields */
     assert_int_equal(pel_export_sequence(folder_path(path, folder, "s.obj"), PEL_FORMAT_OBJ, frames, NULL, NULL),
                      PEL_OK);
