@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 /* of a ball: rings of vertices between the poles, and vertices of a ring */
-enum { RINGS = 15, SIDES = 32 };
+enum { RINGS = 11, SIDES = 24 };
 static const double PI = 3.14159265358979323846;
 
 struct pel_tool_surface {

@@ -49,6 +49,11 @@ static const char small[] =
     "tools: [{ shape: sphere, radius: 0.1, motion: [{ time: 0, position: [0, 0, 3] }] }]\n"
     "solver: { dt: 0.01 }\nduration: 1\noutput: { every_frame: 1, checkpoint: 0.1 }\n";
 
+/* the same without a tool: its frames are the smallest files */
+static const char smallest[] =
+    "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 1 }, preset: paper-a }]\n"
+    "solver: { dt: 0.01 }\nduration: 1\noutput: { every_frame: 1, checkpoint: 0.1 }\n";
+
 static char folder[64];
 
 /* of the runs that do not say; with more than one, frames are written beside the simulation */
