@@ -10,6 +10,8 @@
 
 /* directions within 60 degrees make one plane */
 #define SAME_DIRECTION 0.5
+/* within 45 degrees: of triangles whose direction is known about */
+#define SURELY_SAME 0.7
 /* of the sum of the sizes of all forces: groups below this are no plane of their own */
 #define LEAST_GROUP 0.02
 /* of the reach: moves below this tell nothing about stiffness, and moves of this much tell half of it */
@@ -143,16 +145,44 @@ static void consider(const candidate *near, candidates *found)
         found->list[farthest] = *near;
 }
 
-/* the plane of a triangle within the reach of a tool; false when there is none */
-static bool near_plane(const pel_sim *sim, const pel_tool *tool, int32_t t, double reach, candidate *near)
+/* Whether a triangle is farther from a ball than its reach, or than a plane of its direction that was found: by the
+   distance of its middle, less that from there to its farthest corner. Other shapes: false. */
+static bool is_behind(const pel_tool *tool, const pel_solid *press, double corners[3][3], double reach,
+                      const candidates *found)
+{
+    double way[3], width = 0;
+    if (press->kind != PEL_SOLID_SPHERE)
+        return false;
+    for (int k = 0; k < 3; k++)
+        way[k] = (corners[0][k] + corners[1][k] + corners[2][k]) / 3 - tool->pose.position[k];
+    for (int c = 0; c < 3; c++) {
+        double arm[3];
+        pel_vec3_subtract(corners[c], tool->pose.position, arm);
+        pel_vec3_subtract(arm, way, arm);
+        width = fmax(width, pel_vec3_squared_length(arm));
+    }
+    double distance = pel_vec3_length(way), gap = distance - press->radius - sqrt(width);
+    if (gap > reach)
+        return true;
+    for (int32_t i = 0; i < found->count; i++)
+        if (found->list[i].gap < gap && -pel_vec3_dot(found->list[i].normal, way) > SURELY_SAME * distance)
+            return true;
+    return false;
+}
+
+/* the plane of a triangle within the reach of a tool; false when there is none that is nearer than those found */
+static bool near_plane(const pel_sim *sim, const pel_tool *tool, int32_t t, double reach, const candidates *found,
+                       candidate *near)
 {
     double corners[3][3], local[3][3], weights[3];
     const int32_t *v = sim->model->triangles[t];
     const pel_solid press = pel_tool_press_solid(sim, tool, v[0]), grown = pel_solid_grown(&press, reach);
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++)
         pel_vertex_position(sim->state->position, v[c], corners[c]);
+    if (is_behind(tool, &press, corners, reach, found))
+        return false;
+    for (int c = 0; c < 3; c++)
         pel_pose_to_local(&tool->pose, corners[c], local[c]);
-    }
     double depth = pel_solid_depth(&grown, local[0], local[1], local[2], weights, near->normal);
     if (!(depth > 0))
         return false;
@@ -186,7 +216,7 @@ static void add_near(pel_sim *sim, const pel_tool *tool, double reach, candidate
     sim->tool_search->is_fitted = false;
     for (int32_t i = 0; i < count; i++) {
         candidate near;
-        if (near_plane(sim, tool, sim->near_triangles[i], reach, &near))
+        if (near_plane(sim, tool, sim->near_triangles[i], reach, &nearest, &near))
             consider(&near, &nearest);
     }
     /* in the order of their gaps */

@@ -87,6 +87,22 @@ async function keys(page, last) {
     assert.equal((await colours(page)).sum, before.sum, "the view was reset");
 }
 
+// the ball stands where the series says, in units of the picture
+async function tools(page, rows) {
+    const column = rows[0].findIndex((name) => /_z$/.test(name) && !/(force|torque)_z$/.test(name));
+    for (const frame of [0, 11]) {
+        await page.keyboard.press("Home");
+        if (frame > 0) for (let i = 0; i < frame; i++) await page.keyboard.press("ArrowRight");
+        await settle(page);
+        const z = await page.evaluate(() => {
+            const [body] = globalThis.pellicle.view.bodies;
+            return body.centre[2] + body.size * body.tools[0].mesh.position.z;
+        });
+        const said = Number(rows[frame + 1][column]);
+        assert.ok(Math.abs(z - said) < 1e-5 * Math.max(1, Math.abs(said)), `the tool is at ${z} in frame ${frame}, the series says ${said}`);
+    }
+}
+
 async function colouring(page) {
     const displacement = await colours(page);
     assert.ok(displacement.different > 100, "the body is shaded and coloured");
@@ -229,6 +245,7 @@ await onPage("desktop", [at("ball")], {}, async (page) => {
     assert.match(await clock(page), new RegExp(`frame ${most}/30`), "it opens where the ball is pressed most");
     await playing(page);
     await keys(page, 30);
+    await tools(page, rows);
     await colouring(page);
     await plotting(page);
     await picking(page, "desktop");
