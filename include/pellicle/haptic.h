@@ -40,7 +40,8 @@ typedef struct pel_haptic_def {
     int32_t tool;          /* that follows the device: a sphere, capsule, box or mesh */
     double rate;           /* Hz, of updates; 100 .. 10000; default: 1000 */
     double reach;          /* m: triangles this near to the tool become planes before it touches them, and the tool
-                              moves at most so far in a step; 0, the default = the mean half width of the tool */
+                              moves at most so far in a step; 0, the default = half of the tool's mean
+                              half width */
     double device_damping; /* N s/m > 0, of the device and the hand on it; default: 0.5, a light grasp of a stylus */
     double coupling_stiffness; /* N/m; 0, the default = half of pel_haptic_passive_stiffness */
     double coupling_damping;   /* N s/m >= 0, of the coupling while it presses; default: 0 */

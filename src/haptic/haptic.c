@@ -134,7 +134,7 @@ static pel_status resolve_coupling(pel_haptic_def *def, pel_error *error)
     if (!(def->surface_stiffness > 0))
         def->surface_stiffness = ASSUMED_STIFFNESS * def->coupling_stiffness;
     if (!(def->reach > 0))
-        def->reach = pel_tool_size(&def->sim->tools[def->tool]) / 3;
+        def->reach = 0.5 * pel_tool_size(&def->sim->tools[def->tool]) / 3;
     return PEL_OK;
 }
 

@@ -15,8 +15,8 @@
 /* of the sum of the sizes of all forces: groups below this are no plane of their own */
 #define LEAST_GROUP 0.02
 /* of the reach: moves below this tell nothing about stiffness, and moves of this much tell half of it */
-#define LEAST_MOVE 1e-3
-#define TELLING_MOVE 0.05
+#define LEAST_MOVE 2e-3
+#define TELLING_MOVE 0.1
 /* of the sums of the estimate, that is kept when a step is added */
 #define MEMORY 0.7
 
@@ -313,8 +313,8 @@ void pel_local_model_take(pel_sim *sim, int32_t tool, double reach, const pel_lo
     pel_vec3_copy(t->force, model->force);
     if (last != NULL && pel_vec3_length(model->force) > 0)
         learn(last, model, estimate);
-    /* planes lie within the reach above the tool: farther up the model does not hold */
-    model->stiffness = fmax(estimate->stiffness, pel_vec3_length(model->force) / reach);
+    /* planes lie at most twice the reach above the tool: farther up the model does not hold */
+    model->stiffness = fmax(estimate->stiffness, 0.5 * pel_vec3_length(model->force) / reach);
     if (t->held_count > 0) {
         hold(model);
         return;

@@ -227,7 +227,7 @@ static void test_planes_of_a_groove(void **unused)
     pel_model *model = make_model(&body);
     const pel_pose_key key = {.position = {0, 0, 0.02}, .rotation = {0, 0, 0, 1}};
     pel_tool_def tip = make_tip(&key);
-    tip.radius = 0.01;
+    tip.radius = 0.012;
     pel_sim_def def = lone_sim(model, PEL_METHOD_QUASI_STATIC, 0.01);
     def.tools = &tip;
     def.tool_count = 1;
@@ -246,7 +246,7 @@ static void test_planes_of_a_groove(void **unused)
         double gap = reading.planes[i].normal[2] * key.position[2] - reading.planes[i].offset;
         assert_near(fabs(reading.planes[i].normal[0]), sqrt(0.5), 1e-6);
         assert_near(reading.planes[i].normal[2], sqrt(0.5), 1e-6);
-        assert_near(gap, 0.02 * sqrt(0.5) - 0.01, 1e-6);
+        assert_near(gap, 0.02 * sqrt(0.5) - 0.012, 1e-6);
     }
     pel_haptic_destroy(haptic);
     pel_sim_destroy(sim);
@@ -314,7 +314,7 @@ static void test_rotation_and_loss(void **unused)
     assert_int_equal(pel_haptic_sync(haptic, NULL), PEL_OK);
     run_steps(s.sim, 1);
     pel_sim_get_tool(s.sim, 0, &tool);
-    assert_near(tool.position[2], hand[2] + TIP, 1e-9);
+    assert_near(tool.position[2], hand[2] + 0.5 * TIP, 1e-9);
     pel_haptic_destroy(haptic);
     end_stage(&s);
 }
