@@ -252,13 +252,15 @@ static const cli_command commands[] = {
     {
         .name = "convert",
         .summary = "turn one mesh format into another; export a run",
-        .text = "Reads any mesh (OBJ, PLY, STL and OFF with own readers that keep the order of vertices and custom "
-                "fields; glTF, FBX, 3MF, COLLADA and others through assimp) and writes OBJ, PLY, STL, OFF or GLB. What "
-                "was changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.\n\n"
-                "When IN is the folder of a run, all its frames are written: to a .pc2 point cache (Blender, Maya), to "
-                "a .glb with one morph target for each frame and an animation, or to numbered mesh files: out.obj "
-                "gives out_00000.obj, out_00001.obj, ... Frames of a body that refines are put on their finest common "
-                "mesh, so that all files have the same triangles.",
+        .text =
+            "Reads any mesh (OBJ, PLY, STL and OFF with own readers that keep the order of vertices and custom "
+            "fields; glTF, FBX, 3MF, COLLADA and others through assimp) and writes OBJ, PLY, STL, OFF or GLB. What "
+            "was changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.\n\n"
+            "When IN is the folder of a run, all its frames are written: to a .pc2 point cache (Blender, Maya), with "
+            "the mesh that it goes on as OUT-bodies.obj and a cache and mesh for each tool; to a .glb with a node "
+            "for each body and tool, one morph target for each frame and an animation; or to numbered mesh files "
+            "with bodies and tools: out.obj gives out_00000.obj, out_00001.obj, ... Frames of a body that refines "
+            "are put on their finest common mesh, so that all files have the same triangles.",
         .slots = {{.name = "IN", .kind = CLI_FILE}, {.name = "OUT", .kind = CLI_FILE}},
         .options = {EXPORT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"

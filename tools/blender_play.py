@@ -1,10 +1,10 @@
 """Plays a run in Blender: a mesh with the point cache of `pellicle convert` in a Mesh Cache modifier.
 
-    pellicle convert results/ball ball.pc2
-    pellicle convert results/ball ball.obj          # ball_00000.obj, ball_00001.obj, ...
-    blender --python tools/blender_play.py -- ball_00000.obj ball.pc2
+    pellicle convert results/ball ball.pc2          # and ball-bodies.obj
+    blender --python tools/blender_play.py -- ball-bodies.obj ball.pc2
 
-With --check ball.obj behind these, Blender says how far each frame is from the numbered file of the same frame, and
+With --check ball.obj behind these, Blender says how far each frame is from the numbered file of the same frame
+(pellicle convert results/ball ball.obj: ball_00000.obj, ...), and
 with --picture out.png it draws the last frame; both also without a window (blender --background ...).
 """
 import argparse

@@ -3,7 +3,10 @@
 
    Bodies that refine have other triangles in other frames. All exports then put every frame on the finest common mesh:
    what any frame has split is split, and each frame keeps the very surface that it had. It has the vertices of the
-   bodies' meshes first, body by body; fields are interpolated, and level, mesh_vertices and mesh_weights left out. */
+   bodies' meshes first, body by body; fields are interpolated, and level, mesh_vertices and mesh_weights left out.
+
+   Tools are parts of their own behind the bodies, as they were in each frame; a tool that was added later stands still
+   until then. */
 #ifndef PELLICLE_EXPORT_H
 #define PELLICLE_EXPORT_H
 
@@ -14,18 +17,21 @@
 extern "C" {
 #endif
 
-/* Writes a point cache PC2 (Blender's Mesh Cache modifier, Maya, 3ds Max): the positions of all frames, one sample a
-   frame from frame 0, to be put on a mesh that pel_export_sequence wrote, or, without refinement, on final.ply.
+/* Writes a point cache PC2 (Blender's Mesh Cache modifier, Maya, 3ds Max): the positions of the bodies in all frames,
+   one sample a frame from frame 0, and beside OUT.pc2 the mesh that it goes on, OUT-bodies.obj; each tool has a cache
+   and a mesh of its own, OUT-NAME.pc2 and OUT-NAME.obj, where characters of its name but letters, digits, - and _
+   become _ and its number is added. Without refinement the cache of the bodies goes on final.ply too.
    Errors: those of pel_frames_read; PEL_BAD_FORMAT when the triangles change and a frame does not say where its
    vertices lie in the mesh (fields mesh_vertices and mesh_weights), naming the frame; PEL_BAD_FILE. */
 PEL_API pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error *error);
 
-/* Writes a binary glTF 2.0 file: frame 0 as a mesh with normals, every further frame as a morph target, and one
-   animation in which the weights go from frame to frame at the times of the frames. The node turns the z axis up.
+/* Writes a binary glTF 2.0 file with a node for each body and each tool: frame 0 as a mesh with normals, every further
+   frame as a morph target, and one animation in which the weights go from frame to frame at the times of the frames.
+   Nodes of tools have their names, those of several bodies "body 0", "body 1", ...; all turn the z axis up.
    Errors: as above, and PEL_BAD_ARGUMENT when the file would pass the format's 4 GiB. */
 PEL_API pel_status pel_export_glb(const char *path, const pel_frames *frames, pel_error *error);
 
-/* The same of one mesh that does not move. */
+/* The same of one mesh that does not move; a node for each number of its field `body`. */
 PEL_API pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error *error);
 
 /* Longest path of a numbered file, terminating zero included. */
@@ -34,7 +40,8 @@ PEL_API pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, p
 /* The name of the numbered file of frame `frame`: out/ball.obj gives out/ball_00012.obj. Returns text. */
 PEL_API const char *pel_export_numbered_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, int32_t frame);
 
-/* Writes every frame as a mesh file of its own under a numbered name. Files of these names are replaced; after a
+/* Writes every frame as a mesh file of its own under a numbered name. With tools the field `body` numbers bodies, then
+   tools; an OBJ file has an object for each number. Files of these names are replaced; after a
    failure none of those that were written is left. log (nullable) receives the notes of the first frame.
    Errors: those of pel_export_pc2 and pel_mesh_write. */
 PEL_API pel_status pel_export_sequence(const char *path, pel_mesh_format format, const pel_frames *frames,

@@ -28,6 +28,10 @@ typedef struct pel_frames {
     char **paths;  /* (frame_count) each a .vtp file, the folder in front */
     double *times; /* (frame_count) s */
     char *folder;
+    /* tools: further parts of a frame, in files of their own */
+    int32_t tool_count;
+    char **tool_names; /* (tool_count) */
+    char **tool_paths; /* (frame_count x tool_count) null = the tool was not there */
 } pel_frames;
 
 /* Opens a folder that pel_run wrote, also while the run goes on. On failure *frames is null. Free with
@@ -41,6 +45,11 @@ PEL_API void pel_frames_close(pel_frames *frames);
 /* Reads frame `frame` (0 .. frame_count - 1) with its fields. On failure *mesh is null. Free with pel_mesh_destroy.
    Errors: those of pel_vtp_read, and PEL_BAD_FORMAT with the vertex when a field is NaN or infinite. */
 PEL_API pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **mesh, pel_error *error);
+
+/* The surface of a tool (0 .. tool_count - 1) in a frame, where it is then; *mesh is null, without an error, where it
+   was not there. Free with pel_mesh_destroy. Errors: those of pel_vtp_read. */
+PEL_API pel_status pel_frames_read_tool(const pel_frames *frames, int32_t frame, int32_t tool, pel_mesh **mesh,
+                                        pel_error *error);
 
 /* What all frames have in common. */
 typedef struct pel_frames_outline {

@@ -11,6 +11,7 @@
 #include "export.h"
 #include "frames.h"
 #include "geometry.h"
+#include "haptic.h"
 #include "intersect.h"
 #include "live.h"
 #include "material.h"

@@ -4,7 +4,8 @@
        series.csv         one row per frame
        summary.json       how it ended and the numbers of the end
        frames/f00000.vtp  the surface of all bodies with the fields asked for, frame 0 is the initial state
-       frames.pvd         the frames with their times, for ParaView
+       frames/t00000-0.vtp  the surface of tool 0 in that frame
+       frames.pvd         the frames with their times, for ParaView; tools are further parts, with their names
        final.ply          the surface at the end
        checkpoint         the last good state, when the run was stopped, failed or reached max_frames, each time when
    the scene asks for checkpoints, then also as checkpoint-STEP.pel, and every keep_seconds while the run goes

@@ -198,12 +198,25 @@ bool pel_obj_matches(const pel_text_cursor *scan)
     return pel_word_is_one_of(word, length, words);
 }
 
+/* the number of the body of a triangle, by the field `body`; -1 without that */
+static double body_of(const pel_field *body, const int32_t *corners)
+{
+    return body != NULL && body->component_count == 1 ? body->values[corners[0]] : -1;
+}
+
+/* with the field `body` each body is an object */
 void pel_obj_write(pel_file_writer *writer, const pel_mesh *mesh)
 {
+    const pel_field *body = pel_mesh_field(mesh, "body");
+    double last = -1;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         pel_write_numbers(writer, "v ", mesh->positions[v]);
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const int32_t *c = mesh->triangles[t];
+        double number = body_of(body, c);
+        if (number >= 0 && (t == 0 || number < last || number > last))
+            pel_file_writer_printf(writer, "o body_%.0f\n", number);
+        last = number;
         pel_file_writer_printf(writer, "f %lld %lld %lld\n", c[0] + 1LL, c[1] + 1LL, c[2] + 1LL);
     }
 }

@@ -3,11 +3,13 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/file.h"
+#include "io/pvd.h"
 #include "pellicle/results.h"
 #include "results/folder.h"
 
 #include <inttypes.h>
 #include <string.h>
+#include <unistd.h>
 
 const char *pel_run_file_name(pel_run_file file)
 {
@@ -33,24 +35,50 @@ pel_status pel_results_write_scene(const char *folder, const char *text, const p
     return pel_file_writer_commit(&writer, error);
 }
 
-pel_status pel_results_write_list(const char *folder, const double *times, size_t count, pel_error *error)
+/* room for the name of a file relative to the folder */
+enum { NAME_ROOM = 48 };
+
+static void list_file(const char *path, char *name, const char *title, double time, int32_t part, pel_pvd_entry *entry)
 {
-    enum { NAME_ROOM = 40 };
-    char *text = pel_allocate(count, NAME_ROOM), path[PEL_RUN_FILE_SIZE];
-    const char **names = pel_allocate(count, sizeof *names);
-    pel_status status = PEL_OUT_OF_MEMORY;
-    if (text != NULL && names != NULL) {
-        for (size_t i = 0; i < count; i++) {
-            char *name = text + i * NAME_ROOM;
-            pel_run_frame_path(path, NULL, (int64_t)i);
-            memcpy(name, path, strlen(path) + 1);
-            names[i] = name;
+    memcpy(name, path, strlen(path) + 1);
+    *entry = (pel_pvd_entry){.file = name, .name = title, .time = time, .part = part};
+}
+
+/* entries of all frames, each followed by its tools; names (NAME_ROOM each) take the paths; returns their number */
+static size_t list_files(const char *folder, const double *times, size_t count, const pel_tool_surfaces *tools,
+                         char *names, pel_pvd_entry *entries)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    size_t made = 0;
+    for (size_t i = 0; i < count; i++) {
+        pel_run_frame_path(path, NULL, (int64_t)i);
+        list_file(path, names + made * NAME_ROOM, NULL, times[i], 0, &entries[made]);
+        made++;
+        for (int32_t tool = 0; tool < tools->count; tool++) {
+            if (access(pel_run_tool_path(path, folder, (int64_t)i, tool), F_OK) != 0)
+                continue;
+            pel_run_tool_path(path, NULL, (int64_t)i, tool);
+            list_file(path, names + made * NAME_ROOM, pel_tool_surface_name(tools, tool), times[i], tool + 1,
+                      &entries[made]);
+            made++;
         }
-        status = pel_pvd_write(pel_run_path(path, folder, PEL_RUN_FRAMES), names, times, (int32_t)count, error);
-    } else {
-        pel_fail_memory(error);
     }
+    return made;
+}
+
+pel_status pel_results_write_list(const char *folder, const double *times, size_t count, const pel_tool_surfaces *tools,
+                                  pel_error *error)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    size_t most = count * (1 + (size_t)tools->count);
+    char *names = pel_allocate(most, NAME_ROOM);
+    pel_pvd_entry *entries = pel_allocate(most, sizeof *entries);
+    pel_status status = names != NULL && entries != NULL ? PEL_OK : pel_fail_memory(error);
+    if (status == PEL_OK) {
+        size_t made = list_files(folder, times, count, tools, names, entries);
+        status = pel_pvd_write_entries(pel_run_path(path, folder, PEL_RUN_FRAMES), entries, made, error);
+    }
+    pel_free(entries);
     pel_free(names);
-    pel_free(text);
     return status;
 }

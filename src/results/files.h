@@ -4,6 +4,7 @@
 
 #include "pellicle/frames.h"
 #include "pellicle/sim.h"
+#include "results/tool_surface.h"
 
 #include <stddef.h>
 
@@ -11,7 +12,9 @@
    null). PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
 pel_status pel_results_write_scene(const char *folder, const char *text, const pel_sim *finished, pel_error *error);
 
-/* frames.pvd: frames 0 .. count - 1 with their times (count) [s]. The same errors. */
-pel_status pel_results_write_list(const char *folder, const double *times, size_t count, pel_error *error);
+/* frames.pvd: frames 0 .. count - 1 with their times (count) [s], and the files of tools that are there. The same
+   errors. */
+pel_status pel_results_write_list(const char *folder, const double *times, size_t count, const pel_tool_surfaces *tools,
+                                  pel_error *error);
 
 #endif

@@ -33,6 +33,13 @@ const char *pel_run_frame_path(char path[PEL_RUN_FILE_SIZE], const char *folder,
     return path;
 }
 
+const char *pel_run_tool_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t frame, int32_t tool)
+{
+    snprintf(path, PEL_RUN_FILE_SIZE, "%s%sframes/t%05" PRId64 "-%d.vtp", folder != NULL ? folder : "",
+             folder != NULL ? "/" : "", frame, (int)tool);
+    return path;
+}
+
 const char *pel_run_checkpoint_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t step)
 {
     snprintf(path, PEL_RUN_FILE_SIZE, "%s/checkpoint-%" PRId64 ".pel", folder, step);
@@ -155,6 +162,17 @@ static int64_t number_in_name(const char *name, const char *before, const char *
     return at > digits && strcmp(at, after) == 0 ? number : -1;
 }
 
+/* the frame in the name of the file of a tool, such as t00012-0.vtp; -1 when the name is not of that kind */
+static int64_t tool_frame_in_name(const char *name)
+{
+    char before[32];
+    const char *dash = strchr(name, '-');
+    if (dash == NULL || (size_t)(dash - name) >= sizeof before || number_in_name(dash, "-", ".vtp") < 0)
+        return -1;
+    snprintf(before, sizeof before, "%.*s", (int)(dash - name), name);
+    return number_in_name(before, "t", "");
+}
+
 /* what pel_file_writer leaves behind when the program is killed */
 static bool is_temporary(const char *name)
 {
@@ -180,7 +198,7 @@ static bool is_stale(const char *name, bool frames, int64_t first_frame, bool re
     if (is_temporary(name))
         return true;
     if (frames)
-        return number_in_name(name, "f", ".vtp") >= first_frame;
+        return number_in_name(name, "f", ".vtp") >= first_frame || tool_frame_in_name(name) >= first_frame;
     return resume ? is_file(name, PEL_RUN_SUMMARY) || is_file(name, PEL_RUN_FINAL) : is_run_file(name);
 }
 

@@ -12,6 +12,8 @@ enum { PEL_RUN_FILE_SIZE = PEL_RUN_PATH_SIZE + 64 };
 const char *pel_run_path(char path[PEL_RUN_FILE_SIZE], const char *folder, pel_run_file file);
 /* folder/frames/f00012.vtp; without a folder relative to it */
 const char *pel_run_frame_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t frame);
+/* folder/frames/t00012-0.vtp, of the tool with that number; without a folder relative to it */
+const char *pel_run_tool_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t frame, int32_t tool);
 /* folder/checkpoint-120.pel */
 const char *pel_run_checkpoint_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t step);
 

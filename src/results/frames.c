@@ -12,7 +12,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { LONGEST_NAME = 1024 };
+/* characters; parts of a frame in a list that is not damaged */
+enum { LONGEST_NAME = 1024, MOST_TOOLS = 4096 };
 
 /* folder/name in a new block */
 static char *join_path(const char *folder, const char *name)
@@ -84,51 +85,106 @@ static pel_status fail_list(const char *path, const char *what, const char *reme
     return PEL_BAD_FORMAT;
 }
 
-static pel_status append_frame(pel_frames *frames, const pel_xml_tag *tag, const char *path, pel_error *error)
+/* a DataSet of frames.pvd */
+typedef struct data_set {
+    char file[LONGEST_NAME], name[PEL_NAME_SIZE];
+    double time;
+    int64_t part; /* 0 = the bodies of a frame, else the number of a tool plus 1 */
+} data_set;
+
+static pel_status read_data_set(const pel_xml_tag *tag, const char *path, data_set *set, pel_error *error)
 {
     static const char write_again[] = "run the scene again, or remove the damaged line";
-    char name[LONGEST_NAME], text[PEL_NUMBER_SIZE];
-    double time;
-    if (!pel_xml_attribute(tag, "file", name, sizeof name) || name[0] == '\0')
+    char text[PEL_NUMBER_SIZE];
+    double part = 0;
+    if (!pel_xml_attribute(tag, "file", set->file, sizeof set->file) || set->file[0] == '\0')
         return fail_list(path, "a DataSet names no file", write_again, error);
     if (!pel_xml_attribute(tag, "timestep", text, sizeof text) ||
-        pel_number_parse(text, text + strlen(text), &time) == NULL || !isfinite(time))
+        pel_number_parse(text, text + strlen(text), &set->time) == NULL || !isfinite(set->time))
         return fail_list(path, "a DataSet has no time", write_again, error);
+    if (pel_xml_attribute(tag, "part", text, sizeof text) && text[0] != '\0' &&
+        (pel_number_parse(text, text + strlen(text), &part) == NULL || !(part >= 0 && part <= MOST_TOOLS)))
+        return fail_list(path, "a DataSet has no number as its part", write_again, error);
+    set->part = (int64_t)part;
+    if (!pel_xml_attribute(tag, "name", set->name, sizeof set->name))
+        set->name[0] = '\0';
+    return PEL_OK;
+}
+
+static pel_status append_frame(pel_frames *frames, const data_set *set, pel_error *error)
+{
     int32_t f = frames->frame_count;
-    frames->paths[f] = join_path(frames->folder, name);
-    frames->times[f] = time;
+    frames->paths[f] = join_path(frames->folder, set->file);
+    frames->times[f] = set->time;
     if (frames->paths[f] == NULL)
         return pel_fail_memory(error);
     frames->frame_count++;
     return pel_file_check_inside(frames->folder, frames->paths[f], error);
 }
 
-static size_t count_data_sets(const char *at, const char *end)
+/* a tool of the last frame */
+static pel_status append_tool(pel_frames *frames, const data_set *set, const char *path, pel_error *error)
 {
-    size_t count = 0;
-    for (pel_xml_tag tag; pel_xml_next(&at, end, &tag);)
-        count += pel_xml_is(&tag, "DataSet");
-    return count;
+    int64_t f = frames->frame_count - 1, tool = set->part - 1;
+    if (f < 0 || set->time != frames->times[f])
+        return fail_list(path, "a tool stands behind no frame of its time", "run the scene again", error);
+    char **name = &frames->tool_names[tool], **file = &frames->tool_paths[f * frames->tool_count + tool];
+    if (*name == NULL)
+        *name = pel_copy_string(set->name);
+    pel_free(*file);
+    *file = join_path(frames->folder, set->file);
+    if (*name == NULL || *file == NULL)
+        return pel_fail_memory(error);
+    return pel_file_check_inside(frames->folder, *file, error);
+}
+
+/* counts frames, and tools by their largest number */
+static pel_status count_data_sets(const char *path, const char *at, const char *end, size_t *count, pel_frames *frames,
+                                  pel_error *error)
+{
+    pel_status status = PEL_OK;
+    data_set set;
+    *count = 0;
+    for (pel_xml_tag tag; status == PEL_OK && pel_xml_next(&at, end, &tag);) {
+        if (!pel_xml_is(&tag, "DataSet"))
+            continue;
+        status = read_data_set(&tag, path, &set, error);
+        *count += set.part == 0;
+        frames->tool_count = set.part > frames->tool_count ? (int32_t)set.part : frames->tool_count;
+    }
+    return status;
 }
 
 static pel_status parse_list(pel_frames *frames, const char *path, const char *at, const char *end, pel_error *error)
 {
-    size_t count = count_data_sets(at, end);
+    size_t count = 0;
+    pel_status status = count_data_sets(path, at, end, &count, frames, error);
+    if (status != PEL_OK)
+        return status;
     if (count == 0)
         return fail_list(path, "it names no frame", "name a folder whose run has begun", error);
     frames->paths = pel_allocate(count, sizeof *frames->paths);
     frames->times = pel_allocate(count, sizeof *frames->times);
-    if (frames->paths == NULL || frames->times == NULL)
+    frames->tool_names = pel_allocate((size_t)frames->tool_count, sizeof *frames->tool_names);
+    frames->tool_paths = pel_allocate(count * (size_t)frames->tool_count, sizeof *frames->tool_paths);
+    if (frames->paths == NULL || frames->times == NULL || frames->tool_names == NULL || frames->tool_paths == NULL)
         return pel_fail_memory(error);
-    pel_status status = PEL_OK;
     bool whole = false;
+    data_set set;
     for (pel_xml_tag tag; status == PEL_OK && pel_xml_next(&at, end, &tag);) {
-        if (pel_xml_is(&tag, "DataSet"))
-            status = append_frame(frames, &tag, path, error);
+        if (pel_xml_is(&tag, "DataSet")) {
+            status = read_data_set(&tag, path, &set, error);
+            if (status == PEL_OK)
+                status = set.part == 0 ? append_frame(frames, &set, error) : append_tool(frames, &set, path, error);
+        }
         whole = whole || pel_xml_is(&tag, "/VTKFile");
     }
     if (status == PEL_OK && !whole)
         return fail_list(path, "the file is cut off", "run the scene again", error);
+    /* of frames that a resumed run has taken back */
+    for (int32_t i = 0; status == PEL_OK && i < frames->tool_count; i++)
+        if (frames->tool_names[i] == NULL && (frames->tool_names[i] = pel_copy_string("")) == NULL)
+            status = pel_fail_memory(error);
     return status;
 }
 
@@ -184,6 +240,12 @@ void pel_frames_close(pel_frames *frames)
         return;
     for (int32_t f = 0; f < frames->frame_count; f++)
         pel_free(frames->paths[f]);
+    for (int32_t i = 0; frames->tool_paths != NULL && i < frames->frame_count * frames->tool_count; i++)
+        pel_free(frames->tool_paths[i]);
+    for (int32_t i = 0; frames->tool_names != NULL && i < frames->tool_count; i++)
+        pel_free(frames->tool_names[i]);
+    pel_free(frames->tool_paths);
+    pel_free(frames->tool_names);
     pel_free(frames->paths);
     pel_free(frames->times);
     pel_free(frames->folder);
@@ -228,6 +290,23 @@ pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **m
         pel_mesh_destroy(*mesh);
         *mesh = NULL;
     }
+    return status;
+}
+
+pel_status pel_frames_read_tool(const pel_frames *frames, int32_t frame, int32_t tool, pel_mesh **mesh,
+                                pel_error *error)
+{
+    PEL_REFUSE_NULL(frames, error);
+    PEL_REFUSE_NULL(mesh, error);
+    *mesh = NULL;
+    if (frame < 0 || frame >= frames->frame_count || tool < 0 || tool >= frames->tool_count)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "there is no tool %d in frame %d", (int)tool, (int)frame);
+    const char *path = frames->tool_paths[frame * frames->tool_count + tool];
+    if (path == NULL)
+        return PEL_OK;
+    pel_status status = pel_vtp_read(path, mesh, NULL, error);
+    if (status == PEL_BAD_FILE)
+        pel_fail_remedy(error, "frames.pvd names this file; run the scene again");
     return status;
 }
 

@@ -2,9 +2,10 @@
 
        "glTF" 2 length | length "JSON" text | length "BIN" indices, frame 0, frame 1, ..., times, weights
 
-   A frame is its positions and then its normals (vertex_count x 3 floats each), frame 0 as they are, the others as
-   differences from frame 0: morph targets. Weight t of the animation's key k is 1 for t = k - 1 and else 0, so that
-   linear interpolation goes from frame to frame. */
+   Each body and each tool is a node with a mesh of its own: a part. Indices are those of part 0, then of part 1, ...; a
+   frame is the positions and then the normals (vertices x 3 floats each) of part 0, then of part 1, ..., frame 0 as
+   they are, the others as differences from frame 0: morph targets. Weight t of the animation's key k is 1 for t = k - 1
+   and else 0, so that linear interpolation goes from frame to frame. */
 #include "results/export.h"
 
 #include "base/memory.h"
@@ -14,9 +15,16 @@
 #include "io/json.h"
 #include "math/vec3.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { HEAD_SIZE = 12, CHUNK_HEAD_SIZE = 8, UNSIGNED_INT = 5125, FLOAT = 5126, ARRAY = 34962, INDICES = 34963 };
+
+/* a body or a tool */
+typedef struct part {
+    size_t vertex_begin, vertex_count; /* in the order of parts */
+    size_t index_begin, index_count;
+} part;
 
 typedef struct glb {
     const pel_export_source *source; /* null: a single mesh */
@@ -24,11 +32,15 @@ typedef struct glb {
     const pel_mesh *first;
     int32_t frame_count;
     size_t vertex_count, index_count;
+    int32_t part_count;
+    part *parts;          /* (part_count) */
+    int32_t *place;       /* (vertex_count) of each vertex, parts one after the other */
+    uint32_t *indices;    /* (index_count) by parts, numbered within each */
     double (*normals)[3]; /* (vertex_count x 3) */
-    float *base;          /* (vertex_count x 6) frame 0: positions, normals */
+    float *base;          /* (vertex_count x 6) frame 0: positions, normals of each part */
     float *current;       /* the same of the frame at hand, as the file holds it */
     char *bytes;          /* (vertex_count x 24) or the indices */
-    double (*bounds)[6];  /* (frame_count x 6) least and largest of the positions that the file holds */
+    double (*bounds)[6];  /* (frame_count x part_count) least and largest of the positions that the file holds */
 } glb;
 
 static void free_buffers(glb *g)
@@ -38,6 +50,9 @@ static void free_buffers(glb *g)
     pel_free(g->current);
     pel_free(g->base);
     pel_free(g->normals);
+    pel_free(g->indices);
+    pel_free(g->place);
+    pel_free(g->parts);
 }
 
 static pel_status make_buffers(glb *g, pel_error *error)
@@ -47,9 +62,62 @@ static pel_status make_buffers(glb *g, pel_error *error)
     g->base = pel_allocate(6 * g->vertex_count, sizeof *g->base);
     g->current = pel_allocate(6 * g->vertex_count, sizeof *g->current);
     g->bytes = pel_allocate(largest, 1);
-    g->bounds = pel_allocate((size_t)g->frame_count, sizeof *g->bounds);
-    bool made = g->normals != NULL && g->base != NULL && g->current != NULL && g->bytes != NULL && g->bounds != NULL;
+    g->bounds = pel_allocate((size_t)g->frame_count * (size_t)g->part_count, sizeof *g->bounds);
+    g->parts = pel_allocate((size_t)g->part_count, sizeof *g->parts);
+    g->place = pel_allocate(g->vertex_count, sizeof *g->place);
+    g->indices = pel_allocate(g->index_count, sizeof *g->indices);
+    bool made = g->parts != NULL && g->place != NULL && g->indices != NULL && g->normals != NULL && g->base != NULL &&
+                g->current != NULL && g->bytes != NULL && g->bounds != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
+}
+
+/* ---- parts ---- */
+
+/* the part of a vertex; what is no number of one counts to the first */
+static int32_t part_of(const glb *g, const pel_field *body, int32_t v)
+{
+    double number = body != NULL && body->component_count == 1 ? body->values[v] : 0;
+    return number > 0 && number < g->part_count ? (int32_t)number : 0;
+}
+
+static void count_parts(glb *g, const pel_field *body)
+{
+    const pel_mesh *mesh = g->first;
+    memset(g->parts, 0, (size_t)g->part_count * sizeof *g->parts);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        g->parts[part_of(g, body, v)].vertex_count++;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        g->parts[part_of(g, body, mesh->triangles[t][0])].index_count += 3;
+}
+
+/* Sorts vertices and triangles by parts; a triangle is of the part of its first corner. Where a number has no vertices
+   or triangles, which the format does not allow, all is one part. */
+static void sort_parts(glb *g)
+{
+    const pel_mesh *mesh = g->first;
+    const pel_field *body = pel_mesh_field(mesh, "body");
+    count_parts(g, body);
+    for (int32_t p = 0; p < g->part_count; p++)
+        if (g->parts[p].vertex_count == 0 || g->parts[p].index_count == 0) {
+            g->part_count = 1;
+            count_parts(g, body);
+        }
+    for (int32_t p = 1; p < g->part_count; p++) {
+        g->parts[p].vertex_begin = g->parts[p - 1].vertex_begin + g->parts[p - 1].vertex_count;
+        g->parts[p].index_begin = g->parts[p - 1].index_begin + g->parts[p - 1].index_count;
+    }
+    for (int32_t p = 0; p < g->part_count; p++)
+        g->parts[p].vertex_count = g->parts[p].index_count = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        part *of = &g->parts[part_of(g, body, v)];
+        g->place[v] = (int32_t)(of->vertex_begin + of->vertex_count++);
+    }
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        part *of = &g->parts[part_of(g, body, mesh->triangles[t][0])];
+        for (int c = 0; c < 3; c++)
+            g->indices[of->index_begin + of->index_count++] =
+                (uint32_t)((size_t)g->place[mesh->triangles[t][c]] - of->vertex_begin);
+    }
 }
 
 /* ---- frames ---- */
@@ -79,19 +147,24 @@ static void compute_normals(glb *g, const pel_mesh *mesh)
 /* fills current with what the file holds of the frame, and its bounds; false when no float holds a coordinate */
 static bool encode_frame(glb *g, const pel_mesh *mesh, int32_t frame)
 {
-    double *bounds = g->bounds[frame];
+    double(*bounds)[6] = g->bounds + (size_t)frame * (size_t)g->part_count;
+    const pel_field *body = pel_mesh_field(g->first, "body");
     compute_normals(g, mesh);
-    for (size_t v = 0; v < g->vertex_count; v++)
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        int32_t p = part_of(g, body, v);
+        const part *of = &g->parts[p];
+        size_t row = (size_t)g->place[v] - of->vertex_begin;
         for (size_t i = 0; i < 3; i++) {
-            size_t at = 3 * v + i, normal_at = 3 * g->vertex_count + at;
+            size_t at = 6 * of->vertex_begin + 3 * row + i, normal_at = 3 * of->vertex_count + at;
             if (!pel_export_fits_float(2 * mesh->positions[v][i]))
                 return false;
             g->current[at] = (float)mesh->positions[v][i] - g->base[at];
             g->current[normal_at] = (float)g->normals[v][i] - g->base[normal_at];
             double x = (double)g->current[at];
-            bounds[i] = v == 0 || x < bounds[i] ? x : bounds[i];
-            bounds[3 + i] = v == 0 || x > bounds[3 + i] ? x : bounds[3 + i];
+            bounds[p][i] = row == 0 || x < bounds[p][i] ? x : bounds[p][i];
+            bounds[p][3 + i] = row == 0 || x > bounds[p][3 + i] ? x : bounds[p][3 + i];
         }
+    }
     return true;
 }
 
@@ -157,35 +230,56 @@ static size_t animation_size(const glb *g)
     return count > 1 ? 4 * count + 4 * count * (count - 1) : 0;
 }
 
-static void put_targets(pel_json *json, const glb *g)
+/* numbers of accessors: indices of all parts, then positions and normals of all parts of frame 0, of frame 1, ... */
+static int32_t accessor_of(const glb *g, int32_t frame, int32_t p)
 {
-    pel_json_print(json, ",\"targets\":[");
-    for (int32_t f = 1; f < g->frame_count; f++)
-        pel_json_print(json, "%s{\"POSITION\":%d,\"NORMAL\":%d}", f > 1 ? "," : "", 2 * f + 1, 2 * f + 2);
-    pel_json_print(json, "]}],\"weights\":[");
+    return g->part_count + 2 * (frame * g->part_count + p);
+}
+
+static void put_mesh(pel_json *json, const glb *g, int32_t p)
+{
+    int32_t first = accessor_of(g, 0, p);
+    bool is_tool = pel_export_tool_name(g->source, p) != NULL;
+    pel_json_print(json,
+                   "%s{\"primitives\":[{\"attributes\":{\"POSITION\":%d,\"NORMAL\":%d},\"indices\":%d,\"material\":%d",
+                   p > 0 ? "," : "", (int)first, (int)first + 1, (int)p, is_tool ? 1 : 0);
+    for (int32_t f = 1; f < g->frame_count; f++) {
+        int32_t target = accessor_of(g, f, p);
+        pel_json_print(json, "%s{\"POSITION\":%d,\"NORMAL\":%d}", f > 1 ? "," : ",\"targets\":[", (int)target,
+                       (int)target + 1);
+    }
+    pel_json_print(json, g->frame_count > 1 ? "]}],\"weights\":[" : "}]");
     for (int32_t f = 1; f < g->frame_count; f++)
         pel_json_print(json, f > 1 ? ",0" : "0");
-    pel_json_print(json, "]");
+    pel_json_print(json, g->frame_count > 1 ? "]}" : "}");
+}
+
+static void put_vertex_accessor(pel_json *json, const part *of, size_t offset, const double *bounds)
+{
+    pel_json_print(json, ",{\"bufferView\":1,\"byteOffset\":%zu,\"componentType\":%d,\"count\":%zu,\"type\":\"VEC3\"",
+                   offset, FLOAT, of->vertex_count);
+    if (bounds != NULL) {
+        pel_json_print(json, ",\"min\":");
+        pel_json_numbers(json, bounds, 3);
+        pel_json_print(json, ",\"max\":");
+        pel_json_numbers(json, bounds + 3, 3);
+    }
+    pel_json_print(json, "}");
 }
 
 static void put_accessors(pel_json *json, const glb *g)
 {
-    pel_json_print(json, "\"accessors\":[{\"bufferView\":0,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\"}",
-                   UNSIGNED_INT, g->index_count);
+    pel_json_print(json, "\"accessors\":[");
+    for (int32_t p = 0; p < g->part_count; p++)
+        pel_json_print(json,
+                       "%s{\"bufferView\":0,\"byteOffset\":%zu,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\"}",
+                       p > 0 ? "," : "", 4 * g->parts[p].index_begin, UNSIGNED_INT, g->parts[p].index_count);
     for (int32_t f = 0; f < g->frame_count; f++)
-        for (int part = 0; part < 2; part++) {
-            size_t offset = 12 * g->vertex_count * (2 * (size_t)f + (size_t)part);
-            pel_json_print(json,
-                           ",{\"bufferView\":1,\"byteOffset\":%zu,\"componentType\":%d,\"count\":%zu,"
-                           "\"type\":\"VEC3\"",
-                           offset, FLOAT, g->vertex_count);
-            if (part == 0) {
-                pel_json_print(json, ",\"min\":");
-                pel_json_numbers(json, g->bounds[f], 3);
-                pel_json_print(json, ",\"max\":");
-                pel_json_numbers(json, g->bounds[f] + 3, 3);
-            }
-            pel_json_print(json, "}");
+        for (int32_t p = 0; p < g->part_count; p++) {
+            const part *of = &g->parts[p];
+            size_t offset = 24 * (g->vertex_count * (size_t)f + of->vertex_begin);
+            put_vertex_accessor(json, of, offset, g->bounds[f * g->part_count + p]);
+            put_vertex_accessor(json, of, offset + 12 * of->vertex_count, NULL);
         }
     if (g->frame_count < 2) {
         pel_json_print(json, "]");
@@ -213,25 +307,60 @@ static void put_views(pel_json *json, const glb *g)
     pel_json_print(json, "],\"buffers\":[{\"byteLength\":%zu}]", indices + vertices + animation);
 }
 
+/* the z axis turned up */
+static void put_node(pel_json *json, const glb *g, int32_t p)
+{
+    const char *tool = pel_export_tool_name(g->source, p);
+    char body[32];
+    snprintf(body, sizeof body, "body %d", (int)p);
+    pel_json_print(json, "%s{\"mesh\":%d", p > 0 ? "," : "", (int)p);
+    if (g->part_count > 1) {
+        pel_json_print(json, ",\"name\":");
+        pel_json_string(json, tool != NULL ? tool : body);
+    }
+    pel_json_print(json, ",\"rotation\":[-0.70710678,0,0,0.70710678]}");
+}
+
+/* one sampler moves the weights of all meshes */
+static void put_animation(pel_json *json, const glb *g)
+{
+    int32_t times = accessor_of(g, g->frame_count, 0);
+    pel_json_print(json, "\"animations\":[{\"channels\":[");
+    for (int32_t p = 0; p < g->part_count; p++)
+        pel_json_print(json, "%s{\"sampler\":0,\"target\":{\"node\":%d,\"path\":\"weights\"}}", p > 0 ? "," : "",
+                       (int)p);
+    pel_json_print(json, "],\"samplers\":[{\"input\":%d,\"output\":%d}]}],", (int)times, (int)times + 1);
+}
+
+static void put_material(pel_json *json, const char *colour)
+{
+    pel_json_print(json,
+                   "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[%s,1],\"metallicFactor\":0,"
+                   "\"roughnessFactor\":0.6},\"doubleSided\":true}",
+                   colour);
+}
+
 static void put_json(pel_json *json, const glb *g)
 {
     pel_json_print(json, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"pellicle " PEL_VERSION "\"},\"scene\":0,"
-                         "\"scenes\":[{\"nodes\":[0]}],"
-                         "\"nodes\":[{\"mesh\":0,\"rotation\":[-0.70710678,0,0,0.70710678]}],"
-                         "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.55,0.45,1],"
-                         "\"metallicFactor\":0,\"roughnessFactor\":0.6},\"doubleSided\":true}],"
-                         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":1,\"NORMAL\":2},\"indices\":0,"
-                         "\"material\":0");
+                         "\"scenes\":[{\"nodes\":[");
+    for (int32_t p = 0; p < g->part_count; p++)
+        pel_json_print(json, "%s%d", p > 0 ? "," : "", (int)p);
+    pel_json_print(json, "]}],\"nodes\":[");
+    for (int32_t p = 0; p < g->part_count; p++)
+        put_node(json, g, p);
+    pel_json_print(json, "],\"materials\":[");
+    put_material(json, "0.8,0.55,0.45");
+    if (pel_export_tool_name(g->source, g->part_count - 1) != NULL) {
+        pel_json_print(json, ",");
+        put_material(json, "0.45,0.5,0.56");
+    }
+    pel_json_print(json, "],\"meshes\":[");
+    for (int32_t p = 0; p < g->part_count; p++)
+        put_mesh(json, g, p);
+    pel_json_print(json, "],");
     if (g->frame_count > 1)
-        put_targets(json, g);
-    else
-        pel_json_print(json, "}]");
-    pel_json_print(json, "}],");
-    if (g->frame_count > 1)
-        pel_json_print(json,
-                       "\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}],"
-                       "\"samplers\":[{\"input\":%d,\"output\":%d}]}],",
-                       2 * g->frame_count + 1, 2 * g->frame_count + 2);
+        put_animation(json, g);
     put_accessors(json, g);
     pel_json_print(json, ",");
     put_views(json, g);
@@ -269,9 +398,8 @@ static void write_animation(pel_file_writer *writer, const glb *g)
 
 static pel_status write_numbers(pel_file_writer *writer, glb *g, pel_error *error)
 {
-    const int32_t *indices = g->first->triangles[0];
     for (size_t i = 0; i < g->index_count; i++)
-        pel_store_bytes(g->bytes + 4 * i, 4, false, (uint64_t)indices[i]);
+        pel_store_bytes(g->bytes + 4 * i, 4, false, (uint64_t)g->indices[i]);
     pel_file_writer_write(writer, g->bytes, 4 * g->index_count);
     write_floats(writer, g->base, 6 * g->vertex_count, g->bytes);
     for (int32_t f = 1; f < g->frame_count; f++) {
@@ -323,11 +451,14 @@ static pel_status export_all(const char *path, const pel_export_source *source, 
         .frame_count = frames != NULL ? frames->frame_count : 1,
         .vertex_count = (size_t)first->vertex_count,
         .index_count = 3 * (size_t)first->triangle_count,
+        .part_count = pel_export_part_count(first),
     };
     pel_json json = {0};
     pel_status status = make_buffers(&g, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
+        sort_parts(&g);
         status = survey(&g, error);
+    }
     if (status == PEL_OK) {
         put_json(&json, &g);
         status = json.failed ? pel_fail_memory(error) : write_file(path, &g, &json, error);

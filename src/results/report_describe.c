@@ -171,7 +171,9 @@ pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_
     pel_json_print(json, ",\n\"notes\":[");
     put_plan_notes(run, log);
     pel_json_print(json, "]");
-    pel_status status = put_text(run, "series", PEL_RUN_SERIES, true, error);
+    pel_status status = pel_report_run_put_tools(run, error);
+    if (status == PEL_OK)
+        status = put_text(run, "series", PEL_RUN_SERIES, true, error);
     if (status == PEL_OK)
         status = put_text(run, "summary", PEL_RUN_SUMMARY, false, error);
     if (status == PEL_OK)

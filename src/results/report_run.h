@@ -59,6 +59,10 @@ bool pel_report_run_keeps(const pel_report_run *run, int32_t frame);
 /* Fills `json` with everything but the packed frames; log (nullable) receives what was left out. */
 pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_error *error);
 
+/* Adds the member `tools` to `json`: surfaces, and their poses in the kept frames. Errors: those of
+   pel_frames_read_tool. */
+pel_status pel_report_run_put_tools(pel_report_run *run, pel_error *error);
+
 /* bytes of the files that pel_report_run_describe takes along, at most */
 enum { PEL_REPORT_TEXT_LIMIT = 1 << 21 };
 

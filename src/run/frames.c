@@ -38,7 +38,7 @@ pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error)
         bool is_last = i + 1 == count && frames->last_time > 0;
         times[i] = is_last ? frames->last_time : pel_run_plan_time(frames->plan, (int64_t)i);
     }
-    pel_status status = pel_results_write_list(frames->folder, times, count, error);
+    pel_status status = pel_results_write_list(frames->folder, times, count, &frames->tools, error);
     pel_free(times);
     if (status == PEL_OUT_OF_MEMORY)
         return status;
@@ -73,7 +73,10 @@ static pel_status take_frame(pel_run_frames *frames, pel_sim *sim, const pel_run
     pel_sim_get_ledger(sim, &row->ledger);
     pel_sim_get_contact_statistics(sim, &row->contact);
     pel_run_series_make(&frames->series, sim, row);
-    return frames->folder != NULL ? pel_run_surface_read(&frames->surface, sim, error) : PEL_OK;
+    if (frames->folder == NULL)
+        return PEL_OK;
+    pel_status status = pel_run_surface_read(&frames->surface, sim, error);
+    return status == PEL_OK ? pel_tool_surfaces_read(&frames->tools, sim, error) : status;
 }
 
 static void give_row(const pel_run_frames *frames)
@@ -82,17 +85,24 @@ static void give_row(const pel_run_frames *frames)
         frames->row(frames->user, frames->series.line);
 }
 
-/* the file of the frame and its row */
+/* the files of the frame and its row */
 static pel_status write_files(pel_run_frames *frames, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
-    pel_run_frame_path(path, frames->folder, frames->frame.row.frame);
-    pel_status status = pel_run_surface_write(&frames->surface, &frames->scene->output, path, error);
+    const pel_output_def *output = &frames->scene->output;
+    int64_t frame = frames->frame.row.frame;
+    pel_run_frame_path(path, frames->folder, frame);
+    pel_status status = pel_tool_surfaces_write(&frames->tools, output, frames->folder, frame, error);
     if (status != PEL_OK)
         return status;
-    status = pel_run_series_add(&frames->series, error);
+    status = pel_run_surface_write(&frames->surface, output, path, error);
+    if (status == PEL_OK) {
+        status = pel_run_series_add(&frames->series, error);
+        if (status != PEL_OK)
+            unlink(path);
+    }
     if (status != PEL_OK)
-        unlink(path);
+        pel_tool_surfaces_remove(&frames->tools, frames->folder, frame);
     return status;
 }
 
@@ -159,7 +169,22 @@ void pel_run_frames_destroy(pel_run_frames *frames)
     pel_free(frames->frame.snapshot);
     pel_free(frames->frame.tool_force);
     pel_run_series_close(&frames->series);
+    pel_tool_surfaces_destroy(&frames->tools);
     pel_run_surface_destroy(&frames->surface);
+}
+
+/* numbers of tools stay those of the frames that are there */
+static pel_status know_tools(pel_run_frames *frames, pel_error *error)
+{
+    pel_frames *there = NULL;
+    pel_status status = pel_frames_open(frames->folder, &there, NULL);
+    /* without a list, or with a damaged one, it is made anew */
+    if (status != PEL_OK)
+        return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(error) : PEL_OK;
+    for (int32_t i = 0; status == PEL_OK && i < there->tool_count; i++)
+        status = pel_tool_surfaces_know(&frames->tools, there->tool_names[i], error);
+    pel_frames_close(there);
+    return status;
 }
 
 pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int64_t frame_count, bool resume,
@@ -177,6 +202,8 @@ pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int6
     }
     pel_status status = pel_run_series_resume(&frames->series, frames->series_path, sim, frame_count, error);
     frames->listed_count = -1;
+    if (status == PEL_OK)
+        status = know_tools(frames, error);
     return status == PEL_OK ? pel_run_frames_list(frames, error) : status;
 }
 

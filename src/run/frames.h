@@ -8,6 +8,7 @@
 #include "results/folder.h"
 #include "results/series.h"
 #include "results/surface.h"
+#include "results/tool_surface.h"
 #include "run/plan.h"
 #include "run/warnings.h"
 
@@ -46,6 +47,7 @@ typedef struct pel_run_frames {
     void *user;
     int32_t tool_count; /* of the scene */
     pel_run_surface surface;
+    pel_tool_surfaces tools;
     pel_run_series series;
     char series_path[PEL_RUN_FILE_SIZE];
     int64_t frame_count;          /* written */

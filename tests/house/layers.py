@@ -10,7 +10,7 @@ import tempfile
 
 TREES = ("src", "cli", "view", "python", "include", "examples", "bench")
 # outer libraries and the folders that may use them
-OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "src/live", "cli", "view"},
+OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "src/haptic", "src/live", "cli", "view"},
          "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"},
          "libwebsockets": {"src/live"}}
 

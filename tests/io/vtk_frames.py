@@ -86,6 +86,11 @@ def check_run(program, folder, refine, compress, precision):
     subprocess.run([program, "run", str(path), "-o", str(run), "--quiet"], check=True)
     frames = ElementTree.parse(run / "frames.pvd").getroot().findall("Collection/DataSet")
     counts = set()
+    tools = [frame for frame in frames if frame.get("part") != "0"]
+    frames = [frame for frame in frames if frame.get("part") == "0"]
+    for tool in tools:
+        check_frame(run / tool.get("file"), float(tool.get("timestep")))
+    assert [tool.get("timestep") for tool in tools] == [frame.get("timestep") for frame in frames]
     for frame in frames:
         names, count = check_frame(run / frame.get("file"), float(frame.get("timestep")))
         counts.add(count)

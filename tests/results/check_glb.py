@@ -54,8 +54,9 @@ def check_cover(scene, data):
 
 def check_animation(scene, data, frame_count):
     (animation,) = scene["animations"]
-    (channel,), (sampler,) = animation["channels"], animation["samplers"]
-    assert channel == {"sampler": 0, "target": {"node": 0, "path": "weights"}}
+    (sampler,) = animation["samplers"]
+    nodes = range(len(scene["nodes"]))
+    assert animation["channels"] == [{"sampler": 0, "target": {"node": n, "path": "weights"}} for n in nodes]
     times = [t for (t,) in read_accessor(scene, data, sampler["input"])]
     weights = [w for (w,) in read_accessor(scene, data, sampler["output"])]
     assert {"min", "max"} <= scene["accessors"][sampler["input"]].keys()
@@ -63,10 +64,10 @@ def check_animation(scene, data, frame_count):
     assert weights == [float(k == f) for f in range(frame_count) for k in range(1, frame_count)]
 
 
-def main():
-    scene, data = read_chunks(open(sys.argv[1], "rb").read())
-    check_cover(scene, data)
-    (primitive,) = scene["meshes"][0]["primitives"]
+def check_mesh(scene, data, mesh):
+    """counts of vertices, triangles and frames"""
+    (primitive,) = mesh["primitives"]
+    assert 0 <= primitive["material"] < len(scene["materials"])
     targets = primitive.get("targets", [])
     parts = [primitive["attributes"]] + targets
     indices = [i for (i,) in read_accessor(scene, data, primitive["indices"])]
@@ -76,12 +77,26 @@ def main():
         assert len(read_accessor(scene, data, part["NORMAL"])) == count
     assert len(indices) % 3 == 0 and 0 <= min(indices) and max(indices) < count
     assert len({part[key] for part in parts for key in ("POSITION", "NORMAL")}) == 2 * len(parts)
-    if targets:
-        assert scene["meshes"][0]["weights"] == [0] * len(targets)
-        check_animation(scene, data, len(parts))
+    assert mesh.get("weights", []) == [0] * len(targets) and ("weights" in mesh) == bool(targets)
+    return count, len(indices) // 3, len(parts)
+
+
+def main():
+    scene, data = read_chunks(open(sys.argv[1], "rb").read())
+    check_cover(scene, data)
+    assert [node["mesh"] for node in scene["nodes"]] == list(range(len(scene["meshes"])))
+    assert scene["scenes"] == [{"nodes": list(range(len(scene["nodes"])))}]
+    counts = [check_mesh(scene, data, mesh) for mesh in scene["meshes"]]
+    (frame_count,) = {frames for _, _, frames in counts}
+    if frame_count > 1:
+        check_animation(scene, data, frame_count)
     else:
-        assert "animations" not in scene and "weights" not in scene["meshes"][0]
-    print(f"{count} vertices, {len(indices) // 3} triangles, {len(parts)} frames")
+        assert "animations" not in scene
+    said = [
+        node.get("name", "") + (": " if "name" in node else "") + f"{vertices} vertices, {triangles} triangles"
+        for node, (vertices, triangles, _) in zip(scene["nodes"], counts)
+    ]
+    print("; ".join(said) + f", {frame_count} frames")
 
 
 main()

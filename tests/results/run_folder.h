@@ -4,6 +4,7 @@
 
 #include "check.h"
 
+#include "io/pvd.h"
 #include "pellicle/results.h"
 
 #include <stdio.h>
@@ -84,6 +85,32 @@ static inline void folder_make(char folder[FOLDER_SIZE])
     folder_write_text(folder, "summary.json", "{\n  \"status\": \"done\",\n  \"version\": \"" PEL_VERSION "\"\n}\n");
     folder_write_text(folder, "scene.yaml",
                       "# a scene of pellicle " PEL_VERSION " with all defaults\ntitle: \"</script>\"\n");
+}
+
+/* adds a tool, 'tip/1', a box that rises by 1 from frame to frame and is not there in frame 0 */
+static inline void folder_add_tool(const char *folder)
+{
+    static const int32_t faces[36] = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                      2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+    char path[FOLDER_PATH], names[2 * FOLDER_FRAMES][32];
+    pel_pvd_entry entries[2 * FOLDER_FRAMES];
+    size_t count = 0;
+    for (int f = 0; f < FOLDER_FRAMES; f++) {
+        double positions[24];
+        for (int i = 0; i < 24; i++)
+            positions[i] = (i / 3 >> i % 3 & 1) + (i % 3 == 2 ? f : 0);
+        const pel_vtp vtp = {.vertex_count = 8, .triangle_count = 12, .positions = positions, .triangles = faces};
+        snprintf(names[count], sizeof names[count], "frames/f%05d.vtp", f);
+        entries[count] = (pel_pvd_entry){.file = names[count], .time = 0.5 * f};
+        count++;
+        if (f == 0)
+            continue;
+        snprintf(names[count], sizeof names[count], "frames/t%05d-0.vtp", f);
+        assert_int_equal(pel_vtp_write(folder_path(path, folder, names[count]), &vtp, NULL), PEL_OK);
+        entries[count] = (pel_pvd_entry){.file = names[count], .name = "tip/1", .time = 0.5 * f, .part = 1};
+        count++;
+    }
+    assert_int_equal(pel_pvd_write_entries(folder_path(path, folder, "frames.pvd"), entries, count, NULL), PEL_OK);
 }
 
 static inline void folder_remove(const char *folder)

@@ -166,6 +166,69 @@ static void test_glb(void **unused)
     pel_free(bytes);
 }
 
+/* tools are parts of their own in every format, and stand still before they are there */
+static void test_tools(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], *bytes;
+    size_t size;
+    pel_mesh *mesh;
+    pel_frames_close(frames);
+    folder_add_tool(folder);
+    assert_int_equal(pel_frames_open(folder, &frames, NULL), PEL_OK);
+    assert_int_equal(frames->frame_count, FOLDER_FRAMES);
+    assert_int_equal(frames->tool_count, 1);
+    assert_string_equal(frames->tool_names[0], "tip/1");
+    assert_int_equal(pel_frames_read_tool(frames, 0, 0, &mesh, NULL), PEL_OK);
+    assert_null(mesh);
+    assert_int_equal(pel_frames_read_tool(frames, 3, 0, &mesh, NULL), PEL_OK);
+    assert_near(mesh->positions[7][2], 4, 0);
+    pel_mesh_destroy(mesh);
+
+    assert_int_equal(pel_export_glb(folder_path(path, folder, "a.glb"), frames, NULL), PEL_OK);
+    check_by_python(path, "body 0: 4 vertices, 4 triangles; tip/1: 8 vertices, 12 triangles, 4 frames\n");
+
+    /* the cache of the bodies is as without tools; the tool has a mesh and a cache of its own */
+    assert_int_equal(pel_export_pc2(folder_path(path, folder, "a.pc2"), frames, NULL), PEL_OK);
+    assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
+    assert_int_equal(size, 32 + FOLDER_FRAMES * FOLDER_VERTICES * 12);
+    pel_free(bytes);
+    assert_int_equal(pel_file_read(folder_path(path, folder, "a-tip_1_0.pc2"), &bytes, &size, NULL), PEL_OK);
+    assert_int_equal(size, 32 + FOLDER_FRAMES * 8 * 12);
+    for (int f = 0; f < FOLDER_FRAMES; f++)
+        assert_near(real(bytes + 32 + f * 96 + 92), f > 0 ? 1 + f : 2, 0);
+    pel_free(bytes);
+    assert_int_equal(pel_mesh_read(folder_path(path, folder, "a-tip_1_0.obj"), PEL_FORMAT_AUTO, NULL, &mesh, NULL),
+                     PEL_OK);
+    assert_int_equal(mesh->vertex_count, 8);
+    pel_mesh_destroy(mesh);
+
+    assert_int_equal(pel_mesh_read(folder_path(path, folder, "a-bodies.obj"), PEL_FORMAT_AUTO, NULL, &mesh, NULL),
+                     PEL_OK);
+    assert_int_equal(mesh->vertex_count, FOLDER_VERTICES);
+    pel_mesh_destroy(mesh);
+
+    /* numbered files: two objects in one mesh, with the numbers of the parts where the format holds fields */
+    assert_int_equal(pel_export_sequence(folder_path(path, folder, "s.obj"), PEL_FORMAT_OBJ, frames, NULL, NULL),
+                     PEL_OK);
+    assert_int_equal(pel_file_read(folder_path(path, folder, "s_00002.obj"), &bytes, &size, NULL), PEL_OK);
+    assert_non_null(strstr(bytes, "\no body_0\nf 1 3 2\n"));
+    assert_non_null(strstr(bytes, "\no body_1\nf 5 9 11\n"));
+    pel_free(bytes);
+    assert_int_equal(pel_export_sequence(folder_path(path, folder, "s.ply"), PEL_FORMAT_PLY, frames, NULL, NULL),
+                     PEL_OK);
+    assert_int_equal(pel_mesh_read(folder_path(path, folder, "s_00003.ply"), PEL_FORMAT_AUTO, NULL, &mesh, NULL),
+                     PEL_OK);
+    assert_int_equal(mesh->vertex_count, 12);
+    assert_near(mesh->positions[11][2], 4, 0);
+    for (int32_t v = 0; v < 12; v++) {
+        assert_near(pel_mesh_field(mesh, "body")->values[v], v >= 4, 0);
+        if (v >= 4)
+            assert_near(pel_mesh_field(mesh, "energy")->values[v], 0, 0);
+    }
+    pel_mesh_destroy(mesh);
+}
+
 static void test_glb_mesh(void **unused)
 {
     (void)unused;
@@ -280,6 +343,9 @@ static void test_allocation_failures(void **unused)
 {
     (void)unused;
     char path[FOLDER_PATH];
+    pel_frames_close(frames);
+    folder_add_tool(folder);
+    assert_int_equal(pel_frames_open(folder, &frames, NULL), PEL_OK);
     assert_true(for_every_allocation_failure(export_pc2, folder_path(path, folder, "d.pc2")) > 10);
     assert_true(for_every_allocation_failure(export_glb, folder_path(path, folder, "d.glb")) > 10);
     assert_true(for_every_allocation_failure(export_sequence, folder_path(path, folder, "d.obj")) > 10);
@@ -290,6 +356,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_pc2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_glb, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_tools, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_glb_mesh, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_too_large, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_sequence, set_up, tear_down),

@@ -39,7 +39,7 @@ static int tear_down(void **unused)
 
 static char *read_report(void)
 {
-    char *text;
+    static char *text;
     size_t size;
     assert_int_equal(pel_file_read(out, &text, &size, NULL), PEL_OK);
     return text;
@@ -146,6 +146,39 @@ static void test_texts(void **unused)
     assert_non_null(strstr(text, "title: \\\"\\u003c/script>\\\""));
     assert_memory_equal(text, "<html>\n<script", 14);
     assert_non_null(strstr(text, "</script>\n</html>\n"));
+    pel_free(text);
+}
+
+/* a row of twelve numbers in brackets; returns what is behind it */
+static const char *check_pose(const char *row, const double expected[12])
+{
+    for (int i = 0; i < 12; i++) {
+        double number;
+        assert_int_equal(sscanf(row, i == 0 ? "[%lf" : ",%lf", &number), 1);
+        row += strcspn(row + 1, ",]") + 1;
+        assert_near(number, expected[i], 1e-6);
+    }
+    assert_int_equal(*row, ']');
+    return row + 1;
+}
+
+/* a tool is a surface about its middle and its motion: the unit box, not there at first, rises by 1 a frame */
+static void test_tools(void **unused)
+{
+    (void)unused;
+    folder_add_tool(folder);
+    assert_int_equal(pel_report_write(out, &def, NULL, NULL), PEL_OK);
+    char *text = read_report();
+    assert_non_null(strstr(text, "\"frame_total\":4"));
+    assert_non_null(strstr(text, "\"tools\":[{\"name\":\"tip/1\",\"positions\":[-0.5,-0.5,-0.5,0.5,-0.5,-0.5,"));
+    assert_non_null(strstr(text, "\"triangles\":[0,4,6,0,6,2,"));
+    assert_non_null(strstr(text, "\"poses\":[null,["));
+    const char *row = strstr(text, "null,[") + 4;
+    for (int f = 1; f < FOLDER_FRAMES; f++) {
+        const double expected[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5, 0.5, 0.5 + f};
+        row = check_pose(row + 1, expected);
+    }
+    assert_int_equal(*row, ']');
     pel_free(text);
 }
 
@@ -386,6 +419,7 @@ static pel_status write_report(const void *data, pel_error *error)
 static void test_allocation_failures(void **unused)
 {
     (void)unused;
+    folder_add_tool(folder);
     assert_true(for_every_allocation_failure(write_report, NULL) > 20);
 }
 
@@ -394,6 +428,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_frames, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_texts, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_tools, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_chosen_fields, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_changing_triangles, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_thinned, set_up, tear_down),

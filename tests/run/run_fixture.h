@@ -49,6 +49,11 @@ static const char small[] =
     "tools: [{ shape: sphere, radius: 0.1, motion: [{ time: 0, position: [0, 0, 3] }] }]\n"
     "solver: { dt: 0.01 }\nduration: 1\noutput: { every_frame: 1, checkpoint: 0.1 }\n";
 
+/* the same without a tool: its frames are the smallest files */
+static const char smallest[] =
+    "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 1 }, preset: paper-a }]\n"
+    "solver: { dt: 0.01 }\nduration: 1\noutput: { every_frame: 1, checkpoint: 0.1 }\n";
+
 static char folder[64];
 
 /* of the runs that do not say; with more than one, frames are written beside the simulation */
@@ -208,11 +213,12 @@ static inline int64_t count_rows(const char *run)
     return rows;
 }
 
-/* every frame that the list names is there and whole; returns how many */
-static inline int64_t check_list(const char *run)
+/* every frame and every surface of a tool that the list names is there and whole; counts both */
+static inline int64_t check_parts(const char *run, int64_t *tools)
 {
     char *bytes, path[256];
     int64_t count = 0;
+    *tools = 0;
     read_text(run, "frames.pvd", &bytes, NULL);
     assert_non_null(strstr(bytes, "</VTKFile>\n"));
     for (char *at = strstr(bytes, "file=\""); at != NULL; at = strstr(at + 1, "file=\"")) {
@@ -227,28 +233,37 @@ static inline int64_t check_list(const char *run)
         listed = strtod(begin + 10, NULL);
         assert_true(listed == time);
         pel_mesh_destroy(mesh);
-        count++;
+        *(strncmp(name, "frames/t", 8) == 0 ? tools : &count) += 1;
     }
     pel_free(bytes);
     return count;
+}
+
+/* how many frames there are */
+static inline int64_t check_list(const char *run)
+{
+    int64_t tools;
+    return check_parts(run, &tools);
 }
 
 /* no half-written file, no frame beyond the list's end */
 static inline void check_whole(const char *run)
 {
     char path[256];
-    int64_t frames = 0, listed = check_list(run);
+    int64_t frames = 0, tools = 0, listed_tools, listed = check_parts(run, &listed_tools);
     const char *const parts[2] = {"", "frames"};
     for (int i = 0; i < 2; i++) {
         DIR *stream = opendir(in_folder(path, run, parts[i]));
         assert_non_null(stream);
         for (struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
             assert_null(strstr(entry->d_name, ".tmp"));
-            frames += strstr(entry->d_name, ".vtp") != NULL;
+            if (strstr(entry->d_name, ".vtp") != NULL)
+                *(entry->d_name[0] == 't' ? &tools : &frames) += 1;
         }
         closedir(stream);
     }
     assert_int_equal(frames, listed);
+    assert_int_equal(tools, listed_tools);
     assert_int_equal(count_rows(run), listed);
 }
 

@@ -332,7 +332,7 @@ static void test_full_disk(void **unused)
     signal(SIGXFSZ, SIG_IGN);
     for (int i = 0; i < 60; i++) {
         rlim_t size = i / 2 < 20 ? 150 * (rlim_t)(i / 2 + 1) : 3000 * (rlim_t)(i / 2 - 18);
-        pel_scene *scene = load_scene(small, &checkpoints[i % 2], 1);
+        pel_scene *scene = load_scene(i / 2 % 3 == 0 ? small : smallest, &checkpoints[i % 2], 1);
         run_case test = {.run = "full"};
         limit_files(size);
         pel_status status = do_run(scene, &test);

@@ -125,6 +125,9 @@ static void test_results(void **unused)
     SURVIVES(pel_series_destroy(NULL));
     GIVES(isnan(pel_series_value(NULL, 0, 0)));
     GIVES(isnan(pel_series_value(&(pel_series){.column_count = 0}, -1, INT64_MIN)));
+    REFUSED("frames", pel_frames_read_tool(NULL, 0, 0, &made, &error));
+    REFUSED("mesh", pel_frames_read_tool(&none, 0, 0, NULL, &error));
+    REFUSED("tool", pel_frames_read_tool(&none, 0, 0, &made, &error));
     REFUSED("path", pel_export_pc2(NULL, &none, &error));
     REFUSED("frames", pel_export_pc2("misuse.pc2", NULL, &error));
     REFUSED("frame", pel_export_pc2("misuse.pc2", &none, &error));

@@ -7,9 +7,11 @@ import {
     DataTexture,
     DoubleSide,
     LineSegments,
+    Matrix4,
     Mesh,
     NearestFilter,
     PerspectiveCamera,
+    Quaternion,
     RGBAFormat,
     Scene,
     ShaderMaterial,
@@ -192,6 +194,43 @@ export function makeEye(canvas, changed) {
     return { camera, controls };
 }
 
+// Triangles that are few are drawn flat, so that edges of boxes show.
+const FLAT_COUNT = 100;
+
+// A tool of a run: a rigid surface with its place and turn in each frame, null where it is not there.
+class Tool {
+    constructor(tool, uniforms, centre, size) {
+        const own = { ...uniforms, coloured: { value: false }, plain: { value: new Vector3(0.5, 0.55, 0.61) } };
+        const corners = Uint32Array.from(tool.triangles);
+        const positions = Float32Array.from(tool.positions, (x) => x / size);
+        const normals = new Float32Array(positions.length);
+        fillNormals(corners, positions, normals);
+        this.mesh = makeSurface(own).surface;
+        this.mesh.name = tool.name;
+        this.mesh.geometry.setAttribute("position", new BufferAttribute(positions, 3));
+        this.mesh.geometry.setAttribute("normal", new BufferAttribute(normals, 3));
+        this.mesh.geometry.setAttribute("value", new BufferAttribute(new Float32Array(positions.length / 3), 1));
+        this.mesh.geometry.setIndex(new BufferAttribute(corners, 1));
+        this.mesh.material.defines = corners.length < 3 * FLAT_COUNT ? { FLAT: 1 } : {};
+        this.mesh.frustumCulled = false;
+        this.poses = tool.poses.map((pose) => {
+            if (!pose) return null;
+            const [a, b, c, d, e, f, g, h, i, ...at] = pose;
+            const turn = new Quaternion().setFromRotationMatrix(new Matrix4().set(a, b, c, 0, d, e, f, 0, g, h, i, 0, 0, 0, 0, 1));
+            return { turn, place: new Vector3(...at.map((x, k) => (x - centre[k]) / size)) };
+        });
+    }
+
+    show(index, weight) {
+        const now = this.poses[index];
+        const next = (weight > 0 && this.poses[index + 1]) || now;
+        this.mesh.visible = now !== null;
+        if (!now) return;
+        this.mesh.position.lerpVectors(now.place, next.place, weight);
+        this.mesh.quaternion.slerpQuaternions(now.turn, next.turn, weight);
+    }
+}
+
 // One run: geometry of the topology at hand. Positions are about the middle of the box, in units of its size, so that
 // a body of any size far from the origin keeps all digits of a float.
 class Body {
@@ -204,7 +243,8 @@ class Body {
         this.topology = -1;
         Object.assign(this, makeSurface(uniforms));
         this.surface.frustumCulled = this.lines.frustumCulled = false;
-        this.scene.add(this.surface, this.lines);
+        this.tools = (run.tools ?? []).map((tool) => new Tool(tool, uniforms, centre, size));
+        this.scene.add(this.surface, this.lines, ...this.tools.map((tool) => tool.mesh));
     }
 
     setTopology(topology) {
@@ -236,6 +276,7 @@ class Body {
         if (this.topology !== frame.topology) this.setTopology(frame.topology);
         this.shown = shown;
         this.index = index;
+        for (const tool of this.tools) tool.show(index, weight);
         fillPositions(this.run, index, weight, this.positions);
         const { centre, size, positions } = this;
         for (let i = 0; i < positions.length; i += 3)

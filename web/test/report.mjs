@@ -87,6 +87,24 @@ async function keys(page, last) {
     assert.equal((await colours(page)).sum, before.sum, "the view was reset");
 }
 
+// the tool stands where the series says
+async function tools(page, name, rows) {
+    const column = rows[0].indexOf(`${name}_z`);
+    for (const frame of [0, 7]) {
+        await page.keyboard.press("Home");
+        for (let i = 0; i < frame; i++) await page.keyboard.press("ArrowRight");
+        await settle(page);
+        const seen = await page.evaluate(() => {
+            const [body] = globalThis.pellicle.view.bodies;
+            const [{ mesh }] = body.tools;
+            return { name: mesh.name, visible: mesh.visible, z: body.centre[2] + body.size * mesh.position.z };
+        });
+        const z = Number(rows[frame + 1][column]);
+        assert.ok(seen.visible && seen.name === name);
+        assert.ok(Math.abs(seen.z - z) < 1e-5, `the tool is at ${seen.z} in frame ${frame}, the series says ${z}`);
+    }
+}
+
 async function colouring(page) {
     const displacement = await colours(page);
     assert.ok(displacement.different > 100, "the body is shaded and coloured");
@@ -266,13 +284,15 @@ writeFileSync(at("shell.yaml"), refiningShell);
 pellicle("run", at("shell.yaml"), "-o", at("shell"), "-q");
 await onPage("contact", [at("shell")], {}, async (page) => {
     const facts = JSON.parse(readFileSync(at("shell", "summary.json"), "utf8"));
+    const rows = readFileSync(at("shell", "series.csv"), "utf8").trim().split("\n").map((row) => row.split(","));
+    await tools(page, "plate", rows);
     assert.ok(facts.contact.candidates > facts.contact.pairs && facts.contact.pairs > 0, "the shell is touched");
     const titles = await page.$$eval("figcaption h3", (heads) => heads.map((head) => head.textContent));
     for (const title of ["Contact search [pairs]", "Contact time [ms a frame]", "Mesh"])
         assert.ok(titles.includes(title), `plot ${title} among ${titles.join(", ")}`);
     await page.click("summary");
-    const rows = await page.$$eval(".numbers tr", (all) => all.map((tr) => [...tr.cells].map((cell) => cell.textContent)));
-    const cell = (name) => rows.find((row) => row[0] === name)?.[1];
+    const numbers = await page.$$eval(".numbers tr", (all) => all.map((tr) => [...tr.cells].map((cell) => cell.textContent)));
+    const cell = (name) => numbers.find((row) => row[0] === name)?.[1];
     const text = (number) => number.toLocaleString("en");
     assert.equal(cell("candidates"), text(facts.contact.candidates));
     assert.equal(cell("passed the filter"), text(facts.contact.passed_filter));
