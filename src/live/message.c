@@ -362,6 +362,13 @@ static bool fill_frame(pel_sim *sim, int32_t field, unsigned char *at)
     return done;
 }
 
+static void put_hash(pel_json *json, const pel_sim *sim)
+{
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, pel_sim_hash(sim));
+    put_string(json, "hash", hash);
+}
+
 static void put_counts(pel_json *json, const pel_sim *sim)
 {
     put_key(json, "bodies");
@@ -392,7 +399,7 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
     put_number(&json, "undo", pel_session_undo_count(session));
     put_string(&json, "field", field >= 0 ? pel_field_at(field)->name : "");
     if (!pace->playing)
-        pel_json_print(&json, ",\"hash\":\"%016" PRIx64 "\"", pel_sim_hash(sim));
+        put_hash(&json, sim);
     put_hand(&json, session);
     put_poses(&json, sim);
     put_counts(&json, sim);
@@ -404,6 +411,20 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
         return NULL;
     }
     return bytes;
+}
+
+unsigned char *pel_message_summary(pel_sim *sim, const pel_session *session, size_t *size)
+{
+    pel_json json = {0};
+    pel_json_print(&json, "{");
+    put_number(&json, "time", pel_sim_time(sim));
+    put_number(&json, "step", (double)pel_sim_step_count(sim));
+    put_hash(&json, sim);
+    put_hand(&json, session);
+    put_poses(&json, sim);
+    put_measures(&json, sim);
+    pel_json_print(&json, "}");
+    return text_message(&json, size);
 }
 
 unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *session, size_t *size)
