@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly demo bench bench-peers web site reproduction python format docs pictures install deb packages clean
+.PHONY: help build program test nightly demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -38,6 +38,12 @@ bench-peers: packages ## compare subdivision with VTK and OpenMesh (takes libvtk
 	@build/peers/bench/peers/bench_peers $(MESH)
 
 web: build/web/report.html ## build the pages of `pellicle report` and `pellicle live` (takes Node.js and the npm registry)
+
+wasm: ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (takes emscripten and npm)
+	@tools/install-packages emscripten dpkg-dev
+	@tools/fetch-sources build/wasm/sources
+	@cmake --preset wasm >build/wasm/configure.log 2>&1 || { cat build/wasm/configure.log; exit 1; }
+	@cmake --build build/wasm $(QUIET)
 
 python: packages ## build the Python package and install it into build/venv (README and docs/python.md)
 	@test -x build/venv/bin/python || /usr/bin/python3 -m venv --system-site-packages build/venv
