@@ -44,6 +44,7 @@ wasm: ## build the JavaScript package build/wasm/pellicle, and the page of `pell
 	@tools/fetch-sources build/wasm/sources
 	@cmake --preset wasm >build/wasm/configure.log 2>&1 || { cat build/wasm/configure.log; exit 1; }
 	@cmake --build build/wasm $(QUIET)
+	@$(MAKE) --no-print-directory build/web/play.html
 
 python: packages ## build the Python package and install it into build/venv (README and docs/python.md)
 	@test -x build/venv/bin/python || /usr/bin/python3 -m venv --system-site-packages build/venv
@@ -84,6 +85,9 @@ clean: ## remove everything that was built (results/ stays)
 # Node.js may come from elsewhere than Debian
 build/web/report.html: web/node_modules/.package-lock.json web/index.html web/live.html web/vite.config.js $(wildcard web/src/* web/src/live/*)
 	@cd web && npm run --silent build
+
+build/web/play.html: web/node_modules/.package-lock.json web/live.html web/vite.config.js $(wildcard web/src/* web/src/live/* build/wasm/pellicle/*)
+	@cd web && npm run --silent build-play
 
 web/node_modules/.package-lock.json: web/package-lock.json
 	@command -v npm >/dev/null || tools/install-packages nodejs npm
