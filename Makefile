@@ -59,9 +59,9 @@ docs: program ## write docs/reference from the program's own tables
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
 
-site: ## make the documentation as web pages in build/site (installs MkDocs and Doxygen)
+site: program wasm ## make the documentation as web pages in build/site, with scenes that play in the browser (installs MkDocs, Doxygen, emscripten)
 	@tools/install-packages mkdocs doxygen
-	@tools/site
+	@tools/site $(PROGRAM)
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md
