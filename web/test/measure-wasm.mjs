@@ -41,7 +41,7 @@ function stepHere(text, steps) {
 function stepThere(text, steps) {
     const path = join(folder, "scene.yaml");
     writeFileSync(path, text);
-    const dt = /dt: ([\d.]+)/.exec(text)[1];
+    const dt = /dt: ([\d.]+)/.exec(text)?.[1] ?? 0.01;
     const sets = [`duration=${dt * steps}`, `output.every=${dt * steps}`].flatMap((set) => ["--set", set]);
     execFileSync(program, ["run", path, "-o", join(folder, "run"), "-q", "--threads", "1", ...sets], { stdio: "pipe" });
     return 1000 / JSON.parse(readFileSync(join(folder, "run", "summary.json"), "utf8")).steps_per_second;
