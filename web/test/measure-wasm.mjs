@@ -19,7 +19,7 @@ const shell = (frequency, method, more) =>
     `solver: { method: ${method}, dt: 0.005, substeps: 10, second_order: false }\n${more}duration: 10\n`;
 const installed = (name) => readFileSync(new URL(`../../scenes/${name}.yaml`, import.meta.url), "utf8");
 const scenes = [
-    ["sphere-press", installed("sphere-press"), 2000],
+    ["sphere-press", installed("sphere-press"), 10000],
     ["lens-capsule", installed("lens-capsule"), 200],
     ["organ-press", installed("organ-press"), 20],
     ["shell-crushed", installed("shell-crushed"), 10],
