@@ -23,6 +23,8 @@
 #define PACE_SECONDS 0.5
 /* steps a second of methods that look for rest */
 #define REST_STEP_SECONDS (1.0 / 60)
+/* intervals in a row that are slow before it is told: browsers compile the first steps in a hurry */
+enum { SLOW_INTERVALS = 3 };
 
 struct pel_player {
     const pel_server_def *def;
@@ -44,6 +46,7 @@ struct pel_player {
     double interval_at, interval_time, interval_stepping, interval_serving;
     int64_t interval_steps;
     double pace, step_ms, serving;
+    int slow_intervals; /* in a row */
     bool has_told_slow;
 };
 
@@ -166,6 +169,7 @@ static pel_status start_scene(pel_player *player, pel_error *error)
     player->step_seconds = rests ? fmin(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
     player->field = -1;
     player->changed = player->has_new_parameters = true;
+    player->slow_intervals = 0;
     player->has_told_slow = false;
     return PEL_OK;
 }
@@ -239,7 +243,9 @@ static void tell_slow(pel_player *player)
     char text[300];
     const char *remedy = player->scene->sim.contact.enabled ? "a coarser mesh or a longer dt"
                                                             : "fewer substeps, a coarser mesh or a longer dt";
-    if (player->pace > 0.8 || player->pace <= 0 || player->has_told_slow)
+    bool is_slow = player->pace <= 0.8 && player->pace > 0;
+    player->slow_intervals = is_slow ? player->slow_intervals + 1 : 0;
+    if (player->slow_intervals < SLOW_INTERVALS || player->has_told_slow)
         return;
     player->has_told_slow = true;
     snprintf(text, sizeof text,
