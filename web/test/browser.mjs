@@ -19,7 +19,7 @@ const flags = [
 
 // { open(file, { viewport, dark }), play(file, the same), visit(address, the same), close() }; open gives { page, errors,
 // opened }, opened in milliseconds; visit gives { page, errors } of the live page once it has drawn, play those of a page
-// that simulates by itself with the milliseconds until it had `drawn`
+// that simulates by itself with the milliseconds until it had `drawn`, or had said why it cannot
 export async function startBrowser() {
     const profile = mkdtempSync(join(tmpdir(), "pellicle-browser-"));
     const context = await chromium.launchPersistentContext(profile, {
@@ -51,7 +51,7 @@ export async function startBrowser() {
             const { page, errors } = await newPage(/^(file|data|blob):/, viewport, dark);
             const start = performance.now();
             await page.goto(`file://${file}`);
-            await page.waitForFunction(() => globalThis.pellicle?.frame);
+            await page.waitForFunction(() => globalThis.pellicle?.frame || document.body.classList.contains("away"));
             return { page, errors, drawn: performance.now() - start };
         },
         async visit(address, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {

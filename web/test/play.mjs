@@ -81,6 +81,15 @@ async function refusing(page) {
     await until(page, () => /was not opened/.test(document.getElementById("notice").textContent));
 }
 
+// a page that cannot simulate says why
+async function failing(browser, html) {
+    const broken = join(folder, "broken.html");
+    writeFileSync(broken, readFileSync(html, "utf8").replace("\\nversion: 1\\n", "\\nversion: 9\\n"));
+    const { page } = await browser.play(broken);
+    assert.match(await page.textContent("#facts"), /cannot run here: scene\.yaml:2:10: error: version/);
+    await page.close();
+}
+
 /* ---- the page and its scene ---- */
 
 function writePage() {
@@ -124,6 +133,7 @@ try {
     assert.equal(await page.textContent("#title"), "tissue </script> & more");
     assert.deepEqual(errors, []);
     await page.close();
+    await failing(browser, html);
     console.log(`a page without a program plays, pulls, saves and goes back; its first picture came after ${Math.round(drawn)} ms`);
 } finally {
     await browser.close();
