@@ -185,6 +185,8 @@ function memory() {
 }
 
 try {
+    const { version } = JSON.parse(readFileSync(new URL("../../build/wasm/pellicle/package.json", import.meta.url), "utf8"));
+    assert.ok(execFileSync(program, ["--version"]).toString().includes(version), `the package is of version ${version}`);
     sameBits();
     const mesh = meshBytes();
     interaction();
