@@ -6,7 +6,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly demo bench bench-peers web site reproduction python format docs pictures install deb packages clean
+.PHONY: help build program test nightly demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -39,6 +39,13 @@ bench-peers: packages ## compare subdivision with VTK and OpenMesh (takes libvtk
 
 web: build/web/report.html ## build the pages of `pellicle report` and `pellicle live` (takes Node.js and the npm registry)
 
+wasm: ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (takes emscripten and npm)
+	@tools/install-packages emscripten dpkg-dev
+	@tools/fetch-sources build/wasm/sources
+	@cmake --preset wasm >build/wasm/configure.log 2>&1 || { cat build/wasm/configure.log; exit 1; }
+	@cmake --build build/wasm $(QUIET)
+	@$(MAKE) --no-print-directory build/web/play.html
+
 python: packages ## build the Python package and install it into build/venv (README and docs/python.md)
 	@test -x build/venv/bin/python || /usr/bin/python3 -m venv --system-site-packages build/venv
 	@build/venv/bin/pip install --quiet --no-build-isolation --no-index --force-reinstall --no-deps .
@@ -52,9 +59,9 @@ docs: program ## write docs/reference from the program's own tables
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
 
-site: ## make the documentation as web pages in build/site (installs MkDocs and Doxygen)
+site: program wasm ## make the documentation as web pages in build/site, with scenes that play in the browser (installs MkDocs, Doxygen, emscripten)
 	@tools/install-packages mkdocs doxygen
-	@tools/site
+	@tools/site $(PROGRAM)
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md
@@ -78,6 +85,9 @@ clean: ## remove everything that was built (results/ stays)
 # Node.js may come from elsewhere than Debian
 build/web/report.html: web/node_modules/.package-lock.json web/index.html web/live.html web/vite.config.js $(wildcard web/src/* web/src/live/*)
 	@cd web && npm run --silent build
+
+build/web/play.html: web/node_modules/.package-lock.json web/live.html web/vite.config.js $(wildcard web/src/* web/src/live/* build/wasm/pellicle/*)
+	@cd web && npm run --silent build-play
 
 web/node_modules/.package-lock.json: web/package-lock.json
 	@command -v npm >/dev/null || tools/install-packages nodejs npm

@@ -168,6 +168,26 @@ static int serve(const cli_call *call, const pel_scene *scene)
     return cli_report(&error);
 }
 
+/* a page with the simulation in it */
+static int write_page(const cli_call *call, const pel_scene *scene)
+{
+    char found[PATH_SIZE];
+    const char *out = cli_value(call, "html"), *page = cli_value(call, "page");
+    pel_error error;
+    if (page == NULL)
+        page = cli_share_path(found, sizeof found, "play.html");
+    if (page == NULL)
+        return cli_complain("the page that simulates has not been built. build it once with 'make wasm' (it takes the "
+                            "Debian packages emscripten, nodejs and npm), then 'make install', or name it with --page");
+    if (pel_page_write(out, page, scene, cli_has(call, "paused"), &error) != PEL_OK) {
+        pel_scene_locate(scene, &error);
+        return cli_report(&error);
+    }
+    if (!cli_has(call, "quiet"))
+        printf("%s\n", out);
+    return CLI_DONE;
+}
+
 int cli_live(const cli_call *given)
 {
     char path[PATH_SIZE];
@@ -181,7 +201,7 @@ int cli_live(const cli_call *given)
     }
     int status = load(&named, settings, cli_values(&named, "set", settings), &scene);
     if (status == CLI_DONE)
-        status = serve(&named, scene);
+        status = cli_value(&named, "html") != NULL ? write_page(&named, scene) : serve(&named, scene);
     pel_scene_destroy(scene);
     free(settings);
     return status;

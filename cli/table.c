@@ -93,7 +93,9 @@ static const cli_command commands[] = {
             "repeats to the bit. A mesh is filled with tissue, or is a shell of rubber. Without SCENE: the balloon.\n\n"
             "Prints 'live at http://127.0.0.1:PORT/?token=TOKEN', opens the address and serves until it is "
             "interrupted. Only this machine can reach it, unless --host names another address, and only with the "
-            "token.",
+            "token.\n\n"
+            "--html writes one HTML file instead, which simulates in any browser, without this program: scene, meshes "
+            "and the library as WebAssembly are inside.",
         .slots = {{.name = "SCENE|MESH", .kind = CLI_SCENE, .optional = true}},
         .options = {{.name = "shell", .kind = CLI_FLAG, .doc = "make a mesh a shell, not tissue"},
                     {.name = "no-open", .kind = CLI_FLAG, .doc = "open no browser"},
@@ -102,6 +104,10 @@ static const cli_command commands[] = {
                      .kind = CLI_TEXT,
                      .value = "ADDRESS",
                      .doc = "serve on this address of the machine; left out: 127.0.0.1"},
+                    {.name = "html",
+                     .kind = CLI_FILE,
+                     .value = "OUT",
+                     .doc = "write this page, which simulates by itself, and serve nothing"},
                     {.name = "paused", .kind = CLI_FLAG, .doc = "begin paused"},
                     {.name = "set",
                      .kind = CLI_SETTING,
@@ -116,9 +122,10 @@ static const cli_command commands[] = {
                     {.name = "page",
                      .kind = CLI_FILE,
                      .value = "FILE",
-                     .doc = "the page; left out: the one that 'make web' built"},
+                     .doc = "the page; left out: the one that 'make web' built, with --html 'make wasm'"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print the address and errors only"}},
         .examples = "pellicle live balloon\n"
+                    "pellicle live balloon --html balloon.html\n"
                     "pellicle live liver.obj\n"
                     "pellicle live bust.ply --shell --no-open --port 8080",
         .run = cli_live,

@@ -10,8 +10,9 @@ install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL FILES_MATCHING PATTERN *.yaml)
 
-# the pages of `pellicle report` and `pellicle live`; made by `make web`, which this does not wait for
-install(FILES ${PROJECT_SOURCE_DIR}/build/web/report.html ${PROJECT_SOURCE_DIR}/build/web/live.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL)
+# the pages of `pellicle report` and `pellicle live`; made by `make web` and `make wasm`, which this does not wait for
+install(FILES ${PROJECT_SOURCE_DIR}/build/web/report.html ${PROJECT_SOURCE_DIR}/build/web/live.html
+        ${PROJECT_SOURCE_DIR}/build/web/play.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL)
 
 # CMake package
 configure_package_config_file(cmake/pellicle-config.cmake.in pellicle-config.cmake INSTALL_DESTINATION ${PACKAGE_DIR})

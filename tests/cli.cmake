@@ -3,7 +3,7 @@ if(TARGET pellicle_program)
     file(GLOB CLI_CASES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/cli/cases/*.txt)
     foreach(path ${CLI_CASES})
         get_filename_component(name ${path} NAME_WE)
-        if(name MATCHES "^render" AND NOT TARGET pellicle_view)
+        if((name MATCHES "^render" AND NOT TARGET pellicle_view) OR (name STREQUAL "live" AND NOT TARGET pellicle_live))
             continue()
         endif()
         add_test(NAME cli/${name} COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/run_case.py

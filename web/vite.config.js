@@ -1,8 +1,14 @@
+import { readFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { deflateSync } from "node:zlib";
 import { defineConfig } from "vite";
 
-// two pages, built one after the other: PELLICLE_PAGE is report or live
+// three pages, built one after the other: PELLICLE_PAGE is report, live or play. play is live with the simulation in it
+// instead of a connection to the program; it takes the package of `make wasm`.
 const name = process.env.PELLICLE_PAGE ?? "report";
-const input = name === "report" ? "index.html" : `${name}.html`;
+const input = { report: "index.html", live: "live.html", play: "live.html" }[name];
+const core = join(dirname(fileURLToPath(import.meta.url)), "../build/wasm/pellicle");
 
 // puts the script and the style into the page, so that it is one file
 function inline() {
@@ -32,9 +38,27 @@ function inline() {
     };
 }
 
+// the page with the simulation in it: its own script, the module, and the place where the program puts scene and meshes
+function play() {
+    return {
+        name: "play",
+        transformIndexHtml: {
+            order: "pre",
+            handler(html) {
+                const bytes = deflateSync(readFileSync(join(core, "core.wasm")), { level: 9 }).toString("base64");
+                return html
+                    .replace("/src/live/served.js", "/src/live/play.js")
+                    .replace("</body>", () => `<!--pellicle scene, format 1-->\n<script type="text/plain" id="core">${bytes}</script>\n</body>`);
+            },
+        },
+    };
+}
+
 export default defineConfig({
     base: "./",
-    plugins: [inline()],
+    plugins: [...(name === "play" ? [play()] : []), inline()],
+    resolve: { alias: { pellicle: core } },
+    worker: { format: "iife" },
     build: {
         target: ["chrome110", "firefox115", "safari16.4"],
         outDir: "../build/web",

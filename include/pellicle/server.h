@@ -1,5 +1,6 @@
-/* Pellicle: a simulation in a browser. A page is served by HTTP; what it draws and the commands of its user go through
-   one WebSocket. In the library pellicle_live, which is built where libwebsockets is installed. */
+/* Pellicle: a simulation in a browser: served by a program, or inside the page. A page is served by HTTP; what it draws
+   and the commands of its user go through one WebSocket. In the library pellicle_live, which is built where
+   libwebsockets is installed. */
 #ifndef PELLICLE_SERVER_H
 #define PELLICLE_SERVER_H
 
@@ -32,6 +33,14 @@ PEL_API pel_server_def pel_server_def_default(void);
    PEL_BAD_FILE (the page cannot be read; the port is taken, with the remedy), what pel_model_create and pel_sim_create
    return, PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_serve(const pel_server_def *def, pel_error *error);
+
+/* Writes a page of one file that simulates the scene in the browser, without a program or a server: `template_path` is
+   the page play.html of `make wasm`, which has the library as WebAssembly; scene and meshes go into it. Absolute paths
+   do not: meshes are called by their names, and meshes that assimp reads become PLY. paused: it does not begin by
+   itself. PEL_BAD_FILE (template, meshes, path), PEL_BAD_FORMAT (no such template), PEL_OUT_OF_MEMORY, what
+   pel_model_create and pel_sim_create say of the scene; nothing is written then. */
+PEL_API pel_status pel_page_write(const char *path, const char *template_path, const pel_scene *scene, bool paused,
+                                  pel_error *error);
 
 #ifdef __cplusplus
 }

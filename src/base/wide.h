@@ -5,6 +5,7 @@
 #ifndef PEL_BASE_WIDE_H
 #define PEL_BASE_WIDE_H
 
+#include "base/halves.h"
 #include "pellicle/base.h"
 
 #include <math.h>
@@ -54,6 +55,8 @@ static inline pel_record pel_record_max(pel_record a, pel_record b)
     return _mm_max_ps(a, b);
 #elif !defined(PEL_SINGLE) && defined(__AVX__)
     return _mm256_max_pd(a, b);
+#elif defined(PEL_HALVES) && !defined(PEL_SINGLE)
+    return pel_halves_max(a, b);
 #else
     return (pel_record){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1], a[2] > b[2] ? a[2] : b[2],
                         a[3] > b[3] ? a[3] : b[3]};
@@ -93,6 +96,8 @@ static inline pel_wide pel_wide_sqrt(pel_wide a)
     return _mm256_sqrt_ps(a);
 #elif defined(__AVX__)
     return _mm256_sqrt_pd(a);
+#elif defined(PEL_HALVES) && !defined(PEL_SINGLE)
+    return pel_halves_sqrt(a);
 #else
     for (int i = 0; i < PEL_WIDTH; i++)
         a[i] = pel_sqrt(a[i]);
@@ -107,6 +112,8 @@ static inline pel_wide pel_wide_max(pel_wide a, pel_wide b)
     return _mm256_max_ps(a, b);
 #elif defined(__AVX__)
     return _mm256_max_pd(a, b);
+#elif defined(PEL_HALVES) && !defined(PEL_SINGLE)
+    return pel_halves_max(a, b);
 #else
     for (int i = 0; i < PEL_WIDTH; i++)
         a[i] = a[i] > b[i] ? a[i] : b[i];
@@ -138,6 +145,8 @@ static inline bool pel_wide_all(pel_wide_mask mask)
     return _mm256_movemask_ps((__m256)mask) == 255;
 #elif defined(__AVX__)
     return _mm256_movemask_pd((__m256d)mask) == 15;
+#elif defined(PEL_HALVES) && !defined(PEL_SINGLE)
+    return pel_halves_all((pel_halves)mask);
 #else
     bool all = true;
     for (int i = 0; i < PEL_WIDTH; i++)

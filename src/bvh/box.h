@@ -10,6 +10,8 @@
 #include <math.h>
 #if defined(__SSE2__)
 #include <immintrin.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 
 /* x, y, z and 0 */
@@ -32,6 +34,8 @@ static inline pel_corner pel_corner_min(pel_corner a, pel_corner b)
 {
 #if defined(__SSE2__)
     return _mm_min_ps(a, b);
+#elif defined(__wasm_simd128__)
+    return (pel_corner)wasm_f32x4_pmin((v128_t)b, (v128_t)a);
 #else
     return (pel_corner){fminf(a[0], b[0]), fminf(a[1], b[1]), fminf(a[2], b[2]), 0};
 #endif
@@ -41,6 +45,8 @@ static inline pel_corner pel_corner_max(pel_corner a, pel_corner b)
 {
 #if defined(__SSE2__)
     return _mm_max_ps(a, b);
+#elif defined(__wasm_simd128__)
+    return (pel_corner)wasm_f32x4_pmax((v128_t)b, (v128_t)a);
 #else
     return (pel_corner){fmaxf(a[0], b[0]), fmaxf(a[1], b[1]), fmaxf(a[2], b[2]), 0};
 #endif
@@ -51,6 +57,8 @@ static inline bool pel_corner_below(pel_corner a, pel_corner b)
 {
 #if defined(__SSE2__)
     return _mm_movemask_ps(_mm_cmple_ps(a, b)) == 15;
+#elif defined(__wasm_simd128__)
+    return wasm_i32x4_all_true(wasm_f32x4_le((v128_t)a, (v128_t)b));
 #else
     return a[0] <= b[0] && a[1] <= b[1] && a[2] <= b[2];
 #endif
@@ -116,6 +124,9 @@ static inline unsigned pel_box8_bits(pel_box8_mask mask)
 {
 #if defined(__AVX__)
     return (unsigned)_mm256_movemask_ps((__m256)mask);
+#elif defined(__wasm_simd128__)
+    return wasm_i32x4_bitmask((v128_t)__builtin_shufflevector(mask, mask, 0, 1, 2, 3)) |
+           wasm_i32x4_bitmask((v128_t)__builtin_shufflevector(mask, mask, 4, 5, 6, 7)) << 4;
 #else
     unsigned bits = 0;
     for (int lane = 0; lane < PEL_LANES; lane++)

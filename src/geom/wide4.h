@@ -1,7 +1,10 @@
 /* Four doubles side by side, with GCC and Clang vector types: + - * / work as they are, on any target. Minimum, maximum
-   and square root use AVX where the compiler targets it; the other form gives the same bits. */
+   and square root use AVX or the vectors of WebAssembly where the compiler targets them; the other form gives the same
+   bits. */
 #ifndef PEL_GEOM_WIDE4_H
 #define PEL_GEOM_WIDE4_H
+
+#include "base/halves.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -35,6 +38,8 @@ WIDE4_INLINE bool wide4_all(wide4_mask mask)
 {
 #ifdef __AVX__
     return _mm256_movemask_pd((__m256d)mask) == 15;
+#elif defined(PEL_HALVES)
+    return pel_halves_all((pel_halves)mask);
 #else
     return (mask[0] & mask[1] & mask[2] & mask[3]) != 0;
 #endif
@@ -56,6 +61,8 @@ WIDE4_INLINE wide4 wide4_min(wide4 a, wide4 b)
 {
 #ifdef __AVX__
     return (wide4)_mm256_min_pd((__m256d)a, (__m256d)b);
+#elif defined(PEL_HALVES)
+    return pel_halves_min(a, b);
 #else
     return wide4_select(a < b, a, b);
 #endif
@@ -66,6 +73,8 @@ WIDE4_INLINE wide4 wide4_max(wide4 a, wide4 b)
 {
 #ifdef __AVX__
     return (wide4)_mm256_max_pd((__m256d)a, (__m256d)b);
+#elif defined(PEL_HALVES)
+    return pel_halves_max(a, b);
 #else
     return wide4_select(a > b, a, b);
 #endif
@@ -75,6 +84,8 @@ WIDE4_INLINE wide4 wide4_sqrt(wide4 a)
 {
 #ifdef __AVX__
     return (wide4)_mm256_sqrt_pd((__m256d)a);
+#elif defined(PEL_HALVES)
+    return pel_halves_sqrt(a);
 #else
     return (wide4){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])};
 #endif

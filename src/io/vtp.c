@@ -148,20 +148,21 @@ static void encode(const vtp_array *array, unsigned char *out)
 static pel_status append_array(pel_vtp_writer *writer, vtp_section *section, vtp_array *array, bool compress,
                                pel_error *error)
 {
-    uint64_t size = array_size(array);
+    size_t size = array_size(array);
+    const uint64_t head = size;
     array->offset = section->size;
-    if (!grow(section, section->size + (compress ? pel_vtk_blocks_bound(size) : sizeof size + size)) ||
+    if (!grow(section, section->size + (compress ? pel_vtk_blocks_bound(size) : sizeof head + size)) ||
         (compress && !grow(&writer->scratch, size)))
         return pel_fail_memory(error);
     unsigned char *out = (unsigned char *)section->bytes + section->size;
-    size_t used = sizeof size + size;
+    size_t used = sizeof head + size;
     pel_status status = PEL_OK;
     if (compress) {
         encode(array, writer->scratch.bytes);
         status = pel_vtk_blocks_pack(writer->scratch.bytes, size, out, &used, error);
     } else {
-        memcpy(out, &size, sizeof size);
-        encode(array, out + sizeof size);
+        memcpy(out, &head, sizeof head);
+        encode(array, out + sizeof head);
     }
     if (status == PEL_OK)
         section->size += used;

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <string.h>
 #include <time.h>
 
 void pel_mailbox_create(pel_mailbox *box)
@@ -69,6 +70,58 @@ bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *c
     bool goes_on = !box->ended;
     pthread_mutex_unlock(&box->lock);
     return goes_on;
+}
+
+static bool is_slow(const pel_mail_reader *reader)
+{
+    return reader->sent - reader->drawn >= PEL_FRAMES_UNDER_WAY;
+}
+
+/* the first kind of message that is due, PEL_POST_COUNT for none */
+static int find_due(const pel_mailbox *box, const pel_mail_reader *reader)
+{
+    int kind = 0;
+    while (kind < PEL_POST_COUNT &&
+           (box->posts[kind].revision == reader->known[kind] || (kind == PEL_POST_FRAME && is_slow(reader))))
+        kind++;
+    return kind;
+}
+
+int pel_mailbox_take(pel_mailbox *box, pel_mail_reader *reader, size_t before, unsigned char **bytes, size_t *room,
+                     size_t *size)
+{
+    void *grown = *bytes;
+    pthread_mutex_lock(&box->lock);
+    int kind = find_due(box, reader);
+    if (kind < PEL_POST_COUNT && !pel_reserve(&grown, room, before + box->posts[kind].size, 1))
+        kind = -1;
+    if (kind >= 0 && kind < PEL_POST_COUNT) {
+        const pel_post *post = &box->posts[kind];
+        *bytes = grown;
+        memcpy(*bytes + before, post->bytes, post->size);
+        *size = post->size;
+        reader->known[kind] = post->revision;
+        reader->sent += kind == PEL_POST_FRAME;
+    }
+    pthread_mutex_unlock(&box->lock);
+    if (kind == PEL_POST_COUNT && !is_slow(reader))
+        pel_mailbox_want(box);
+    return kind;
+}
+
+void pel_mailbox_drawn(pel_mail_reader *reader)
+{
+    reader->drawn += reader->drawn != reader->sent;
+}
+
+void pel_mailbox_welcome(pel_mailbox *box, pel_mail_reader *reader)
+{
+    *reader = (pel_mail_reader){0};
+    pthread_mutex_lock(&box->lock);
+    reader->known[PEL_POST_NOTICE] = box->posts[PEL_POST_NOTICE].revision;
+    reader->known[PEL_POST_SCENE] = box->posts[PEL_POST_SCENE].revision;
+    pthread_mutex_unlock(&box->lock);
+    pel_mailbox_want(box);
 }
 
 void pel_mailbox_line(pel_mailbox *box, char *line)

@@ -24,6 +24,7 @@ typedef enum pel_post_kind {
 enum {
     PEL_LINE_LIMIT = 1024,       /* lines that wait */
     PEL_MESSAGE_LIMIT = 8 << 20, /* bytes of one */
+    PEL_FRAMES_UNDER_WAY = 2,
 };
 
 typedef struct pel_post {
@@ -48,6 +49,12 @@ typedef struct pel_mailbox {
 void pel_mailbox_create(pel_mailbox *box);
 void pel_mailbox_destroy(pel_mailbox *box);
 
+/* What one page has received. */
+typedef struct pel_mail_reader {
+    uint32_t known[PEL_POST_COUNT]; /* revisions */
+    uint32_t sent, drawn;           /* frames */
+} pel_mail_reader;
+
 /* ---- the simulation's side ---- */
 
 /* Takes the ownership of bytes (pel_allocate); null is fine and does nothing. */
@@ -55,7 +62,18 @@ void pel_mailbox_post(pel_mailbox *box, pel_post_kind kind, unsigned char *bytes
 /* Waits at most so long for lines; takes them (to be freed). Returns false at the end. */
 bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *count);
 
-/* ---- the server's side ---- */
+/* ---- the reader's side ---- */
+
+/* Copies the first message that is due to *bytes + before (*bytes grows; *room is its size). Returns its kind, -1 when
+   out of memory, and PEL_POST_COUNT when none is due: then it asks for a frame if the page can draw one. A page that
+   has not drawn PEL_FRAMES_UNDER_WAY frames gets no further one, so that no queue grows between the simulation and the
+   eye. */
+int pel_mailbox_take(pel_mailbox *box, pel_mail_reader *reader, size_t before, unsigned char **bytes, size_t *room,
+                     size_t *size);
+/* The page drew a frame. */
+void pel_mailbox_drawn(pel_mail_reader *reader);
+/* Starts a reader without the notices and saved scenes of others. */
+void pel_mailbox_welcome(pel_mailbox *box, pel_mail_reader *reader);
 
 /* Takes the ownership of the line; null is fine and does nothing. */
 void pel_mailbox_line(pel_mailbox *box, char *line);

@@ -6,6 +6,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- small pieces of JSON ---- */
@@ -124,7 +125,35 @@ static void put_box(pel_json *json, const pel_model_def *model)
     put_numbers(json, "high", high, 3);
 }
 
-unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, double stiffness, size_t *size)
+static bool read_number(const pel_sim *sim, const char *body, const char *key, double *value)
+{
+    char path[PEL_PARAMETER_PATH_SIZE];
+    pel_parameter_info info;
+    snprintf(path, sizeof path, "bodies.%s.%s", body, key);
+    if (pel_parameter_find(sim, path, &info, NULL) != PEL_OK || !isfinite(info.value[0]))
+        return false;
+    *value = info.value[0];
+    return true;
+}
+
+/* N/m, a spring about as stiff as the piece of surface that it holds: E h of a sheet; of springs those of some edges */
+static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
+{
+    double most = 0;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        const char *name = scene->model.bodies[b].name;
+        double young = 0, thickness = 0, springs = 0, home = 0;
+        if (read_number(sim, name, "membrane.young", &young) &&
+            read_number(sim, name, "membrane.thickness", &thickness))
+            most = fmax(most, 0.3 * young * thickness);
+        read_number(sim, name, "volumetric.stiffness", &home);
+        if (read_number(sim, name, "springs.stiffness", &springs))
+            most = fmax(most, 4 * (springs + home));
+    }
+    return most > 0 ? most : 1;
+}
+
+unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, size_t *size)
 {
     pel_json json = {0};
     pel_json_print(&json, "{");
@@ -132,7 +161,7 @@ unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, double st
     put_string(&json, "title", scene->title);
     put_string(&json, "path", scene->path);
     put_number(&json, "dt", scene->sim.solver.dt);
-    put_number(&json, "stiffness", stiffness);
+    put_number(&json, "stiffness", suit_stiffness(sim, scene));
     put_box(&json, &scene->model);
     put_key(&json, "bodies");
     pel_json_print(&json, "[");
@@ -333,6 +362,13 @@ static bool fill_frame(pel_sim *sim, int32_t field, unsigned char *at)
     return done;
 }
 
+static void put_hash(pel_json *json, const pel_sim *sim)
+{
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, pel_sim_hash(sim));
+    put_string(json, "hash", hash);
+}
+
 static void put_counts(pel_json *json, const pel_sim *sim)
 {
     put_key(json, "bodies");
@@ -363,7 +399,7 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
     put_number(&json, "undo", pel_session_undo_count(session));
     put_string(&json, "field", field >= 0 ? pel_field_at(field)->name : "");
     if (!pace->playing)
-        pel_json_print(&json, ",\"hash\":\"%016" PRIx64 "\"", pel_sim_hash(sim));
+        put_hash(&json, sim);
     put_hand(&json, session);
     put_poses(&json, sim);
     put_counts(&json, sim);
@@ -375,6 +411,20 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
         return NULL;
     }
     return bytes;
+}
+
+unsigned char *pel_message_summary(pel_sim *sim, const pel_session *session, size_t *size)
+{
+    pel_json json = {0};
+    pel_json_print(&json, "{");
+    put_number(&json, "time", pel_sim_time(sim));
+    put_number(&json, "step", (double)pel_sim_step_count(sim));
+    put_hash(&json, sim);
+    put_hand(&json, session);
+    put_poses(&json, sim);
+    put_measures(&json, sim);
+    pel_json_print(&json, "}");
+    return text_message(&json, size);
 }
 
 unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *session, size_t *size)

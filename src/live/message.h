@@ -17,12 +17,14 @@ typedef struct pel_pace {
 } pel_pace;
 
 /* Each returns a new message (pel_allocate), null when out of memory. */
-unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, double stiffness, size_t *size);
+unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, size_t *size);
 unsigned char *pel_message_parameters(const pel_sim *sim, const pel_session *session, const pel_scene *scene,
                                       size_t *size);
 /* field -1 = none */
 unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32_t field, const pel_pace *pace,
                                  size_t *size);
+/* text: time, step, hash, hand, tools and measures */
+unsigned char *pel_message_summary(pel_sim *sim, const pel_session *session, size_t *size);
 unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *session, size_t *size);
 unsigned char *pel_message_scene(const char *text, size_t *size);
 unsigned char *pel_message_notice(const char *kind, const char *text, size_t *size);

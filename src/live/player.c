@@ -23,6 +23,8 @@
 #define PACE_SECONDS 0.5
 /* steps a second of methods that look for rest */
 #define REST_STEP_SECONDS (1.0 / 60)
+/* intervals in a row that are slow before it is told: browsers compile the first steps in a hurry */
+enum { SLOW_INTERVALS = 3 };
 
 struct pel_player {
     const pel_server_def *def;
@@ -44,6 +46,7 @@ struct pel_player {
     double interval_at, interval_time, interval_stepping, interval_serving;
     int64_t interval_steps;
     double pace, step_ms, serving;
+    int slow_intervals; /* in a row */
     bool has_told_slow;
 };
 
@@ -73,39 +76,10 @@ static void tell_error(pel_player *player, const char *before, const pel_error *
     pel_log_line(player->def->log, "%s", whole);
 }
 
-static bool read_number(const pel_sim *sim, const char *body, const char *key, double *value)
-{
-    char path[PEL_PARAMETER_PATH_SIZE];
-    pel_parameter_info info;
-    snprintf(path, sizeof path, "bodies.%s.%s", body, key);
-    if (pel_parameter_find(sim, path, &info, NULL) != PEL_OK || !isfinite(info.value[0]))
-        return false;
-    *value = info.value[0];
-    return true;
-}
-
-/* N/m, a spring about as stiff as the piece of surface that it holds: E h of a sheet; of springs those of some edges */
-static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
-{
-    double most = 0;
-    for (int32_t b = 0; b < scene->model.body_count; b++) {
-        const char *name = scene->model.bodies[b].name;
-        double young = 0, thickness = 0, springs = 0, home = 0;
-        if (read_number(sim, name, "membrane.young", &young) &&
-            read_number(sim, name, "membrane.thickness", &thickness))
-            most = fmax(most, 0.3 * young * thickness);
-        read_number(sim, name, "volumetric.stiffness", &home);
-        if (read_number(sim, name, "springs.stiffness", &springs))
-            most = fmax(most, 4 * (springs + home));
-    }
-    return most > 0 ? most : 1;
-}
-
 static void post_hello(pel_player *player)
 {
     size_t size = 0;
-    double stiffness = suit_stiffness(player->sim, player->scene);
-    unsigned char *bytes = pel_message_hello(player->scene, player->sim, stiffness, &size);
+    unsigned char *bytes = pel_message_hello(player->scene, player->sim, &size);
     pel_mailbox_post(player->box, PEL_POST_HELLO, bytes, size);
 }
 
@@ -195,6 +169,7 @@ static pel_status start_scene(pel_player *player, pel_error *error)
     player->step_seconds = rests ? fmin(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
     player->field = -1;
     player->changed = player->has_new_parameters = true;
+    player->slow_intervals = 0;
     player->has_told_slow = false;
     return PEL_OK;
 }
@@ -268,7 +243,9 @@ static void tell_slow(pel_player *player)
     char text[300];
     const char *remedy = player->scene->sim.contact.enabled ? "a coarser mesh or a longer dt"
                                                             : "fewer substeps, a coarser mesh or a longer dt";
-    if (player->pace > 0.8 || player->pace <= 0 || player->has_told_slow)
+    bool is_slow = player->pace <= 0.8 && player->pace > 0;
+    player->slow_intervals = is_slow ? player->slow_intervals + 1 : 0;
+    if (player->slow_intervals < SLOW_INTERVALS || player->has_told_slow)
         return;
     player->has_told_slow = true;
     snprintf(text, sizeof text,
@@ -397,29 +374,35 @@ static void do_line(pel_player *player, const char *line)
     player->changed = true;
 }
 
-void *pel_player_run(void *context)
+double pel_player_rest(const pel_player *player)
 {
-    pel_player *player = context;
+    double now = clock_now(), rest = player->playing ? player->due - now : 0.1;
+    if (player->changed && atomic_load(&player->box->wanted))
+        return fmin(rest, player->pictured_at + PICTURE_SECONDS - now);
+    return player->changed ? fmin(rest, 0.004) : fmin(rest, 0.1);
+}
+
+bool pel_player_turn(pel_player *player, double rest)
+{
     char *lines[PEL_LINE_LIMIT];
     int32_t count = 0;
-    play(player, false);
-    for (bool goes_on = true; goes_on;) {
-        double now = clock_now(), rest = player->playing ? player->due - now : 0.1;
-        if (player->changed && atomic_load(&player->box->wanted))
-            rest = fmin(rest, player->pictured_at + PICTURE_SECONDS - now);
-        else if (player->changed)
-            rest = fmin(rest, 0.004);
-        goes_on = pel_mailbox_wait(player->box, rest, lines, &count);
-        for (int32_t i = 0; i < count; i++) {
-            if (goes_on)
-                do_line(player, lines[i]);
-            pel_free(lines[i]);
-        }
-        if (goes_on && player->playing)
-            do_steps(player);
+    bool goes_on = pel_mailbox_wait(player->box, rest, lines, &count);
+    for (int32_t i = 0; i < count; i++) {
         if (goes_on)
-            post_all(player);
+            do_line(player, lines[i]);
+        pel_free(lines[i]);
     }
+    if (goes_on && player->playing)
+        do_steps(player);
+    if (goes_on)
+        post_all(player);
+    return goes_on;
+}
+
+void *pel_player_run(void *player)
+{
+    while (pel_player_turn(player, pel_player_rest(player)))
+        ;
     return NULL;
 }
 
@@ -439,6 +422,7 @@ pel_status pel_player_create(const pel_server_def *def, pel_mailbox *box, pel_pl
     }
     post_scene(made);
     post_parameters(made);
+    play(made, false);
     *player = made;
     return PEL_OK;
 }

@@ -1,6 +1,5 @@
 /* HTTP and WebSocket through libwebsockets: the page, and one channel to it. All of this runs in the caller's thread.
-   A page that has not yet drawn two pictures gets no further one, so that no queue grows between the simulation and
-   the eye. */
+ */
 #define _XOPEN_SOURCE 700
 #include "pellicle/server.h"
 
@@ -13,13 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum {
-    SERVER_COOKIE = 0x73727621,
-    TOKEN_BYTES = 16,
-    PICTURES_UNDER_WAY = 2,
-    HOST_SIZE = 300,
-    BEAT_MICROSECONDS = 100000
-};
+enum { SERVER_COOKIE = 0x73727621, TOKEN_BYTES = 16, HOST_SIZE = 300, BEAT_MICROSECONDS = 100000 };
 
 typedef struct server {
     const pel_server_def *def;
@@ -36,9 +29,8 @@ typedef struct server {
 
 /* a page */
 typedef struct page {
-    uint32_t known[PEL_POST_COUNT];
-    uint32_t sent, drawn; /* pictures */
-    char *line;           /* a message as it comes in */
+    pel_mail_reader reader;
+    char *line; /* a message as it comes in */
     size_t length, room;
 } page;
 
@@ -98,53 +90,15 @@ static int serve_page(const server *s, struct lws *wsi, const char *path)
 
 /* ---- messages to a page ---- */
 
-static bool is_due(const page *p, const pel_post *posts, int kind)
-{
-    if (posts[kind].revision == p->known[kind])
-        return false;
-    return kind != PEL_POST_FRAME || p->sent - p->drawn < PICTURES_UNDER_WAY;
-}
-
-/* copies the first message that is due; returns its kind, PEL_POST_COUNT for none, -1 when out of memory */
-static int take_post(server *s, page *p, size_t *size)
-{
-    int kind = 0;
-    pthread_mutex_lock(&s->box.lock);
-    while (kind < PEL_POST_COUNT && !is_due(p, s->box.posts, kind))
-        kind++;
-    if (kind < PEL_POST_COUNT) {
-        const pel_post *post = &s->box.posts[kind];
-        void *bytes = s->sending;
-        if (pel_reserve(&bytes, &s->room, LWS_PRE + post->size, 1)) {
-            s->sending = bytes;
-            memcpy(s->sending + LWS_PRE, post->bytes, post->size);
-            *size = post->size;
-            p->known[kind] = post->revision;
-        } else {
-            kind = -1;
-        }
-    }
-    pthread_mutex_unlock(&s->box.lock);
-    return kind;
-}
-
 static int send_post(server *s, struct lws *wsi, page *p)
 {
     size_t size = 0;
-    int kind = take_post(s, p, &size);
-    if (kind < 0)
-        return -1;
-    if (kind == PEL_POST_COUNT) {
-        /* the page has all and could draw one more */
-        if (p->sent - p->drawn < PICTURES_UNDER_WAY)
-            pel_mailbox_want(&s->box);
-        return 0;
-    }
+    int kind = pel_mailbox_take(&s->box, &p->reader, LWS_PRE, &s->sending, &s->room, &size);
+    if (kind < 0 || kind == PEL_POST_COUNT)
+        return kind < 0 ? -1 : 0;
     bool binary = kind == PEL_POST_FRAME || kind == PEL_POST_SURFACE;
     if (lws_write(wsi, s->sending + LWS_PRE, size, binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT) < (int)size)
         return -1;
-    if (kind == PEL_POST_FRAME)
-        p->sent++;
     lws_callback_on_writable(wsi);
     return 0;
 }
@@ -155,7 +109,7 @@ static int send_post(server *s, struct lws *wsi, page *p)
 static void take_line(server *s, struct lws *wsi, page *p)
 {
     if (strcmp(p->line, "drawn") == 0) {
-        p->drawn += p->drawn != p->sent;
+        pel_mailbox_drawn(&p->reader);
         lws_callback_on_writable(wsi);
         return;
     }
@@ -185,12 +139,7 @@ static int receive(server *s, struct lws *wsi, page *p, const char *bytes, size_
 static void welcome(server *s, struct lws *wsi, page *p)
 {
     *p = (page){0};
-    pthread_mutex_lock(&s->box.lock);
-    /* what was said to others */
-    p->known[PEL_POST_NOTICE] = s->box.posts[PEL_POST_NOTICE].revision;
-    p->known[PEL_POST_SCENE] = s->box.posts[PEL_POST_SCENE].revision;
-    pthread_mutex_unlock(&s->box.lock);
-    pel_mailbox_want(&s->box);
+    pel_mailbox_welcome(&s->box, &p->reader);
     /* nobody misses the beginning */
     if (!s->was_seen && !s->def->paused)
         pel_mailbox_line(&s->box, pel_copy_string("play"));

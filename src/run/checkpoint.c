@@ -136,7 +136,7 @@ static pel_status check(const pel_run_state *run, const char *path, const char *
     if (strncmp(header->version, PEL_VERSION, sizeof header->version) != 0)
         return refuse_version(path, error);
     if (header->fingerprint != run->fingerprint || size != run->checkpoint_size)
-        return refuse_scene(run, path, bytes, size - sizeof hash, header->snapshot_at, error);
+        return refuse_scene(run, path, bytes, size - sizeof hash, (size_t)header->snapshot_at, error);
     return PEL_OK;
 }
 

@@ -1,9 +1,20 @@
 #include "pellicle/import.h"
 
+#include "base/status.h"
+#include "pellicle/mesh_io.h"
+
+#ifndef PELLICLE_ASSIMP
+
+pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error)
+{
+    return pel_mesh_read(path, PEL_FORMAT_AUTO, log, mesh, error);
+}
+
+#else
+
 #include "base/memory.h"
 #include "io/file.h"
 #include "io/polygon_soup.h"
-#include "pellicle/mesh_io.h"
 
 #include <assimp/cimport.h>
 #include <assimp/scene.h>
@@ -171,3 +182,5 @@ pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh
     aiReleaseImport(state.scene);
     return status;
 }
+
+#endif

@@ -10,6 +10,7 @@ typedef struct printer {
     char *text;
     size_t length, capacity;
     bool failed;
+    const pel_scene_names *names; /* of mesh files, null = their own */
 } printer;
 
 static void put(printer *out, const char *text)
@@ -67,12 +68,23 @@ static void put_quoted(printer *out, const char *text)
     put(out, "\"");
 }
 
+/* the text of a scalar: of the file of a mesh its new name */
+static const char *text_of(const printer *out, const pel_scene_value *value)
+{
+    bool is_file = value->key != NULL && strcmp(value->key, "file") == 0;
+    for (int32_t i = 0; is_file && out->names != NULL && i < out->names->count; i++)
+        if (strcmp(value->text, out->names->from[i]) == 0)
+            return out->names->to[i];
+    return value->text;
+}
+
 static void put_scalar(printer *out, const pel_scene_value *value)
 {
-    if (value->form == PEL_FORM_TEXT && !is_plain_text(value->text))
-        put_quoted(out, value->text);
+    const char *text = text_of(out, value);
+    if (value->form == PEL_FORM_TEXT && !is_plain_text(text))
+        put_quoted(out, text);
     else
-        put(out, value->text);
+        put(out, text);
 }
 
 /* a list without maps, in one line */
@@ -133,13 +145,22 @@ static void put_block(printer *out, const pel_scene_value *value, int depth)
     }
 }
 
-const char *pel_scene_print(pel_scene_reader *reader, const pel_scene_value *root)
+char *pel_scene_print_renamed(const pel_scene_value *root, const pel_scene_names *names)
 {
-    printer out = {0};
+    printer out = {.names = names};
     put(&out, "# a scene of pellicle " PEL_VERSION " with all defaults filled in\n");
     put_block(&out, root, 0);
-    const char *text = out.failed ? NULL : pel_arena_text(reader->arena, out.text, out.length);
+    if (!out.failed)
+        return out.text;
     pel_free(out.text);
+    return NULL;
+}
+
+const char *pel_scene_print(pel_scene_reader *reader, const pel_scene_value *root)
+{
+    char *printed = pel_scene_print_renamed(root, NULL);
+    const char *text = printed != NULL ? pel_arena_text(reader->arena, printed, strlen(printed)) : NULL;
+    pel_free(printed);
     if (text == NULL)
         pel_fail_memory(reader->error);
     return text;

@@ -7,6 +7,7 @@
 #include "scene/defaults.h"
 #include "scene/method.h"
 #include "scene/override.h"
+#include "scene/portable.h"
 #include "scene/print.h"
 #include "scene/validate.h"
 #include "scene/yaml.h"
@@ -206,6 +207,12 @@ const char *pel_scene_text(const pel_scene *scene)
     if (scene == NULL)
         return "";
     return ((const scene_storage *)scene->inner)->text;
+}
+
+char *pel_scene_portable_text(const pel_scene *scene, const char *const *names)
+{
+    const pel_scene_names renamed = {scene->mesh_files, names, scene->mesh_file_count};
+    return pel_scene_print_renamed(((const scene_storage *)scene->inner)->root, &renamed);
 }
 
 /* the value that an error of the model or the simulation is about; the whole scene when there is none nearer */

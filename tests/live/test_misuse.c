@@ -26,6 +26,10 @@ static void test_server(void **unused)
     FAILS(pel_serve(&wrong, &error));
     wrong = def, wrong.host = "203.0.113.1";
     FAILS(pel_serve(&wrong, &error));
+    REFUSED("path", pel_page_write(NULL, def.page, scene, false, &error));
+    REFUSED("template", pel_page_write("page.html", NULL, scene, false, &error));
+    REFUSED("scene", pel_page_write("page.html", def.page, NULL, false, &error));
+    FAILS(pel_page_write("page.html", def.page, scene, false, &error));
     pel_scene_destroy(scene);
     assert_int_equal(misuse_failures, 0);
 }

@@ -51,7 +51,7 @@ function decodeFrame(run, index, bytes) {
     run.ready = index + 1;
 }
 
-function fromBase64(text) {
+export function fromBase64(text) {
     if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
     const binary = atob(text);
     const bytes = new Uint8Array(binary.length);

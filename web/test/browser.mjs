@@ -17,8 +17,9 @@ const flags = [
     "--disable-sync",
 ];
 
-// { open(file, { viewport, dark }), visit(address, the same), close() }; open gives { page, errors, opened }, opened in
-// milliseconds; visit gives { page, errors } of the live page once it has drawn
+// { open(file, { viewport, dark }), play(file, the same), visit(address, the same), close() }; open gives { page, errors,
+// opened }, opened in milliseconds; visit gives { page, errors } of the live page once it has drawn, play those of a page
+// that simulates by itself with the milliseconds until it had `drawn`, or had said why it cannot
 export async function startBrowser() {
     const profile = mkdtempSync(join(tmpdir(), "pellicle-browser-"));
     const context = await chromium.launchPersistentContext(profile, {
@@ -45,6 +46,13 @@ export async function startBrowser() {
             const drawn = performance.now() - start;
             await page.waitForFunction(() => document.body.classList.contains("ready"));
             return { page, errors, drawn, opened: performance.now() - start };
+        },
+        async play(file, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {
+            const { page, errors } = await newPage(/^(file|data|blob):/, viewport, dark);
+            const start = performance.now();
+            await page.goto(`file://${file}`);
+            await page.waitForFunction(() => globalThis.pellicle?.frame || document.body.classList.contains("away"));
+            return { page, errors, drawn: performance.now() - start };
         },
         async visit(address, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {
             const { page, errors } = await newPage(/^(http:\/\/127\.0\.0\.1:|ws:\/\/127\.0\.0\.1:|data:|blob:)/, viewport, dark);

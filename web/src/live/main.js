@@ -6,7 +6,6 @@ import { element } from "../plots.js";
 import { Parameters } from "./parameters.js";
 import { LivePlots } from "./plots.js";
 import { Stage } from "./stage.js";
-import { Wire } from "./wire.js";
 
 const $ = (id) => document.getElementById(id);
 
@@ -33,7 +32,7 @@ const ruler = []; // up to two places on surfaces
 
 const stage = new Stage($("view"), () => needs());
 const plots = new LivePlots($("plots"));
-const wire = new Wire(receive, showConnection);
+let wire = null;
 const send = (line) => wire.send(line);
 const parameters = new Parameters($("parameters"), send);
 
@@ -88,11 +87,12 @@ function showNotice({ kind, text }) {
 }
 let noticeTimer = 0;
 
-function showConnection(open) {
-    document.body.classList.toggle("away", !open);
-    if (!open) {
+// why: what the user is to know of a connection that is lost; "" = it is there
+function showConnection(why) {
+    document.body.classList.toggle("away", why !== "");
+    if (why !== "") {
         hand = null;
-        $("facts").textContent = "The program has ended or cannot be reached. Start it again, or wait: this page tries again.";
+        $("facts").textContent = why;
     }
 }
 
@@ -570,20 +570,26 @@ $("theme").addEventListener("click", () => {
     showTheme();
 });
 
-makeControls();
-listenToPicture();
-listenToKeys();
-showTheme();
-new ResizeObserver(() => {
-    stage.resize();
-    needs();
-}).observe($("picture"));
+// connect(received, changed) opens a channel with send(line): wire.js, or worker-wire.js
+export function run(connect) {
+    makeControls();
+    listenToPicture();
+    listenToKeys();
+    showTheme();
+    new ResizeObserver(() => {
+        stage.resize();
+        needs();
+    }).observe($("picture"));
+    wire = connect(receive, showConnection);
+}
 
 globalThis.pellicle = {
     state,
     stage,
-    wire,
     send,
+    get wire() {
+        return wire;
+    },
     plots,
     get frame() {
         return shown;

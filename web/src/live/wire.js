@@ -1,4 +1,4 @@
-// The channel to the program (src/live/message.c describes its messages).
+// Messages of the player (src/live/message.h), and the channel to the program that serves the page.
 
 // { head, arrays: the rest of the buffer as a DataView-like cursor }
 function readBinary(buffer) {
@@ -31,8 +31,15 @@ function readFrame({ head, take }) {
     return head;
 }
 
+// { type, ... } of a text or an ArrayBuffer
+export function readMessage(data) {
+    if (typeof data === "string") return JSON.parse(data);
+    const message = readBinary(data);
+    return message.head.type === "surface" ? readSurface(message) : readFrame(message);
+}
+
 export class Wire {
-    // received(message) gets { type, ... }; changed(open) tells of the connection
+    // received(message) gets { type, ... }; changed(why) tells of the connection: "" = it is open
     constructor(received, changed) {
         this.received = received;
         this.changed = changed;
@@ -45,20 +52,14 @@ export class Wire {
         this.socket.binaryType = "arraybuffer";
         this.socket.onopen = () => {
             this.waiting = 250;
-            this.changed(true);
+            this.changed("");
         };
         this.socket.onclose = () => {
-            this.changed(false);
+            this.changed("The program has ended or cannot be reached. Start it again, or wait: this page tries again.");
             setTimeout(() => this.connect(), this.waiting);
             this.waiting = Math.min(2 * this.waiting, 4000);
         };
-        this.socket.onmessage = ({ data }) => this.read(data);
-    }
-
-    read(data) {
-        if (typeof data === "string") return this.received(JSON.parse(data));
-        const message = readBinary(data);
-        this.received(message.head.type === "surface" ? readSurface(message) : readFrame(message));
+        this.socket.onmessage = ({ data }) => this.received(readMessage(data));
     }
 
     send(line) {

@@ -1,0 +1,267 @@
+/* The calls for JavaScript, compiled for this machine: the state is that of the library, errors come as JSON, and
+   memory that runs out is told and leaks nothing. web/test/pellicle.mjs tests them as WebAssembly. */
+#include "check.h"
+#include "failing_malloc.h"
+
+#include "wasm/calls.h"
+
+#include <pellicle/error.h>
+#include <pellicle/live.h>
+#include <pellicle/observe.h>
+#include <pellicle/scene.h>
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+static const char ball[] =
+    "version: 1\ntitle: a ball\nbodies:\n"
+    "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { total: 1 },\n"
+    "      springs: { stiffness: 3, damping: 0.01 }, volumetric: { stiffness: 1.5, damping: 0.01 } }\n"
+    "solver: { method: quasi-static, dt: 0.01 }\nduration: 1\n";
+enum { BALL_VERTICES = 92, BALL_TRIANGLES = 180 };
+
+static pel_wasm_sim *create(const char *text)
+{
+    pel_wasm_sim *sim = pel_wasm_sim_create("scene.yaml", text, (int32_t)strlen(text), NULL, 0);
+    assert_non_null(sim);
+    return sim;
+}
+
+/* whether a text of JSON holds the words */
+static bool holds(const pel_wasm_text *text, const char *words)
+{
+    char copy[20000];
+    assert_non_null(text->text);
+    snprintf(copy, sizeof copy, "%.*s", (int)text->size, text->text);
+    return strstr(copy, words) != NULL;
+}
+
+static void test_steps(void **unused)
+{
+    (void)unused;
+    char words[64];
+    pel_wasm_sim *sim = create(ball);
+    assert_int_equal(pel_wasm_sim_status(sim), PEL_OK);
+    assert_true(holds(pel_wasm_sim_hello(sim), "\"title\":\"a ball\""));
+    assert_int_equal(pel_wasm_sim_apply(sim, "grab 0 -5 0  0 1 0  20 0.3"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(sim, "move 0 -1.5 0"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(sim, 10), PEL_OK);
+    assert_true(pel_wasm_sim_step_count(sim) == 10 && fabs(pel_wasm_sim_time(sim) - 0.1) < 1e-12);
+    assert_true(holds(pel_wasm_sim_summary(sim), "\"kind\":\"grab\""));
+    assert_true(holds(pel_wasm_sim_scene(sim), "0 grab 0 -5 0 0 1 0 20 0.3"));
+
+    /* the same by the library */
+    pel_scene *scene;
+    pel_model *model;
+    pel_sim *other;
+    pel_drag *drag;
+    pel_pick_hit hit;
+    const double eye[3] = {0, -5, 0}, way[3] = {0, 1, 0}, target[3] = {0, -1.5, 0};
+    assert_int_equal(pel_scene_parse("scene.yaml", ball, strlen(ball), NULL, 0, NULL, &scene, NULL), PEL_OK);
+    assert_int_equal(pel_model_create(&scene->model, &model, NULL), PEL_OK);
+    scene->sim.model = model;
+    assert_int_equal(pel_sim_create(&scene->sim, &other, NULL), PEL_OK);
+    assert_int_equal(pel_pick(other, eye, way, &hit, NULL), PEL_OK);
+    assert_int_equal(pel_drag_begin(other, &hit, 20, 0.3, &drag, NULL), PEL_OK);
+    for (int i = 0; i < 10; i++) {
+        assert_int_equal(pel_drag_move(drag, target, NULL), PEL_OK);
+        assert_int_equal(pel_sim_step(other, NULL), PEL_OK);
+    }
+    snprintf(words, sizeof words, "\"hash\":\"%016llx\"", (unsigned long long)pel_sim_hash(other));
+    assert_true(holds(pel_wasm_sim_summary(sim), words));
+    double positions[BALL_VERTICES][3];
+    pel_sim_get_positions(other, 0, &positions[0][0]);
+    const float *seen = pel_wasm_sim_positions(sim, 0);
+    assert_non_null(seen);
+    for (int i = 0; i < 3 * BALL_VERTICES; i++)
+        assert_true(seen[i] == (float)(&positions[0][0])[i]);
+    (void)pel_drag_end(drag, NULL);
+    pel_sim_destroy(other);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+    pel_wasm_sim_destroy(sim);
+}
+
+static void test_arrays(void **unused)
+{
+    (void)unused;
+    pel_wasm_sim *sim = create(ball);
+    assert_int_equal(pel_wasm_sim_vertex_count(sim, 0), BALL_VERTICES);
+    assert_int_equal(pel_wasm_sim_triangle_count(sim, 0), BALL_TRIANGLES);
+    const float *positions = pel_wasm_sim_positions(sim, 0);
+    const int32_t *triangles = pel_wasm_sim_triangles(sim, 0);
+    for (int i = 0; i < 3 * BALL_TRIANGLES; i++)
+        assert_in_range(triangles[i], 0, BALL_VERTICES - 1);
+    assert_int_equal(pel_wasm_sim_step(sim, 1), PEL_OK);
+    assert_ptr_equal(pel_wasm_sim_positions(sim, 0), positions);
+    int32_t field = pel_field_find("displacement");
+    assert_non_null(pel_wasm_sim_field(sim, field, 0));
+    for (int32_t body = -1; body <= 1; body += 2) {
+        assert_int_equal(pel_wasm_sim_vertex_count(sim, body), 0);
+        assert_int_equal(pel_wasm_sim_triangle_count(sim, body), 0);
+        assert_true(pel_wasm_sim_revision(sim, body) <= 0);
+        assert_null(pel_wasm_sim_positions(sim, body));
+        assert_null(pel_wasm_sim_triangles(sim, body));
+        assert_null(pel_wasm_sim_field(sim, field, body));
+        assert_int_equal(pel_wasm_sim_status(sim), PEL_BAD_ARGUMENT);
+    }
+    assert_null(pel_wasm_sim_field(sim, -1, 0));
+    assert_true(holds(pel_wasm_sim_error(sim), "there is no field -1"));
+    const double *hit = pel_wasm_sim_pick(sim, 0, 0, 5, 0, 0, -1);
+    assert_true(hit[0] == 1 && hit[1] == 0 && fabs(hit[7] - 1) < 0.1 && hit[10] > 0.9);
+    assert_true(pel_wasm_sim_pick(sim, 0, 0, 5, 0, 0, 1)[0] == 0);
+    assert_null(pel_wasm_sim_pick(sim, 0, 0, 5, 0, 0, 0));
+    pel_wasm_sim_destroy(sim);
+    pel_wasm_sim_destroy(NULL);
+}
+
+static void test_undo(void **unused)
+{
+    (void)unused;
+    char start[400];
+    pel_wasm_sim *sim = create(ball);
+    const pel_wasm_text *text = pel_wasm_sim_summary(sim);
+    snprintf(start, sizeof start, "%.*s", (int)(strcspn(strstr(text->text, "\"hash\""), ",")),
+             strstr(text->text, "\"hash\""));
+    assert_int_equal(pel_wasm_sim_undo(sim), 0);
+    assert_int_equal(pel_wasm_sim_apply(sim, "mark"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(sim, "inflate ball 50"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(sim, "set bodies.ball.springs.stiffness 5"), PEL_OK);
+    assert_true(holds(pel_wasm_sim_parameters(sim), "\"value\":[5]"));
+    assert_int_equal(pel_wasm_sim_step(sim, 5), PEL_OK);
+    assert_false(holds(pel_wasm_sim_summary(sim), start));
+    assert_int_equal(pel_wasm_sim_undo(sim), 1);
+    assert_true(holds(pel_wasm_sim_summary(sim), start));
+    assert_int_equal(pel_wasm_sim_step(sim, 2), PEL_OK);
+    assert_int_equal(pel_wasm_sim_reset(sim), PEL_OK);
+    assert_true(holds(pel_wasm_sim_summary(sim), start));
+    assert_int_equal(pel_wasm_sim_apply(sim, "set bodies.ball.springs.stiffness -5"), PEL_BAD_ARGUMENT);
+    assert_true(holds(pel_wasm_sim_error(sim), "\"status\":\"bad argument\""));
+    assert_true(holds(pel_wasm_sim_error(sim), "stiffness"));
+    pel_wasm_sim_destroy(sim);
+}
+
+static void test_bad_scenes(void **unused)
+{
+    (void)unused;
+    const struct {
+        const char *text, *words;
+    } cases[] = {
+        {"version: 1\nbodys: []\n", "\"file\":\"scene.yaml\",\"line\":2,\"column\":1}"},
+        {"a: [", "this is not YAML"},
+        {"version: 1\nbodies: [ { mesh: { file: nothing.ply } } ]\nduration: 1\n", "nothing.ply"},
+        {"version: 1\nbodies:\n  - { mesh: { shape: geodesic-sphere }, mass: { total: 1 }, springs: { stiffness: 3e9 } "
+         "}\n"
+         "solver: { method: explicit, dt: 0.01 }\nduration: 1\n",
+         "\"line\":4,\"column\":33}"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        pel_wasm_sim *sim = create(cases[i].text);
+        assert_int_not_equal(pel_wasm_sim_status(sim), PEL_OK);
+        if (!holds(pel_wasm_sim_error(sim), cases[i].words))
+            fail_msg("%s", pel_wasm_sim_error(sim)->text);
+        pel_wasm_sim_destroy(sim);
+        pel_wasm_live *live =
+            pel_wasm_live_create("scene.yaml", cases[i].text, (int32_t)strlen(cases[i].text), NULL, 0);
+        assert_int_not_equal(pel_wasm_live_status(live), PEL_OK);
+        assert_true(holds(pel_wasm_live_error(live), cases[i].words));
+        pel_wasm_live_destroy(live);
+    }
+}
+
+/* takes all messages; returns whether one of them holds the words, and draws frames */
+static bool listen(pel_wasm_live *live, const char *words, int *frame_count)
+{
+    bool found = false;
+    for (;;) {
+        const pel_wasm_text *message = pel_wasm_live_take(live);
+        if (message->size == 0)
+            return found;
+        char head[20000];
+        size_t skip = pel_wasm_live_is_binary(live) ? 4 : 0;
+        snprintf(head, sizeof head, "%.*s", (int)(message->size - (int32_t)skip), message->text + skip);
+        found |= strstr(head, words) != NULL;
+        bool is_frame = strstr(head, "\"type\":\"frame\"") != NULL;
+        *frame_count += is_frame;
+        if (is_frame)
+            pel_wasm_live_line(live, "drawn");
+    }
+}
+
+static void test_live(void **unused)
+{
+    (void)unused;
+    int frames = 0;
+    pel_wasm_live *live = pel_wasm_live_create("scene.yaml", ball, (int32_t)strlen(ball), NULL, 0);
+    assert_int_equal(pel_wasm_live_status(live), PEL_OK);
+    assert_true(listen(live, "\"type\":\"hello\"", &frames));
+    assert_true(frames == 1);
+    pel_wasm_live_line(live, "step");
+    bool stepped = false;
+    for (int turn = 0; turn < 1000 && !stepped; turn++) {
+        double rest = fmax(pel_wasm_live_turn(live), 0);
+        assert_true(rest <= 0.1);
+        const struct timespec pause = {0, (long)(1e9 * rest)};
+        nanosleep(&pause, NULL);
+        stepped = listen(live, "\"step\":1,", &frames);
+    }
+    assert_true(stepped);
+    pel_wasm_live_line(live, "nonsense");
+    (void)pel_wasm_live_turn(live);
+    assert_true(listen(live, "\"type\":\"notice\"", &frames));
+    /* at its pace: playing, the next turn is never later than the next step */
+    pel_wasm_live_line(live, "play");
+    (void)pel_wasm_live_turn(live);
+    assert_true(pel_wasm_live_turn(live) <= 0.01);
+    pel_wasm_live_destroy(live);
+    pel_wasm_live_destroy(NULL);
+}
+
+static pel_status run_sim(const void *text, pel_error *error)
+{
+    pel_wasm_sim *sim = pel_wasm_sim_create("scene.yaml", text, (int32_t)strlen(text), NULL, 0);
+    pel_status status = sim != NULL ? (pel_status)pel_wasm_sim_status(sim) : PEL_OUT_OF_MEMORY;
+    if (status == PEL_OK && (pel_wasm_sim_positions(sim, 0) == NULL || pel_wasm_sim_triangles(sim, 0) == NULL ||
+                             pel_wasm_sim_hello(sim)->text == NULL || pel_wasm_sim_summary(sim)->text == NULL))
+        status = PEL_OUT_OF_MEMORY;
+    if (status == PEL_OK && pel_wasm_sim_field(sim, 0, 0) == NULL)
+        status = (pel_status)pel_wasm_sim_status(sim);
+    if (status == PEL_OK)
+        status = (pel_status)pel_wasm_sim_step(sim, 1);
+    pel_wasm_sim_destroy(sim);
+    return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(error) : status;
+}
+
+static pel_status run_live(const void *text, pel_error *error)
+{
+    pel_wasm_live *live = pel_wasm_live_create("scene.yaml", text, (int32_t)strlen(text), NULL, 0);
+    pel_status status = live != NULL ? (pel_status)pel_wasm_live_status(live) : PEL_OUT_OF_MEMORY;
+    pel_wasm_live_destroy(live);
+    return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(error) : status;
+}
+
+static void test_allocations(void **unused)
+{
+    (void)unused;
+    assert_true(for_every_allocation_failure(run_sim, ball) > 50);
+    /* a message that memory does not suffice for is left out */
+    pel_error error;
+    for (long n = 1;; n++) {
+        failing_malloc_begin(n);
+        pel_status status = run_live(ball, &error);
+        allocation_count count = failing_malloc_end();
+        assert_true(status == PEL_OK || status == PEL_OUT_OF_MEMORY);
+        assert_int_equal(count.live, 0);
+        if (count.failed == 0)
+            break;
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_steps), cmocka_unit_test(test_arrays),
+                                       cmocka_unit_test(test_undo),  cmocka_unit_test(test_bad_scenes),
+                                       cmocka_unit_test(test_live),  cmocka_unit_test(test_allocations)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,5 @@
+// The page of `pellicle live`: the simulation runs in the program.
+import { run } from "./main.js";
+import { Wire } from "./wire.js";
+
+run((received, changed) => new Wire(received, changed));
