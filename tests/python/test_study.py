@@ -5,6 +5,8 @@ import os
 import pathlib
 import signal
 import tempfile
+import threading
+import time
 import unittest
 
 import numpy as np
@@ -78,6 +80,60 @@ class Sweeps(Folder):
         self.assertIn("out of range", sweep["error"][1])
         self.assertTrue(np.isnan(sweep["depth"][1]))
 
+    def long_scene(self):
+        path = self.folder / "long.yaml"
+        path.write_text(SCENE.replace("alpha: 20", "alpha: 5") + "output: { every: 1000 }\n")
+        return path
+
+    def kill_workers(self, rows, is_over):
+        """A thread that kills the processes that do the runs of a sweep, until enough has been done."""
+
+        end = time.monotonic() + 60
+
+        def kill():
+            while time.monotonic() < end and not is_over(rows.read_bytes() if rows.exists() else b""):
+                for task in pathlib.Path("/proc/self/task").iterdir():
+                    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+                        for child in (task / "children").read_text().split()[:1]:
+                            os.kill(int(child), signal.SIGKILL)
+                time.sleep(0.1)
+
+        thread = threading.Thread(target=kill)
+        thread.start()
+        return thread
+
+    def test_a_worker_that_is_killed_loses_no_run(self):
+        study = self.study(40)
+        pellicle.sweep(study, self.folder / "calm", jobs=2)
+        kills = iter([False])
+        killer = self.kill_workers(self.folder / "killed/rows/1-of-1.rows", lambda rows: rows.count(b"\n") > 5 and next(kills, True))
+        pellicle.sweep(study, self.folder / "killed", jobs=2)
+        killer.join()
+        self.assertEqual(self.table("killed"), self.table("calm"))
+
+    def test_a_run_that_is_killed_twice_is_a_row(self):
+        study = {**self.study(), "vary": {"duration": [1e6, 0.01]}, "scene": str(self.long_scene()), "measure": ["steps"]}
+        killer = self.kill_workers(self.folder / "out/rows/1-of-1.rows", lambda rows: b",crashed," in rows)
+        sweep = pellicle.sweep(study, self.folder / "out", jobs=1)
+        killer.join()
+        self.assertEqual(sweep["status"][0], "crashed")
+        self.assertIn("signal 9 (Killed)", sweep["error"][0])
+        self.assertEqual(len(sweep), 2)
+
+    def test_timeout_and_retry(self):
+        study = {**self.study(), "vary": {"duration": [0.01, 1e6]}, "scene": str(self.long_scene()), "measure": ["steps"]}
+        sweep = pellicle.sweep(study, self.folder / "out", timeout=1)
+        self.assertEqual(sweep["status"].tolist(), ["done", "timeout"])
+        rows = self.folder / "out/rows/1-of-1.rows"
+        before = len(rows.read_bytes().splitlines())
+        pellicle.sweep(study, self.folder / "out", timeout=1)
+        self.assertEqual(len(rows.read_bytes().splitlines()), before)
+        pellicle.sweep(study, self.folder / "out", timeout=0.5, retry=True)
+        self.assertEqual(len(rows.read_bytes().splitlines()), before + 1)
+        for bad in (-1, float("nan"), "1"):
+            with self.assertRaisesRegex(ValueError, "timeout"):
+                pellicle.sweep(study, self.folder / "out", timeout=bad)
+
     def test_bad(self):
         with self.assertRaisesRegex(pellicle.Error, "study:1:1|unknown key 'varies'"):
             pellicle.sweep({"scene": "x", "varies": {}}, self.folder / "out")
@@ -107,13 +163,9 @@ class Dask(Folder):
             rows = self.folder / "dask/rows/1-of-1.rows"
 
             def kill_in_the_middle():
-                import time
-
                 while not rows.exists() or len(rows.read_bytes().splitlines()) < 10:
                     time.sleep(0.002)
                 os.kill(victim, signal.SIGKILL)
-
-            import threading
 
             killer = threading.Thread(target=kill_in_the_middle)
             killer.start()
