@@ -120,8 +120,9 @@ static PyObject *scene_info(core_scene *self, PyObject *unused)
         if (text == NULL || PyTuple_SetItem(loads, l, text) < 0)
             Py_CLEAR(loads);
     }
-    return Py_BuildValue("{s:s,s:N,s:N,s:d,s:d}", "title", scene->title, "bodies", bodies, "loads", loads, "duration",
-                         scene->duration, "dt", scene->sim.solver.dt);
+    return Py_BuildValue("{s:s,s:N,s:N,s:d,s:d,s:O}", "title", scene->title, "bodies", bodies, "loads", loads,
+                         "duration", scene->duration, "dt", scene->sim.solver.dt, "is_static",
+                         scene->sim.solver.method == PEL_METHOD_STATIC ? Py_True : Py_False);
 }
 
 /* makes the model now, before threads share it */

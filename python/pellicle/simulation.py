@@ -115,6 +115,7 @@ class Scene:
         self.loads: tuple[str, ...] = info["loads"]
         self.duration: float = info["duration"]
         self.dt: float = info["dt"]
+        self._is_static: bool = info["is_static"]
         self.notes: tuple[str, ...] = tuple(notes)
 
     def text(self) -> str:
