@@ -117,7 +117,7 @@ def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client:
                 raise error
             lost[run] = lost.get(run, 0) + 1
             if lost[run] >= _LOSSES:
-                store.add(study.lost(run, "crashed", f"workers of Dask ended while they did this run: {error}"))
+                store.add(study.lost(run, "crashed", "workers of Dask ended again and again while they did this run"))
                 continue
             again = submit(run)
             futures[again] = run
