@@ -41,8 +41,7 @@ static size_t find_slot(const contact_table *table, const contact_entry *key)
 {
     uint64_t hash = pel_hash_block(PEL_HASH_START, key, KEY_SIZE);
     size_t slot = (size_t)(hash ^ hash >> 32) & (table->slot_count - 1);
-    while (table->slots[slot] != 0 &&
-           memcmp(&table->entries[table->slots[slot] - 1], key, KEY_SIZE) != 0)
+    while (table->slots[slot] != 0 && memcmp(&table->entries[table->slots[slot] - 1], key, KEY_SIZE) != 0)
         slot = (slot + 1) & (table->slot_count - 1);
     return slot;
 }
