@@ -101,7 +101,8 @@ static void print_summary(const pel_study_summary *s, const char *folder)
     printf("%lld runs done, %lld were there, %lld of %lld missing\n", (long long)s->done, (long long)s->present,
            (long long)s->missing, (long long)s->runs);
     if (s->failed > 0)
-        printf("%lld runs failed: their rows have the status and the error\n", (long long)s->failed);
+        printf("%lld runs failed: their rows have the status and the error; --retry does them again\n",
+               (long long)s->failed);
     if (s->missing == 0) {
         printf("results in %s:\n", folder);
         printf("  runs.csv      one row for each run\n");
@@ -122,7 +123,7 @@ static void put_quoted(FILE *file, const char *text)
     fputc('\'', file);
 }
 
-static bool write_job(const char *job, const char *study, const char *folder, int chunks)
+static bool write_job(const cli_call *call, const char *job, const char *study, const char *folder, int chunks)
 {
     char program[SWEEP_PATH] = "pellicle";
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
@@ -139,7 +140,10 @@ static bool write_job(const char *job, const char *study, const char *folder, in
     put_quoted(file, study);
     fputs(" -o ", file);
     put_quoted(file, folder);
-    fprintf(file, " --chunk \"$SLURM_ARRAY_TASK_ID/%d\" --jobs \"${SLURM_CPUS_PER_TASK:-1}\" --quiet\n", chunks);
+    fprintf(file, " --chunk \"$SLURM_ARRAY_TASK_ID/%d\" --jobs \"${SLURM_CPUS_PER_TASK:-1}\" --quiet", chunks);
+    if (cli_has(call, "timeout"))
+        fprintf(file, " --timeout %s", cli_value(call, "timeout"));
+    fputs(cli_has(call, "retry") ? " --retry\n" : "\n", file);
     bool whole = ferror(file) == 0;
     return fclose(file) == 0 && whole;
 }
@@ -170,13 +174,15 @@ static int run_slurm(const cli_call *call, const pel_study *study, const char *f
     /* makes the folder, and refuses one of another study */
     pel_study_store *store;
     pel_error error;
-    int64_t missing = 0;
+    int64_t missing = 0, failed = 0;
     pel_status status = pel_study_store_open(study, folder, 1, 1, &store, &error);
     if (status == PEL_OK)
-        status = pel_study_store_collect(store, &missing, NULL, &error);
+        status = pel_study_store_collect(store, &missing, &failed, &error);
     pel_study_store_close(store);
     if (status != PEL_OK)
         return cli_report(&error);
+    if (cli_has(call, "retry"))
+        missing += failed;
     if (missing == 0) {
         printf("no run is missing: %s/runs.csv\n", folder);
         return CLI_DONE;
@@ -184,7 +190,7 @@ static int run_slurm(const cli_call *call, const pel_study *study, const char *f
     if (realpath(folder, place) == NULL || realpath(call->arguments[0], file) == NULL)
         return cli_complain("%s: %s. choose another folder with -o", folder, strerror(errno));
     snprintf(job, sizeof job, "%s/job.sh", place);
-    if (!write_job(job, file, place, chunks)) {
+    if (!write_job(call, job, file, place, chunks)) {
         cli_complain("%s: cannot write the job: %s", job, strerror(errno));
         return CLI_FAILED;
     }
@@ -211,6 +217,8 @@ static int run_here(const cli_call *call, const pel_study *study, pel_study_def 
     pel_study_summary summary;
     pel_error error;
     def->thread_count = cli_count(call, "jobs");
+    def->run_seconds = cli_has(call, "timeout") ? cli_number(call, "timeout") : 0;
+    def->retry = cli_has(call, "retry");
     def->progress = show_progress;
     def->wanted = is_wanted;
     def->user = &d;

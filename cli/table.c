@@ -458,7 +458,8 @@ static const cli_command commands[] = {
                 "the numbers to keep. Does all runs on all cores and leaves runs.csv, one row for each run, and "
                 "report.html. docs/sweeps.md explains the keys.\n\n"
                 "Each row is kept as soon as its run ends: after Ctrl-C or a kill the same command continues and does "
-                "no run again. A run that fails is a row with its status and error. The table has the same bits with "
+                "no run again. A run that fails, crashes or is killed is a row with its status and error. The table "
+                "has the same bits with "
                 "any --jobs, in chunks and on other machines.\n\n"
                 "Exit status 0: all rows of the chunk are there; 1: stopped; 2: the study is refused.",
         .slots = {{.name = "STUDY", .kind = CLI_SCENE}},
@@ -483,6 +484,11 @@ static const cli_command commands[] = {
                      .kind = CLI_COUNT,
                      .value = "N",
                      .doc = "with --slurm: tasks of the array; left out: 16"},
+                    {.name = "timeout",
+                     .kind = CLI_LENGTH,
+                     .value = "SECONDS",
+                     .doc = "end runs that take longer; left out: none"},
+                    {.name = "retry", .kind = CLI_FLAG, .doc = "do runs again that failed before"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
                     JSON_OPTION},
         .examples = "pellicle sweep examples/studies/indent.yaml\n"

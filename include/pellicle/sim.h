@@ -221,6 +221,7 @@ typedef struct pel_sim_def {
     const pel_support_def *supports; /* (support_count), copied */
     int32_t support_count;
     pel_contact_def contact;
+    bool record_contacts; /* keeps what pel_sim_get_contact_records reads; false by default */
     int32_t thread_count; /* 0 = as many as the machine has; the results do not depend on it */
     uint32_t cookie;
 } pel_sim_def;
@@ -239,9 +240,9 @@ PEL_API void pel_sim_destroy(pel_sim *sim);
 PEL_API pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error);
 
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
-   was before the step. No memory is allocated; with contact, and by tools under PEL_METHOD_DESCENT, only where a step
-   has more pairs than any before, after refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many
-   pairs come near, PEL_OUT_OF_MEMORY. */
+   was before the step. No memory is allocated; with contact, with records of contacts, and by tools under
+   PEL_METHOD_DESCENT, only where a step has more pairs than any before, after refinement and while surfaces are
+   tangled. PEL_BAD_ARGUMENT when far too many pairs come near, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 PEL_API double pel_sim_time(const pel_sim *sim); /* s, step count x dt */
@@ -319,6 +320,32 @@ PEL_API void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mech
 PEL_API void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces);
 /* Sum of the forces of other bodies on a body in the last step [N], tools excluded. */
 PEL_API void pel_sim_get_body_contact(const pel_sim *sim, int32_t body, double force[3]);
+
+/* One contact of the last step: a place where two features of surfaces, or a feature and a tool, act on each other. A
+   feature is a vertex, a point of an edge or of a triangle, given by its corners and their weights.
+
+   The corner i has weights[i] times the force; over all records of a body these sum to pel_sim_get_contact_forces, over
+   those of a tool to the force on it (pel_tool_reading) with the other sign. Forces are means over the step as there,
+   and weights are means over its substeps: on a vertex the sum differs by what contacts slide in a step. */
+typedef struct pel_contact_record {
+    int32_t bodies[2];   /* of the first and the second side; -1 on the second side = the tool */
+    int32_t tool;        /* -1 = both sides are of bodies */
+    int32_t vertices[4]; /* rows of the body's arrays; -1 = unused */
+    double weights[4]; /* above 0 on the first side, where they sum to 1, below 0 on the second, where they sum to -1 */
+    double point[3];   /* m, of the first side, at present */
+    double normal[3];  /* unit, from the second side to the first; of what a grasp holds, out of the tool */
+    double force[3];   /* N, on the first side */
+    double gap;        /* m, between both sides along the normal, at present; below 0 = inside of the tool */
+} pel_contact_record;
+
+/* Contacts that had a force in the last step, in the order in which they first acted. Zero unless the def has
+   record_contacts, before the first step and after a snapshot was loaded. Impulses of restitution between whole bodies
+   are no contacts of features and are left out. */
+PEL_API int64_t pel_sim_contact_record_count(const pel_sim *sim);
+/* Reads them (pel_sim_contact_record_count). The gaps to tools that are meshes take a look at all of their triangles.
+   PEL_OUT_OF_MEMORY when there was no memory for a record in the last step. */
+PEL_API pel_status pel_sim_get_contact_records(const pel_sim *sim, pel_contact_record *records, pel_error *error);
+
 /* 1 where a tool touches or holds the vertex, or it is in contact with a surface, else 0 (vertex_count). */
 PEL_API void pel_sim_get_contacts(const pel_sim *sim, int32_t body, double *contact);
 

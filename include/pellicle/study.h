@@ -56,6 +56,12 @@ PEL_API size_t pel_study_row_size(const pel_study *study);
 PEL_API pel_status pel_study_run(const pel_study *study, int64_t run, const char *folder, bool (*wanted)(void *user),
                                  void *user, char *row, pel_error *error);
 
+/* Writes the row (pel_study_row_size bytes) of a run that left none itself, because its process crashed or was stopped:
+   status is a word, such as "crashed" or "timeout"; the error is what and, where it is not null, remedy; the measures
+   are empty. Errors: PEL_BAD_ARGUMENT (no such run, "done" or no word), PEL_OUT_OF_MEMORY. */
+PEL_API pel_status pel_study_lost_run(const pel_study *study, int64_t run, const char *status, const char *what,
+                                      const char *remedy, char *row, pel_error *error);
+
 /* The folder of a study: rows/ with the rows by chunk, each added as soon as its run ends; at the end runs.csv with all
    of them in the order of the runs, and report.html. */
 typedef struct pel_study_store pel_study_store;
@@ -72,7 +78,11 @@ PEL_API void pel_study_store_close(pel_study_store *store);
 /* Whether the run is of this chunk and no chunk had its row when the folder was opened. */
 PEL_API bool pel_study_store_needs(const pel_study_store *store, int64_t run);
 
-/* Adds a row of pel_study_run. One thread at a time. PEL_BAD_FILE; PEL_BAD_ARGUMENT when the text is no row. */
+/* Whether the run is of this chunk and the row that it had when the folder was opened is that of a run that failed. */
+PEL_API bool pel_study_store_failed(const pel_study_store *store, int64_t run);
+
+/* Adds a row of pel_study_run. Of several rows of one run the one that is done counts, else the last. One thread at a
+ * time. PEL_BAD_FILE; PEL_BAD_ARGUMENT when the text is no row. */
 PEL_API pel_status pel_study_store_add(pel_study_store *store, const char *row, pel_error *error);
 
 /* Reads the rows of all chunks; writes runs.csv and report.html when none is missing. *missing and *failed (nullable)
@@ -89,14 +99,16 @@ typedef struct pel_study_def {
     const char *folder;
     int32_t thread_count;       /* runs at a time; 0 = the processors of this machine */
     int32_t chunk, chunk_count; /* as in pel_study_store_open */
-    /* Called after each run, one thread at a time. Nullable. */
+    double run_seconds;         /* s of wall time that a run may take; 0 = any */
+    bool retry;                 /* does runs again that failed when the folder was opened */
+    /* Called after each run. Nullable. */
     void (*progress)(void *user, const pel_study_progress *progress);
-    bool (*wanted)(void *user); /* as in pel_study_run, from several threads at once; nullable */
+    bool (*wanted)(void *user); /* asked 20 times a second and after each run; false stops. Nullable */
     void *user;
     uint32_t cookie; /* set by pel_study_def_default */
 } pel_study_def;
 
-/* No folder yet, all processors, one chunk, no hooks. */
+/* No folder yet, all processors, one chunk, no limits, no hooks. */
 PEL_API pel_study_def pel_study_def_default(void);
 
 typedef struct pel_study_summary {
@@ -107,8 +119,11 @@ typedef struct pel_study_summary {
     int64_t failed;  /* rows of runs that failed */
 } pel_study_summary;
 
-/* Does all runs of the chunk that are needed. summary is nullable. Errors: those of the functions above; after
-   PEL_STOPPED the same call continues. */
+/* Does all runs of the chunk that are needed, each in a process that is forked from this one. A run that crashes or is
+   killed is done once more, then it is a row with the status "crashed"; one that takes more than run_seconds is a row
+   with the status "timeout", one that is out of memory with the status "failed". The hooks are called by this thread.
+   summary is nullable. Errors: those of the functions above, PEL_OUT_OF_MEMORY where no process can be started; after
+   these and after PEL_STOPPED the same call continues. */
 PEL_API pel_status pel_study_execute(const pel_study *study, const pel_study_def *def, pel_study_summary *summary,
                                      pel_error *error);
 

@@ -80,6 +80,7 @@ typedef struct core_sim {
     core_scene *owner; /* of the model; kept alive */
     PyObject *names;   /* dict of the bodies: name -> number */
     int32_t load_count;
+    int records;              /* whether contacts are recorded */
     pel_potential *potential; /* made when asked for first */
     int is_busy;              /* it works without the GIL: other threads have to wait */
 } core_sim;

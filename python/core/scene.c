@@ -120,8 +120,9 @@ static PyObject *scene_info(core_scene *self, PyObject *unused)
         if (text == NULL || PyTuple_SetItem(loads, l, text) < 0)
             Py_CLEAR(loads);
     }
-    return Py_BuildValue("{s:s,s:N,s:N,s:d,s:d}", "title", scene->title, "bodies", bodies, "loads", loads, "duration",
-                         scene->duration, "dt", scene->sim.solver.dt);
+    return Py_BuildValue("{s:s,s:N,s:N,s:d,s:d,s:O}", "title", scene->title, "bodies", bodies, "loads", loads,
+                         "duration", scene->duration, "dt", scene->sim.solver.dt, "is_static",
+                         scene->sim.solver.method == PEL_METHOD_STATIC ? Py_True : Py_False);
 }
 
 /* makes the model now, before threads share it */
@@ -144,12 +145,14 @@ static PyObject *body_names(const pel_model *model)
     return names;
 }
 
-/* simulation(scene of the def, threads): of this scene's model, with the solver, loads and tools of the other */
+/* simulation(scene of the def, threads, whether contacts are recorded): of this scene's model, with the solver, loads
+ * and tools of the other */
 static PyObject *scene_simulation(core_scene *self, PyObject *arguments)
 {
     core_scene *other;
-    int threads;
-    if (!PyArg_ParseTuple(arguments, "O!i:simulation", core_scene_type, &other, &threads) || need_model(self) < 0)
+    int threads, records;
+    if (!PyArg_ParseTuple(arguments, "O!ip:simulation", core_scene_type, &other, &threads, &records) ||
+        need_model(self) < 0)
         return NULL;
     core_sim *made = (core_sim *)PyType_GenericNew(core_sim_type, arguments, NULL);
     if (made == NULL)
@@ -163,6 +166,8 @@ static PyObject *scene_simulation(core_scene *self, PyObject *arguments)
     pel_sim_def def = other->scene->sim;
     made->load_count = def.load_count;
     def.model = self->model;
+    made->records = records;
+    def.record_contacts = records != 0;
     if (threads > 0)
         def.thread_count = threads;
     pel_error error;

@@ -315,6 +315,28 @@ static PyObject *sim_contact(core_sim *self, PyObject *unused)
     return RECORD(&statistics, contact_members);
 }
 
+_Static_assert(sizeof(pel_contact_record) == 144, "as simulation.py reads it");
+
+/* contact_records(): rows of pel_contact_record as bytes, None where none are kept */
+static PyObject *sim_contact_records(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    if (!self->records)
+        return Py_NewRef(Py_None);
+    void *records;
+    PyObject *bytes =
+        core_new_bytes((size_t)pel_sim_contact_record_count(self->sim) * sizeof(pel_contact_record), &records);
+    pel_error error;
+    if (bytes == NULL)
+        return NULL;
+    if (pel_sim_get_contact_records(self->sim, records, &error) == PEL_OK)
+        return bytes;
+    Py_DECREF(bytes);
+    return core_raise(&error);
+}
+
 static PyObject *sim_tool(core_sim *self, PyObject *argument)
 {
     int32_t tool;
@@ -405,6 +427,7 @@ static PyMethodDef methods[] = {
     METHOD(ledger, METH_NOARGS),
     METHOD(solver, METH_NOARGS),
     METHOD(contact, METH_NOARGS),
+    METHOD(contact_records, METH_NOARGS),
     METHOD(tool, METH_O),
     METHOD(support, METH_O),
     METHOD(tools, METH_NOARGS),

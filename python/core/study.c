@@ -77,30 +77,44 @@ static PyObject *study_run(core_study *self, PyObject *arguments)
     return status == PEL_OK ? text : core_raise(&error);
 }
 
-/* called without the GIL, by the threads of the study; only the one that holds Python's signals finds any */
+/* lost(number, status, what): the row of a run that left none */
+static PyObject *study_lost(core_study *self, PyObject *arguments)
+{
+    long long run;
+    const char *word, *what;
+    if (!PyArg_ParseTuple(arguments, "Lss:lost", &run, &word, &what))
+        return NULL;
+    char *row = PyMem_Calloc(pel_study_row_size(self->study) + 1, 1);
+    if (row == NULL)
+        return PyErr_NoMemory();
+    pel_error error;
+    pel_status status = pel_study_lost_run(self->study, run, word, what, NULL, row, &error);
+    PyObject *text = status == PEL_OK ? PyUnicode_DecodeUTF8(row, (Py_ssize_t)strlen(row), "replace") : NULL;
+    PyMem_Free(row);
+    return status == PEL_OK ? text : core_raise(&error);
+}
+
+/* called without the GIL, by the thread that executes */
 static bool look_for_signals(void *user)
 {
     (void)user;
-    static _Thread_local unsigned count;
-    bool goes_on = true;
-    /* a look costs less than a hundredth of the steps between two */
-    if (++count % 256 == 0) {
-        PyGILState_STATE state = PyGILState_Ensure();
-        goes_on = PyErr_CheckSignals() == 0;
-        PyGILState_Release(state);
-    }
+    PyGILState_STATE state = PyGILState_Ensure();
+    bool goes_on = PyErr_CheckSignals() == 0;
+    PyGILState_Release(state);
     return goes_on;
 }
 
-/* execute(folder, jobs): runs, present, done, missing, failed */
+/* execute(folder, jobs, seconds of a run, do failed runs again): runs, present, done, missing, failed */
 static PyObject *study_execute(core_study *self, PyObject *arguments)
 {
     pel_study_def def = pel_study_def_default();
     pel_study_summary s;
     pel_error error;
     pel_status status;
-    if (!PyArg_ParseTuple(arguments, "si:execute", &def.folder, &def.thread_count))
+    int retry;
+    if (!PyArg_ParseTuple(arguments, "sidp:execute", &def.folder, &def.thread_count, &def.run_seconds, &retry))
         return NULL;
+    def.retry = retry != 0;
     def.wanted = look_for_signals;
     Py_INCREF((PyObject *)self);
     Py_BEGIN_ALLOW_THREADS status = pel_study_execute(self->study, &def, &s, &error);
@@ -158,6 +172,14 @@ static PyObject *store_needs(core_store *self, PyObject *argument)
     return PyBool_FromLong(pel_study_store_needs(self->store, run));
 }
 
+static PyObject *store_failed(core_store *self, PyObject *argument)
+{
+    long long run = PyLong_AsLongLong(argument);
+    if ((run == -1 && PyErr_Occurred()) || check_open(self) < 0)
+        return NULL;
+    return PyBool_FromLong(pel_study_store_failed(self->store, run));
+}
+
 static PyObject *store_add(core_store *self, PyObject *argument)
 {
     pel_error error;
@@ -191,11 +213,9 @@ static PyObject *store_close(core_store *self, PyObject *unused)
 /* ---- types ---- */
 
 static PyMethodDef study_methods[] = {
-    {"info", (PyCFunction)study_info, METH_NOARGS, NULL},
-    {"run", (PyCFunction)study_run, METH_VARARGS, NULL},
-    {"execute", (PyCFunction)study_execute, METH_VARARGS, NULL},
-    {"open", (PyCFunction)study_open, METH_O, NULL},
-    {NULL, NULL, 0, NULL},
+    {"info", (PyCFunction)study_info, METH_NOARGS, NULL},  {"run", (PyCFunction)study_run, METH_VARARGS, NULL},
+    {"lost", (PyCFunction)study_lost, METH_VARARGS, NULL}, {"execute", (PyCFunction)study_execute, METH_VARARGS, NULL},
+    {"open", (PyCFunction)study_open, METH_O, NULL},       {NULL, NULL, 0, NULL},
 };
 static PyType_Slot study_slots[] = {
     {Py_tp_new, (void *)study_new},
@@ -206,11 +226,9 @@ static PyType_Slot study_slots[] = {
 PyType_Spec core_study_spec = {"pellicle._core.Study", sizeof(core_study), 0, Py_TPFLAGS_DEFAULT, study_slots};
 
 static PyMethodDef store_methods[] = {
-    {"needs", (PyCFunction)store_needs, METH_O, NULL},
-    {"add", (PyCFunction)store_add, METH_O, NULL},
-    {"collect", (PyCFunction)store_collect, METH_NOARGS, NULL},
-    {"close", (PyCFunction)store_close, METH_NOARGS, NULL},
-    {NULL, NULL, 0, NULL},
+    {"needs", (PyCFunction)store_needs, METH_O, NULL},      {"failed", (PyCFunction)store_failed, METH_O, NULL},
+    {"add", (PyCFunction)store_add, METH_O, NULL},          {"collect", (PyCFunction)store_collect, METH_NOARGS, NULL},
+    {"close", (PyCFunction)store_close, METH_NOARGS, NULL}, {NULL, NULL, 0, NULL},
 };
 static PyType_Slot store_slots[] = {
     {Py_tp_dealloc, (void *)store_free},

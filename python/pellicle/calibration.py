@@ -2,6 +2,10 @@
 
 The interval of parameter k is p_k +- t s sqrt((J^T J)^-1_kk) with Student's t for n - p degrees of freedom, the residual's
 standard deviation s and the Jacobian J at the fit (Seber and Wild, Nonlinear Regression, section 5.1).
+
+Where a fit has markers alone and the method is static, the derivatives of the positions x by a parameter p follow from the
+balance F(x, p) = 0: dx/dp = K^-1 dF/dp with the stiffness K. K is symmetric, so that the adjoint of dF/dp is that derivative:
+one linear system for each parameter, where differences need two runs.
 """
 
 from __future__ import annotations
@@ -113,6 +117,10 @@ class Fit:
         For each entry of the data: name, x, measured, fitted.
     evaluations : int
         Runs done.
+    derivatives : str
+        ``"adjoint"`` or ``"differences"``: where the Jacobian comes from.
+    derivatives_reason : str
+        Why it is differences; empty for the adjoint.
     """
 
     def __init__(self, **members: Any) -> None:
@@ -133,6 +141,8 @@ class Fit:
             "correlation": self.correlation.tolist(),
             "misfit": self.misfit,
             "evaluations": self.evaluations,
+            "derivatives": self.derivatives,
+            "derivatives_reason": self.derivatives_reason,
             "warnings": self.warnings,
         }
 
@@ -149,6 +159,8 @@ class _Problem:
         self.start = (start - self.low) / (self.high - self.low)
         self.curves = [_Curve(entry) for entry in fit["data"]]
         self.evaluations = 0
+        self.last: Optional[tuple[np.ndarray, Any]] = None
+        self.reason = "" if all(curve.body is not None for curve in self.curves) else "the data are curves, not markers alone"
         self.pool = ThreadPoolExecutor(jobs or os.cpu_count() or 1)
 
     def _inner(self, values: list[float]) -> np.ndarray:
@@ -172,6 +184,7 @@ class _Problem:
         if any(curve.body is not None for curve in self.curves):
             sim = load_scene(self.scene, overrides, threads=1)
             sim.run_until(sim.scene.duration)
+            self.last = unit.copy(), sim
         return [
             curve.read(series, sim.positions(curve.body) if curve.body is not None else None) for curve in self.curves
         ]
@@ -186,14 +199,59 @@ class _Problem:
         except _core.Error:
             return np.full(sum(len(curve.y) for curve in self.curves), _FAILED)
 
+    def neighbours(self, unit: np.ndarray, k: int) -> list[np.ndarray]:
+        """The parameters with the k-th one a little less and a little more, where the bounds allow."""
+        pair = [unit.copy(), unit.copy()]
+        pair[0][k] = max(0.0, unit[k] - _STEP)
+        pair[1][k] = min(1.0, unit[k] + _STEP)
+        return pair
+
     def jacobian(self, unit: np.ndarray) -> np.ndarray:
-        """Differences over both sides where the bounds allow, all runs at once."""
-        pairs = []
+        if not self.reason:
+            try:
+                return self.by_adjoint(unit)
+            except _core.Error as error:
+                self.reason = getattr(error, "what", None) or str(error)
+        return self.by_differences(unit)
+
+    def by_adjoint(self, unit: np.ndarray) -> np.ndarray:
+        """One linear system for each parameter; Error where the scene has no adjoint of the whole run."""
+        if self.last is None or (self.last[0] != unit).any():
+            self.run(unit)
+        sim = self.last[1]
+        if not sim.scene._is_static:
+            raise _core.Error("the positions depend on the way to them: the method is not static")
+        x = np.concatenate([sim.positions(body) for body in range(len(sim.scene.bodies))])
+        gradient = sim.gradient(x)
+        start = load_scene(self.scene, sim.scene._overrides, threads=1).gradient(x)
+        has_time = np.abs(start - gradient).max() > 1e-9 * np.abs(gradient).max()
+        columns = []
         for k in range(len(unit)):
-            pair = [unit.copy(), unit.copy()]
-            pair[0][k] = max(0.0, unit[k] - _STEP)
-            pair[1][k] = min(1.0, unit[k] + _STEP)
-            pairs.append(pair)
+            pair = self.neighbours(unit, k)
+            low, high = (self.beside(sim, self.paths[k], float(self.values(side)[k]), has_time).gradient(x) for side in pair)
+            motion = sim.adjoint((low - high) / (pair[1][k] - pair[0][k]))["forces"]
+            columns.append(np.concatenate([self.markers(sim, motion, curve) for curve in self.curves]))
+        return np.column_stack(columns)
+
+    def beside(self, sim: Any, path: str, value: float, has_time: bool) -> Any:
+        """A simulation with another value of a parameter, whose forces are those at the end of the run."""
+        if not has_time:
+            return load_scene(self.scene, {**sim.scene._overrides, path: value}, threads=1)
+        other = sim.scene.simulation(threads=1)
+        other.load(sim.save())
+        other.set(path, value)
+        return other
+
+    @staticmethod
+    def markers(sim: Any, motion: np.ndarray, curve: _Curve) -> np.ndarray:
+        """The rows of an array of all vertices that a curve measures, as residuals."""
+        body = sim.scene.bodies.index(curve.body) if isinstance(curve.body, str) else curve.body
+        first = sum(len(sim.positions(b)) for b in range(body))
+        return motion[first + curve.vertices].ravel() * curve.scale
+
+    def by_differences(self, unit: np.ndarray) -> np.ndarray:
+        """Differences over both sides where the bounds allow, all runs at once."""
+        pairs = [self.neighbours(unit, k) for k in range(len(unit))]
         residuals = list(self.pool.map(lambda u: self.residual_of(self.run(u)), [u for pair in pairs for u in pair]))
         columns = [
             (residuals[2 * k + 1] - residuals[2 * k]) / (pair[1][k] - pair[0][k]) for k, pair in enumerate(pairs)
@@ -296,6 +354,8 @@ def calibrate(
         values=dict(zip(problem.paths, map(float, problem.values(found.x)))),
         confidence=confidence,
         evaluations=problem.evaluations,
+        derivatives="differences" if problem.reason else "adjoint",
+        derivatives_reason=problem.reason,
         curves=[
             {"name": curve.name, "x": curve.x, "measured": curve.y, "fitted": p} for curve, p in zip(problem.curves, points)
         ],
@@ -363,7 +423,7 @@ def _picture(fit: Fit, source: Mapping[str, Any]) -> str:
 def _print(fit: Fit, folder: str) -> None:
     for path, value in fit.values.items():
         print(f"{path} = {value:.6g}  ({fit.low[path]:.6g} to {fit.high[path]:.6g}, {100 * fit.confidence:g} %)")
-    print(f"misfit {100 * fit.misfit:.3g} % of the largest values, {fit.evaluations} runs")
+    print(f"misfit {100 * fit.misfit:.3g} % of the largest values, {fit.evaluations} runs, derivatives by {fit.derivatives}")
     print(f"results in {folder}: fit.json, curves.csv, fit.svg")
 
 

@@ -46,11 +46,11 @@ def _frame(page: str) -> str:
 class Page:
     """A page that a notebook shows."""
 
-    def __init__(self, page: str) -> None:
-        self.page = page
+    def __init__(self, text: str) -> None:
+        self.text = text
 
     def _repr_html_(self) -> str:
-        return _frame(self.page)
+        return self.text
 
 
 def _text_of_report(folder: str) -> str:
@@ -61,10 +61,8 @@ def _text_of_report(folder: str) -> str:
             return file.read()
 
 
-def _show(folder: str, path: Optional[PathLike], preset: str) -> Any:
-    if path is None and _in_notebook():
-        return Page(_text_of_report(folder))
-    target = os.path.abspath(os.fspath(path if path is not None else preset))
+def _write(folder: str, path: PathLike) -> str:
+    target = os.path.abspath(os.fspath(path))
     _core.write_report(target, find_page(), (folder,), ())
     return target
 
@@ -80,7 +78,9 @@ def _table(title: str, rows: dict[str, Any]) -> str:
 
 
 def show_run(run: "Run", path: Optional[PathLike]) -> Any:
-    return _show(run.folder, path, os.path.join(run.folder, "report.html"))
+    if path is None and _in_notebook():
+        return Page(run_html(run))
+    return _write(run.folder, os.path.join(run.folder, "report.html") if path is None else path)
 
 
 def run_html(run: "Run") -> str:
@@ -114,10 +114,12 @@ def _write_state(sim: "Simulation", folder: str) -> None:
 
 
 def show_simulation(sim: "Simulation", path: Optional[PathLike]) -> Any:
+    if path is None and _in_notebook():
+        return Page(simulation_html(sim))
     with tempfile.TemporaryDirectory(prefix="pellicle-") as place:
         folder = os.path.join(place, "state")
         _write_state(sim, folder)
-        return _show(folder, path, "pellicle.html")
+        return _write(folder, "pellicle.html" if path is None else path)
 
 
 def simulation_html(sim: "Simulation") -> str:

@@ -18,6 +18,19 @@ Source = Union[PathLike, Mapping[str, Any]]
 _FIELD = {row[0]: number for number, row in enumerate(_core.FIELDS)}
 _NUMBER = {row[0]: number for number, row in enumerate(_core.ARRAYS)}
 _POSITIONS = _NUMBER["positions"]
+_CONTACT = np.dtype(
+    [
+        ("bodies", np.int32, 2),
+        ("tool", np.int32),
+        ("vertices", np.int32, 4),
+        ("weights", np.float64, 4),
+        ("point", np.float64, 3),
+        ("normal", np.float64, 3),
+        ("force", np.float64, 3),
+        ("gap", np.float64),
+    ],
+    align=True,
+)
 _MATERIAL = ("young", "thickness", "poisson", "bending", "pressure")
 
 
@@ -102,6 +115,7 @@ class Scene:
         self.loads: tuple[str, ...] = info["loads"]
         self.duration: float = info["duration"]
         self.dt: float = info["dt"]
+        self._is_static: bool = info["is_static"]
         self.notes: tuple[str, ...] = tuple(notes)
 
     def text(self) -> str:
@@ -113,13 +127,15 @@ class Scene:
         self._core.prepare()
         return self
 
-    def simulation(self, threads: int = 0, **solver: Any) -> "Simulation":
+    def simulation(self, threads: int = 0, record_contacts: bool = False, **solver: Any) -> "Simulation":
         """A new simulation of the scene's model.
 
         Parameters
         ----------
         threads : int
             Threads of a step; 0: all processors. The results do not depend on it. Use 1 where many simulations run at once.
+        record_contacts : bool
+            Keep what `Simulation.contact_records` gives.
         **solver
             Keys of ``solver`` that are different in this simulation: ``scene.simulation(dt=0.001)``.
         """
@@ -129,7 +145,7 @@ class Scene:
         other = self
         if solver:
             other = Scene(self._source, {**self._overrides, **{f"solver.{key}": value for key, value in solver.items()}})
-        return Simulation(self, self._core.simulation(other._core, threads))
+        return Simulation(self, self._core.simulation(other._core, threads, record_contacts))
 
     def __repr__(self) -> str:
         return f"<Scene {self.title!r}: {', '.join(self.bodies)}>"
@@ -146,10 +162,13 @@ def _parse(source: Mapping[str, Any], overrides: tuple[str, ...], notes: list[st
 
 
 def load_scene(
-    path: Source, overrides: Optional[Mapping[str, Any]] = None, threads: int = 0
+    path: Source,
+    overrides: Optional[Mapping[str, Any]] = None,
+    threads: int = 0,
+    record_contacts: bool = False,
 ) -> "Simulation":
-    """A simulation of a scene file (or dict): ``Scene(path, overrides).simulation(threads)``."""
-    return Scene(path, overrides).simulation(threads)
+    """A simulation of a scene file (or dict): ``Scene(path, overrides).simulation(threads, record_contacts)``."""
+    return Scene(path, overrides).simulation(threads, record_contacts)
 
 
 def _ray(origin: Any, direction: Any) -> np.ndarray:
@@ -409,6 +428,34 @@ class Simulation:
     def contacts(self) -> dict[str, Any]:
         """What contact did since the start: pairs, contacts, rounds, seconds. All zero without contact."""
         return self._core.contact()
+
+    def contact_records(self) -> np.ndarray:
+        """The contacts that had a force in the last step, one row each.
+
+        Only kept by simulations that were made with ``record_contacts=True``.
+
+        Returns
+        -------
+        numpy.ndarray
+            Structured: ``records["force"]`` is (count, 3). Fields:
+
+            bodies (2): numbers of the bodies of the first and second side; -1 second: a tool.
+            tool: its number, -1: none.
+            vertices (4), weights (4): corners of the features that touch, as rows of `positions` of their body, -1: unused.
+            Weights above 0 are of the first side and sum to 1, those below 0 of the second.
+            point (3): of the first side [m]. normal (3): from the second side to the first.
+            force (3): on the first side, mean over the step [N]; each corner has its weight times it.
+            gap: between both sides along the normal [m]; below 0 inside of a tool.
+
+        Raises
+        ------
+        Error
+            The simulation keeps no records.
+        """
+        records = self._core.contact_records()
+        if records is None:
+            raise _core.Error("contacts are not recorded. make the simulation with record_contacts=True")
+        return np.frombuffer(records, _CONTACT)
 
     def intersections(self) -> int:
         """Pairs of triangles of all bodies and tools that cut each other at present, by the exact test."""

@@ -13,8 +13,8 @@ from . import _core
 from .mesh import PathLike
 from .simulation import _plain
 
-#: How often a run is given to Dask again after the worker that did it was lost.
-_LOSSES = 5
+#: Workers of Dask that a run may lose; Dask itself tries a few times before it counts as one.
+_LOSSES = 2
 
 
 class Sweep:
@@ -93,7 +93,7 @@ def _run_one(path: str, text: Optional[str], run: int, folder: str) -> str:
     return _studies[key].run(run, folder)
 
 
-def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client: Any) -> None:
+def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client: Any, retry: bool) -> None:
     from distributed import as_completed
     from distributed.scheduler import KilledWorker
 
@@ -104,7 +104,7 @@ def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client:
         return client.submit(_run_one, path, text, run, folder, pure=False)
 
     try:
-        futures = {submit(run): run for run in range(study.info()[0]) if store.needs(run)}
+        futures = {submit(run): run for run in range(study.info()[0]) if store.needs(run) or retry and store.failed(run)}
         pending = as_completed(list(futures))
         for future in pending:
             run = futures.pop(future)
@@ -112,10 +112,13 @@ def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client:
             if error is None:
                 store.add(future.result())
                 continue
-            lost[run] = lost.get(run, 0) + 1
-            if not isinstance(error, KilledWorker) or lost[run] > _LOSSES:
+            if not isinstance(error, KilledWorker):
                 client.cancel(list(futures))
                 raise error
+            lost[run] = lost.get(run, 0) + 1
+            if lost[run] >= _LOSSES:
+                store.add(study.lost(run, "crashed", "workers of Dask ended again and again while they did this run"))
+                continue
             again = submit(run)
             futures[again] = run
             pending.add(again)
@@ -125,7 +128,12 @@ def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client:
 
 
 def sweep(
-    study: Union[PathLike, Mapping[str, Any]], folder: PathLike, jobs: int = 0, client: Any = None
+    study: Union[PathLike, Mapping[str, Any]],
+    folder: PathLike,
+    jobs: int = 0,
+    client: Any = None,
+    timeout: float = 0,
+    retry: bool = False,
 ) -> Sweep:
     """Do all runs of a study and give the table, as ``pellicle sweep`` does.
 
@@ -142,16 +150,26 @@ def sweep(
         Runs at a time on this machine; 0: one for each core.
     client : distributed.Client, optional
         Do the runs on the workers of this Dask cluster, which must see the study, its scene and meshes under the same paths.
+    timeout : float
+        Seconds that a run may take before it is ended and becomes a row with the status ``timeout``; 0: any. Not with
+        `client`.
+    retry : bool
+        Do runs again that failed before.
 
     Raises
     ------
     Error
-        The study is refused, or the folder holds another one. A run that fails is a row of the table, not an error.
+        The study is refused, or the folder holds another one. A run that fails, crashes or is killed is a row of the
+        table, not an error.
     KeyboardInterrupt
         Ctrl-C.
     """
     if not isinstance(jobs, int) or not 0 <= jobs <= 1024:
         raise ValueError("jobs: must be an integer within 0 .. 1024")
+    if not isinstance(timeout, (int, float)) or not 0 <= timeout < float("inf"):
+        raise ValueError("timeout: must be a number of seconds, 0 for any")
+    if client is not None and timeout:
+        raise ValueError("timeout: must be 0 on Dask, whose workers do several runs in one process")
     folder = os.path.abspath(os.fspath(folder))
     if isinstance(study, Mapping):
         path, text = os.path.abspath("study"), json.dumps(study, default=_plain, indent=1)
@@ -159,9 +177,9 @@ def sweep(
         path, text = os.path.abspath(os.fspath(study)), None
     core = _core.Study(path, text)
     if client is None:
-        core.execute(folder, jobs)
+        core.execute(folder, jobs, timeout, retry)
     else:
-        _sweep_dask(core, path, text, folder, client)
+        _sweep_dask(core, path, text, folder, client, retry)
     table = Sweep(folder)
     _write_parquet(table)
     return table

@@ -261,6 +261,7 @@ const pel_member pel_sim_members[] = {
     DEFS(pel_sim_def, supports, SUPPORTS, support_count, support),
     OTHER(pel_sim_def, support_count),
     DEF(pel_sim_def, contact, CONTACT, contact),
+    OTHER(pel_sim_def, record_contacts),
     OTHER(pel_sim_def, thread_count),
     OTHER(pel_sim_def, cookie),
     END,

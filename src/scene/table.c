@@ -501,13 +501,50 @@ static size_t parent_length(const char *path)
     return last != NULL ? (size_t)(last - path) : 0;
 }
 
+/* the part of a path that follows its parent; null for rows such as <mesh> */
+static const char *name_below(const char *path, size_t length)
+{
+    const char *name = path + length;
+    if (length > 0 && strcmp(name, "[]") == 0)
+        return name;
+    name += length > 0 && *name == '.';
+    return *name != '<' ? name : NULL;
+}
+
+/* Rows with the same parent as a chain, so that the rows below a prefix are found without a look at all others. Those
+   behind a row stand in buckets, the nearest first. */
+static void link_siblings(const pel_scene_row *all, size_t count, const size_t *parents, const char **names,
+                          size_t *siblings, size_t *later)
+{
+    enum { BUCKETS = 128 };
+    size_t first[BUCKETS];
+    for (size_t b = 0; b < BUCKETS; b++)
+        first[b] = count;
+    for (size_t i = count; i-- > 0;) {
+        const char *path = all[i].path;
+        size_t length = parents[i], bucket = 0, j;
+        if (length > 0)
+            bucket = (7 * length + (unsigned char)path[length / 2] + (unsigned char)path[length - 1]) % BUCKETS;
+        names[i] = name_below(path, length);
+        for (j = first[bucket]; j < count && (parents[j] != length || memcmp(all[j].path, path, length) != 0);)
+            j = later[j];
+        siblings[i] = j;
+        later[i] = first[bucket];
+        if (names[i] != NULL)
+            first[bucket] = i;
+    }
+}
+
 const pel_scene_table *pel_scene_table_create(pel_arena *arena)
 {
     size_t shape_row_count = pel_scene_shape_row_count();
     pel_scene_table *table = pel_arena_take(arena, 1, sizeof *table);
     pel_scene_row *all = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *all);
     size_t *parents = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *parents);
-    if (table == NULL || all == NULL || parents == NULL)
+    size_t *siblings = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *siblings);
+    size_t *later = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *later);
+    const char **names = pel_arena_take(arena, ROW_COUNT + shape_row_count, sizeof *names);
+    if (table == NULL || all == NULL || parents == NULL || siblings == NULL || later == NULL || names == NULL)
         return NULL;
     size_t count = 0;
     for (size_t i = 0; i < ROW_COUNT; i++) {
@@ -526,7 +563,8 @@ const pel_scene_table *pel_scene_table_create(pel_arena *arena)
     }
     for (size_t i = 0; i < count; i++)
         parents[i] = parent_length(all[i].path);
-    *table = (pel_scene_table){all, count, parents};
+    link_siblings(all, count, parents, names, siblings, later);
+    *table = (pel_scene_table){all, count, parents, names, siblings};
     return table;
 }
 
@@ -539,31 +577,27 @@ const char *pel_scene_row_prefix(const pel_scene_row *row)
 
 const char *pel_scene_row_name(const pel_scene_row *row, const char *prefix)
 {
-    size_t length = strlen(prefix);
-    if (strncmp(row->path, prefix, length) != 0)
-        return NULL;
-    const char *name = row->path + length;
-    if (strcmp(name, "[]") == 0 && length > 0)
-        return name;
-    if (length > 0 && *name++ != '.')
-        return NULL;
-    return *name != '<' && name[strcspn(name, ".[")] == '\0' ? name : NULL;
+    return name_below(row->path, strlen(prefix));
 }
 
 const pel_scene_row *pel_scene_row_next(const pel_scene_table *table, const char *prefix, const pel_scene_row *row)
 {
-    const pel_scene_row *end = table->rows + table->row_count;
-    size_t length = strlen(prefix);
-    for (row = row == NULL ? table->rows : row + 1; row < end; row++)
-        if (table->parent_lengths[row - table->rows] == length && pel_scene_row_name(row, prefix) != NULL)
-            return row;
+    size_t length, i = 0;
+    if (row != NULL) {
+        i = table->siblings[row - table->rows];
+        return i < table->row_count ? &table->rows[i] : NULL;
+    }
+    for (length = strlen(prefix); i < table->row_count; i++)
+        if (table->parent_lengths[i] == length && table->names[i] != NULL &&
+            memcmp(table->rows[i].path, prefix, length) == 0)
+            return &table->rows[i];
     return NULL;
 }
 
 const pel_scene_row *pel_scene_row_find(const pel_scene_table *table, const char *prefix, const char *name)
 {
     const pel_scene_row *row = pel_scene_row_next(table, prefix, NULL);
-    while (row != NULL && strcmp(pel_scene_row_name(row, prefix), name) != 0)
+    while (row != NULL && strcmp(table->names[row - table->rows], name) != 0)
         row = pel_scene_row_next(table, prefix, row);
     return row;
 }

@@ -46,8 +46,9 @@ typedef struct pel_scene_row {
 typedef struct pel_scene_table {
     const pel_scene_row *rows;
     size_t row_count;
-    const size_t
-        *parent_lengths; /* (row_count) of the prefix that a row stands directly below: most rows are passed over */
+    const size_t *parent_lengths; /* (row_count) of the prefix that a row stands directly below */
+    const char *const *names;     /* (row_count) its name below that prefix; null = it has none */
+    const size_t *siblings;       /* (row_count) the next row with a name and the same prefix; row_count = none */
 } pel_scene_table;
 
 /* the rows of the program plus the parameters of every shape of pellicle/shape.h; null when out of memory */
@@ -55,7 +56,8 @@ const pel_scene_table *pel_scene_table_create(pel_arena *arena);
 
 /* what the children's paths begin with: the group of a row that has one, its own path otherwise; "" for the root */
 const char *pel_scene_row_prefix(const pel_scene_row *row);
-/* the key of a row below a prefix ("[]" for the element of a list), null when it does not stand directly below */
+/* the key of a row that stands directly below the prefix, as pel_scene_row_next gives it; "[]" for the element of a
+ * list */
 const char *pel_scene_row_name(const pel_scene_row *row, const char *prefix);
 /* the row after `row` (null: the first) directly below a prefix, null after the last */
 const pel_scene_row *pel_scene_row_next(const pel_scene_table *table, const char *prefix, const pel_scene_row *row);

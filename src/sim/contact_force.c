@@ -44,6 +44,7 @@ void pel_contact_forces_destroy(pel_sim *sim)
     pel_free(forces->is_touched_next);
     pel_free(forces->pair);
     pel_free(forces->pair_next);
+    pel_contact_records_destroy(forces);
 }
 
 void pel_contact_forces_begin(pel_sim *sim)
@@ -56,6 +57,7 @@ void pel_contact_forces_begin(pel_sim *sim)
             memset(forces->vertex_next + slice * PEL_WIDTH, 0, PEL_WIDTH * sizeof *forces->vertex_next);
     memset(forces->is_touched_next, 0, flag_count(sim));
     memset(forces->pair_next, 0, pair_count(sim) * sizeof *forces->pair_next);
+    pel_contact_records_begin(forces);
 }
 
 /* forces of a step in parts are means over its parts */
@@ -79,7 +81,9 @@ static void add_part(pel_sim *sim, double share)
 void pel_contact_forces_accept(pel_sim *sim)
 {
     pel_contact_forces *forces = &sim->contact_forces;
-    if (forces->vertex != NULL && sim->parts.step_size < PEL_PART_LIMIT) {
+    bool is_part = sim->parts.step_size < PEL_PART_LIMIT;
+    pel_contact_records_accept(forces, is_part ? pel_part_share(sim) : 1, !is_part || sim->parts.at == 0);
+    if (forces->vertex != NULL && is_part) {
         add_part(sim, pel_part_share(sim));
         return;
     }
@@ -98,6 +102,7 @@ void pel_contact_forces_loaded(pel_sim *sim)
 {
     if (sim->contact_forces.vertex != NULL)
         memset(sim->contact_forces.is_touched, 1, flag_count(sim));
+    pel_contact_records_forget(&sim->contact_forces);
 }
 
 /* ---- actions ---- */
@@ -159,6 +164,7 @@ void pel_contact_forces_add(pel_sim *sim, const pel_contact_action *action)
 {
     int32_t groups[2];
     double side, point[3] = {0, 0, 0}, sum = 0, way[3], x[3], load = pel_vec3_length(action->load);
+    pel_contact_records_add(&sim->contact_forces, action);
     for (int i = 0; i < 4; i++)
         if (action->weights[i] != 0)
             add_to_vertex(sim, action->vertices[i], action->weights[i], action->force);
@@ -183,6 +189,10 @@ void pel_contact_forces_add(pel_sim *sim, const pel_contact_action *action)
 void pel_contact_forces_add_at(pel_sim *sim, int32_t v, int32_t tool, const double force[3])
 {
     int32_t group = sim->model->body_count + tool;
+    const int32_t vertices[4] = {v, v, v, v};
+    pel_contact_action action = {.vertices = vertices, .weights = {1, 0, 0, 0}, .tool = tool};
+    pel_vec3_copy(force, action.force);
+    pel_contact_records_add(&sim->contact_forces, &action);
     pel_pair_force *pair = &sim->contact_forces.pair_next[body_of(sim, v) * sim->contact_forces.group_count + group];
     add_to_vertex(sim, v, 1, force);
     pel_vec3_add(pair->force, force, pair->force);

@@ -236,6 +236,7 @@ typedef struct pel_contact_forces {
     pel_pair_force *pair, *pair_next;      /* (body_count x group_count) on the body of the row; groups are bodies, then
                                               tools; of two bodies the lower one has the row */
     int32_t group_count;
+    struct pel_contact_records *records; /* (contact_record.c) null = they are not kept */
 } pel_contact_forces;
 
 struct pel_sim {

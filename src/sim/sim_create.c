@@ -9,6 +9,7 @@
 #include "sim/pick.h"
 #include "sim/step_modes.h"
 #include "sim/step_path.h"
+#include "sim/tool.h"
 #include "sim/tool_solid.h"
 
 #include <time.h>
@@ -229,6 +230,8 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
         status = pel_contact_forces_create(sim, error);
+    if (status == PEL_OK && def->record_contacts && sim->contact_forces.vertex != NULL)
+        status = pel_contact_records_create(&sim->contact_forces, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)

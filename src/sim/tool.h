@@ -115,6 +115,17 @@ typedef struct pel_contact_action {
 void pel_contact_forces_add(pel_sim *sim, const pel_contact_action *action);
 /* The force of a tool on one vertex, without a load. */
 void pel_contact_forces_add_at(pel_sim *sim, int32_t v, int32_t tool, const double force[3]);
+
+/* ---- contact_record.c ---- */
+/* PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_records_create(pel_contact_forces *forces, pel_error *error);
+void pel_contact_records_destroy(pel_contact_forces *forces);
+/* These do nothing where no records are kept. */
+void pel_contact_records_begin(pel_contact_forces *forces);
+void pel_contact_records_add(pel_contact_forces *forces, const pel_contact_action *action);
+/* share: of a step in parts; the first one forgets the step before */
+void pel_contact_records_accept(pel_contact_forces *forces, double share, bool is_first);
+void pel_contact_records_forget(pel_contact_forces *forces);
 /* Adds what changed the sum of a contact by `change`, times rate over its mobility: with displacements in m the rate is
    in 1/s2, with velocities in 1/s. tool: its other side, which takes the reaction and what it touches; -1 = none. */
 void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate);

@@ -1,32 +1,50 @@
-/* All runs of a chunk on the threads of this machine. */
+/* All runs of a chunk in processes of this machine. This process gives out runs and keeps rows; each worker (worker.h)
+   does one run at a time. A run whose worker is lost is done once more, in case the loss had to do with the machine;
+   then its row says how the process ended. */
+#define _DEFAULT_SOURCE
 #include "base/memory.h"
 #include "base/pool.h"
 #include "pellicle/parallel.h"
-#include "study/study.h"
+#include "study/worker.h"
 
-#include <stdatomic.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/wait.h>
 #include <time.h>
 
 enum { STUDY_COOKIE = 0x53747564 };
+
+/* ms between looks for Ctrl-C and for runs that take too long */
+enum { LOOK_MILLISECONDS = 50 };
+
+/* s of work that a worker has in its queue, beside the run that it does: more than a round trip takes, less than
+   anybody would wait for at the end */
+#define QUEUE_SECONDS 0.02
+
+/* workers that a run may lose */
+enum { MOST_TRIES = 2 };
 
 pel_study_def pel_study_def_default(void)
 {
     return (pel_study_def){.chunk = 1, .chunk_count = 1, .cookie = STUDY_COOKIE};
 }
 
-/* what the threads share */
 typedef struct execution {
     const pel_study *study;
     const pel_study_def *def;
     pel_study_store *store;
     int64_t *runs; /* (run_count) that are needed */
     int64_t run_count;
+    int64_t given;             /* of these */
+    pel_study_worker *workers; /* (worker_count) */
+    struct pollfd *channels;   /* (worker_count) */
+    int32_t worker_count;
+    char *row; /* of a run that was lost */
     double start;
-    _Atomic(int64_t) done, failed;
-    _Atomic(bool) stopped;
-    atomic_flag telling; /* one thread at a time tells the progress, or the error */
-    pel_status status;   /* the first failure */
-    pel_error error;
+    int64_t done, failed;
+    bool stopped;
 } execution;
 
 static double clock_now(void)
@@ -36,61 +54,176 @@ static double clock_now(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static bool goes_on(void *user)
+static bool goes_on(execution *e)
 {
-    execution *e = user;
-    if (!atomic_load(&e->stopped) && e->def->wanted != NULL && !e->def->wanted(e->def->user))
-        atomic_store(&e->stopped, true);
-    return !atomic_load(&e->stopped);
+    if (!e->stopped && e->def->wanted != NULL && !e->def->wanted(e->def->user))
+        e->stopped = true;
+    return !e->stopped;
 }
 
-/* a thread that finds another one telling goes on without */
-static void tell(execution *e)
+static void tell(const execution *e)
 {
-    if (e->def->progress == NULL || atomic_flag_test_and_set(&e->telling))
+    if (e->def->progress == NULL)
         return;
-    int64_t done = atomic_load(&e->done);
-    double left = (double)(e->run_count - done), seconds = clock_now() - e->start;
-    const pel_study_progress progress = {.done = done,
+    double left = (double)(e->run_count - e->done), seconds = clock_now() - e->start;
+    const pel_study_progress progress = {.done = e->done,
                                          .total = e->run_count,
-                                         .failed = atomic_load(&e->failed),
-                                         .remaining = done > 0 ? left * seconds / (double)done : -1};
+                                         .failed = e->failed,
+                                         .remaining = e->done > 0 ? left * seconds / (double)e->done : -1};
     e->def->progress(e->def->user, &progress);
-    atomic_flag_clear(&e->telling);
 }
 
-static void keep_error(execution *e, pel_status status, const pel_error *error)
+/* ---- rows ---- */
+
+static pel_status keep_row(execution *e, const char *row, pel_error *error)
 {
-    while (atomic_flag_test_and_set(&e->telling))
-        ;
-    if (e->status == PEL_OK) {
-        e->status = status;
-        e->error = *error;
-    }
-    atomic_flag_clear(&e->telling);
-    atomic_store(&e->stopped, true);
+    pel_status status = pel_study_store_add(e->store, row, error);
+    if (status != PEL_OK)
+        return status;
+    e->failed += pel_study_row_is_done(row) ? 0 : 1;
+    e->done++;
+    tell(e);
+    return PEL_OK;
 }
 
-static void do_run(void *context, int32_t chunk)
+static pel_status keep_lost(execution *e, int64_t run, const char *word, const char *what, const char *remedy,
+                            pel_error *error)
 {
-    execution *e = context;
-    pel_error error = {0};
-    if (!goes_on(e))
-        return;
-    char *row = pel_allocate(pel_study_row_size(e->study), 1);
-    pel_status status = row != NULL ? pel_study_run(e->study, e->runs[chunk], e->def->folder, goes_on, e, row, &error)
-                                    : pel_fail_memory(&error);
-    if (status == PEL_OK)
-        status = pel_study_store_add(e->store, row, &error);
-    if (status == PEL_OK) {
-        atomic_fetch_add(&e->failed, pel_study_row_is_done(row) ? 0 : 1);
-        atomic_fetch_add(&e->done, 1);
-        tell(e);
-    } else if (status != PEL_STOPPED) {
-        keep_error(e, status, &error);
-    }
-    pel_free(row);
+    pel_status status = pel_study_lost_run(e->study, run, word, what, remedy, e->row, error);
+    return status == PEL_OK ? keep_row(e, e->row, error) : status;
 }
+
+/* the rows that have come back whole */
+static pel_status keep_rows(execution *e, pel_study_worker *worker, pel_error *error)
+{
+    const char *row;
+    while (goes_on(e) && (row = pel_study_worker_row(worker)) != NULL) {
+        pel_status status = row[0] != '\0' ? keep_row(e, row, error)
+                                           : keep_lost(e, worker->queue[0], "failed", "out of memory",
+                                                       "use a coarser mesh, or do fewer runs at a time", error);
+        if (status != PEL_OK)
+            return status;
+        pel_study_worker_answered(worker, clock_now());
+    }
+    return PEL_OK;
+}
+
+/* ---- workers ---- */
+
+static int32_t queue_length(const pel_study_worker *worker)
+{
+    if (!(worker->seconds >= 0))
+        return 1;
+    double count = 1 + floor(QUEUE_SECONDS / fmax(worker->seconds, 1e-6));
+    return count < PEL_STUDY_QUEUE ? (int32_t)count : PEL_STUDY_QUEUE;
+}
+
+/* a worker that ends while it is given a run is found by the next look */
+static void fill_queue(execution *e, pel_study_worker *worker)
+{
+    bool is_there = worker->process != 0;
+    while (is_there && e->given < e->run_count && worker->queued < queue_length(worker))
+        is_there = pel_study_worker_give(worker, e->runs[e->given++], clock_now());
+}
+
+static pel_status start_worker(execution *e, pel_study_worker *worker, pel_error *error)
+{
+    pel_status status = pel_study_worker_start(worker, e->study, e->def->folder, e->store, error);
+    if (status != PEL_OK)
+        return status;
+    /* what the one before has not done */
+    int32_t queued = worker->queued;
+    worker->queued = 0;
+    for (int32_t i = 0; i < queued; i++)
+        pel_study_worker_give(worker, worker->queue[i], clock_now());
+    fill_queue(e, worker);
+    return PEL_OK;
+}
+
+/* the first run of the queue has a row now that its worker did not write */
+static void drop_first(pel_study_worker *worker)
+{
+    worker->queued--;
+    worker->tries = 0;
+    memmove(worker->queue, worker->queue + 1, (size_t)worker->queued * sizeof *worker->queue);
+}
+
+static void describe_end(int result, char *text, size_t size)
+{
+    if (WIFSIGNALED(result))
+        snprintf(text, size, "the process of this run was ended twice, the last time by signal %d (%s)",
+                 WTERMSIG(result), strsignal(WTERMSIG(result)));
+    else
+        snprintf(text, size, "the process of this run ended twice, the last time with exit status %d",
+                 WEXITSTATUS(result));
+}
+
+/* after the process has ended by itself */
+static pel_status replace_worker(execution *e, pel_study_worker *worker, pel_error *error)
+{
+    char text[200];
+    int result = pel_study_worker_end(worker);
+    pel_status status = PEL_OK;
+    if (worker->queued > 0 && ++worker->tries >= MOST_TRIES) {
+        describe_end(result, text, sizeof text);
+        status = keep_lost(e, worker->queue[0], "crashed", text,
+                           "do this run alone to see why; signal 9 may be a lack of memory", error);
+        drop_first(worker);
+    }
+    return status == PEL_OK ? start_worker(e, worker, error) : status;
+}
+
+static pel_status stop_late_run(execution *e, pel_study_worker *worker, pel_error *error)
+{
+    char text[100];
+    pel_study_worker_end(worker);
+    snprintf(text, sizeof text, "the run took more than %g s", e->def->run_seconds);
+    pel_status status = keep_lost(e, worker->queue[0], "timeout", text, "allow more time, or make it cheaper", error);
+    drop_first(worker);
+    return status == PEL_OK ? start_worker(e, worker, error) : status;
+}
+
+static pel_status look_at(execution *e, pel_study_worker *worker, bool is_readable, pel_error *error)
+{
+    double limit = e->def->run_seconds;
+    bool has_ended = is_readable ? !pel_study_worker_read(worker) : pel_study_worker_has_ended(worker);
+    pel_status status = keep_rows(e, worker, error);
+    if (status != PEL_OK || e->stopped)
+        return status;
+    if (has_ended)
+        return replace_worker(e, worker, error);
+    if (limit > 0 && worker->queued > 0 && clock_now() - worker->since > limit)
+        return stop_late_run(e, worker, error);
+    fill_queue(e, worker);
+    return PEL_OK;
+}
+
+static pel_status look_at_all(execution *e, pel_error *error)
+{
+    for (int32_t w = 0; w < e->worker_count; w++)
+        e->channels[w] = (struct pollfd){.fd = e->workers[w].queued > 0 ? e->workers[w].channel : -1, .events = POLLIN};
+    int ready = poll(e->channels, (nfds_t)e->worker_count, LOOK_MILLISECONDS);
+    pel_status status = PEL_OK;
+    for (int32_t w = 0; w < e->worker_count && status == PEL_OK && goes_on(e); w++)
+        if (e->workers[w].queued > 0)
+            status = look_at(e, &e->workers[w], ready > 0 && e->channels[w].revents != 0, error);
+    return status;
+}
+
+static pel_status do_runs(execution *e, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    tell(e);
+    for (int32_t w = 0; w < e->worker_count && status == PEL_OK && goes_on(e); w++)
+        status = start_worker(e, &e->workers[w], error);
+    while (status == PEL_OK && e->done < e->run_count && goes_on(e))
+        status = look_at_all(e, error);
+    for (int32_t w = 0; w < e->worker_count; w++)
+        pel_study_worker_end(&e->workers[w]);
+    return status;
+}
+
+/* ---- all of it ---- */
 
 static pel_status find_runs(execution *e, pel_study_summary *summary, pel_error *error)
 {
@@ -101,7 +234,7 @@ static pel_status find_runs(execution *e, pel_study_summary *summary, pel_error 
     int64_t of_chunk = 0;
     for (int64_t run = 0; run < count; run++) {
         of_chunk += run % e->def->chunk_count == e->def->chunk - 1;
-        if (pel_study_store_needs(e->store, run))
+        if (pel_study_store_needs(e->store, run) || (e->def->retry && pel_study_store_failed(e->store, run)))
             e->runs[e->run_count++] = run;
     }
     summary->runs = count;
@@ -109,29 +242,35 @@ static pel_status find_runs(execution *e, pel_study_summary *summary, pel_error 
     return PEL_OK;
 }
 
-static pel_status do_runs(execution *e, pel_error *error)
+static pel_status allocate_workers(execution *e, pel_error *error)
 {
-    pel_pool *pool = NULL;
-    int32_t threads = e->def->thread_count > 0 ? e->def->thread_count : (int32_t)pel_thread_limit();
-    if (threads > e->run_count)
-        threads = (int32_t)e->run_count;
-    pel_status status = pel_pool_create(threads, &pool, error);
-    if (status != PEL_OK)
-        return status;
-    tell(e);
-    pel_pool_run(pool, (int32_t)e->run_count, do_run, e);
-    pel_pool_destroy(pool);
-    if (e->status != PEL_OK && error != NULL)
-        *error = e->error;
-    return e->status;
+    int32_t wanted = e->def->thread_count > 0 ? e->def->thread_count : (int32_t)pel_thread_limit();
+    int32_t count = wanted < e->run_count ? wanted : (int32_t)e->run_count;
+    /* each answer is shorter than a row and its newline */
+    size_t size = 2 * (pel_study_row_size(e->study) + 1);
+    e->row = pel_allocate(pel_study_row_size(e->study), 1);
+    e->workers = pel_allocate((size_t)count, sizeof *e->workers);
+    e->channels = pel_allocate((size_t)count, sizeof *e->channels);
+    if (e->row == NULL || e->workers == NULL || e->channels == NULL)
+        return pel_fail_memory(error);
+    for (; e->worker_count < count; e->worker_count++) {
+        pel_study_worker *worker = &e->workers[e->worker_count];
+        worker->size = size;
+        worker->text = pel_allocate(size, 1);
+        if (worker->text == NULL)
+            return pel_fail_memory(error);
+    }
+    return PEL_OK;
 }
 
 static pel_status execute(execution *e, pel_study_summary *summary, pel_error *error)
 {
     pel_status status = find_runs(e, summary, error);
     if (status == PEL_OK)
+        status = allocate_workers(e, error);
+    if (status == PEL_OK)
         status = do_runs(e, error);
-    summary->done = atomic_load(&e->done);
+    summary->done = e->done;
     pel_status later =
         pel_study_store_collect(e->store, &summary->missing, &summary->failed, status == PEL_OK ? error : NULL);
     if (status != PEL_OK || later != PEL_OK)
@@ -142,25 +281,45 @@ static pel_status execute(execution *e, pel_study_summary *summary, pel_error *e
     return PEL_OK;
 }
 
-pel_status pel_study_execute(const pel_study *study, const pel_study_def *def, pel_study_summary *summary,
-                             pel_error *error)
+static void release(execution *e)
 {
-    PEL_REFUSE_NULL(study, error);
-    PEL_REFUSE_NULL(def, error);
-    pel_study_summary own;
+    for (int32_t w = 0; w < e->worker_count; w++)
+        pel_free(e->workers[w].text);
+    pel_free(e->workers);
+    pel_free(e->channels);
+    pel_free(e->row);
+    pel_free(e->runs);
+    pel_study_store_close(e->store);
+}
+
+static pel_status check_def(const pel_study_def *def, pel_error *error)
+{
     if (def->cookie != STUDY_COOKIE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "study def was not made by pel_study_def_default()");
     if (def->thread_count < 0 || def->thread_count > PEL_THREADS_MOST)
         return pel_fail(error, PEL_BAD_ARGUMENT, "thread_count must be within 0 .. %d", (int)PEL_THREADS_MOST);
+    if (!(def->run_seconds >= 0 && isfinite(def->run_seconds)))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "run_seconds must be a number of seconds, 0 for no limit");
     PEL_REFUSE_NULL(def->folder, error);
+    return PEL_OK;
+}
+
+pel_status pel_study_execute(const pel_study *study, const pel_study_def *def, pel_study_summary *summary,
+                             pel_error *error)
+{
+    pel_study_summary own;
+    PEL_REFUSE_NULL(study, error);
+    PEL_REFUSE_NULL(def, error);
+    pel_status status = check_def(def, error);
+    if (status != PEL_OK)
+        return status;
     if (summary == NULL)
         summary = &own;
     *summary = (pel_study_summary){0};
-    execution e = {.study = study, .def = def, .start = clock_now(), .telling = ATOMIC_FLAG_INIT};
-    pel_status status = pel_study_store_open(study, def->folder, def->chunk, def->chunk_count, &e.store, error);
+    execution e = {.study = study, .def = def, .start = clock_now()};
+    status = pel_study_store_open(study, def->folder, def->chunk, def->chunk_count, &e.store, error);
     if (status == PEL_OK)
         status = execute(&e, summary, error);
-    pel_free(e.runs);
-    pel_study_store_close(e.store);
+    release(&e);
     return status;
 }

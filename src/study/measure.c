@@ -491,6 +491,32 @@ pel_status pel_study_run(const pel_study *study, int64_t run, const char *folder
     return status;
 }
 
+pel_status pel_study_lost_run(const pel_study *study, int64_t run, const char *status, const char *what,
+                              const char *remedy, char *row, pel_error *error)
+{
+    PEL_REFUSE_NULL(study, error);
+    PEL_REFUSE_NULL(status, error);
+    PEL_REFUSE_NULL(what, error);
+    PEL_REFUSE_NULL(row, error);
+    row[0] = '\0';
+    if (run < 0 || run >= study->run_count)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the study has no run %" PRId64, run);
+    if (status[0] == '\0' || status[strspn(status, "abcdefghijklmnopqrstuvwxyz")] != '\0' ||
+        strlen(status) >= PEL_NAME_SIZE || strcmp(status, "done") == 0)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "'%.60s' is no status of a run that was lost", status);
+    pel_error own = {0};
+    pel_json text = {0};
+    pel_fail(&own, PEL_STOPPED, "%s", what);
+    if (remedy != NULL)
+        pel_fail_remedy(&own, "%s", remedy);
+    put_row(&text, study, run, NULL, NULL, status, &own);
+    bool is_whole = !text.failed;
+    if (is_whole)
+        snprintf(row, study->row_size, "%s", text.text);
+    pel_json_free(&text);
+    return is_whole ? PEL_OK : pel_fail_memory(error);
+}
+
 size_t pel_study_row_size(const pel_study *study)
 {
     return study != NULL ? study->row_size : 0;

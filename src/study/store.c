@@ -20,14 +20,16 @@
 static const char rows_ending[] = ".rows";
 enum { HASH_DIGITS = 16 };
 
+typedef enum row_state { ROW_MISSING, ROW_FAILED, ROW_DONE } row_state;
+
 struct pel_study_store {
     const pel_study *study;
     char *folder;
     int32_t chunk, chunk_count;
-    int descriptor; /* of the chunk's rows */
-    char *path;     /* of these */
-    bool *present;  /* (run_count) rows that were there when the folder was opened */
-    char **rows;    /* (run_count) while rows are collected; null = missing */
+    int descriptor;     /* of the chunk's rows */
+    char *path;         /* of these */
+    row_state *present; /* (run_count) rows that were there when the folder was opened */
+    char **rows;        /* (run_count) while rows are collected; null = missing */
 };
 
 static pel_status fail_file(const char *path, const char *what, int number, pel_error *error)
@@ -100,25 +102,37 @@ static pel_status fail_other_study(const char *folder, pel_error *error)
     return PEL_BAD_FILE;
 }
 
+static bool is_done(const char *row, size_t length)
+{
+    static const char ending[] = ",done,";
+    return length >= sizeof ending - 1 && memcmp(row + length - (sizeof ending - 1), ending, sizeof ending - 1) == 0;
+}
+
+bool pel_study_row_is_done(const char *row)
+{
+    return is_done(row, strlen(row));
+}
+
 /* what a row is given to */
 typedef pel_status row_visitor(pel_study_store *store, int64_t run, const char *row, size_t length);
 
 static pel_status note_present(pel_study_store *store, int64_t run, const char *row, size_t length)
 {
-    (void)row;
-    (void)length;
-    store->present[run] = true;
+    if (store->present[run] != ROW_DONE)
+        store->present[run] = is_done(row, length) ? ROW_DONE : ROW_FAILED;
     return PEL_OK;
 }
 
+/* of a run that was done again, the row that is done, else the later one */
 static pel_status keep_row(pel_study_store *store, int64_t run, const char *row, size_t length)
 {
-    if (store->rows[run] != NULL)
+    if (store->rows[run] != NULL && pel_study_row_is_done(store->rows[run]))
         return PEL_OK;
     char *copy = pel_allocate(length + 1, 1);
     if (copy == NULL)
         return PEL_OUT_OF_MEMORY;
     memcpy(copy, row, length);
+    pel_free(store->rows[run]);
     store->rows[run] = copy;
     return PEL_OK;
 }
@@ -289,7 +303,13 @@ void pel_study_store_close(pel_study_store *store)
 bool pel_study_store_needs(const pel_study_store *store, int64_t run)
 {
     return store != NULL && run >= 0 && run < store->study->run_count && run % store->chunk_count == store->chunk - 1 &&
-           !store->present[run];
+           store->present[run] == ROW_MISSING;
+}
+
+bool pel_study_store_failed(const pel_study_store *store, int64_t run)
+{
+    return store != NULL && run >= 0 && run < store->study->run_count && run % store->chunk_count == store->chunk - 1 &&
+           store->present[run] == ROW_FAILED;
 }
 
 pel_status pel_study_store_add(pel_study_store *store, const char *row, pel_error *error)
@@ -308,13 +328,6 @@ pel_status pel_study_store_add(pel_study_store *store, const char *row, pel_erro
     pel_status status = append(store, line, size, error);
     pel_free(line);
     return status;
-}
-
-bool pel_study_row_is_done(const char *row)
-{
-    size_t length = strlen(row);
-    static const char ending[] = ",done,";
-    return length >= sizeof ending - 1 && strcmp(row + length - (sizeof ending - 1), ending) == 0;
 }
 
 static pel_status write_table(const pel_study_store *store, pel_error *error)

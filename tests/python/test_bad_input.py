@@ -5,11 +5,12 @@ import unittest
 
 import numpy as np
 import pellicle
-from common import ball
+from common import ball, shell
 from pellicle import Mesh, _core
 
 SIM = pellicle.load_scene(ball())
 COUNT = len(SIM.positions())
+PROBE = {"name": "probe", "shape": "sphere", "radius": 0.1, "motion": [{"time": 0, "position": [0, 0, 5]}]}
 
 
 def rows(count, columns=3):
@@ -78,6 +79,119 @@ class Arrays(unittest.TestCase):
                 self.refused(kind, "out", SIM.positions, 0, out=bad)
                 self.refused(kind, "out", SIM.velocities, 0, out=bad)
                 self.refused(kind, "out", SIM.gradient, None, out=bad)
+
+    def test_every_function_with_numbers(self):
+        """Every public function that takes numbers refuses each wrong array by the argument's name, and changes nothing."""
+        sheet = pellicle.load_scene(shell({"shape": "grid", "nx": 3, "ny": 3}, tools=[PROBE]))
+        count = len(sheet.positions())
+        with sheet.drag([0.1, 0.1, 1], [0, 0, -1], 1, 0.1) as drag:
+            takers = [
+                ("positions", (count, 3), sheet.set_positions),
+                ("velocities", (count, 3), sheet.set_velocities),
+                ("x", (count, 3), sheet.energy),
+                ("x", (count, 3), sheet.gradient),
+                ("x", (count, 3), sheet.hessian),
+                ("loss_gradient", (count, 3), sheet.adjoint),
+                ("position", (3,), lambda value: sheet.set_tool("probe", value)),
+                ("rotation", (4,), lambda value: sheet.set_tool("probe", [0, 0, 1], value)),
+                ("origin", (3,), lambda value: sheet.pick(value, [0, 0, 1])),
+                ("direction", (3,), lambda value: sheet.pick([0, 0, 1], value)),
+                ("origin", (3,), lambda value: sheet.drag(value, [0, 0, 1], 1, 1)),
+                ("direction", (3,), lambda value: sheet.drag([0, 0, 1], value, 1, 1)),
+                ("target", (3,), drag.move),
+                ("force", (3,), lambda value: SIM.set_load("finger", value)),
+            ]
+            before = sheet.hash, SIM.hash
+            for name, shape, function in takers:
+                whole = np.zeros(shape)
+                bad = [
+                    (np.zeros((*shape, 1)), ValueError),
+                    (np.zeros((shape[0] + 1, *shape[1:])), ValueError),
+                    (np.zeros(0), ValueError),
+                    (np.float64(1), ValueError),
+                    (np.full(shape, np.nan), ValueError),
+                    (np.full(shape, -np.inf), ValueError),
+                    (whole.astype(complex), TypeError),
+                    (whole.astype(object), TypeError),
+                    (whole.astype("U1"), TypeError),
+                    (whole.astype("M8[s]"), TypeError),
+                    (whole.astype(bool), TypeError),
+                    ([[1, 2], [3]], ValueError),
+                    ("text", TypeError),
+                    (object(), TypeError),
+                    ({}, TypeError),
+                ]
+                for value, kind in bad:
+                    with self.subTest(function=name, value=repr(value)[:50]):
+                        self.refused(kind, name, function, value)
+            self.assertEqual((sheet.hash, SIM.hash), before)
+
+    def test_every_function_with_room(self):
+        """Every public function that fills an array refuses one that is not as it must be, and leaves it as it was."""
+        triangles = len(SIM.triangles())
+        fillers = [
+            (name, (COUNT, 3), np.float64, lambda out, name=name: getattr(SIM, name)(0, out=out))
+            for name in ("positions", "velocities", "forces", "rest_positions")
+        ]
+        fillers += [
+            ("masses", (COUNT,), np.float64, lambda out: SIM.masses(0, out=out)),
+            ("triangles", (triangles, 3), np.int32, lambda out: SIM.triangles(0, out=out)),
+            ("field", (COUNT,), np.float64, lambda out: SIM.field(0, "energy", out=out)),
+            ("vectors", (COUNT, 3), np.float64, lambda out: SIM.field(0, "displacement", out=out)),
+            ("gradient", (COUNT, 3), np.float64, lambda out: SIM.gradient(None, out=out)),
+        ]
+        for label, shape, dtype, function in fillers:
+            good = np.zeros(shape, dtype)
+            self.assertIs(function(good), good)
+            locked = np.zeros(shape, dtype)
+            locked.flags.writeable = False
+            bad = [
+                (np.zeros((shape[0] + 1, *shape[1:]), dtype), ValueError),
+                (np.zeros((*shape, 1), dtype), ValueError),
+                (np.zeros((2 * shape[0], *shape[1:]), dtype)[::2], ValueError),
+                (np.zeros(shape, np.float32), TypeError),
+                (np.zeros(shape, np.int64), TypeError),
+                (np.zeros(shape, np.dtype(dtype).newbyteorder(">")), TypeError),
+                (np.zeros(shape, complex), TypeError),
+                (np.zeros(shape, object), TypeError),
+                (locked, ValueError),
+                ([], TypeError),
+                ("text", TypeError),
+                (7, TypeError),
+            ]
+            if len(shape) == 2:
+                bad.append((np.zeros(shape[::-1], dtype).T, ValueError))
+            for out, kind in bad:
+                with self.subTest(function=label, out=repr(out)[:50]):
+                    self.refused(kind, "out", function, out)
+                    if isinstance(out, np.ndarray) and out.dtype != object:
+                        self.assertFalse(out.any())
+
+    def test_read_only_and_strided_arrays_are_taken(self):
+        """What is only read may be read-only, and of any layout."""
+        locked = SIM.positions()
+        locked.flags.writeable = False
+        before = SIM.hash
+        for form in (locked, np.asfortranarray(locked), locked[::-1][::-1], locked.astype(">f8"), memoryview(locked)):
+            SIM.set_positions(form)
+            self.assertEqual(SIM.energy(form), SIM.energy())
+        self.assertEqual(SIM.hash, before)
+        mesh = Mesh.shape("geodesic-sphere", frequency=2)
+        mesh.positions.flags.writeable = mesh.triangles.flags.writeable = False
+        other = Mesh(np.asfortranarray(mesh.positions), mesh.triangles.astype(np.int64)[:, ::-1][:, ::-1])
+        self.assertEqual(other.volume, mesh.volume)
+        self.assertEqual(len(mesh.subdivide().positions), 162)
+
+    def test_indices(self):
+        sim = pellicle.load_scene(ball())
+        for value, kind in (
+            ([0.5], TypeError), ([[1]], ValueError), ([2**40], ValueError), ("a", TypeError), ([True], TypeError),
+            ([-1], (ValueError, pellicle.Error)), ([COUNT], (ValueError, pellicle.Error)), ([[1], [2, 3]], ValueError),
+        ):  # fmt: skip
+            with self.subTest(value=value):
+                self.refused(kind, "vert", sim.set_pins, value)
+        sim.set_pins([3, 4])
+        sim.set_pins([])
 
     def test_arrays_that_only_need_a_copy_are_taken(self):
         positions = SIM.positions()

@@ -11,6 +11,7 @@ import unittest
 import numpy as np
 import pellicle
 from common import ROOT, is_single
+from pellicle.calibration import _Problem
 
 FITS = ROOT / "examples/fits"
 
@@ -93,6 +94,77 @@ class Calibration(unittest.TestCase):
         }
         fit = pellicle.calibrate(self.line(self.scene(), parameters, "max_displacement"))
         self.assertTrue(any("correlated" in text or "bound" in text for text in fit.warnings), fit.warnings)
+
+    def markers(self, solver, load=None, known=None):
+        """A fit of a clamped sheet, pulled across, to where markers go."""
+        scene = {
+            "version": 1,
+            "bodies": [
+                {
+                    "name": "sheet",
+                    "mesh": {"shape": "grid", "nx": 8, "ny": 6, "size_x": 0.4, "size_y": 0.3},
+                    "mass": {"density": 1000, "thickness": 0.01},
+                    "membrane": {"young": 1e4, "poisson": 0.3, "thickness": 0.01},
+                    "bending": {"model": "hinge"},
+                    "volumetric": {"stiffness": 0.001},
+                    "pinned": {"box": {"min": [-0.21, -1, -1], "max": [-0.19, 1, 1]}},
+                }
+            ],
+            "loads": [
+                {
+                    "name": "pull",
+                    "body": "sheet",
+                    "force": [1, 0.1, 0.2],
+                    "at": {"box": {"min": [0.19, -1, -1], "max": [0.21, 1, 1]}},
+                    **(load or {}),
+                }
+            ],
+            "gravity": [0, 0, -0.3],
+            "solver": solver,
+            "duration": 1,
+        }
+        (self.folder / "sheet.yaml").write_text(json.dumps(scene))
+        known = known or {"bodies.sheet.membrane.young": 1.2e4, "bodies.sheet.volumetric.stiffness": 0.002}
+        sim = pellicle.load_scene(self.folder / "sheet.yaml", known)
+        sim.run_until(1)
+        rows = [f"{v},{x!r},{y!r},{z!r}" for v, (x, y, z) in enumerate(sim.positions().tolist())]
+        (self.folder / "markers.csv").write_text("\n".join(["vertex,x,y,z", *rows]) + "\n")
+        return known, {
+            "scene": str(self.folder / "sheet.yaml"),
+            "parameters": {
+                path: {"start": 0.7 * value, "from": 0.2 * value, "to": 5 * value, "scale": "log"} for path, value in known.items()
+            },
+            "data": [{"file": str(self.folder / "markers.csv"), "body": "sheet"}],
+        }
+
+    def test_derivatives_by_adjoint(self):
+        """The same Jacobian as by differences, with and without loads that change with time, from fewer runs."""
+        loads = (None, {"until": 9, "from": 0}, {"from": 0.5})
+        for load in loads:
+            with self.subTest(load=load):
+                known, fit = self.markers({"method": "static", "dt": 1}, load)
+                problem = _Problem(fit, 1)
+                expected = problem.by_differences(problem.start)
+                found = problem.by_adjoint(problem.start)
+                self.assertLess(np.abs(found - expected).max(), 1e-5 * np.abs(expected).max())
+                result = pellicle.calibrate(fit)
+                self.assertEqual((result.derivatives, result.derivatives_reason), ("adjoint", ""))
+                self.assertLess(result.evaluations, 15)
+                for path, value in known.items():
+                    self.assertLess(abs(result.values[path] / value - 1), 1e-4)
+
+    def test_derivatives_by_differences_where_there_is_no_adjoint(self):
+        known = {"bodies.sheet.membrane.young": 1.2e4}
+        for solver, why in (({"method": "implicit", "dt": 0.25}, "not static"), ({"method": "xpbd", "dt": 0.25}, "not static")):
+            with self.subTest(solver=solver):
+                result = pellicle.calibrate({**self.markers(solver, known=known)[1], "max_evaluations": 3}, self.folder / "out")
+                self.assertEqual(result.derivatives, "differences")
+                self.assertIn(why, result.derivatives_reason)
+                record = json.loads((self.folder / "out/fit.json").read_text())
+                self.assertEqual(record["derivatives"], "differences")
+        parameters = {"bodies.ball.springs.stiffness": {"start": 3, "from": 1, "to": 9}}
+        result = pellicle.calibrate(self.line(self.scene(), parameters, "max_displacement"))
+        self.assertIn("curves", result.derivatives_reason)
 
     def test_bad(self):
         parameters = {"bodies.ball.springs.stiffness": {"start": 3, "from": 1, "to": 9}}

@@ -178,6 +178,30 @@ class State(unittest.TestCase):
         self.assertEqual((reading["force"], reading["position"]), ((0, 0, 0), (0, 0, 3)))
 
 
+    def test_contact_records(self):
+        motion = [{"time": 0, "position": [0, 0, 1.31]}, {"time": 1, "position": [0, 0, 0.6]}]
+        tool = {"name": "probe", "shape": "sphere", "radius": 0.3, "motion": motion}
+        scene = ball(tools=[tool], contact={"self": True}, solver={"method": "xpbd", "dt": 0.01, "substeps": 5})
+        sim = pellicle.load_scene(scene, record_contacts=True)
+        self.assertEqual(len(sim.contact_records()), 0)
+        sim.step(30)
+        records = sim.contact_records()
+        self.assertGreater(len(records), 0)
+        force = np.array(sim.tool("probe")["force"])
+        tolerance = (1e-4 if is_single() else 1e-9) * np.linalg.norm(force)
+        np.testing.assert_allclose(records["force"].sum(axis=0), -force, rtol=0, atol=tolerance)
+        self.assertEqual((set(records["tool"]), set(records["bodies"][:, 0]), set(records["bodies"][:, 1])), ({0}, {0}, {-1}))
+        np.testing.assert_allclose(np.linalg.norm(records["normal"], axis=1), 1, rtol=1e-6)
+        # the place is the weighted sum of the corners, on the sphere but for the thickness of contact
+        x = np.vstack([sim.positions(), np.zeros(3)])
+        places = np.einsum("ij,ijk->ik", records["weights"], x[records["vertices"]])
+        np.testing.assert_allclose(places, records["point"], atol=1e-6)
+        distance = np.linalg.norm(records["point"] - sim.tool("probe")["position"], axis=1) - 0.3
+        np.testing.assert_allclose(distance, records["gap"], atol=1e-6)
+        with self.assertRaisesRegex(pellicle.Error, "record_contacts=True"):
+            pellicle.load_scene(scene).contact_records()
+
+
 class Threads(unittest.TestCase):
     def test_many_simulations_share_a_model(self):
         scene = pellicle.Scene(ball()).prepare()

@@ -1,11 +1,17 @@
 """Studies: the table from Python, and on the workers of Dask."""
 
 import contextlib
+import importlib.util
 import os
 import pathlib
 import signal
+import sys
 import tempfile
+import threading
+import time
+import types
 import unittest
+import unittest.mock
 
 import numpy as np
 import pellicle
@@ -59,6 +65,29 @@ class Sweeps(Folder):
         with self.assertRaises(KeyError):
             sweep["deep"]
 
+    def test_parquet(self):
+        """Debian has no pyarrow: a stand-in of the two modules records what it is given."""
+        given = {}
+        arrow, parquet = types.ModuleType("pyarrow"), types.ModuleType("pyarrow.parquet")
+        arrow.array, arrow.table, arrow.parquet = lambda column: column, dict, parquet
+        parquet.write_table = lambda table, path: given.update(table=table, path=path)
+        with unittest.mock.patch.dict(sys.modules, {"pyarrow": arrow, "pyarrow.parquet": parquet}):
+            sweep = pellicle.sweep(self.study(2), self.folder / "out")
+        self.assertEqual(given["path"], str(self.folder / "out/runs.parquet"))
+        self.assertEqual(list(given["table"]), list(sweep))
+        for name, column in given["table"].items():
+            np.testing.assert_array_equal(column, sweep[name])
+        self.assertEqual(given["table"]["depth"].dtype, np.float64)
+
+    @unittest.skipIf(importlib.util.find_spec("pyarrow") is None, "no pyarrow: Parquet files are not read back")
+    def test_parquet_is_read_back(self):
+        import pyarrow.parquet
+
+        sweep = pellicle.sweep(self.study(2), self.folder / "out")
+        table = pyarrow.parquet.read_table(self.folder / "out/runs.parquet")
+        self.assertEqual(table.column_names, list(sweep))
+        self.assertEqual(table["depth"].to_pylist(), sweep["depth"].tolist())
+
     def test_continues(self):
         pellicle.sweep(self.study(), self.folder / "out")
         rows = self.folder / "out/rows/1-of-1.rows"
@@ -77,6 +106,65 @@ class Sweeps(Folder):
         self.assertEqual(sweep.failed.tolist(), [1])
         self.assertIn("out of range", sweep["error"][1])
         self.assertTrue(np.isnan(sweep["depth"][1]))
+
+    def long_scene(self):
+        path = self.folder / "long.yaml"
+        path.write_text(SCENE.replace("alpha: 20", "alpha: 5") + "output: { every: 1000 }\n")
+        return path
+
+    def kill_workers(self, rows, is_over):
+        """A thread that kills the processes that do the runs of a sweep, until enough has been done."""
+
+
+        def children():
+            for task in pathlib.Path("/proc/self/task").iterdir():
+                with contextlib.suppress(FileNotFoundError):
+                    yield from map(int, (task / "children").read_text().split())
+
+        end, others = time.monotonic() + 60, set(children())
+
+        def kill():
+            while time.monotonic() < end and not is_over(rows.read_bytes() if rows.exists() else b""):
+                for child in [child for child in children() if child not in others][:1]:
+                    with contextlib.suppress(ProcessLookupError):
+                        os.kill(child, signal.SIGKILL)
+                time.sleep(0.1)
+
+        thread = threading.Thread(target=kill)
+        thread.start()
+        return thread
+
+    def test_a_worker_that_is_killed_loses_no_run(self):
+        study = self.study(40)
+        pellicle.sweep(study, self.folder / "calm", jobs=2)
+        kills = iter([False])
+        killer = self.kill_workers(self.folder / "killed/rows/1-of-1.rows", lambda rows: rows.count(b"\n") > 5 and next(kills, True))
+        pellicle.sweep(study, self.folder / "killed", jobs=2)
+        killer.join()
+        self.assertEqual(self.table("killed"), self.table("calm"))
+
+    def test_a_run_that_is_killed_twice_is_a_row(self):
+        study = {**self.study(), "vary": {"duration": [1e6, 0.01]}, "scene": str(self.long_scene()), "measure": ["steps"]}
+        killer = self.kill_workers(self.folder / "out/rows/1-of-1.rows", lambda rows: b",crashed," in rows)
+        sweep = pellicle.sweep(study, self.folder / "out", jobs=1, timeout=120)
+        killer.join()
+        self.assertEqual(sweep["status"][0], "crashed")
+        self.assertIn("signal 9 (Killed)", sweep["error"][0])
+        self.assertEqual(len(sweep), 2)
+
+    def test_timeout_and_retry(self):
+        study = {**self.study(), "vary": {"duration": [0.01, 1e6]}, "scene": str(self.long_scene()), "measure": ["steps"]}
+        sweep = pellicle.sweep(study, self.folder / "out", timeout=1)
+        self.assertEqual(sweep["status"].tolist(), ["done", "timeout"])
+        rows = self.folder / "out/rows/1-of-1.rows"
+        before = len(rows.read_bytes().splitlines())
+        pellicle.sweep(study, self.folder / "out", timeout=1)
+        self.assertEqual(len(rows.read_bytes().splitlines()), before)
+        pellicle.sweep(study, self.folder / "out", timeout=0.5, retry=True)
+        self.assertEqual(len(rows.read_bytes().splitlines()), before + 1)
+        for bad in (-1, float("nan"), "1"):
+            with self.assertRaisesRegex(ValueError, "timeout"):
+                pellicle.sweep(study, self.folder / "out", timeout=bad)
 
     def test_bad(self):
         with self.assertRaisesRegex(pellicle.Error, "study:1:1|unknown key 'varies'"):
@@ -107,13 +195,9 @@ class Dask(Folder):
             rows = self.folder / "dask/rows/1-of-1.rows"
 
             def kill_in_the_middle():
-                import time
-
                 while not rows.exists() or len(rows.read_bytes().splitlines()) < 10:
                     time.sleep(0.002)
                 os.kill(victim, signal.SIGKILL)
-
-            import threading
 
             killer = threading.Thread(target=kill_in_the_middle)
             killer.start()
@@ -121,6 +205,29 @@ class Dask(Folder):
             killer.join()
         self.assertEqual(len(sweep), 80)
         self.assertEqual(self.table("dask"), self.table("here"))
+
+    def test_a_run_that_ends_its_workers_is_a_row(self):
+        """By a stand-in of the client: each run ends at once, the second one always loses its worker."""
+        futures = []
+
+        class Client:
+            def submit(self, function, path, text, run, folder, pure):
+                futures.append(run)
+                future = unittest.mock.Mock()
+                lost = distributed.scheduler.KilledWorker("run-1", None, 3) if run == 1 else None
+                future.exception = lambda: lost
+                future.result = lambda: function(path, text, run, folder)
+                return future
+
+        class Completed(list):
+            add = list.append
+
+        with unittest.mock.patch.object(distributed, "as_completed", Completed):
+            sweep = pellicle.sweep(self.study(2), self.folder / "out", client=Client())
+        self.assertEqual(futures, [0, 1, 2, 3, 1])
+        self.assertEqual(sweep["status"].tolist(), ["done", "crashed", "done", "done"])
+        with self.assertRaisesRegex(ValueError, "timeout"):
+            pellicle.sweep(self.study(2), self.folder / "other", client=Client(), timeout=1)
 
 
 if __name__ == "__main__":

@@ -556,6 +556,9 @@ static void test_sim_calls(void **unused)
     SURVIVES(pel_sim_get_positions(sim, 0, NULL));
     SURVIVES(pel_sim_get_tool(sim, 0, NULL));
     SURVIVES(pel_sim_get_contact_statistics(sim, NULL));
+    GIVES(pel_sim_contact_record_count(NULL) == 0 && pel_sim_contact_record_count(sim) == 0);
+    REFUSED("sim", pel_sim_get_contact_records(NULL, NULL, &error));
+    SURVIVES(pel_sim_get_contact_records(sim, NULL, NULL));
     SURVIVES(pel_sim_get_solver(sim, NULL));
     SURVIVES(pel_sim_measure(sim, NULL));
     SURVIVES(pel_sim_get_ledger(sim, NULL));

@@ -1,6 +1,7 @@
 /* Forces of contacts: what acts on vertices, bodies, tools and pins balances under every method. */
 #include "sim/contact_scene.h"
 
+#include "failing_malloc.h"
 #include "math/vec3.h"
 
 static const double density = 1000, thickness = 1e-3;
@@ -45,6 +46,7 @@ static void make_press(contact_scene *scene, pel_method method, double dt)
     scene->gravity = -9.81;
     scene->def.contact.thickness = 4e-4;
     scene->def.contact.friction = 0.3;
+    scene->def.record_contacts = true;
     scene->def.solver.dt = dt;
     scene->def.solver.drag = method == PEL_METHOD_XPBD || method == PEL_METHOD_EXPLICIT ? 20 : 0;
     scene->def.solver.iterations = method == PEL_METHOD_DESCENT ? 3000 : 0;
@@ -100,6 +102,78 @@ static void check_sums(const pel_sim *sim, double scale)
     assert_vectors(all, between[1], tolerance);
 }
 
+/* Records of contacts add up to the forces on bodies and tools; where a step has no substeps, in which places slide,
+   also to those on vertices. */
+static int64_t check_records(const pel_sim *sim, double scale)
+{
+    pel_solver_reading solver;
+    pel_sim_get_solver(sim, &solver);
+    int64_t count = pel_sim_contact_record_count(sim);
+    double tolerance = scale * (sizeof(pel_real) == 8 ? 1e-9 : 1e-4), *fields[2] = {NULL, NULL}, tools[2][3] = {{0}};
+    pel_contact_record *records = malloc((size_t)(count + 1) * sizeof *records);
+    assert_int_equal(pel_sim_get_contact_records(sim, records, NULL), PEL_OK);
+    int32_t bodies = pel_model_body_count(pel_sim_model(sim));
+    for (int32_t b = 0; b < bodies; b++) {
+        fields[b] = malloc(3 * (size_t)pel_sim_vertex_count(sim, b) * sizeof *fields[b]);
+        pel_sim_get_contact_forces(sim, b, fields[b]);
+    }
+    for (int64_t i = 0; i < count; i++) {
+        const pel_contact_record *r = &records[i];
+        double sides[2] = {0, 0};
+        assert_near(pel_vec3_length(r->normal), 1, 1e-6);
+        assert_true(r->tool < 0 ? r->bodies[1] >= 0 : r->bodies[1] < 0);
+        for (int k = 0; k < 4; k++) {
+            assert_true((r->vertices[k] < 0) == (r->weights[k] == 0));
+            if (r->vertices[k] < 0)
+                continue;
+            sides[r->weights[k] < 0] += r->weights[k];
+            double *at = fields[r->bodies[r->weights[k] < 0]] + 3 * (size_t)r->vertices[k];
+            pel_vec3_along(at, -r->weights[k], r->force, at);
+        }
+        assert_near(sides[0], 1, 1e-6);
+        assert_near(sides[1], r->tool < 0 ? -1 : 0, 1e-6);
+        if (r->tool >= 0)
+            pel_vec3_add(tools[r->tool], r->force, tools[r->tool]);
+    }
+    for (int32_t b = 0; b < bodies; b++) {
+        double left[3] = {0, 0, 0};
+        for (int32_t v = 0; v < pel_sim_vertex_count(sim, b); v++) {
+            if (solver.substeps == 0)
+                assert_vectors(fields[b] + 3 * (size_t)v, left, tolerance);
+            else
+                pel_vec3_add(left, fields[b] + 3 * (size_t)v, left);
+        }
+        assert_vectors(left, (const double[3]){0, 0, 0}, tolerance);
+        free(fields[b]);
+    }
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(sim, t, &reading);
+        pel_vec3_add(reading.force, tools[t], reading.force);
+        assert_vectors(reading.force, (const double[3]){0, 0, 0}, tolerance);
+    }
+    free(records);
+    return count;
+}
+
+/* the ball stands on the table below it and is pressed by the plate above it, both a thickness away */
+static void check_places(const pel_sim *sim)
+{
+    int64_t count = pel_sim_contact_record_count(sim), on_table = 0, under_plate = 0;
+    pel_contact_record *records = malloc((size_t)(count + 1) * sizeof *records);
+    assert_int_equal(pel_sim_get_contact_records(sim, records, NULL), PEL_OK);
+    for (int64_t i = 0; i < count; i++) {
+        const pel_contact_record *r = &records[i];
+        double up = r->tool >= 0 ? -r->normal[2] : r->bodies[0] == 1 ? r->normal[2] : -r->normal[2];
+        assert_true(up > 0.9);
+        assert_near(r->point[2], r->tool >= 0 ? 0.062 : 2e-4, 1e-3);
+        assert_near(r->gap, 4e-4, 3e-4);
+        (*(r->tool >= 0 ? &under_plate : &on_table))++;
+    }
+    assert_true(on_table > 0 && under_plate > 0);
+    free(records);
+}
+
 typedef struct press_case {
     pel_method method;
     double dt;
@@ -128,8 +202,10 @@ static void test_balance(void **unused)
         for (int part = 0; part < 10; part++) {
             run_steps(sim, presses[c].steps / 10);
             check_sums(sim, 10);
+            check_records(sim, 10);
         }
         run_steps(sim, presses[c].steps % 10);
+        check_places(sim);
         pel_sim_get_tool(sim, 0, &plate);
         pel_sim_get_support(sim, 0, &pins);
         pel_sim_get_body_contact(sim, 1, between);
@@ -154,6 +230,7 @@ static void test_self(void **unused)
         scene_move(&scene, t, 0, 0, side * 1.15, side * 0.1005, 1);
     }
     scene.bodies[0].shell.membrane.thickness.value = scene.bodies[0].thickness.value = 0.02;
+    scene.def.record_contacts = true;
     pel_sim *sim = scene_create(&scene);
     double sum[3], most = 0;
     int64_t inside = 0;
@@ -170,6 +247,7 @@ static void test_self(void **unused)
         pel_vec3_scale(tools[0].force, -1, tools[0].force);
         most = fmax(most, pel_vec3_length(tools[1].force));
         assert_vectors(sum, tools[0].force, fmax(most, 1) * (sizeof(pel_real) == 8 ? 1e-9 : 1e-4));
+        check_records(sim, fmax(most, 1));
     }
     assert_true(most > 0 && inside > 0);
     scene_end(&scene, sim);
@@ -189,6 +267,7 @@ static void test_resumes(void **unused)
     pel_tool_reading plate;
     pel_sim_get_tool(sim, 0, &plate);
     assert_true(plate.held_count > 0);
+    assert_true(check_records(sim, 10) >= plate.held_count);
     int32_t count = pel_sim_vertex_count(sim, 1);
     double *before = malloc(3 * (size_t)count * sizeof *before), *after = malloc(3 * (size_t)count * sizeof *after);
     double between[2][3];
@@ -200,6 +279,9 @@ static void test_resumes(void **unused)
     assert_memory_equal(before, after, 3 * (size_t)count * sizeof *before);
     assert_memory_equal(between[0], between[1], sizeof between[0]);
     assert_true(pel_vec3_length(between[0]) > 0);
+    assert_int_equal(pel_sim_contact_record_count(sim), 0);
+    run_steps(sim, 1);
+    assert_true(check_records(sim, 10) >= plate.held_count);
     free(before);
     free(after);
     scene_end(&scene, sim);
@@ -253,13 +335,92 @@ static void test_thickness(void **unused)
     scene_end(&scene, sim);
 }
 
+/* records are kept when asked for; a tool that is a mesh has gaps as well, and the steps have the same bits */
+static void test_records(void **unused)
+{
+    (void)unused;
+    uint64_t hash[2];
+    for (int on = 0; on < 2; on++) {
+        contact_scene scene;
+        make_press(&scene, PEL_METHOD_XPBD, 0.01);
+        scene.def.record_contacts = on == 1;
+        pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
+        shape.nx = shape.ny = 3;
+        shape.size_x = shape.size_y = 0.2;
+        assert_int_equal(pel_shape_create(&shape, &scene.tool_mesh, NULL), PEL_OK);
+        scene.tools[0].shape = PEL_TOOL_MESH;
+        scene.tools[0].mesh = scene.tool_mesh;
+        scene_move(&scene, 0, 0, 0, 0.082, 0.062, 0.3);
+        pel_sim *sim = scene_create(&scene);
+        run_steps(sim, 60);
+        hash[on] = pel_sim_hash(sim);
+        if (on == 1) {
+            assert_true(check_records(sim, 10) > 0);
+            check_places(sim);
+        } else {
+            assert_int_equal(pel_sim_contact_record_count(sim), 0);
+            assert_int_equal(pel_sim_get_contact_records(sim, NULL, NULL), PEL_OK);
+        }
+        scene_end(&scene, sim);
+    }
+    assert_true(hash[0] == hash[1]);
+    assert_int_equal(pel_sim_contact_record_count(NULL), 0);
+    assert_int_equal(pel_sim_get_contact_records(NULL, NULL, NULL), PEL_BAD_ARGUMENT);
+}
+
+static pel_status create_case(const void *data, pel_error *error)
+{
+    pel_sim *sim;
+    pel_status status = pel_sim_create(data, &sim, error);
+    assert_true((sim != NULL) == (status == PEL_OK));
+    pel_sim_destroy(sim);
+    return status;
+}
+
+/* a record that there is no memory for is told when the records are read; the step goes on */
+static void test_record_memory(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    make_press(&scene, PEL_METHOD_XPBD, 0.01);
+    pel_sim *sim = scene_create(&scene);
+    assert_true(for_every_allocation_failure(create_case, &scene.def) > 10);
+    run_steps(sim, 30);
+    int64_t count = check_records(sim, 10);
+    pel_contact_record *records = malloc((size_t)count * sizeof *records);
+    unsigned char *state = malloc(pel_sim_save_size(sim));
+    size_t size = pel_sim_save_size(sim);
+    pel_sim_save(sim, state);
+    bool told = false, is_over = false;
+    for (long n = 1; !is_over; n++) {
+        pel_error error;
+        pel_sim *other;
+        assert_int_equal(pel_sim_create(&scene.def, &other, NULL), PEL_OK);
+        assert_int_equal(pel_sim_load(other, state, size, NULL), PEL_OK);
+        failing_malloc_begin(n);
+        pel_status status = pel_sim_step(other, &error);
+        allocation_count counted = failing_malloc_end();
+        if (status == PEL_OK && counted.failed > 0 &&
+            pel_sim_get_contact_records(other, records, &error) == PEL_OUT_OF_MEMORY)
+            told = true;
+        is_over = counted.failed == 0;
+        if (status == PEL_OK)
+            run_steps(other, 1);
+        if (status == PEL_OK)
+            check_records(other, 10);
+        pel_sim_destroy(other);
+    }
+    assert_true(told);
+    free(records);
+    free(state);
+    scene_end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_balance),
-        cmocka_unit_test(test_self),
-        cmocka_unit_test(test_resumes),
-        cmocka_unit_test(test_thickness),
+        cmocka_unit_test(test_balance),       cmocka_unit_test(test_self),    cmocka_unit_test(test_records),
+        cmocka_unit_test(test_record_memory), cmocka_unit_test(test_resumes), cmocka_unit_test(test_thickness),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

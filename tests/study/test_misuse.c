@@ -39,7 +39,11 @@ static void test_study(void **unused)
     REFUSED("chunk", pel_study_store_open(study, "misuse", 0, 1, &store, &error));
     REFUSED("chunk", pel_study_store_open(study, "misuse", 3, 2, &store, &error));
     SURVIVES(pel_study_store_close(NULL));
-    GIVES(!pel_study_store_needs(NULL, 0));
+    GIVES(!pel_study_store_needs(NULL, 0) && !pel_study_store_failed(NULL, 0));
+    REFUSED("study", pel_study_lost_run(NULL, 0, "crashed", "why", NULL, row, &error));
+    REFUSED("status", pel_study_lost_run(study, 0, NULL, "why", NULL, row, &error));
+    REFUSED("what", pel_study_lost_run(study, 0, "crashed", NULL, NULL, row, &error));
+    REFUSED("row", pel_study_lost_run(study, 0, "crashed", "why", NULL, NULL, &error));
     REFUSED("store", pel_study_store_add(NULL, "0,1,done,", &error));
     REFUSED("store", pel_study_store_collect(NULL, NULL, NULL, &error));
     REFUSED("study", pel_study_execute(NULL, &def, NULL, &error));
@@ -49,6 +53,8 @@ static void test_study(void **unused)
     REFUSED("default", pel_study_execute(study, &wrong, NULL, &error));
     wrong = def, wrong.thread_count = -1;
     REFUSED("thread_count", pel_study_execute(study, &wrong, NULL, &error));
+    wrong = def, wrong.folder = "misuse", wrong.run_seconds = -1;
+    REFUSED("run_seconds", pel_study_execute(study, &wrong, NULL, &error));
     REFUSED("path", pel_fit_load(NULL, &json, &error));
     REFUSED("json", pel_fit_load("a.yaml", NULL, &error));
     SURVIVES(pel_fit_destroy(NULL));

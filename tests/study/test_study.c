@@ -9,9 +9,11 @@
 #include "pellicle/study.h"
 
 #include <ftw.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -352,6 +354,118 @@ static void test_kill(void **unused)
     check_same("alive/runs.csv", "killed/runs.csv");
 }
 
+/* ---- runs that take their process with them ---- */
+
+/* the second one never ends by itself */
+static const char crashing[] = "scene: scene.yaml\nvary: { duration: [0.2, 1e9, 0.1, 0.3] }\nmeasure: [steps]\n";
+
+/* what becomes of workers that are forked from here on: they fail to get memory, or are ended by a signal */
+static struct {
+    bool has_no_memory;
+    int milliseconds; /* until then; 0 = never */
+} workers;
+
+static void in_worker(void)
+{
+    failing_malloc_end();
+    if (workers.has_no_memory)
+        failing_malloc_begin(1);
+    if (workers.milliseconds > 0)
+        setitimer(ITIMER_REAL, &(struct itimerval){.it_value = {.tv_usec = 1000 * workers.milliseconds}}, NULL);
+}
+
+static void test_a_crash_is_a_row(void **unused)
+{
+    (void)unused;
+    char path[256];
+    workers.milliseconds = 800;
+    pel_study_summary summary = execute(crashing, "crash", 2, 1, 1);
+    workers.milliseconds = 0;
+    assert_int_equal(summary.done, 4);
+    assert_int_equal(summary.missing, 0);
+    assert_int_equal(summary.failed, 1);
+    char *table = read_file("crash/runs.csv");
+    assert_non_null(strstr(table, "\n0,0.2,20,done,\n1,1e9,,crashed,"));
+    assert_non_null(strstr(table, "ended twice, the last time by signal 14 (Alarm clock)"));
+    assert_non_null(strstr(table, "\n2,0.1,10,done,\n3,0.3,30,done,\n"));
+    pel_free(table);
+    /* only what failed is done again, and only when asked for */
+    assert_int_equal(execute(crashing, "crash", 2, 1, 1).done, 0);
+    pel_study *study = make_study(crashing);
+    pel_study_def def = pel_study_def_default();
+    def.folder = in_folder(path, "crash");
+    def.run_seconds = 0.1;
+    def.retry = true;
+    assert_int_equal(pel_study_execute(study, &def, &summary, NULL), PEL_OK);
+    assert_int_equal(summary.done, 1);
+    assert_int_equal(summary.present, 3);
+    table = read_file("crash/runs.csv");
+    assert_non_null(strstr(table, "\n1,1e9,,timeout,"));
+    pel_free(table);
+    pel_study_destroy(study);
+}
+
+static void test_a_late_run_is_a_row(void **unused)
+{
+    (void)unused;
+    char path[256];
+    pel_study *study = make_study("scene: scene.yaml\nvary: { duration: [0.2, 1e9, 0.1] }\nmeasure: [steps]\n");
+    pel_study_def def = pel_study_def_default();
+    pel_study_summary summary;
+    def.folder = in_folder(path, "late");
+    def.thread_count = 1;
+    def.run_seconds = IS_SLOW ? 5 : 1;
+    assert_int_equal(pel_study_execute(study, &def, &summary, NULL), PEL_OK);
+    assert_int_equal(summary.done, 3);
+    assert_int_equal(summary.failed, 1);
+    char *table = read_file("late/runs.csv");
+    assert_non_null(strstr(table, "\n0,0.2,20,done,\n1,1e9,,timeout,"));
+    assert_non_null(strstr(table, "took more than"));
+    assert_non_null(strstr(table, "\n2,0.1,10,done,\n"));
+    pel_free(table);
+    pel_study_destroy(study);
+}
+
+/* of two rows of a run the one that is done counts, whichever came last */
+static void test_rows_of_one_run(void **unused)
+{
+    (void)unused;
+    char path[256];
+    pel_study_store *store;
+    pel_study *study = make_study("scene: scene.yaml\nvary: { solver.alpha: [10, 11] }\nmeasure: [steps]\n");
+    assert_int_equal(pel_study_store_open(study, in_folder(path, "twice"), 1, 1, &store, NULL), PEL_OK);
+    const char *const rows[] = {"0,10,,crashed,a", "0,10,20,done,", "0,10,,crashed,b", "1,11,,failed,a",
+                                "1,11,,failed,b"};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        assert_int_equal(pel_study_store_add(store, rows[i], NULL), PEL_OK);
+    int64_t failed;
+    assert_int_equal(pel_study_store_collect(store, NULL, &failed, NULL), PEL_OK);
+    assert_int_equal(failed, 1);
+    pel_study_store_close(store);
+    char *table = read_file("twice/runs.csv");
+    assert_non_null(strstr(table, "\n0,10,20,done,\n1,11,,failed,b\n"));
+    pel_free(table);
+    assert_int_equal(pel_study_store_open(study, path, 1, 1, &store, NULL), PEL_OK);
+    assert_true(!pel_study_store_needs(store, 0) && !pel_study_store_failed(store, 0));
+    assert_true(!pel_study_store_needs(store, 1) && pel_study_store_failed(store, 1));
+    assert_false(pel_study_store_failed(store, 2));
+    pel_study_store_close(store);
+    pel_study_destroy(study);
+}
+
+static void test_lost_rows(void **unused)
+{
+    (void)unused;
+    char row[8192];
+    pel_study *study = make_study(mixed);
+    assert_int_equal(pel_study_lost_run(study, 4, "crashed", "an \"end\", so", "try", row, NULL), PEL_OK);
+    assert_string_equal(row, "4,-2,\"[0, 0, -2]\",20,,,,,,,,crashed,\"error: an \"\"end\"\", so. try\"");
+    assert_int_equal(pel_study_lost_run(study, 9, "crashed", "why", NULL, row, NULL), PEL_BAD_ARGUMENT);
+    assert_int_equal(pel_study_lost_run(study, 4, "done", "why", NULL, row, NULL), PEL_BAD_ARGUMENT);
+    assert_int_equal(pel_study_lost_run(study, 4, "a,b", "why", NULL, row, NULL), PEL_BAD_ARGUMENT);
+    pel_study_destroy(study);
+}
+
 static void test_other_study(void **unused)
 {
     (void)unused;
@@ -487,6 +601,33 @@ static pel_status execute_case(const void *data, pel_error *error)
     return pel_study_execute(opened, &def, NULL, error);
 }
 
+static pel_status run_case(const void *data, pel_error *error)
+{
+    char row[8192];
+    (void)data;
+    return pel_study_run(opened, 0, NULL, NULL, NULL, row, error);
+}
+
+static pel_status lost_case(const void *data, pel_error *error)
+{
+    char row[8192];
+    (void)data;
+    return pel_study_lost_run(opened, 0, "crashed", "why", NULL, row, error);
+}
+
+static void test_no_memory_is_a_row(void **unused)
+{
+    (void)unused;
+    workers.has_no_memory = true;
+    pel_study_summary summary = execute("scene: scene.yaml\nvary: { solver.alpha: [10] }\n", "poor", 1, 1, 1);
+    workers.has_no_memory = false;
+    assert_int_equal(summary.failed, 1);
+    char *table = read_file("poor/runs.csv");
+    assert_non_null(strstr(table, ",failed,"));
+    assert_non_null(strstr(table, "out of memory"));
+    pel_free(table);
+}
+
 static pel_status fit_case(const void *data, pel_error *error)
 {
     char *json;
@@ -509,12 +650,15 @@ static void test_allocation_failures(void **unused)
     opened = study;
     assert_true(for_every_allocation_failure(open_case, in_folder(path, "memory")) > 3);
     assert_true(for_every_allocation_failure(execute_case, in_folder(path, "memory-runs")) > 10);
+    assert_true(for_every_allocation_failure(run_case, NULL) > 10);
+    assert_true(for_every_allocation_failure(lost_case, NULL) > 0);
     pel_study_destroy(study);
     assert_true(for_every_allocation_failure(fit_case, in_folder(path, "memory-fit.yaml")) > 3);
 }
 
 int main(void)
 {
+    pthread_atfork(NULL, NULL, in_worker);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_design),
         cmocka_unit_test(test_latin),
@@ -524,6 +668,11 @@ int main(void)
         cmocka_unit_test(test_same_table),
         cmocka_unit_test(test_stop_and_continue),
         cmocka_unit_test(test_kill),
+        cmocka_unit_test(test_a_crash_is_a_row),
+        cmocka_unit_test(test_a_late_run_is_a_row),
+        cmocka_unit_test(test_no_memory_is_a_row),
+        cmocka_unit_test(test_rows_of_one_run),
+        cmocka_unit_test(test_lost_rows),
         cmocka_unit_test(test_other_study),
         cmocka_unit_test(test_bad_studies),
         cmocka_unit_test(test_fit),
