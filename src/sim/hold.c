@@ -501,10 +501,13 @@ void pel_holds_add_matrix(const pel_sim *sim, pel_matrix *matrix)
 
 /* ---- readings ---- */
 
-static void add_reading(pel_hold *hold, const double point[3], double size, const double direction[3])
+/* N, of a vertex on a support along a direction */
+static void add_reading(pel_sim *sim, pel_hold *hold, int32_t v, double size, const double direction[3])
 {
-    double force[3], torque[3];
+    double point[3], force[3], torque[3];
+    pel_vertex_position(sim->state->position_next, v, point);
     pel_vec3_scale(direction, size, force);
+    pel_vec3_along(sim->reactions[v], -1, force, sim->reactions[v]);
     pel_vec3_cross(point, force, torque);
     pel_vec3_add(hold->reading.force, force, hold->reading.force);
     pel_vec3_add(hold->reading.torque, torque, hold->reading.torque);
@@ -516,18 +519,17 @@ static void read_held(pel_sim *sim, int32_t h)
 {
     pel_sim_holds *holds = sim->holds;
     const pel_held_vertex *held = &holds->held[h];
-    double force[3], point[3], share[3];
+    double force[3], share[3];
     if (sim->held != NULL && sim->held[held->vertex])
         return;
     pel_sim_newton_held_force(sim, held->vertex, force);
-    pel_vertex_position(sim->state->position_next, held->vertex, point);
     for (int i = held->count - 1; i >= 0; i--) {
         share[i] = pel_vec3_dot(force, holds->axes[h][i]);
         for (int j = i + 1; j < held->count; j++)
             share[i] -= held->factor[j][i] * share[j];
         share[i] /= held->factor[i][i];
         pel_hold *owner = &holds->holds[held->owner[i]];
-        add_reading(owner, point, share[i], owner->axes[held->component[i]]);
+        add_reading(sim, owner, held->vertex, share[i], owner->axes[held->component[i]]);
     }
 }
 
@@ -545,7 +547,8 @@ void pel_holds_read(pel_sim *sim, double time)
         pel_hold *hold = &holds->holds[spring->owner];
         double point[3];
         pel_vertex_position(sim->state->position_next, spring->vertex, point);
-        add_reading(hold, point, spring->stiffness * stretch(sim, spring, time, point), hold->axes[spring->component]);
+        add_reading(sim, hold, spring->vertex, spring->stiffness * stretch(sim, spring, time, point),
+                    hold->axes[spring->component]);
     }
 }
 

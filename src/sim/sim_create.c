@@ -222,9 +222,9 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
-        status = pel_supports_create(sim, error);
-    if (status == PEL_OK)
         status = pel_holds_create(sim, def, error);
+    if (status == PEL_OK)
+        status = pel_supports_create(sim, error);
     if (status == PEL_OK)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
