@@ -226,6 +226,7 @@ static const pel_member support[] = {
     PLAIN(pel_support_def, axes, SAME),
     PLAIN(pel_support_def, fix, SAME),
     PLAIN(pel_support_def, displacement, SAME),
+    PLAIN(pel_support_def, foundation, SAME),
     LIST(pel_support_def, keys, SAME, key_count),
     OTHER(pel_support_def, key_count),
     PLAIN(pel_support_def, stiffness, SAME),

@@ -60,6 +60,9 @@ static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int3
     if (!(def->stiffness >= 0 && isfinite(def->stiffness)))
         return refuse(error, support, "stiffness of the support is below 0 or not finite",
                       "give a positive stiffness in N/m, or 0 for a rigid support");
+    if (!(def->foundation >= 0 && isfinite(def->foundation)) || (def->stiffness > 0 && def->foundation > 0))
+        return refuse(error, support, "foundation of the support is below 0, not finite, or beside a stiffness",
+                      "give a positive stiffness in N/m3 and leave out that of vertices, or 0 for none");
     if (!def->fix[0] && !def->fix[1] && !def->fix[2] && !def->fix_rotation)
         return refuse(error, support, "support fixes nothing", "fix a component, or the rotation");
     for (int32_t k = 0; k < def->key_count; k++)
@@ -167,16 +170,18 @@ static pel_status hold_component(const pel_sim *sim, pel_held_vertex *held, doub
     return PEL_OK;
 }
 
+static void add_springs(pel_sim_holds *holds, const pel_support_def *def, int32_t owner, int32_t v, double stiffness)
+{
+    for (int k = 0; stiffness > 0 && k < 3; k++)
+        if (def->fix[k])
+            holds->springs[holds->spring_count++] = (pel_hold_spring){v, owner, k, stiffness};
+}
+
 static pel_status hold_vertex(pel_sim *sim, const pel_support_def *def, int32_t owner, int32_t v, int32_t *place,
                               pel_error *error)
 {
     pel_sim_holds *holds = sim->holds;
-    if (!(sim->model->inverse_mass[v] > 0))
-        return PEL_OK;
-    for (int k = 0; def->stiffness > 0 && k < 3; k++)
-        if (def->fix[k])
-            holds->springs[holds->spring_count++] = (pel_hold_spring){v, owner, k, def->stiffness};
-    if (def->stiffness > 0 || !(def->fix[0] || def->fix[1] || def->fix[2]))
+    if (!(def->fix[0] || def->fix[1] || def->fix[2]))
         return PEL_OK;
     if (place[v] == 0) {
         holds->held[holds->held_count].vertex = holds->vertices[holds->held_count] = v;
@@ -188,6 +193,32 @@ static pel_status hold_vertex(pel_sim *sim, const pel_support_def *def, int32_t 
         if (def->fix[k])
             status = hold_component(sim, held, holds->axes[place[v] - 1], owner, k, error);
     return status;
+}
+
+/* m2 at rest, of the mesh's vertices: thirds of the triangles with all corners in the region */
+static pel_status find_areas(const pel_sim *sim, const pel_support_def *def, int32_t support, double *areas,
+                             pel_error *error)
+{
+    const pel_mesh *mesh = sim->model->bodies[def->body].mesh;
+    double sum = 0;
+    /* -1 = not in the region */
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        areas[v] = -1;
+    for (int32_t i = 0; i < def->vertex_count; i++)
+        areas[def->vertices[i]] = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        if (areas[v[0]] < 0 || areas[v[1]] < 0 || areas[v[2]] < 0)
+            continue;
+        double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
+        for (int k = 0; k < 3; k++)
+            areas[v[k]] += area / 3;
+        sum += area;
+    }
+    if (sum > 0)
+        return PEL_OK;
+    return refuse(error, support, "foundation of the support is under no triangle",
+                  "choose a region with all three corners of triangles, or give the stiffness of vertices");
 }
 
 /* edges with both ends in the region */
@@ -222,17 +253,30 @@ static pel_status make_room(pel_sim_holds *holds, const pel_sim *sim, const pel_
 static pel_status hold_all(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     int32_t *place = pel_allocate((size_t)sim->model->vertex_count, sizeof *place);
-    pel_status status = place != NULL ? PEL_OK : pel_fail_memory(error);
+    double *areas = pel_allocate((size_t)sim->model->vertex_count, sizeof *areas);
+    pel_status status = place != NULL && areas != NULL ? PEL_OK : pel_fail_memory(error);
     for (int32_t s = 0; status == PEL_OK && s < def->support_count; s++) {
         const pel_support_def *support = &def->supports[s];
         const int32_t *index = sim->model->bodies[support->body].model_index;
-        for (int32_t i = 0; status == PEL_OK && i < support->vertex_count; i++)
-            status = hold_vertex(sim, support, s, index[support->vertices[i]], place, error);
+        if (support->foundation > 0)
+            status = find_areas(sim, support, s, areas, error);
+        for (int32_t i = 0; status == PEL_OK && i < support->vertex_count; i++) {
+            int32_t v = index[support->vertices[i]];
+            if (!(sim->model->inverse_mass[v] > 0))
+                continue;
+            if (support->foundation > 0)
+                add_springs(sim->holds, support, s, v, support->foundation * areas[support->vertices[i]]);
+            else if (support->stiffness > 0)
+                add_springs(sim->holds, support, s, v, support->stiffness);
+            else
+                status = hold_vertex(sim, support, s, v, place, error);
+        }
     }
     for (int32_t s = 0; status == PEL_OK && s < def->support_count; s++)
         if (def->supports[s].fix_rotation)
             fix_edges(sim, &def->supports[s], place);
     pel_free(place);
+    pel_free(areas);
     for (int32_t h = 0; h < sim->holds->held_count; h++)
         complete(sim->holds->axes[h], sim->holds->held[h].count);
     return status;
