@@ -89,6 +89,9 @@ typedef struct pel_load_def {
     int32_t body;
     pel_load_kind kind;
     double force[3];
+    bool follower; /* PEL_LOAD_PER_LENGTH: the force turns with each edge and its triangle, from where they are at rest;
+                      quasi-static and descent take it as it is at the start of a step. Without potential, so not along
+                      a path, for modes and for derivatives */
     const int32_t *vertices; /* (vertex_count); null = all vertices of the body */
     int32_t vertex_count;
     const double *weights; /* (vertex_count) factor per vertex (falloff); null = 1 */

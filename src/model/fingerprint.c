@@ -183,6 +183,7 @@ static const pel_member load[] = {
     PLAIN(pel_load_def, body, SAME),
     PLAIN(pel_load_def, kind, SAME),
     PLAIN(pel_load_def, force, SAME),
+    PLAIN(pel_load_def, follower, SAME),
     LIST(pel_load_def, vertices, SAME, vertex_count),
     OTHER(pel_load_def, vertex_count),
     OTHER(pel_load_def, weights), /* as many as vertices, which may be left out: loads.c adds them */

@@ -252,6 +252,8 @@ static const pel_scene_row rows[] = {
      .doc = "total: the force is shared out over the vertices; vertex: each of them feels it; length: it acts on each "
             "metre of boundary edges with both ends in the region; moment: N m per metre of these edges, the part "
             "along an edge turns the surface about it (bending model midedge)"},
+    {"loads[].follower", BOOLEAN, .needs = "per", .needs_word = "length", .preset = "false",
+     .doc = "true: the force turns with the edge and its triangle, as it is seen from them at rest"},
     {"loads[].from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "acts from this time on"},
     {"loads[].until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "acts up to this time"},
     {"loads[].keys", LIST, COUNT_FROM(1), .doc = "factor on the force over time, linear between the keys"},

@@ -76,6 +76,7 @@ static pel_status copy_def(pel_hold *hold, const pel_support_def *def, pel_error
 {
     snprintf(hold->name, sizeof hold->name, "%s", def->name != NULL ? def->name : "");
     hold->body = def->body;
+    hold->fixes_rotation = def->fix_rotation;
     memcpy(hold->axes, def->axes, sizeof hold->axes);
     memcpy(hold->value, def->displacement, sizeof hold->value);
     hold->keys = pel_allocate((size_t)def->key_count, sizeof *hold->keys);
@@ -428,6 +429,16 @@ static bool find_free_motion(motion *m, double free[6])
     return false;
 }
 
+/* a support of the body fixes rotations, but there is no edge that has one */
+static bool has_idle_clamp(const pel_sim *sim, int32_t body)
+{
+    bool fixes = false;
+    for (int32_t h = 0; h < sim->holds->hold_count; h++)
+        fixes |= sim->holds->holds[h].body == body && sim->holds->holds[h].fixes_rotation;
+    const pel_shell *shell = sim->model->bodies[body].shell;
+    return fixes && (shell == NULL || shell->bending != PEL_BENDING_MIDEDGE);
+}
+
 static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motion *m, const double free[6],
                                    pel_error *error)
 {
@@ -457,7 +468,12 @@ static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motio
                  way[1], way[2]);
     }
     pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "hold that motion at one vertex, or use the method implicit");
+    if (has_idle_clamp(sim, body))
+        pel_fail_remedy(error,
+                        "give the body bending of model midedge, whose edges `rotation: fixed` and `symmetry` clamp, "
+                        "hold that motion at one vertex, or use the method implicit");
+    else
+        pel_fail_remedy(error, "hold that motion at one vertex, or use the method implicit");
     return PEL_BAD_ARGUMENT;
 }
 

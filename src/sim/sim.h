@@ -41,6 +41,15 @@ typedef struct pel_edge_load {
     double along[3]; /* m, the edge at rest */
 } pel_edge_load;
 
+/* a follower load on one boundary edge (follower.c) */
+typedef struct pel_follower {
+    int32_t load, vertices[3]; /* ends of the edge with its triangle to the left, tip */
+    double rest[3][3];         /* its frame at rest */
+    double length;             /* m at rest, times the weight of the load */
+    /* of the last evaluation: N; turn of the frame by displacements of the vertices */
+    double force[3], turns[3][3][3];
+} pel_follower;
+
 typedef struct pel_pose {
     double position[3];
     double rotation[4]; /* x, y, z, w */
@@ -272,7 +281,9 @@ struct pel_sim {
     pel_record *external;      /* (vertex_count) N, forces of the caller; null = none so far */
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
-    double edge_load_work; /* J, in the step */
+    double edge_load_work;   /* J, in the step */
+    pel_follower *followers; /* (follower_count) null = none */
+    int32_t follower_count;
     pel_tool *tools;
     int32_t tool_count;
     pel_sim_contacts *contacts;   /* (contact.h) null = none */
@@ -418,10 +429,11 @@ pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t coun
 void pel_loads_destroy(pel_sim *sim);
 /* Moves the new positions and velocities by the loads at the present time. False when a vertex leaves the bound. */
 bool pel_loads_apply(pel_sim *sim, pel_gains gains);
-/* Adds the loads at a time, gravity included, to force (vertex_count). */
 /* N m: the product of a load at a time with vectors on vertices (3 vertex_count) */
 double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors);
-void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
+/* Adds the loads at a time, gravity included, to force (vertex_count); follower loads at some positions, null = without
+   these. */
+void pel_loads_add(const pel_sim *sim, double time, const pel_record *positions, pel_record *force);
 
 /* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. */
 double pel_loads_work(const pel_sim *sim, double from, double to);
