@@ -360,7 +360,8 @@ static const pel_scene_row rows[] = {
      .doc = "pbd, xpbd: parts of a step; auto is 1 for pbd and, for xpbd, as many as keep stretch within 5 % of the "
             "material's, chosen anew while running"},
     {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
-     .doc = "xpbd: automatic substeps, at most; a scene without `method` that needs more is run by implicit, or where "
+     .doc = "xpbd: automatic substeps, at most; a scene without `method` that needs more, or for which implicit is "
+            "cheaper (with this left out), is run by implicit, or where "
             "the surface refines by descent if it has a state of rest"},
     {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
      .doc = "xpbd: second order in time (BDF2) instead of first, not for bodies that touch; auto: on without tools, "

@@ -426,6 +426,7 @@ static pel_status add_preset(pel_scene_reader *reader, const pel_scene_row *row,
     pel_scene_value *value = create_preset(reader, row, map);
     if (value == NULL)
         return PEL_OUT_OF_MEMORY;
+    value->is_implied = true;
     pel_scene_value_append(map, name, value);
     return PEL_OK;
 }
