@@ -251,6 +251,19 @@ static pel_status make_room(pel_sim_holds *holds, const pel_sim *sim, const pel_
     return room ? PEL_OK : pel_fail_memory(error);
 }
 
+/* a pin holds before a support, which may not want it elsewhere */
+static pel_status check_pin(const pel_sim *sim, const pel_support_def *def, int32_t support, int32_t vertex,
+                            pel_error *error)
+{
+    if (pel_vec3_squared_length(def->displacement) == 0)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "support '%s' displaces vertex %d, which is pinned",
+             sim->holds->holds[support].name, (int)vertex);
+    pel_fail_element(error, "support", support);
+    pel_fail_remedy(error, "let the region of the support and `pinned` share no vertex");
+    return PEL_BAD_ARGUMENT;
+}
+
 static pel_status hold_all(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     int32_t *place = pel_allocate((size_t)sim->model->vertex_count, sizeof *place);
@@ -263,8 +276,10 @@ static pel_status hold_all(pel_sim *sim, const pel_sim_def *def, pel_error *erro
             status = find_areas(sim, support, s, areas, error);
         for (int32_t i = 0; status == PEL_OK && i < support->vertex_count; i++) {
             int32_t v = index[support->vertices[i]];
-            if (!(sim->model->inverse_mass[v] > 0))
+            if (!(sim->model->inverse_mass[v] > 0)) {
+                status = check_pin(sim, support, s, support->vertices[i], error);
                 continue;
+            }
             if (support->foundation > 0)
                 add_springs(sim->holds, support, s, v, support->foundation * areas[support->vertices[i]]);
             else if (support->stiffness > 0)

@@ -501,6 +501,11 @@ static void bad_supports_are_refused(void **state)
     support(s, 0, 0, true, false, false, false)->displacement[0] = 0.1;
     assert_sim_refused(s, "contradict each other at vertex");
     begin_bar(s);
+    s->supports[0].displacement[0] = 0.1;
+    s->body.pinned = s->supports[0].vertices;
+    s->body.pinned_count = 1;
+    assert_sim_refused(s, "which is pinned");
+    begin_bar(s);
     s->supports[0].axes[0][1] = 0.1;
     assert_sim_refused(s, "not orthonormal");
     begin_bar(s);
