@@ -102,11 +102,16 @@ static bool is_cheaper(const step_cost *cost, int32_t substeps)
     return cost->implicit < cost->substep * substeps;
 }
 
+static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method method)
+{
+    scene->sim.solver.method = method;
+    pel_scene_value_at(root, "solver.method")->text = pel_scene_method_name(method);
+}
+
 static void take(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, pel_method stiff,
                  int32_t needed, const step_cost *cost)
 {
-    pel_solver_def *solver = &scene->sim.solver;
-    pel_scene_value *method = pel_scene_value_at(root, "solver.method");
+    const pel_solver_def *solver = &scene->sim.solver;
     char reason[100];
     if (needed > solver->max_substeps)
         snprintf(reason, sizeof reason, "more than max_substeps %d", (int)solver->max_substeps);
@@ -118,8 +123,21 @@ static void take(pel_scene_reader *reader, const pel_scene_value *root, pel_scen
                  stiff == PEL_METHOD_DESCENT ? ". The run finds states of rest; for motion write `method: xpbd` and "
                                                "more `max_substeps`, or a smaller dt"
                                              : "");
-    solver->method = stiff;
-    method->text = pel_scene_method_name(stiff);
+    set_method(root, scene, stiff);
+}
+
+/* what only methods with rotations of edges have, in words; null = nothing of that */
+static const char *find_edge_feature(const pel_scene *scene)
+{
+    if (scene->sim.support_count > 0)
+        return "`supports`";
+    for (int32_t l = 0; l < scene->sim.load_count; l++)
+        if (scene->sim.loads[l].kind == PEL_LOAD_MOMENT)
+            return "a moment on edges";
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        if (scene->model.bodies[b].shell.bending.model == PEL_BENDING_MIDEDGE)
+            return "bending of the model midedge";
+    return NULL;
 }
 
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
@@ -130,6 +148,12 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     int32_t needed = 0;
     if (!method->is_implied || solver->method != PEL_METHOD_XPBD || solver->substeps > 0 || solver->iterations > 0)
         return PEL_OK;
+    const char *feature = find_edge_feature(scene);
+    if (feature != NULL) {
+        pel_log_line(reader->log, "method implicit: the scene has %s, which xpbd does not know", feature);
+        set_method(root, scene, PEL_METHOD_IMPLICIT);
+        return PEL_OK;
+    }
     pel_status status = pel_model_create(&scene->model, &model, NULL);
     if (status != PEL_OK)
         return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(reader->error) : PEL_OK;
