@@ -37,7 +37,8 @@ typedef struct bench_spread {
 /* puts the times in order */
 bench_spread bench_spread_of(double *times, int count);
 
-/* calls `part` with `context` `rounds` times, and prints its least and median time */
+/* calls `part` with `context` `rounds` times, and prints its least and median time on the wall, and the least processor
+   time of the calling thread, on which other jobs on the machine count less */
 void bench_part(const char *name, int rounds, void (*part)(void *context), void *context);
 
 #ifdef __cplusplus

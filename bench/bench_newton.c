@@ -1,10 +1,12 @@
 /* Times a step of Newton's method: one linear system with forces before and after it, on a geodesic sphere with hinges
    and with mid-edge bending, with a factor of its own and with one that is kept; and the making of pattern and order,
-   as after an event of refinement or where contact couples other vertices.
+   as after an event of refinement or where contact couples other vertices. Then statics from rest: a sheet clamped at
+   one edge, with about as many triangles, that bends under its weight.
    usage: bench_newton [frequency, 32 by default] [threads, 2 by default] */
 #include "base/pool.h"
 #include "bench.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim.h"
 #include "solve/newton.h"
 
 #include <stdio.h>
@@ -102,6 +104,86 @@ static void time_model(const char *name, pel_bending_model bending, int32_t freq
     pel_mesh_destroy(mesh);
 }
 
+/* a sheet of steel, 0.2 m long, 0.5 mm thick, that goes down at its end by a fifth of its length */
+typedef struct statics {
+    pel_sim *sim;
+    void *rest;
+    size_t size;
+    int32_t iterations;
+} statics;
+
+static void solve(void *context)
+{
+    statics *on = context;
+    pel_solver_reading reading;
+    pel_error error;
+    bench_check(pel_sim_load(on->sim, on->rest, on->size, &error), &error);
+    bench_check(pel_sim_step(on->sim, &error), &error);
+    pel_sim_get_solver(on->sim, &reading);
+    if (!reading.converged)
+        printf("  not converged: %g N are left\n", reading.residual);
+    on->iterations = reading.iterations;
+}
+
+static void time_statics(int32_t frequency, int threads)
+{
+    statics on = {.sim = NULL};
+    int32_t cells = (int32_t)lround(sqrt(10.0) * frequency), edge_count = 0;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
+    pel_mesh *mesh;
+    pel_error error;
+    shape.nx = shape.ny = cells;
+    shape.size_x = shape.size_y = 0.2;
+    shape.diagonals = PEL_GRID_UNION_JACK;
+    bench_check(pel_shape_create(&shape, &mesh, &error), &error);
+    int32_t *edge = bench_allocate((size_t)cells + 1, sizeof *edge);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        if (mesh->positions[v][0] < -0.0999 && edge_count <= cells)
+            edge[edge_count++] = v;
+    pel_body_def body = pel_body_def_default();
+    body.name = "sheet";
+    body.mesh = mesh;
+    body.spring_stiffness.value = body.spring_damping.value = 0;
+    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.mass = 7800;
+    body.thickness.value = 5e-4;
+    body.shell.membrane.on = true;
+    body.shell.membrane.young.value = 2e10;
+    body.shell.membrane.poisson = 0.3;
+    body.shell.membrane.thickness.value = 5e-4;
+    body.shell.bending.model = PEL_BENDING_MIDEDGE;
+    pel_model *model;
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    def.gravity[2] = -9.81;
+    bench_check(pel_model_create(&def, &model, &error), &error);
+    pel_support_def clamp = pel_support_def_default();
+    clamp.vertices = edge;
+    clamp.vertex_count = edge_count;
+    clamp.fix_rotation = true;
+    pel_sim_def sim = pel_sim_def_default();
+    sim.model = model;
+    sim.supports = &clamp;
+    sim.support_count = 1;
+    sim.thread_count = threads;
+    sim.solver.method = PEL_METHOD_STATIC;
+    sim.solver.dt = 1;
+    bench_check(pel_sim_create(&sim, &on.sim, &error), &error);
+    on.size = pel_sim_save_size(on.sim);
+    on.rest = bench_allocate(on.size, 1);
+    pel_sim_save(on.sim, on.rest);
+    printf("statics, %d triangles\n", (int)mesh->triangle_count);
+    bench_part("from rest to the balance", 3, solve, &on);
+    printf("  %d linear systems\n", (int)on.iterations);
+    pel_sim_destroy(on.sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+    free(on.rest);
+    free(edge);
+}
+
 int main(int argc, char **argv)
 {
     int32_t frequency = argc > 1 ? atoi(argv[1]) : 32;
@@ -113,5 +195,6 @@ int main(int argc, char **argv)
     time_model("hinges", PEL_BENDING_HINGE, frequency, pool);
     time_model("mid-edge", PEL_BENDING_MIDEDGE, frequency, pool);
     pel_pool_destroy(pool);
+    time_statics(frequency, threads);
     return 0;
 }

@@ -8,6 +8,7 @@
 #include "math/vec3.h"
 #include "model/shell.h"
 #include "model/state.h"
+#include "pellicle/observe.h"
 
 static inline pel_mesh *make_shape(const pel_shape_def *def)
 {
@@ -106,6 +107,26 @@ static inline void assert_refused(const pel_body_def *body, pel_status expected,
     assert_non_null(strstr(error.what, what));
     assert_true(error.remedy[0] != '\0');
     assert_int_equal(pel_model_create(&def, &model, NULL), expected);
+}
+
+/* the field "reaction" adds up to the force on the supports, and has a value on the vertices that they hold alone */
+static inline void check_reactions(pel_sim *sim)
+{
+    int32_t count = pel_sim_vertex_count(sim, 0), held = 0;
+    double *values = malloc(3 * (size_t)count * sizeof *values), sum[3] = {0}, size = 0;
+    pel_support_reading reading;
+    pel_error error;
+    pel_sim_get_support(sim, 0, &reading);
+    assert_int_equal(pel_observe(sim, pel_field_find("reaction"), 0, values, &error), PEL_OK);
+    for (int32_t v = 0; v < count; v++) {
+        pel_vec3_add(sum, values + 3 * (size_t)v, sum);
+        size += pel_vec3_length(values + 3 * (size_t)v);
+        held += pel_vec3_length(values + 3 * (size_t)v) > 0;
+    }
+    pel_vec3_add(sum, reading.force, sum);
+    assert_true(size > 0 && held <= reading.vertex_count);
+    assert_near(pel_vec3_length(sum), 0, 1e-14 * reading.vertex_count * size);
+    free(values);
 }
 
 #endif

@@ -89,7 +89,7 @@ typedef struct pel_anisotropy_def {
 
 typedef enum pel_pressure_kind {
     PEL_PRESSURE_NONE,
-    PEL_PRESSURE_GIVEN, /* the number, which may be keyed in time or a field */
+    PEL_PRESSURE_GIVEN, /* `outside` alone, which may be keyed in time or a field */
     PEL_PRESSURE_GAS,   /* a gas within: p V^gamma stays; `value` is its pressure at rest, against the same outside */
     PEL_PRESSURE_VOLUME /* drives the volume to `target` times that at rest */
 } pel_pressure_kind;
@@ -97,7 +97,8 @@ typedef enum pel_pressure_kind {
 typedef struct pel_pressure_def {
     pel_pressure_kind kind;
     pel_pressure_form form;
-    pel_quantity outside;  /* Pa, of PEL_PRESSURE_GIVEN: pushes inward when positive, inflates when negative */
+    pel_quantity outside;  /* Pa: pushes inward when positive, inflates when negative; adds to a gas or a target volume,
+                              beside which it has no field */
     double value;          /* Pa, of the gas at rest */
     double gamma;          /* of the gas; 1 = isothermal; 1.4 by default */
     pel_quantity target;   /* of PEL_PRESSURE_VOLUME: volume over that at rest; may be keyed */

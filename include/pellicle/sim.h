@@ -89,6 +89,9 @@ typedef struct pel_load_def {
     int32_t body;
     pel_load_kind kind;
     double force[3];
+    bool follower; /* PEL_LOAD_PER_LENGTH: the force turns with each edge and its triangle, from where they are at rest;
+                      quasi-static and descent take it as it is at the start of a step. Without potential, so not along
+                      a path, for modes and for derivatives */
     const int32_t *vertices; /* (vertex_count); null = all vertices of the body */
     int32_t vertex_count;
     const double *weights; /* (vertex_count) factor per vertex (falloff); null = 1 */
@@ -167,6 +170,9 @@ typedef struct pel_support_def {
     const pel_key *keys;    /* (key_count) factor on the displacement over time; null = 1 */
     int32_t key_count;
     double stiffness;  /* N/m of each vertex: components are held by springs; 0 = rigid */
+    double foundation; /* N/m3, elastic foundation of Winkler: springs of this stiffness per area at rest, over the
+                          triangles with all corners among the vertices, a third of each to each; instead of stiffness;
+                          0 = none */
     bool fix_rotation; /* edges with both ends among the vertices keep their normals (PEL_BENDING_MIDEDGE): an edge that
                           is held in space is clamped, one that slides in a plane of symmetry stays normal to it */
 } pel_support_def;

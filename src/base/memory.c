@@ -3,9 +3,13 @@
 #endif
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif
@@ -93,4 +97,24 @@ int pel_reserve(void **array, size_t *capacity, size_t needed, size_t size)
     *array = block;
     *capacity = grown;
     return 1;
+}
+
+double pel_memory_limit(void)
+{
+    double limit = (double)HUGE_VAL, group;
+    struct rlimit space;
+#if defined(_SC_PHYS_PAGES)
+    long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    if (pages > 0 && size > 0)
+        limit = (double)pages * (double)size;
+#endif
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
+        limit = fmin(limit, (double)space.rlim_cur);
+    /* "max" where the group has no limit */
+    FILE *file = fopen("/sys/fs/cgroup/memory.max", "r");
+    if (file != NULL && fscanf(file, "%lf", &group) == 1)
+        limit = fmin(limit, group);
+    if (file != NULL)
+        fclose(file);
+    return limit;
 }

@@ -17,6 +17,10 @@ void pel_free(void *block);
 /* copy of a string, or null */
 char *pel_copy_string(const char *text);
 
+/* Bytes that this process may have: those of the machine, or less where its group or a resource limit says so; HUGE_VAL
+   where the system does not tell. */
+double pel_memory_limit(void);
+
 /* Makes room for `needed` elements of `size` bytes in a growing array: doubles *capacity. False when out of memory. */
 int pel_reserve(void **array, size_t *capacity, size_t needed, size_t size);
 

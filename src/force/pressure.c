@@ -5,19 +5,27 @@
 /* a gas squeezed to less than this share of its volume at rest presses as it does there */
 #define LEAST_GAS_VOLUME 1e-3
 
+/* Pa, of the given pressure */
+static double outside_pressure(const pel_shell *shell, double time, double load_factor)
+{
+    return load_factor * shell->pressure.outside.value *
+           pel_curve_value(shell->outside.keys, shell->outside.key_count, time);
+}
+
 double pel_pressure_difference(const pel_shell *shell, double time, double load_factor, double volume,
                                double rest_volume)
 {
     const pel_pressure_def *def = &shell->pressure;
-    double ratio = volume / rest_volume;
+    double ratio = volume / rest_volume, outside = outside_pressure(shell, time, load_factor);
     switch (def->kind) {
     case PEL_PRESSURE_GIVEN:
-        return -load_factor * def->outside.value * pel_curve_value(shell->outside.keys, shell->outside.key_count, time);
+        return -outside;
     case PEL_PRESSURE_GAS:
-        return def->value * (pow(fmax(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1);
+        return def->value * (pow(fmax(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1) - outside;
     case PEL_PRESSURE_VOLUME:
         return def->bulk *
-               (def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time) - ratio);
+                   (def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time) - ratio) -
+               outside;
     default:
         return 0;
     }
@@ -52,14 +60,15 @@ double pel_pressure_potential(const pel_shell *shell, double time, double load_f
 {
     const pel_pressure_def *def = &shell->pressure;
     double ratio = volume / rest_volume;
-    if (def->kind == PEL_PRESSURE_GIVEN)
-        return -pel_pressure_difference(shell, time, load_factor, volume, rest_volume) * (volume - rest_volume);
-    if (def->kind == PEL_PRESSURE_GAS)
-        return def->value * rest_volume * (ratio - 1 - gas_work(ratio, def->gamma));
-    if (def->kind != PEL_PRESSURE_VOLUME)
+    if (def->kind == PEL_PRESSURE_NONE)
         return 0;
+    double given = outside_pressure(shell, time, load_factor) * (volume - rest_volume);
+    if (def->kind == PEL_PRESSURE_GIVEN)
+        return given;
+    if (def->kind == PEL_PRESSURE_GAS)
+        return given + def->value * rest_volume * (ratio - 1 - gas_work(ratio, def->gamma));
     double target = def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time);
-    return 0.5 * def->bulk * rest_volume * ((ratio - target) * (ratio - target) - (1 - target) * (1 - target));
+    return given + 0.5 * def->bulk * rest_volume * ((ratio - target) * (ratio - target) - (1 - target) * (1 - target));
 }
 
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position)

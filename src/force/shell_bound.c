@@ -58,11 +58,10 @@ static double curve_size(const pel_curve *curve)
 static double pressure_size(const pel_shell *shell)
 {
     const pel_pressure_def *def = &shell->pressure;
-    if (def->kind == PEL_PRESSURE_GIVEN)
-        return fabs(def->outside.value) * curve_size(&shell->outside);
-    if (def->kind == PEL_PRESSURE_VOLUME)
-        return def->bulk * fmax(1, fabs(def->target.value) * curve_size(&shell->target) - 1);
-    return 0;
+    double given = def->kind != PEL_PRESSURE_NONE ? fabs(def->outside.value) * curve_size(&shell->outside) : 0;
+    if (def->kind != PEL_PRESSURE_VOLUME)
+        return given;
+    return given + def->bulk * fmax(1, fabs(def->target.value) * curve_size(&shell->target) - 1);
 }
 
 static void add_pressure_norms(const pel_shell_body *own, int32_t t, const double x[3][3], double *sums)

@@ -15,10 +15,31 @@ void pel_factor_destroy(pel_factor *factor)
     pel_free(factor);
 }
 
+/* bytes that every machine has: the limit is not asked for */
+#define SMALL 1e8
+
+/* more than there is would end the process when it is written to */
+static pel_status check_memory(const pel_factor_plan *plan, pel_factor_precision precision, pel_error *error)
+{
+    double needed = (double)plan->cost.bytes[precision];
+    if (needed < SMALL)
+        return PEL_OK;
+    double limit = pel_memory_limit();
+    if (needed <= limit)
+        return PEL_OK;
+    pel_fail(error, PEL_OUT_OF_MEMORY, "the factor of a matrix of %d unknowns needs %.3g GB, and there are %.3g GB",
+             (int)plan->unknown_count, 1e-9 * needed, 1e-9 * limit);
+    pel_fail_remedy(error, "take a coarser mesh, or the method xpbd or explicit, which have no matrix");
+    return PEL_OUT_OF_MEMORY;
+}
+
 pel_status pel_factor_create(const pel_factor_plan *plan, pel_factor_precision precision, pel_factor **factor,
                              pel_error *error)
 {
     *factor = NULL;
+    pel_status status = check_memory(plan, precision, error);
+    if (status != PEL_OK)
+        return status;
     size_t number = precision == PEL_FACTOR_FLOAT ? sizeof(float) : sizeof(double);
     pel_factor *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
@@ -36,7 +57,8 @@ pel_status pel_factor_create(const pel_factor_plan *plan, pel_factor_precision p
         made->scratch == NULL || made->scale == NULL || made->pivots == NULL) {
         pel_factor_destroy(made);
         pel_fail_memory(error);
-        pel_fail_remedy(error, "the factor of %d unknowns needs %.0f MB: take a coarser mesh or an iterative solver",
+        pel_fail_remedy(error,
+                        "the factor of %d unknowns needs %.0f MB: take a coarser mesh, or the method xpbd or explicit",
                         (int)plan->unknown_count, 1e-6 * (double)plan->cost.bytes[precision]);
         return PEL_OUT_OF_MEMORY;
     }

@@ -183,6 +183,7 @@ static const pel_member load[] = {
     PLAIN(pel_load_def, body, SAME),
     PLAIN(pel_load_def, kind, SAME),
     PLAIN(pel_load_def, force, SAME),
+    PLAIN(pel_load_def, follower, SAME),
     LIST(pel_load_def, vertices, SAME, vertex_count),
     OTHER(pel_load_def, vertex_count),
     OTHER(pel_load_def, weights), /* as many as vertices, which may be left out: loads.c adds them */
@@ -226,6 +227,7 @@ static const pel_member support[] = {
     PLAIN(pel_support_def, axes, SAME),
     PLAIN(pel_support_def, fix, SAME),
     PLAIN(pel_support_def, displacement, SAME),
+    PLAIN(pel_support_def, foundation, SAME),
     LIST(pel_support_def, keys, SAME, key_count),
     OTHER(pel_support_def, key_count),
     PLAIN(pel_support_def, stiffness, SAME),

@@ -171,6 +171,12 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
                : status;
 }
 
+/* the pressure depends on the enclosed volume */
+static bool has_volume(pel_pressure_kind kind)
+{
+    return kind == PEL_PRESSURE_GAS || kind == PEL_PRESSURE_VOLUME;
+}
+
 static pel_status check_pressure(const pel_body_def *body_def, int32_t body, pel_error *error)
 {
     const pel_pressure_def *def = &body_def->shell.pressure;
@@ -180,13 +186,19 @@ static pel_status check_pressure(const pel_body_def *body_def, int32_t body, pel
         status = check_choice((int)def->form, PEL_PRESSURE_VERTEX_NORMAL + 1, body, "pressure form", error);
     if (status != PEL_OK)
         return status;
-    if (def->kind == PEL_PRESSURE_GIVEN)
+    if (def->kind != PEL_PRESSURE_NONE)
         status = pel_quantity_check_signed(&def->outside, vertex_count, body, "outside pressure", true, error);
-    if (def->kind == PEL_PRESSURE_GAS)
+    if (status == PEL_OK && def->outside.field != NULL && has_volume(def->kind)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "the outside pressure beside a gas or a target volume varies over the body");
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give it as a number or keys");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (status == PEL_OK && def->kind == PEL_PRESSURE_GAS)
         status = check_number(def->value, 0, HUGE_VAL, body, "gas pressure", error);
     if (status == PEL_OK && def->kind == PEL_PRESSURE_GAS)
         status = check_number(def->gamma, 1, 10, body, "gas gamma", error);
-    if (def->kind == PEL_PRESSURE_VOLUME)
+    if (status == PEL_OK && def->kind == PEL_PRESSURE_VOLUME)
         status = check_number(def->bulk, 0, HUGE_VAL, body, "bulk", error);
     if (status == PEL_OK && def->kind == PEL_PRESSURE_VOLUME)
         status = pel_quantity_check(&def->target, vertex_count, body, "target volume", true, error);
@@ -454,8 +466,7 @@ static pel_status create_pressure(const pel_body_def *def, const pel_body *body,
 /* a gas and a target volume need a volume */
 static pel_status check_closed(const pel_body_def *def, const pel_body *body, int32_t index, pel_error *error)
 {
-    pel_pressure_kind kind = def->shell.pressure.kind;
-    if (body->closed || (kind != PEL_PRESSURE_GAS && kind != PEL_PRESSURE_VOLUME))
+    if (body->closed || !has_volume(def->shell.pressure.kind))
         return PEL_OK;
     pel_fail(error, PEL_BAD_ARGUMENT, "its mesh has a boundary and encloses no volume");
     pel_fail_element(error, "body", index);

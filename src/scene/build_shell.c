@@ -193,6 +193,19 @@ static pel_status negate(const pel_scene_body_source *source, pel_quantity *quan
     return PEL_OK;
 }
 
+/* beside a gas or a target volume */
+static pel_status read_outside(const pel_scene_body_source *source, const pel_scene_value *value, const char *prefix,
+                               pel_pressure_def *pressure)
+{
+    pel_status status = pel_scene_build_quantity(source, value, "outside", prefix, &pressure->outside);
+    if (status != PEL_OK || pressure->outside.field == NULL)
+        return status;
+    pel_scene_fail(source->reader, &pel_scene_value_entry(value, "outside")->place,
+                   "the pressure outside cannot vary over the body beside a gas or a target volume");
+    pel_fail_remedy(source->reader->error, "give a number or keys");
+    return PEL_BAD_SCENE;
+}
+
 static pel_status read_target(const pel_scene_body_source *source, const pel_scene_value *value,
                               pel_pressure_def *pressure)
 {
@@ -200,8 +213,10 @@ static pel_status read_target(const pel_scene_body_source *source, const pel_sce
     pressure->bulk = pel_scene_value_number(value, "bulk");
     pel_status status =
         pel_scene_build_quantity(source, value, "target", "bodies[].pressure.volume", &pressure->target);
-    if (status != PEL_OK || pressure->target.field == NULL)
+    if (status != PEL_OK)
         return status;
+    if (pressure->target.field == NULL)
+        return read_outside(source, value, "bodies[].pressure.volume", pressure);
     pel_scene_fail(source->reader, &value->place, "the target of the volume cannot vary over the body");
     pel_fail_remedy(source->reader->error, "give a number or keys");
     return PEL_BAD_SCENE;
@@ -220,6 +235,7 @@ static pel_status read_pressure(const pel_scene_body_source *source, pel_pressur
         pressure->kind = PEL_PRESSURE_GAS;
         pressure->value = pel_scene_value_number(gas, "pressure");
         pressure->gamma = pel_scene_value_number(gas, "gamma");
+        status = read_outside(source, gas, "bodies[].pressure.gas", pressure);
     } else if (volume != NULL) {
         status = read_target(source, volume, pressure);
     } else {

@@ -68,6 +68,7 @@ static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, co
     load->name = pel_scene_value_entry(value, "name")->text;
     load->kind = (pel_load_kind)pel_scene_value_integer(value, "per"); /* in the order of the words in the table */
     pel_scene_value_numbers(pel_scene_value_entry(value, "force"), load->force);
+    load->follower = pel_scene_value_entry(value, "follower") != NULL && pel_scene_value_boolean(value, "follower");
     pel_status status = fill_body(reader, value, model);
     if (status == PEL_OK)
         status = find_body(reader, pel_scene_value_entry(value, "body"), model, &load->body);

@@ -69,6 +69,7 @@ static pel_status read_components(pel_scene_reader *reader, const pel_scene_valu
     support->fix_rotation = pel_scene_value_integer(value, "rotation") == 1;
     pel_scene_value_numbers(pel_scene_value_entry(value, "displacement"), support->displacement);
     pel_scene_value_read(value, "stiffness", &support->stiffness);
+    pel_scene_value_read(value, "foundation", &support->foundation);
     pel_status status =
         pel_scene_build_keys(reader, pel_scene_value_entry(value, "keys"), &support->keys, &support->key_count);
     if (status == PEL_OK && frame != NULL)
@@ -88,6 +89,10 @@ static pel_status check_support(pel_scene_reader *reader, const pel_scene_value 
     if (!support->fix[0] && !support->fix[1] && !support->fix[2] && !support->fix_rotation) {
         what = "the support holds nothing";
         remedy = "list components in `fix`, or set `rotation: fixed`";
+    }
+    if (support->stiffness > 0 && support->foundation > 0) {
+        what = "the support has a stiffness of its vertices and one of a foundation";
+        remedy = "give `stiffness` [N/m] or `foundation` [N/m3], or two supports";
     }
     if (what == NULL)
         return PEL_OK;

@@ -1,8 +1,14 @@
+/* What a step costs is estimated from counts, so that a scene has one method on all machines: processor time of one
+   core per triangle, measured on balls and sheets of 320 to 20,480 triangles (docs/solvers.md, cost of a step). A step
+   of implicit grows faster than the triangles, with the fill of its factor. */
 #include "scene/method.h"
 
 #include "model/model.h"
 #include "model/shell.h"
 #include "scene/build.h"
+
+#include <math.h>
+#include <stdio.h>
 
 static bool is_pinned(const pel_model *model, int32_t body)
 {
@@ -76,18 +82,62 @@ static pel_method stiff_method(const pel_scene *scene, const pel_model *model)
     return has_rest(scene, model) ? PEL_METHOD_DESCENT : PEL_METHOD_XPBD;
 }
 
-static void take(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, pel_method stiff,
-                 int32_t needed)
+/* ms of one core */
+typedef struct step_cost {
+    double substep, implicit; /* a substep of xpbd, a step of implicit */
+} step_cost;
+
+static step_cost cost_of(const pel_scene *scene, const pel_model *model)
 {
-    pel_solver_def *solver = &scene->sim.solver;
-    pel_scene_value *method = pel_scene_value_at(root, "solver.method");
-    pel_log_line(reader->log, "method %s: xpbd would need %d substeps in a step of %g s, more than max_substeps %d%s",
-                 pel_scene_method_name(stiff), (int)needed, solver->dt, (int)solver->max_substeps,
+    enum { FREE, TOOLS, CONTACT };
+    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 40e-3}; /* of a triangle */
+    int kind = scene->sim.contact.enabled ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
+    double triangles = model->triangle_begin[model->body_count];
+    return (step_cost){substep[kind] * triangles, implicit[kind] * triangles * sqrt(sqrt(triangles / 1000))};
+}
+
+/* implicit is as exact as so many substeps in less time */
+static bool is_cheaper(const step_cost *cost, int32_t substeps)
+{
+    return cost->implicit < cost->substep * substeps;
+}
+
+static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method method)
+{
+    scene->sim.solver.method = method;
+    pel_scene_value_at(root, "solver.method")->text = pel_scene_method_name(method);
+}
+
+static void take(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, pel_method stiff,
+                 int32_t needed, const step_cost *cost)
+{
+    const pel_solver_def *solver = &scene->sim.solver;
+    char reason[100];
+    if (needed > solver->max_substeps)
+        snprintf(reason, sizeof reason, "more than max_substeps %d", (int)solver->max_substeps);
+    else
+        snprintf(reason, sizeof reason, "about %.2g ms of one core against %.2g ms", cost->substep * needed,
+                 cost->implicit);
+    pel_log_line(reader->log, "method %s: xpbd would need %d substeps in a step of %g s, %s%s",
+                 pel_scene_method_name(stiff), (int)needed, solver->dt, reason,
                  stiff == PEL_METHOD_DESCENT ? ". The run finds states of rest; for motion write `method: xpbd` and "
                                                "more `max_substeps`, or a smaller dt"
                                              : "");
-    solver->method = stiff;
-    method->text = pel_scene_method_name(stiff);
+    set_method(root, scene, stiff);
+}
+
+/* what only methods with rotations of edges have, in words; null = nothing of that */
+static const char *find_edge_feature(const pel_scene *scene)
+{
+    if (scene->sim.support_count > 0)
+        return "`supports`";
+    for (int32_t l = 0; l < scene->sim.load_count; l++)
+        if (scene->sim.loads[l].kind == PEL_LOAD_MOMENT)
+            return "a moment on edges";
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        if (scene->model.bodies[b].shell.bending.model == PEL_BENDING_MIDEDGE)
+            return "bending of the model midedge";
+    return NULL;
 }
 
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
@@ -98,18 +148,29 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     int32_t needed = 0;
     if (!method->is_implied || solver->method != PEL_METHOD_XPBD || solver->substeps > 0 || solver->iterations > 0)
         return PEL_OK;
+    const char *feature = find_edge_feature(scene);
+    if (feature != NULL) {
+        pel_log_line(reader->log, "method implicit: the scene has %s, which xpbd does not know", feature);
+        set_method(root, scene, PEL_METHOD_IMPLICIT);
+        return PEL_OK;
+    }
     pel_status status = pel_model_create(&scene->model, &model, NULL);
     if (status != PEL_OK)
         return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(reader->error) : PEL_OK;
     pel_sim_def def = scene->sim;
     def.model = model;
     status = pel_sim_needed_substeps(&def, &needed, NULL);
-    pel_method stiff = status == PEL_OK && needed > solver->max_substeps ? stiff_method(scene, model) : solver->method;
+    /* a limit that is written asks for xpbd up to it */
+    const step_cost cost = cost_of(scene, model);
+    bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && is_solvable(model);
+    pel_method stiff = solver->method;
+    if (status == PEL_OK && (needed > solver->max_substeps || (is_open && is_cheaper(&cost, needed))))
+        stiff = stiff_method(scene, model);
     pel_model_destroy(model);
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(reader->error);
     if (stiff != solver->method)
-        take(reader, root, scene, stiff, needed);
+        take(reader, root, scene, stiff, needed, &cost);
     return PEL_OK;
 }
 

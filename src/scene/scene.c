@@ -215,11 +215,26 @@ char *pel_scene_portable_text(const pel_scene *scene, const char *const *names)
     return pel_scene_print_renamed(((const scene_storage *)scene->inner)->root, &renamed);
 }
 
+/* supports are counted through all bodies */
+static const pel_scene_value *find_support(const pel_scene_value *root, int64_t number)
+{
+    for (const pel_scene_value *body = pel_scene_value_entry(root, "bodies")->first; body != NULL; body = body->next) {
+        const pel_scene_value *list = pel_scene_value_entry(body, "supports");
+        int64_t count = (int64_t)pel_scene_value_count(list);
+        if (number < count)
+            return pel_scene_value_element(list, number);
+        number -= count;
+    }
+    return NULL;
+}
+
 /* the value that an error of the model or the simulation is about; the whole scene when there is none nearer */
 static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error *error)
 {
     static const char *const kinds[][2] = {{"body", "bodies"}, {"load", "loads"}, {"tool", "tools"}};
     const pel_scene_value *root = ((const scene_storage *)scene->inner)->root;
+    if (error->element >= 0 && strcmp(error->element_kind, "support") == 0)
+        return find_support(root, error->element);
     if (error->status == PEL_UNSTABLE)
         return pel_scene_value_at(root, scene->sim.solver.method == PEL_METHOD_EXPLICIT ? "solver.dt" : "solver.alpha");
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
@@ -233,7 +248,7 @@ static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error
     return NULL;
 }
 
-/* people know bodies, loads and tools by their names */
+/* people know bodies, loads, tools and supports by their names */
 static void name_element(const pel_scene *scene, pel_error *error)
 {
     const char *name = NULL, *kind = error->element_kind;
@@ -244,6 +259,8 @@ static void name_element(const pel_scene *scene, pel_error *error)
         name = scene->sim.loads[i].name;
     else if (strcmp(kind, "tool") == 0 && i >= 0 && i < scene->sim.tool_count)
         name = scene->sim.tools[i].name;
+    else if (strcmp(kind, "support") == 0 && i >= 0 && i < scene->sim.support_count)
+        name = scene->sim.supports[i].name;
     if (name != NULL)
         snprintf(error->element_name, sizeof error->element_name, "%s", name);
 }

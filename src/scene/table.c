@@ -148,6 +148,9 @@ static const pel_scene_row rows[] = {
      .doc = "fixed: edges with both ends in the region keep their normals, which clamps them (bending model midedge)"},
     {"bodies[].supports[].stiffness", NUMBER, .unit = "N/m", POSITIVE, .needs = "fix",
      .doc = "stiffness of the support of each vertex; leave out for a rigid one"},
+    {"bodies[].supports[].foundation", NUMBER, .unit = "N/m3", POSITIVE, .needs = "fix",
+     .doc = "elastic (Winkler) foundation under the triangles of the region: stiffness per area at rest; leave out for "
+            "none"},
 
     {"bodies[].membrane", MAP,
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); leave out for none"},
@@ -195,10 +198,14 @@ static const pel_scene_row rows[] = {
      .doc = "pressure of the gas at rest, and of the air outside"},
     {"bodies[].pressure.gas.gamma", NUMBER, BETWEEN(1, 10), .preset = "1.4",
      .doc = "1 keeps the temperature, 1.4 keeps the heat of air"},
+    {"bodies[].pressure.gas.outside", QUANTITY, .unit = "Pa", .preset = "0",
+     .doc = "pressure outside beyond that of the air: presses inward, below 0 it inflates; may be keyed"},
     {"bodies[].pressure.volume", MAP, ALTERNATIVE, .doc = "drives the enclosed volume to a target"},
     {"bodies[].pressure.volume.target", QUANTITY, AT_LEAST(0), REQUIRED, .doc = "volume over that at rest"},
     {"bodies[].pressure.volume.bulk", NUMBER, .unit = "Pa", POSITIVE, REQUIRED,
      .doc = "pressure for each relative difference of volume"},
+    {"bodies[].pressure.volume.outside", QUANTITY, .unit = "Pa", .preset = "0",
+     .doc = "pressure outside: presses inward, below 0 it inflates; may be keyed"},
     {"bodies[].pressure.form", WORD("consistent", "vertex-normal"), .preset = "consistent",
      .doc = "consistent: minus pressure times the gradient of the volume; vertex-normal: as paper B writes it"},
     {"bodies[].pressure.region", REGION, .preset = "all", .doc = "where it acts"},
@@ -245,6 +252,8 @@ static const pel_scene_row rows[] = {
      .doc = "total: the force is shared out over the vertices; vertex: each of them feels it; length: it acts on each "
             "metre of boundary edges with both ends in the region; moment: N m per metre of these edges, the part "
             "along an edge turns the surface about it (bending model midedge)"},
+    {"loads[].follower", BOOLEAN, .needs = "per", .needs_word = "length", .preset = "false",
+     .doc = "true: the force turns with the edge and its triangle, as it is seen from them at rest"},
     {"loads[].from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "acts from this time on"},
     {"loads[].until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "acts up to this time"},
     {"loads[].keys", LIST, COUNT_FROM(1), .doc = "factor on the force over time, linear between the keys"},
@@ -351,7 +360,8 @@ static const pel_scene_row rows[] = {
      .doc = "pbd, xpbd: parts of a step; auto is 1 for pbd and, for xpbd, as many as keep stretch within 5 % of the "
             "material's, chosen anew while running"},
     {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
-     .doc = "xpbd: automatic substeps, at most; a scene without `method` that needs more is run by implicit, or where "
+     .doc = "xpbd: automatic substeps, at most; a scene without `method` that needs more, or for which implicit is "
+            "cheaper (with this left out), is run by implicit, or where "
             "the surface refines by descent if it has a state of rest"},
     {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
      .doc = "xpbd: second order in time (BDF2) instead of first, not for bodies that touch; auto: on without tools, "

@@ -346,6 +346,21 @@ static void remove_nulls(pel_scene_value *map)
     }
 }
 
+static pel_status refuse_alternatives(pel_scene_reader *reader, const char *prefix, const pel_scene_value *first,
+                                      const pel_scene_value *second)
+{
+    pel_scene_fail(reader, &second->key_place, "'%s' and '%s' exclude each other", first->key, second->key);
+    pel_fail_remedy(reader->error, "remove one of them");
+    /* one of them may stand in the other */
+    for (int i = 0; i < 2; i++) {
+        const pel_scene_value *outer = i == 0 ? first : second, *inner = i == 0 ? second : first;
+        const pel_scene_row *row = row_of_entry(reader, prefix, outer);
+        if (pel_scene_row_find(reader->table, pel_scene_row_prefix(row), inner->key) != NULL)
+            pel_fail_remedy(reader->error, "remove one of them, or move '%s' into '%s'", inner->key, outer->key);
+    }
+    return PEL_BAD_SCENE;
+}
+
 /* At most one alternative is given and it is right. It comes first because other keys may depend on it. */
 static pel_status check_alternatives(pel_scene_reader *reader, const char *prefix, const pel_scene_row *limits,
                                      pel_scene_value *map)
@@ -355,11 +370,8 @@ static pel_status check_alternatives(pel_scene_reader *reader, const char *prefi
         const pel_scene_row *row = row_of_entry(reader, prefix, entry);
         if (row == NULL || !row->alternative)
             continue;
-        if (found != NULL) {
-            pel_scene_fail(reader, &entry->key_place, "'%s' and '%s' exclude each other", found->key, entry->key);
-            pel_fail_remedy(reader->error, "remove one of them");
-            return PEL_BAD_SCENE;
-        }
+        if (found != NULL)
+            return refuse_alternatives(reader, prefix, found, entry);
         found = entry;
         pel_status status = check_value(reader, row, row->scoped ? limits : row, entry);
         if (status != PEL_OK)
@@ -414,6 +426,7 @@ static pel_status add_preset(pel_scene_reader *reader, const pel_scene_row *row,
     pel_scene_value *value = create_preset(reader, row, map);
     if (value == NULL)
         return PEL_OUT_OF_MEMORY;
+    value->is_implied = true;
     pel_scene_value_append(map, name, value);
     return PEL_OK;
 }

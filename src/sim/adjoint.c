@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "force/pressure.h"
 #include "sim/edge_load.h"
+#include "sim/follower.h"
 #include "sim/step_newton.h"
 
 #include <string.h>
@@ -62,6 +63,8 @@ static pel_status check(const pel_sim *sim, const pel_adjoint *def, pel_error *e
         if (sim->model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&sim->model->bodies[b]))
             return refuse(error, "pressure on a part of a surface, or in the form vertex-normal, has no potential",
                           "use the consistent form on a closed body");
+    if (sim->follower_count > 0)
+        return pel_followers_refuse(sim, "derivatives need", error);
     return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;
 }
 

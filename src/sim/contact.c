@@ -494,7 +494,7 @@ static void expect_vertices(pel_sim *sim)
     double dt = sim->step.dt;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     if (state->velocity != NULL)
-        pel_loads_add(sim, pel_sim_time(sim), sim->force);
+        pel_loads_add(sim, pel_sim_time(sim), sim->state->position, sim->force);
     for (int32_t p = 0; p < contacts->place_count; p++)
         for (int k = 0; k < 3; k++) {
             double velocity = state->velocity != NULL ? (double)state->velocity[p][k] : 0;

@@ -128,7 +128,7 @@ static double find_external(pel_sim *sim, double time)
 {
     pel_record *external = sim->descent->external;
     memset(external, 0, (size_t)sim->model->vertex_count * sizeof *external);
-    pel_loads_add(sim, time, external);
+    pel_loads_add(sim, time, sim->state->position, external);
     pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_FOLLOWER, sim->pool, external);
     return measure_external(sim, time, sim->state->position);
 }

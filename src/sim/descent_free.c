@@ -40,12 +40,12 @@ static bool is_held(const pel_sim *sim, int32_t body)
 static pel_status refuse_free(const pel_sim *sim, int32_t body, const double net[3], double time, pel_error *error)
 {
     pel_fail(error, PEL_BAD_ARGUMENT,
-             "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: descent has no energy "
-             "minimum to find",
+             "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: there is no state "
+             "of rest to find",
              sim->model->bodies[body].name, net[0], net[1], net[2], time);
     pel_fail_element(error, "body", body);
     pel_fail_remedy(error, "pin vertices, add volumetric springs or a tool that it rests on, balance the loads, or use "
-                           "the method xpbd or explicit");
+                           "the method implicit, xpbd or explicit");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -72,7 +72,7 @@ static pel_status check_at(pel_sim *sim, double time, pel_error *error)
 {
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         sim->force[v] = (pel_record){0};
-    pel_loads_add(sim, time, sim->force);
+    pel_loads_add(sim, time, sim->state->position, sim->force);
     pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
     return pel_descent_check_held(sim, sim->force, time, error);
 }

@@ -23,6 +23,10 @@ static const pel_field_info fields[PEL_FIELD_COUNT] = {
     {"contact_force", 3, "N", VERTICES,
      "force of contacts on the vertex: of bodies, tools and grasps; mean over the last step where the method has "
      "velocities"},
+    {"reaction", 3, "N", VERTICES,
+     "force of supports on the vertex: of pins, `supports` and `support`; their sum is minus the force of the body on "
+     "its "
+     "supports (BODY_support_force_x, _y, _z in series.csv)"},
     {"level", 1, "", VERTICES, "finest level of detail of the triangles at the vertex, 0 where nothing is refined"},
     {"area", 1, "m2", VERTICES, "area of the surface that is nearest to the vertex (mixed Voronoi area)"},
     {"normal", 3, "", VERTICES, "unit normal, triangles weighted by their angle"},

@@ -18,6 +18,7 @@ typedef enum pel_field_kind {
     PEL_FIELD_PRESSURE,
     PEL_FIELD_CONTACT,
     PEL_FIELD_CONTACT_FORCE,
+    PEL_FIELD_REACTION,
     PEL_FIELD_LEVEL,
     /* those from here on are measured on the surface (pellicle/measure.h) */
     PEL_FIELD_AREA,

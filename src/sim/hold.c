@@ -60,6 +60,9 @@ static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int3
     if (!(def->stiffness >= 0 && isfinite(def->stiffness)))
         return refuse(error, support, "stiffness of the support is below 0 or not finite",
                       "give a positive stiffness in N/m, or 0 for a rigid support");
+    if (!(def->foundation >= 0 && isfinite(def->foundation)) || (def->stiffness > 0 && def->foundation > 0))
+        return refuse(error, support, "foundation of the support is below 0, not finite, or beside a stiffness",
+                      "give a positive stiffness in N/m3 and leave out that of vertices, or 0 for none");
     if (!def->fix[0] && !def->fix[1] && !def->fix[2] && !def->fix_rotation)
         return refuse(error, support, "support fixes nothing", "fix a component, or the rotation");
     for (int32_t k = 0; k < def->key_count; k++)
@@ -73,6 +76,7 @@ static pel_status copy_def(pel_hold *hold, const pel_support_def *def, pel_error
 {
     snprintf(hold->name, sizeof hold->name, "%s", def->name != NULL ? def->name : "");
     hold->body = def->body;
+    hold->fixes_rotation = def->fix_rotation;
     memcpy(hold->axes, def->axes, sizeof hold->axes);
     memcpy(hold->value, def->displacement, sizeof hold->value);
     hold->keys = pel_allocate((size_t)def->key_count, sizeof *hold->keys);
@@ -167,16 +171,18 @@ static pel_status hold_component(const pel_sim *sim, pel_held_vertex *held, doub
     return PEL_OK;
 }
 
+static void add_springs(pel_sim_holds *holds, const pel_support_def *def, int32_t owner, int32_t v, double stiffness)
+{
+    for (int k = 0; stiffness > 0 && k < 3; k++)
+        if (def->fix[k])
+            holds->springs[holds->spring_count++] = (pel_hold_spring){v, owner, k, stiffness};
+}
+
 static pel_status hold_vertex(pel_sim *sim, const pel_support_def *def, int32_t owner, int32_t v, int32_t *place,
                               pel_error *error)
 {
     pel_sim_holds *holds = sim->holds;
-    if (!(sim->model->inverse_mass[v] > 0))
-        return PEL_OK;
-    for (int k = 0; def->stiffness > 0 && k < 3; k++)
-        if (def->fix[k])
-            holds->springs[holds->spring_count++] = (pel_hold_spring){v, owner, k, def->stiffness};
-    if (def->stiffness > 0 || !(def->fix[0] || def->fix[1] || def->fix[2]))
+    if (!(def->fix[0] || def->fix[1] || def->fix[2]))
         return PEL_OK;
     if (place[v] == 0) {
         holds->held[holds->held_count].vertex = holds->vertices[holds->held_count] = v;
@@ -188,6 +194,32 @@ static pel_status hold_vertex(pel_sim *sim, const pel_support_def *def, int32_t 
         if (def->fix[k])
             status = hold_component(sim, held, holds->axes[place[v] - 1], owner, k, error);
     return status;
+}
+
+/* m2 at rest, of the mesh's vertices: thirds of the triangles with all corners in the region */
+static pel_status find_areas(const pel_sim *sim, const pel_support_def *def, int32_t support, double *areas,
+                             pel_error *error)
+{
+    const pel_mesh *mesh = sim->model->bodies[def->body].mesh;
+    double sum = 0;
+    /* -1 = not in the region */
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        areas[v] = -1;
+    for (int32_t i = 0; i < def->vertex_count; i++)
+        areas[def->vertices[i]] = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        if (areas[v[0]] < 0 || areas[v[1]] < 0 || areas[v[2]] < 0)
+            continue;
+        double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
+        for (int k = 0; k < 3; k++)
+            areas[v[k]] += area / 3;
+        sum += area;
+    }
+    if (sum > 0)
+        return PEL_OK;
+    return refuse(error, support, "foundation of the support is under no triangle",
+                  "choose a region with all three corners of triangles, or give the stiffness of vertices");
 }
 
 /* edges with both ends in the region */
@@ -219,20 +251,48 @@ static pel_status make_room(pel_sim_holds *holds, const pel_sim *sim, const pel_
     return room ? PEL_OK : pel_fail_memory(error);
 }
 
+/* a pin holds before a support, which may not want it elsewhere */
+static pel_status check_pin(const pel_sim *sim, const pel_support_def *def, int32_t support, int32_t vertex,
+                            pel_error *error)
+{
+    if (pel_vec3_squared_length(def->displacement) == 0)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "support '%s' displaces vertex %d, which is pinned",
+             sim->holds->holds[support].name, (int)vertex);
+    pel_fail_element(error, "support", support);
+    pel_fail_remedy(error, "let the region of the support and `pinned` share no vertex");
+    return PEL_BAD_ARGUMENT;
+}
+
 static pel_status hold_all(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     int32_t *place = pel_allocate((size_t)sim->model->vertex_count, sizeof *place);
-    pel_status status = place != NULL ? PEL_OK : pel_fail_memory(error);
+    double *areas = pel_allocate((size_t)sim->model->vertex_count, sizeof *areas);
+    pel_status status = place != NULL && areas != NULL ? PEL_OK : pel_fail_memory(error);
     for (int32_t s = 0; status == PEL_OK && s < def->support_count; s++) {
         const pel_support_def *support = &def->supports[s];
         const int32_t *index = sim->model->bodies[support->body].model_index;
-        for (int32_t i = 0; status == PEL_OK && i < support->vertex_count; i++)
-            status = hold_vertex(sim, support, s, index[support->vertices[i]], place, error);
+        if (support->foundation > 0)
+            status = find_areas(sim, support, s, areas, error);
+        for (int32_t i = 0; status == PEL_OK && i < support->vertex_count; i++) {
+            int32_t v = index[support->vertices[i]];
+            if (!(sim->model->inverse_mass[v] > 0)) {
+                status = check_pin(sim, support, s, support->vertices[i], error);
+                continue;
+            }
+            if (support->foundation > 0)
+                add_springs(sim->holds, support, s, v, support->foundation * areas[support->vertices[i]]);
+            else if (support->stiffness > 0)
+                add_springs(sim->holds, support, s, v, support->stiffness);
+            else
+                status = hold_vertex(sim, support, s, v, place, error);
+        }
     }
     for (int32_t s = 0; status == PEL_OK && s < def->support_count; s++)
         if (def->supports[s].fix_rotation)
             fix_edges(sim, &def->supports[s], place);
     pel_free(place);
+    pel_free(areas);
     for (int32_t h = 0; h < sim->holds->held_count; h++)
         complete(sim->holds->axes[h], sim->holds->held[h].count);
     return status;
@@ -384,6 +444,16 @@ static bool find_free_motion(motion *m, double free[6])
     return false;
 }
 
+/* a support of the body fixes rotations, but there is no edge that has one */
+static bool has_idle_clamp(const pel_sim *sim, int32_t body)
+{
+    bool fixes = false;
+    for (int32_t h = 0; h < sim->holds->hold_count; h++)
+        fixes |= sim->holds->holds[h].body == body && sim->holds->holds[h].fixes_rotation;
+    const pel_shell *shell = sim->model->bodies[body].shell;
+    return fixes && (shell == NULL || shell->bending != PEL_BENDING_MIDEDGE);
+}
+
 static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motion *m, const double free[6],
                                    pel_error *error)
 {
@@ -413,7 +483,12 @@ static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motio
                  way[1], way[2]);
     }
     pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "hold that motion at one vertex, or use the method implicit");
+    if (has_idle_clamp(sim, body))
+        pel_fail_remedy(error,
+                        "give the body bending of model midedge, whose edges `rotation: fixed` and `symmetry` clamp, "
+                        "hold that motion at one vertex, or use the method implicit");
+    else
+        pel_fail_remedy(error, "hold that motion at one vertex, or use the method implicit");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -501,10 +576,13 @@ void pel_holds_add_matrix(const pel_sim *sim, pel_matrix *matrix)
 
 /* ---- readings ---- */
 
-static void add_reading(pel_hold *hold, const double point[3], double size, const double direction[3])
+/* N, of a vertex on a support along a direction */
+static void add_reading(pel_sim *sim, pel_hold *hold, int32_t v, double size, const double direction[3])
 {
-    double force[3], torque[3];
+    double point[3], force[3], torque[3];
+    pel_vertex_position(sim->state->position_next, v, point);
     pel_vec3_scale(direction, size, force);
+    pel_vec3_along(sim->reactions[v], -1, force, sim->reactions[v]);
     pel_vec3_cross(point, force, torque);
     pel_vec3_add(hold->reading.force, force, hold->reading.force);
     pel_vec3_add(hold->reading.torque, torque, hold->reading.torque);
@@ -516,18 +594,17 @@ static void read_held(pel_sim *sim, int32_t h)
 {
     pel_sim_holds *holds = sim->holds;
     const pel_held_vertex *held = &holds->held[h];
-    double force[3], point[3], share[3];
+    double force[3], share[3];
     if (sim->held != NULL && sim->held[held->vertex])
         return;
     pel_sim_newton_held_force(sim, held->vertex, force);
-    pel_vertex_position(sim->state->position_next, held->vertex, point);
     for (int i = held->count - 1; i >= 0; i--) {
         share[i] = pel_vec3_dot(force, holds->axes[h][i]);
         for (int j = i + 1; j < held->count; j++)
             share[i] -= held->factor[j][i] * share[j];
         share[i] /= held->factor[i][i];
         pel_hold *owner = &holds->holds[held->owner[i]];
-        add_reading(owner, point, share[i], owner->axes[held->component[i]]);
+        add_reading(sim, owner, held->vertex, share[i], owner->axes[held->component[i]]);
     }
 }
 
@@ -545,7 +622,8 @@ void pel_holds_read(pel_sim *sim, double time)
         pel_hold *hold = &holds->holds[spring->owner];
         double point[3];
         pel_vertex_position(sim->state->position_next, spring->vertex, point);
-        add_reading(hold, point, spring->stiffness * stretch(sim, spring, time, point), hold->axes[spring->component]);
+        add_reading(sim, hold, spring->vertex, spring->stiffness * stretch(sim, spring, time, point),
+                    hold->axes[spring->component]);
     }
 }
 

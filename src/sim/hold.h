@@ -9,6 +9,7 @@
 typedef struct pel_hold {
     char name[PEL_NAME_SIZE];
     int32_t body;
+    bool fixes_rotation;
     double axes[3][3], value[3];
     pel_key *keys;
     int32_t key_count;

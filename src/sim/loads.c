@@ -2,7 +2,7 @@
 #include "base/status.h"
 #include "math/vec3.h"
 #include "pellicle/topology.h"
-#include "sim/sim.h"
+#include "sim/follower.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -328,6 +328,13 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
             inside &= push(sim, v, gain, scale * full);
         }
     }
+    for (int32_t i = 0; i < sim->follower_count; i++) {
+        pel_follower_force(sim, i, time, sim->state->position, force);
+        for (int k = 0; k < 2; k++) {
+            int32_t v = sim->followers[i].vertices[k];
+            inside &= push(sim, v, gain, (pel_real)0.5 * sim->model->inverse_mass[v] * record_of(force));
+        }
+    }
     for (int32_t v = 0; sim->external != NULL && v < sim->model->vertex_count; v++)
         inside &= push(sim, v, gain, sim->model->inverse_mass[v] * sim->external[v]);
     for (int32_t b = 0; has_gravity(sim->model) && b < sim->model->body_count; b++)
@@ -346,7 +353,7 @@ double pel_load_product(const pel_sim *sim, int32_t load, double time, const dou
     return sum;
 }
 
-void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
+void pel_loads_add(const pel_sim *sim, double time, const pel_record *positions, pel_record *force)
 {
     double each[3];
     for (int32_t l = 0; l < sim->load_count; l++) {
@@ -356,6 +363,11 @@ void pel_loads_add(const pel_sim *sim, double time, pel_record *force)
         pel_record full = record_of(each);
         for (int32_t i = 0; i < load->vertex_count; i++)
             force[load->vertices[i]] += (pel_real)load->weights[i] * full;
+    }
+    for (int32_t i = 0; positions != NULL && i < sim->follower_count; i++) {
+        pel_follower_force(sim, i, time, positions, each);
+        for (int k = 0; k < 2; k++)
+            force[sim->followers[i].vertices[k]] += (pel_real)0.5 * record_of(each);
     }
     for (int32_t v = 0; sim->external != NULL && v < sim->model->vertex_count; v++)
         force[v] += sim->external[v];
@@ -378,10 +390,30 @@ static double mean_factor(const pel_sim *sim, const pel_load *load, double from,
                   (at_to ? now * pel_curve_value(load->keys, load->key_count, to) : 0));
 }
 
+/* mean of the forces at both ends of the step times the displacement of the edges */
+static double followers_work(const pel_sim *sim, double from, double to)
+{
+    double work = 0;
+    for (int32_t i = 0; i < sim->follower_count; i++) {
+        double before[3], after[3], a[3], b[3];
+        pel_follower_force(sim, i, from, sim->state->position, before);
+        pel_follower_force(sim, i, to, sim->state->position_next, after);
+        pel_vec3_add(before, after, before);
+        for (int k = 0; k < 2; k++) {
+            int32_t v = sim->followers[i].vertices[k];
+            pel_vertex_position(sim->state->position, v, a);
+            pel_vertex_position(sim->state->position_next, v, b);
+            pel_vec3_subtract(b, a, a);
+            work += 0.25 * pel_vec3_dot(before, a);
+        }
+    }
+    return work;
+}
+
 double pel_loads_work(const pel_sim *sim, double from, double to)
 {
     const pel_state *state = sim->state;
-    double work = 0;
+    double work = followers_work(sim, from, to);
     for (int32_t l = 0; l < sim->load_count; l++) {
         const pel_load *load = &sim->loads[l];
         double factor = mean_factor(sim, load, from, to), shift[3] = {0};

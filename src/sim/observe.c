@@ -54,7 +54,7 @@ void pel_sim_compute_forces(pel_sim *sim)
         return;
     sim->force_is_present = true;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
-    pel_loads_add(sim, pel_sim_time(sim), sim->force);
+    pel_loads_add(sim, pel_sim_time(sim), state->position, sim->force);
     pel_shell_forces_follow(sim->shells, state->position);
     sim->shell_energy =
         pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);

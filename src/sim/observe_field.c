@@ -315,6 +315,9 @@ pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values
     case PEL_FIELD_CONTACT_FORCE:
         pel_sim_get_contact_forces(sim, body, values);
         break;
+    case PEL_FIELD_REACTION:
+        pel_supports_get_reactions(sim, body, values);
+        break;
     case PEL_FIELD_PRESSURE:
         pel_sim_get_pressure_forces(sim, body, values);
         break;

@@ -126,6 +126,11 @@ static bool has_target(const void *def)
     return ((const pel_body_def *)def)->shell.pressure.kind == PEL_PRESSURE_VOLUME;
 }
 
+static bool has_foundation(const void *def)
+{
+    return ((const pel_support_def *)def)->foundation > 0;
+}
+
 static bool has_pressure(const void *def)
 {
     return ((const pel_body_def *)def)->shell.pressure.kind != PEL_PRESSURE_NONE;
@@ -291,9 +296,13 @@ static const pel_parameter_row rows[] = {
      .applies = is_pressed},
     {"bodies[].pressure.gas.pressure", BODY(shell.pressure.value), NUMBER, .unit = "Pa", POSITIVE, .applies = is_gas},
     {"bodies[].pressure.gas.gamma", BODY(shell.pressure.gamma), NUMBER, BETWEEN(1, 10), .applies = is_gas},
+    {"bodies[].pressure.gas.outside", BODY(shell.pressure.outside), QUANTITY, .unit = "Pa", ANY, KEYED,
+     .applies = is_gas},
     {"bodies[].pressure.volume.target", BODY(shell.pressure.target), QUANTITY, AT_LEAST(0), KEYED,
      .applies = has_target},
     {"bodies[].pressure.volume.bulk", BODY(shell.pressure.bulk), NUMBER, .unit = "Pa", POSITIVE, .applies = has_target},
+    {"bodies[].pressure.volume.outside", BODY(shell.pressure.outside), QUANTITY, .unit = "Pa", ANY, KEYED,
+     .applies = has_target},
     {"bodies[].pressure.form", BODY(shell.pressure.form), .store = PEL_STORE_INT, WORD("consistent", "vertex-normal"),
      .applies = has_pressure},
     {"bodies[].refine.levels", BODY(refine.levels), INTEGER, BETWEEN(1, 6), .applies = refines,
@@ -322,6 +331,8 @@ static const pel_parameter_row rows[] = {
 
     {"bodies[].supports[].displacement", SUPPORT(displacement), VECTOR, .unit = "m"},
     {"bodies[].supports[].keys", SUPPORT(keys), FACTOR, .count_offset = offsetof(pel_support_def, key_count)},
+    {"bodies[].supports[].foundation", SUPPORT(foundation), NUMBER, .unit = "N/m3", POSITIVE,
+     .applies = has_foundation},
     {"bodies[].supports[].stiffness", SUPPORT(stiffness), NUMBER, .unit = "N/m", POSITIVE, AUTO(0)},
 
     {"gravity", OF(MODEL, pel_model_def, gravity), VECTOR, .unit = "m/s2"},

@@ -4,7 +4,7 @@
 #include "base/status.h"
 #include "force/tangent.h"
 #include "linear/matrix.h"
-#include "sim/sim.h"
+#include "sim/follower.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,6 +66,8 @@ pel_status pel_potential_create(pel_sim *sim, pel_potential **potential, pel_err
         pel_fail_remedy(error, "leave refine out");
         return PEL_BAD_ARGUMENT;
     }
+    if (sim->follower_count > 0)
+        return pel_followers_refuse(sim, "this needs", error);
     pel_potential *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
@@ -135,7 +137,7 @@ static double add_dead_loads(pel_potential *potential)
     const pel_sim *sim = potential->sim;
     double energy = 0;
     memset(potential->dead_load, 0, (size_t)sim->model->vertex_count * sizeof *potential->dead_load);
-    pel_loads_add(sim, pel_sim_time(sim), potential->dead_load);
+    pel_loads_add(sim, pel_sim_time(sim), NULL, potential->dead_load);
     for (int32_t r = 0; r < potential->vertex_count; r++) {
         int32_t v = potential->places[r];
         for (int32_t k = 0; k < 3; k++) {

@@ -36,7 +36,7 @@ static pel_status create(pel_sim *sim, pel_error *error)
 /* adds loads and pressure at a time to sim->force, which is 0: what a substep takes it leaves so */
 static void find_forces(pel_sim *sim, double time, const pel_record *positions)
 {
-    pel_loads_add(sim, time, sim->force);
+    pel_loads_add(sim, time, positions, sim->force);
     pel_shell_forces_press(sim->shells, positions, time, sim->pool, sim->force);
 }
 

@@ -40,8 +40,9 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
                 "stiffen",
                 error);
         if (body->shell->bending == PEL_BENDING_MIDEDGE && !sim->stepper->turns_edges)
-            return refuse_shell(b, "midedge bending has unknowns on edges, which this method does not have",
-                                "give the bending the model hinge", error);
+            return refuse_shell(
+                b, "bending model midedge has a rotation on each edge, which only static and implicit solve for",
+                "use the method implicit or static, or the bending model hinge, which ignores Poisson's ratio", error);
     }
     return PEL_OK;
 }

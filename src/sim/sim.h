@@ -41,6 +41,15 @@ typedef struct pel_edge_load {
     double along[3]; /* m, the edge at rest */
 } pel_edge_load;
 
+/* a follower load on one boundary edge (follower.c) */
+typedef struct pel_follower {
+    int32_t load, vertices[3]; /* ends of the edge with its triangle to the left, tip */
+    double rest[3][3];         /* its frame at rest */
+    double length;             /* m at rest, times the weight of the load */
+    /* of the last evaluation: N; turn of the frame by displacements of the vertices */
+    double force[3], turns[3][3][3];
+} pel_follower;
+
 typedef struct pel_pose {
     double position[3];
     double rotation[4]; /* x, y, z, w */
@@ -273,31 +282,33 @@ struct pel_sim {
     pel_record *external;      /* (vertex_count) N, forces of the caller; null = none so far */
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
-    double edge_load_work; /* J, in the step */
+    double edge_load_work;   /* J, in the step */
+    pel_follower *followers; /* (follower_count) null = none */
+    int32_t follower_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_sim_contacts *contacts;    /* (contact.h) null = none */
-    bool contact_in_loop;          /* the solver sweeps over them too */
-    bool self_contact;             /* no body can cut itself */
-    pel_record *force;             /* (vertex_count) scratch: forces, and loads on touched vertices */
-    bool force_is_present;         /* it holds the forces of the present state */
-    pel_tool_search *tool_search;  /* null without tools */
-    int32_t *near_triangles;       /* (triangle_count) scratch of the tools; null without tools */
-    int32_t *plane_of_triangle;    /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
-    int64_t *looked_at;            /* (triangle_count) by place in near_triangles: pushes when it was looked at */
-    int64_t *moved_at;             /* (vertex_count) push that moved it last */
-    int64_t *cornered_at;          /* (vertex_count) the pressing that looked at it as a corner last */
-    int64_t push_count;            /* of all steps */
-    int64_t press_count;           /* likewise */
-    uint8_t *held;                 /* (vertex_count) 1 = a tool holds it */
-    pel_boundary boundary;         /* what tools hold; its arrays: */
-    int32_t *held_vertices;        /* (vertex_count) null when no tool grasps */
-    double (*held_targets)[3];     /* (vertex_count) likewise */
-    double (*grip_forces)[3];      /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
-    bool held_is_listed;           /* the boundary is that of the tools */
-    pel_sim_solids *solids;        /* (tool_solid.h) methods with substeps; null = no tool presses */
-    pel_support_reading *supports; /* (body_count) of pinned vertices, projected methods; null = nothing is pinned */
-    pel_sim_holds *holds;          /* (hold.h) supports of single components; null = none */
+    pel_sim_contacts *contacts;   /* (contact.h) null = none */
+    bool contact_in_loop;         /* the solver sweeps over them too */
+    bool self_contact;            /* no body can cut itself */
+    pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;        /* it holds the forces of the present state */
+    pel_tool_search *tool_search; /* null without tools */
+    int32_t *near_triangles;      /* (triangle_count) scratch of the tools; null without tools */
+    int32_t *plane_of_triangle;   /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
+    int64_t *looked_at;           /* (triangle_count) by place in near_triangles: pushes when it was looked at */
+    int64_t *moved_at;            /* (vertex_count) push that moved it last */
+    int64_t *cornered_at;         /* (vertex_count) the pressing that looked at it as a corner last */
+    int64_t push_count;           /* of all steps */
+    int64_t press_count;          /* likewise */
+    uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
+    pel_boundary boundary;        /* what tools hold; its arrays: */
+    int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */
+    double (*held_targets)[3];    /* (vertex_count) likewise */
+    double (*grip_forces)[3];     /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
+    bool held_is_listed;          /* the boundary is that of the tools */
+    pel_sim_solids *solids;       /* (tool_solid.h) methods with substeps; null = no tool presses */
+    double (*reactions)[3]; /* (vertex_count) N, of supports on vertices in the last step (support.c); null = none */
+    pel_sim_holds *holds;   /* (hold.h) supports of single components; null = none */
     pel_contact_forces contact_forces;
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
     pel_ledger ledger;
@@ -421,10 +432,11 @@ pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t coun
 void pel_loads_destroy(pel_sim *sim);
 /* Moves the new positions and velocities by the loads at the present time. False when a vertex leaves the bound. */
 bool pel_loads_apply(pel_sim *sim, pel_gains gains);
-/* Adds the loads at a time, gravity included, to force (vertex_count). */
 /* N m: the product of a load at a time with vectors on vertices (3 vertex_count) */
 double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors);
-void pel_loads_add(const pel_sim *sim, double time, pel_record *force);
+/* Adds the loads at a time, gravity included, to force (vertex_count); follower loads at some positions, null = without
+   these. */
+void pel_loads_add(const pel_sim *sim, double time, const pel_record *positions, pel_record *force);
 
 /* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. */
 double pel_loads_work(const pel_sim *sim, double from, double to);
@@ -455,11 +467,14 @@ pel_status pel_restitution_create(pel_sim *sim, pel_error *error);
 void pel_restitution_apply(pel_sim *sim);
 
 /* ---- support.c ---- */
-/* PEL_OUT_OF_MEMORY */
+/* After tools and supports of single components. PEL_OUT_OF_MEMORY. */
 pel_status pel_supports_create(pel_sim *sim, pel_error *error);
 void pel_supports_destroy(pel_sim *sim);
-/* Projected methods: reads the forces on pinned vertices after a step, before it is accepted. */
+/* Reads the forces of supports after a part of a step, before it is accepted. */
 void pel_supports_read(pel_sim *sim, double time);
+/* Reactions (pel_sim_vertex_count x 3) [N] on the vertices of a body. Their sum is minus the force of
+ * pel_sim_get_support. */
+void pel_supports_get_reactions(pel_sim *sim, int32_t body, double *reactions);
 
 /* ---- observe.c ---- */
 /* Forces of bodies and loads at the present state, into sim->force. */

@@ -4,6 +4,7 @@
 #include "pellicle/parallel.h"
 #include "sim/contact.h"
 #include "sim/edge_load.h"
+#include "sim/follower.h"
 #include "sim/hold.h"
 #include "sim/observe_field.h"
 #include "sim/pick.h"
@@ -221,11 +222,13 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_edge_loads_create(sim, def, error);
     if (status == PEL_OK)
+        status = pel_followers_create(sim, def, error);
+    if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
-        status = pel_supports_create(sim, error);
-    if (status == PEL_OK)
         status = pel_holds_create(sim, def, error);
+    if (status == PEL_OK)
+        status = pel_supports_create(sim, error);
     if (status == PEL_OK)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
@@ -282,6 +285,7 @@ void pel_sim_release(pel_sim *sim)
     pel_supports_destroy(sim);
     pel_tools_destroy(sim);
     pel_edge_loads_destroy(sim);
+    pel_followers_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
     pel_sim_modes_destroy(sim);

@@ -283,8 +283,8 @@ static void transfer_tool(cursor *at, const pel_sim *sim, int32_t index)
 static void transfer_supports(cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    if (sim->supports != NULL)
-        transfer(at, sim->supports, (size_t)sim->model->body_count * sizeof *sim->supports);
+    if (sim->reactions != NULL)
+        transfer(at, sim->reactions, vertex_count_of(sim) * sizeof *sim->reactions);
     for (int32_t h = 0; h < pel_sim_support_count(sim); h++) {
         transfer(at, &sim->holds->holds[h].reading, sizeof sim->holds->holds[h].reading);
         transfer(at, sim->holds->holds[h].booked_force, sizeof sim->holds->holds[h].booked_force);
@@ -630,6 +630,14 @@ static void take_mobility(const pel_sim *from, pel_sim *sim)
     }
 }
 
+/* what no pin holds any more has no reaction */
+static void release_pins(const pel_sim *from, const pel_sim *sim)
+{
+    for (int32_t v = 0; sim->reactions != NULL && v < sim->model->vertex_count; v++)
+        if (sim->model->inverse_mass[v] > 0 && !(from->model->inverse_mass[v] > 0))
+            memset(sim->reactions[v], 0, sizeof *sim->reactions);
+}
+
 /* A tool that waits for its first step stands where its keys are, which may be others. What it holds stays held. */
 static void carry_tool(carrier *c, int32_t from, int32_t to)
 {
@@ -665,6 +673,7 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error
                                                transfer_statistics,    transfer_descent, transfer_ledger};
         for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
             carry(&c, parts[i], 0, 0);
+        release_pins(from, to);
         pel_substeps_carry(from, to);
         for (int32_t b = 0; b < to->model->body_count; b++) {
             const pel_shell *old = from->model->bodies[b].shell, *new = to->model->bodies[b].shell;

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "sim/follower.h"
 #include "sim/hold.h"
 
 #include <string.h>
@@ -37,7 +38,7 @@ pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
         return PEL_BAD_ARGUMENT;
     }
     if (sim->tool_count == 0 && sim->contacts == NULL)
-        return PEL_OK;
+        return pel_followers_refuse(sim, "modes and buckling need", error);
     pel_fail(error, PEL_BAD_ARGUMENT, "modes are those of bodies without %s",
              sim->tool_count > 0 ? "tools" : "contact");
     pel_fail_remedy(error, "take the %s out, or leave out the analysis", sim->tool_count > 0 ? "tools" : "contact");

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/edge_load.h"
+#include "sim/follower.h"
 #include "sim/hold.h"
 #include "sim/tool.h"
 
@@ -111,7 +112,7 @@ static void find_loads(pel_sim *sim, double time)
 {
     pel_sim_newton *newton = sim->descent->newton;
     memset(newton->force, 0, (size_t)sim->model->vertex_count * sizeof *newton->force);
-    pel_loads_add(sim, time, newton->force);
+    pel_loads_add(sim, time, NULL, newton->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++)
             newton->loads[3 * v + k] = (double)newton->force[v][k];
@@ -238,6 +239,7 @@ static double evaluate_constraints(void *context, const double *unknowns, double
     const pel_descent_context *at = context;
     pel_sim *sim = at->sim;
     double springs = pel_holds_evaluate(sim, at->time, unknowns, gradient);
+    pel_followers_evaluate(sim, at->time, unknowns, gradient);
     springs += evaluate_radial(sim->descent->newton, sim->model->vertex_count, unknowns, gradient);
     if (!at->is_constrained)
         return springs;
@@ -292,6 +294,7 @@ static void add_constraints(void *context, pel_matrix *matrix)
     const pel_sim *sim = at->sim;
     const pel_sim_descent *descent = sim->descent;
     pel_holds_add_matrix(sim, matrix);
+    pel_followers_add_matrix(sim, matrix);
     for (int32_t v = 0; descent->newton->radial != NULL && v < sim->model->vertex_count; v++) {
         double square[3][3];
         for (int a = 0; a < 3; a++)
@@ -309,6 +312,12 @@ static void add_constraints(void *context, pel_matrix *matrix)
         for (int r = 0; r < stiffness.row_count; r++)
             add_row(matrix, constraint->vertices, stiffness.rows[r]);
     }
+}
+
+static void add_skew(void *context, const double *x, double *y)
+{
+    const pel_descent_context *at = context;
+    pel_followers_add_skew(at->sim, x, y);
 }
 
 /* the elements of the model have blocks for the corners of a triangle */
@@ -370,9 +379,16 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    bool has_springs = (sim->holds != NULL && sim->holds->spring_count > 0) || newton->radial != NULL;
-    const pel_newton_terms terms = {context, evaluate_constraints, add_constraints, list_couplings,
-                                    context->is_constrained};
+    bool has_terms = context->is_constrained || (sim->holds != NULL && sim->holds->spring_count > 0) ||
+                     newton->radial != NULL || sim->follower_count > 0;
+    const pel_newton_terms terms = {
+        .context = context,
+        .evaluate = evaluate_constraints,
+        .add_matrix = add_constraints,
+        .list_couplings = list_couplings,
+        .add_skew = sim->follower_count > 0 ? add_skew : NULL,
+        .has_kinks = context->is_constrained,
+    };
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
                      sizeof *newton->couplings))
         return pel_fail_memory(error);
@@ -391,7 +407,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .fixed = newton->fixed,
         .target = newton->target,
         .frames = frames,
-        .terms = context->is_constrained || has_springs ? &terms : NULL,
+        .terms = has_terms ? &terms : NULL,
         .tolerance = tolerance,
         .held_share = problem->held_share,
         .reduction = is_dynamic && !context->is_constrained ? DYNAMIC_REDUCTION : problem->reduction,

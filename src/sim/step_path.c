@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "sim/follower.h"
 #include "sim/hold.h"
 
 #include <string.h>
@@ -65,7 +66,7 @@ pel_status pel_sim_path_check(const pel_sim *sim, pel_error *error)
         return PEL_BAD_ARGUMENT;
     }
     if (!is_keyed(sim))
-        return PEL_OK;
+        return pel_followers_refuse(sim, "a path by arc length needs", error);
     pel_fail(error, PEL_BAD_ARGUMENT,
              "a path by arc length finds the load factor, but a load, pressure or support has "
              "keys, from or until");

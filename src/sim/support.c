@@ -11,33 +11,17 @@ static bool is_pinned(const pel_sim *sim, int32_t v)
     return sim->model->mesh_vertex[v] >= 0 && !(sim->model->inverse_mass[v] > 0);
 }
 
-static void add_force(pel_support_reading *reading, const double point[3], const double force[3])
+static int32_t count_pins(const pel_sim *sim, int32_t body)
 {
-    double torque[3];
-    pel_vec3_cross(point, force, torque);
-    pel_vec3_add(reading->force, force, reading->force);
-    pel_vec3_add(reading->torque, torque, reading->torque);
+    int32_t count = 0;
+    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
+        count += is_pinned(sim, v);
+    return count;
 }
 
-/* forces (vertex_count) times a factor, and those of contacts, at the pinned vertices of a body, which are at
- * `positions`
- */
-static void sum_pins(const pel_sim *sim, int32_t body, const pel_record *positions, const pel_record *forces,
-                     double factor, const pel_record *contacts, pel_support_reading *reading)
+static bool records_pins(const pel_sim *sim)
 {
-    *reading = (pel_support_reading){0};
-    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
-        double point[3], force[3], contact[3] = {0, 0, 0};
-        if (!is_pinned(sim, v))
-            continue;
-        pel_vertex_position(positions, v, point);
-        pel_vertex_position(forces, v, force);
-        if (contacts != NULL)
-            pel_vertex_position(contacts, v, contact);
-        pel_vec3_along(contact, factor, force, force);
-        add_force(reading, point, force);
-        reading->vertex_count++;
-    }
+    return sim->projector != NULL || sim->stepper->get_held_force != NULL;
 }
 
 static bool has_pins(const pel_sim *sim)
@@ -48,62 +32,120 @@ static bool has_pins(const pel_sim *sim)
     return false;
 }
 
+static bool has_support_tools(const pel_sim *sim)
+{
+    for (int32_t t = 0; t < sim->tool_count; t++)
+        if (sim->tools[t].support != NULL)
+            return true;
+    return false;
+}
+
 pel_status pel_supports_create(pel_sim *sim, pel_error *error)
 {
-    if ((sim->projector == NULL && sim->stepper->get_held_force == NULL) || !has_pins(sim))
+    bool records = records_pins(sim) && has_pins(sim);
+    if (!records && sim->holds == NULL && !has_support_tools(sim))
         return PEL_OK;
-    sim->supports = pel_allocate((size_t)sim->model->body_count, sizeof *sim->supports);
-    if (sim->supports == NULL)
+    sim->reactions = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->reactions);
+    if (sim->reactions == NULL)
         return pel_fail_memory(error);
-    return sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
+    return records && sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
 }
 
 void pel_supports_destroy(pel_sim *sim)
 {
-    pel_free(sim->supports);
+    pel_free(sim->reactions);
 }
 
-/* what the balance of the step says, contacts included */
-static void read_balance(pel_sim *sim, int32_t body, pel_support_reading *reading)
+/* ---- after a part of a step ---- */
+
+/* force on the support of a pinned vertex: that of the balance, or the mean of the substeps and the contacts */
+static void read_pin(const pel_sim *sim, int32_t v, double force[3])
 {
-    *reading = (pel_support_reading){0};
+    double contact[3] = {0, 0, 0};
+    if (sim->projector == NULL) {
+        sim->stepper->get_held_force(sim, v, force);
+        return;
+    }
+    pel_vertex_position(sim->projector->reaction, v, force);
+    pel_vec3_scale(force, 1.0 / sim->solver.substeps, force);
+    if (sim->contact_forces.vertex_next != NULL)
+        pel_vertex_position(sim->contact_forces.vertex_next, v, contact);
+    pel_vec3_add(force, contact, force);
+}
+
+/* reactions of a step in parts are means */
+void pel_supports_read(pel_sim *sim, double time)
+{
+    double share = -pel_part_share(sim);
+    if (sim->reactions == NULL)
+        return;
+    if (sim->parts.at == 0)
+        memset(sim->reactions, 0, (size_t)sim->model->vertex_count * sizeof *sim->reactions);
+    pel_holds_read(sim, time);
+    for (int32_t v = 0; records_pins(sim) && v < sim->model->vertex_count; v++) {
+        double force[3];
+        if (!is_pinned(sim, v))
+            continue;
+        read_pin(sim, v, force);
+        pel_vec3_along(sim->reactions[v], share, force, sim->reactions[v]);
+    }
+    for (int32_t t = 0; t < sim->tool_count; t++) {
+        const pel_tool *tool = &sim->tools[t];
+        for (int32_t i = 0; tool->support != NULL && i < tool->held_count; i++) {
+            double *at = sim->reactions[tool->held[i]];
+            pel_vec3_along(at, share, sim->grip_forces[tool->held[i]], at);
+        }
+    }
+}
+
+/* ---- readings ---- */
+
+/* the force of a support on a vertex; of methods that record none at pins: against the present forces, computed before
+ */
+static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
+{
+    double contact[3] = {0, 0, 0};
+    pel_vec3_set(force, 0, 0, 0);
+    if (sim->reactions != NULL)
+        pel_vec3_copy(sim->reactions[v], force);
+    if (records_pins(sim) || !is_pinned(sim, v))
+        return;
+    pel_vertex_position(sim->force, v, force);
+    if (sim->contact_forces.vertex != NULL)
+        pel_vertex_position(sim->contact_forces.vertex, v, contact);
+    pel_vec3_add(force, contact, force);
+    pel_vec3_scale(force, -1, force);
+}
+
+void pel_supports_get_reactions(pel_sim *sim, int32_t body, double *reactions)
+{
+    if (!records_pins(sim) && count_pins(sim, body) > 0)
+        pel_sim_compute_forces(sim);
+    for (int32_t r = 0; r < pel_output_count(sim, body); r++)
+        find_reaction(sim, pel_output_model_index(sim, body, r), reactions + 3 * (size_t)r);
+}
+
+static void add_force(pel_support_reading *reading, const double point[3], const double force[3])
+{
+    double torque[3];
+    pel_vec3_cross(point, force, torque);
+    pel_vec3_add(reading->force, force, reading->force);
+    pel_vec3_add(reading->torque, torque, reading->torque);
+}
+
+static void add_pins(pel_sim *sim, int32_t body, pel_support_reading *reading)
+{
+    if (!records_pins(sim))
+        pel_sim_compute_forces(sim);
     for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
         double point[3], force[3];
         if (!is_pinned(sim, v))
             continue;
-        pel_vertex_position(sim->state->position_next, v, point);
-        sim->stepper->get_held_force(sim, v, force);
+        pel_vertex_position(sim->state->position, v, point);
+        find_reaction(sim, v, force);
+        pel_vec3_scale(force, -1, force);
         add_force(reading, point, force);
-        reading->vertex_count++;
     }
-}
-
-/* the force of the substeps of a part; that of a step in parts is the mean */
-static void read_substeps(pel_sim *sim, int32_t body, pel_support_reading *reading)
-{
-    const pel_support_reading before = sim->parts.at > 0 ? *reading : (pel_support_reading){0};
-    sum_pins(sim, body, sim->state->position_next, sim->projector->reaction, 1.0 / sim->solver.substeps,
-             sim->contact_forces.vertex_next, reading);
-    pel_vec3_along(before.force, pel_part_share(sim), reading->force, reading->force);
-    pel_vec3_along(before.torque, pel_part_share(sim), reading->torque, reading->torque);
-}
-
-void pel_supports_read(pel_sim *sim, double time)
-{
-    pel_holds_read(sim, time);
-    for (int32_t b = 0; sim->supports != NULL && b < sim->model->body_count; b++)
-        if (sim->projector == NULL)
-            read_balance(sim, b, &sim->supports[b]);
-        else
-            read_substeps(sim, b, &sim->supports[b]);
-}
-
-static int32_t count_pins(const pel_sim *sim, int32_t body)
-{
-    int32_t count = 0;
-    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
-        count += is_pinned(sim, v);
-    return count;
 }
 
 void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *reading)
@@ -111,13 +153,9 @@ void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *readin
     if (!pel_sim_has_body(sim, body) || reading == NULL)
         return;
     *reading = (pel_support_reading){0};
-    if (sim->supports != NULL)
-        *reading = sim->supports[body];
     reading->vertex_count = count_pins(sim, body);
-    if (reading->vertex_count > 0 && sim->supports == NULL) {
-        pel_sim_compute_forces(sim);
-        sum_pins(sim, body, sim->state->position, sim->force, 1, sim->contact_forces.vertex, reading);
-    }
+    if (reading->vertex_count > 0)
+        add_pins(sim, body, reading);
     pel_holds_add_readings(sim, body, reading);
     for (int32_t t = 0; t < sim->tool_count; t++) {
         const pel_tool *tool = &sim->tools[t];

@@ -107,6 +107,8 @@ static void destroy_system(pel_newton *newton)
     pel_matrix_destroy(newton->matrix);
     pel_pcg_destroy(newton->pcg);
     pel_minres_destroy(newton->minres);
+    pel_newton_skew_destroy(newton->skew);
+    newton->skew = NULL;
     newton->minres = NULL;
     newton->pcg = NULL;
     newton->plan = NULL;

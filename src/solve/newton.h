@@ -29,6 +29,9 @@ typedef struct pel_newton_terms {
     /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
        have some for soon: (returned count). acting = number of the first. Null = it adds to the blocks of the model. */
     int32_t (*list_couplings)(void *context, const int32_t (**vertices)[4], int32_t *acting);
+    /* y += S x at the unknowns of the last evaluation, both (unknown_count): what the derivative of the gradient has
+       beyond its symmetric part. Null = nothing. */
+    void (*add_skew)(void *context, const double *x, double *y);
     bool has_kinks; /* what it adds begins and ceases to act: steps go as far as the energy falls */
 } pel_newton_terms;
 

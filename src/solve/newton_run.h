@@ -5,6 +5,9 @@
 #include "linear/minres.h"
 #include "solve/newton.h"
 
+/* (newton_skew.c) */
+typedef struct pel_newton_skew pel_newton_skew;
+
 struct pel_newton {
     const pel_model *model;
     pel_pool *pool;
@@ -20,6 +23,7 @@ struct pel_newton {
     bool is_stale;      /* the pattern may have other couplings than the present run */
     pel_pcg *pcg;
     pel_minres *minres;                                       /* of paths, made when first needed */
+    pel_newton_skew *skew;                                    /* of systems that are not symmetric, likewise */
     double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
     double *walked;                                           /* (unknown_count) sum of the steps of a run */
     double *best, *best_walked;                               /* (unknown_count) with the least residual of a run */
@@ -92,6 +96,12 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
 void pel_newton_add_product(void *context, pel_pool *pool, const double *x, double *y);
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run);
+/* ---- newton_skew.c ---- */
+/* newton->step of the system with the skew part of the terms, from that without; false where a solve fails. */
+bool pel_newton_solve_skew(newton_run *run);
+void pel_newton_skew_destroy(pel_newton_skew *skew);
+
+/* ---- newton_step.c ---- */
 /* sum over all unknowns */
 double pel_newton_dot(const pel_newton *newton, const double *a, const double *b);
 /* the step along x, y, z, times a scale */

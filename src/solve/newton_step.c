@@ -247,12 +247,9 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
     return pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step).end;
 }
 
-/* The step of the matrix; false where that is not positive definite. */
-bool pel_newton_find_step(newton_run *run)
+/* newton->step of newton->right by the matrix alone */
+static bool solve_symmetric(newton_run *run)
 {
-    pel_newton_assemble(run);
-    if (run->status != PEL_OK)
-        return false;
     if (run->problem->keeps_factor && run->newton->has_factor &&
         pel_newton_solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED)
         return true;
@@ -260,6 +257,16 @@ bool pel_newton_find_step(newton_run *run)
         return false;
     pel_pcg_end end = pel_newton_solve(run, PEL_NEWTON_PRODUCTS);
     return end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT;
+}
+
+/* The step of the matrix; false where that is not positive definite. */
+bool pel_newton_find_step(newton_run *run)
+{
+    const pel_newton_terms *terms = run->problem->terms;
+    pel_newton_assemble(run);
+    if (run->status != PEL_OK || !solve_symmetric(run))
+        return false;
+    return terms == NULL || terms->add_skew == NULL || pel_newton_solve_skew(run);
 }
 
 double pel_newton_dot(const pel_newton *newton, const double *a, const double *b)

@@ -40,6 +40,20 @@ static void test_potentials(void **unused)
         assert_near(pel_pressure_difference(&gas, 0, 1, -rest_volume, rest_volume),
                     pel_pressure_difference(&gas, 0, 1, 1e-3 * rest_volume, rest_volume), 0);
     }
+    /* a pressure outside adds, whatever presses within */
+    for (int i = 0; i < 2; i++) {
+        pel_shell alone = {.pressure = {.kind = i == 0 ? PEL_PRESSURE_GAS : PEL_PRESSURE_VOLUME,
+                                        .value = 3,
+                                        .gamma = 1.4,
+                                        .bulk = 40,
+                                        .target = {.value = 0.9}}},
+                  both = alone;
+        both.pressure.outside.value = 5;
+        both.outside = (pel_curve){keys, 2};
+        assert_near(pel_pressure_difference(&both, 0.5, 0.1, 1.7, rest_volume),
+                    pel_pressure_difference(&alone, 0.5, 0.1, 1.7, rest_volume) - 0.1 * 10, 1e-12);
+        check(&both, 0.5, 0.1, 3);
+    }
     pel_shell none = {.pressure = {.kind = PEL_PRESSURE_NONE}};
     check(&none, 0, 0.5, 2);
 }

@@ -2,6 +2,7 @@
 #include "system.h"
 
 #include "base/hash.h"
+#include "base/memory.h"
 #include "linear/factor.h"
 #include "linear/factor_plan.h"
 
@@ -375,6 +376,28 @@ static pel_status create_factor(const void *data, pel_error *error)
     return status;
 }
 
+/* said with its size before anything is allocated */
+static void test_too_large(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    test_system s = test_random_system(10, 20, &random);
+    pel_matrix *m = test_matrix(&s, 2, NULL);
+    pel_factor_plan *plan = plan_of(m, &s, false);
+    pel_factor *factor;
+    pel_error error;
+    assert_true(pel_memory_limit() > 1e6);
+    plan->cost.bytes[PEL_FACTOR_DOUBLE] = 2000000000000000;
+    assert_int_equal(pel_factor_create(plan, PEL_FACTOR_DOUBLE, &factor, &error), PEL_OUT_OF_MEMORY);
+    assert_null(factor);
+    assert_non_null(strstr(error.what, "needs 2e+06 GB, and there are "));
+    assert_int_equal(pel_factor_create(plan, PEL_FACTOR_FLOAT, &factor, &error), PEL_OK);
+    pel_factor_destroy(factor);
+    pel_factor_plan_destroy(plan);
+    pel_matrix_destroy(m);
+    test_system_release(&s);
+}
+
 static void test_allocation_failure(void **unused)
 {
     (void)unused;
@@ -389,15 +412,11 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_systems),
-        cmocka_unit_test(test_dense_system),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_units),
-        cmocka_unit_test(test_indefinite),
-        cmocka_unit_test(test_singular),
-        cmocka_unit_test(test_indefinite_above),
-        cmocka_unit_test(test_plan),
-        cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_random_systems),   cmocka_unit_test(test_dense_system),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_units),
+        cmocka_unit_test(test_indefinite),       cmocka_unit_test(test_singular),
+        cmocka_unit_test(test_indefinite_above), cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_too_large),        cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -334,6 +334,7 @@ static double plate_deflection(bool clamped, double turn)
     assert_within(sum.force[2], -cos(turn), 1e-3);
     if (turn != 0)
         assert_within(sum.force[1], sin(turn), 1e-3);
+    check_reactions(s->sim);
     end(s);
     free(s);
     return pel_vec3_length(way) * 1e9 * 1e-6 / (12 * 0.91);
@@ -411,7 +412,42 @@ static void springs_are_in_series_with_the_bar(void **state)
     pel_sim_get_support_part(s->sim, 1, &right);
     /* the bar has 5000 N/m, the springs together too; the end stays straight within its shear */
     assert_within(right.force[0], -2500 * 2e-6, 0.01);
+    check_reactions(s->sim);
     assert_booked(s->sim, 1e-4);
+    end(s);
+    free(s);
+}
+
+/* Hetenyi 1946: the end of a long beam on an elastic foundation sinks by 2 P beta / k under a force P, beta^4 = k / 4 D
+ */
+static void foundation_carries_a_beam(void **state)
+{
+    (void)state;
+    if (sizeof(pel_real) == sizeof(float))
+        skip(); /* positions in float strain a stiff sheet by 1e-7 */
+    const double stiffness = 400, force = 0.01, normal[3] = {1, 0, 0};
+    structure *s = malloc(sizeof *s);
+    pel_mesh *mesh = unit_grid(160, 4);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        mesh->positions[v][0] *= 10;
+    begin(s, mesh, 1.2e6, 0, 0.1);
+    support(s, 0, 10, true, false, false, false);
+    support_vertex(s, nearest(s, 10, 0, 0), false, true, false);
+    pel_support_def *bed = support(s, 2, 0, false, false, true, false);
+    assert_int_equal(bed->vertex_count, mesh->vertex_count);
+    bed->foundation = stiffness;
+    pel_load_def *load = load_vertex(s, 0, 0, 0, -force);
+    load->kind = PEL_LOAD_PER_LENGTH;
+    load->vertex_count = find(s, normal, 0, s->vertices[MOST_SUPPORTS]);
+    solve(s);
+    double way[3];
+    pel_support_reading reading;
+    moved(s, nearest(s, 0, 0.5, 0), way);
+    assert_within(-way[2], 2 * force / stiffness, 5e-3);
+    pel_sim_get_support_part(s->sim, 2, &reading);
+    assert_within(reading.force[2], -force, 1e-6);
+    assert_int_equal(reading.vertex_count, mesh->vertex_count);
+    check_reactions(s->sim);
     end(s);
     free(s);
 }
@@ -459,14 +495,31 @@ static void bad_supports_are_refused(void **state)
     s->supports[0].fix_rotation = false;
     assert_sim_refused(s, "free to turn about the axis (0, 1, 0) through (0, ");
     begin_bar(s);
+    s->body.shell.bending.model = PEL_BENDING_OFF;
+    assert_sim_refused(s, "give the body bending of model midedge");
+    begin_bar(s);
     support(s, 0, 0, true, false, false, false)->displacement[0] = 0.1;
     assert_sim_refused(s, "contradict each other at vertex");
+    begin_bar(s);
+    s->supports[0].displacement[0] = 0.1;
+    s->body.pinned = s->supports[0].vertices;
+    s->body.pinned_count = 1;
+    assert_sim_refused(s, "which is pinned");
     begin_bar(s);
     s->supports[0].axes[0][1] = 0.1;
     assert_sim_refused(s, "not orthonormal");
     begin_bar(s);
     s->supports[0].stiffness = -1;
     assert_sim_refused(s, "stiffness of the support");
+    begin_bar(s);
+    s->supports[0].foundation = (double)NAN;
+    assert_sim_refused(s, "foundation of the support");
+    begin_bar(s);
+    s->supports[0].foundation = s->supports[0].stiffness = 1;
+    assert_sim_refused(s, "beside a stiffness");
+    begin_bar(s);
+    s->supports[0].foundation = 1;
+    assert_sim_refused(s, "under no triangle");
     begin_bar(s);
     s->method = PEL_METHOD_XPBD;
     s->body.shell.bending.model = PEL_BENDING_HINGE;
@@ -489,6 +542,7 @@ int main(void)
         cmocka_unit_test(cantilever_is_the_reference),
         cmocka_unit_test(moment_rolls_a_strip_up),
         cmocka_unit_test(plates_are_the_closed_forms),
+        cmocka_unit_test(foundation_carries_a_beam),
         cmocka_unit_test(displacement_pulls_with_the_stiffness_of_the_bar),
         cmocka_unit_test(springs_are_in_series_with_the_bar),
         cmocka_unit_test(implicit_follows_a_support),

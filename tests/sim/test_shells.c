@@ -554,7 +554,7 @@ static void test_refusals(void **unused)
     model = make_model(&body);
     for (int method = PEL_METHOD_QUASI_STATIC; method <= PEL_METHOD_DESCENT; method++) {
         def = lone_sim(model, (pel_method)method, 1e-3);
-        assert_sim_refused(&def, "midedge bending");
+        assert_sim_refused(&def, "bending model midedge");
     }
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);

@@ -58,6 +58,47 @@ static void test_roll_up(void **unused)
     end_stage(&s);
 }
 
+/* A thin sphere that a pressure P inflates and an enclosed gas, or a liquid, draws back: the radius grows by the
+   share e with 2 E h e = (P + gas) (1 - nu) R, with the difference of the gas to outside */
+static void test_pressures_together(void **unused)
+{
+    (void)unused;
+    const double young = 1e6, thickness = 1e-3, poisson = 0.3, outside = 20, gas = 1000, bulk = 2000;
+    for (int is_gas = 0; is_gas < 2; is_gas++) {
+        stage s;
+        pel_sim_measures measures;
+        s.mesh = make_sphere(10);
+        pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_STVK);
+        body.shell.membrane.young.value = young;
+        body.shell.membrane.poisson = poisson;
+        body.shell.membrane.thickness.value = thickness;
+        body.shell.pressure.kind = is_gas ? PEL_PRESSURE_GAS : PEL_PRESSURE_VOLUME;
+        body.shell.pressure.value = gas;
+        body.shell.pressure.gamma = 1;
+        body.shell.pressure.target.value = 1;
+        body.shell.pressure.bulk = bulk;
+        /* below 0: it inflates, so that nothing buckles */
+        body.shell.pressure.outside.value = -outside;
+        s.model = make_model(&body);
+        const pel_sim_def def = lone_sim(s.model, PEL_METHOD_STATIC, 1);
+        s.sim = make_sim(&def);
+        assert_int_equal(pel_sim_step(s.sim, NULL), PEL_OK);
+        pel_sim_measure(s.sim, &measures);
+        double low = 0, high = 1;
+        for (int i = 0; i < 60; i++) {
+            double e = 0.5 * (low + high), ratio = (1 + e) * (1 + e) * (1 + e);
+            double inner = is_gas ? gas * (1 / ratio - 1) : bulk * (1 - ratio);
+            bool more = (outside + inner) * (1 - poisson) > 2 * young * thickness * e;
+            low = more ? e : low;
+            high = more ? high : e;
+        }
+        double expected = 3 * low;
+        assert_true(expected > 1e-3);
+        assert_near(measures.volume_ratio - 1, expected, 0.02 * expected);
+        end_stage(&s);
+    }
+}
+
 /* A volume that is driven: where a step begins its pressure is a thousand times what it is in the balance, and what may
    be left of the forces goes by that of the balance. */
 static void test_driven_volume(void **unused)
@@ -216,8 +257,10 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_roll_up),   cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_limit_point),
-        cmocka_unit_test(test_full_load), cmocka_unit_test(test_bits),          cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_roll_up),       cmocka_unit_test(test_pressures_together),
+        cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_limit_point),
+        cmocka_unit_test(test_full_load),     cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,7 +89,8 @@ typedef struct method_case {
 static const method_case cases[] = {
     {PEL_METHOD_EXPLICIT, 5e-4, 10, 4000, 0}, {PEL_METHOD_QUASI_STATIC, 0.01, 0, 6000, 0},
     {PEL_METHOD_XPBD, 0.01, 10, 300, 0},      {PEL_METHOD_PBD, 0.01, 10, 300, 20},
-    {PEL_METHOD_DESCENT, 0.1, 0, 10, 3000},
+    {PEL_METHOD_DESCENT, 0.1, 0, 10, 3000},   {PEL_METHOD_IMPLICIT, 0.05, 10, 100, 0},
+    {PEL_METHOD_STATIC, 0.1, 0, 10, 0},
 };
 enum { CASE_COUNT = sizeof cases / sizeof cases[0] };
 
@@ -107,6 +108,7 @@ static void test_weight(void **unused)
         pel_support_reading reading;
         pel_sim_get_support(sim, 0, &reading);
         double weight = 1000 * thickness * width * length * 9.81;
+        check_reactions(sim);
         assert_int_equal(reading.vertex_count, s.left_count);
         assert_near(reading.force[0], weight, 2e-3 * weight);
         assert_near(reading.force[1], 0, 2e-3 * weight);
@@ -143,6 +145,7 @@ static void test_pull(void **unused)
             pel_sim_get_tool(sim, 0, &reading);
             pel_sim_get_support(sim, 0, &support);
             force[by_support] = reading.force[0];
+            check_reactions(sim);
             assert_int_equal(reading.held_count, s.right_count);
             assert_near(reading.force[0], -expected, 0.01 * expected);
             double pins = by_support == 1 ? support.force[0] - reading.force[0] : support.force[0];
@@ -185,7 +188,7 @@ static void test_path(void **unused)
     }
 }
 
-/* readings go through snapshots */
+/* readings and reactions go through snapshots */
 static void test_resumes(void **unused)
 {
     (void)unused;
@@ -200,6 +203,7 @@ static void test_resumes(void **unused)
     sim = resume_sim(sim, &s.def);
     pel_sim_get_support(sim, 0, &after);
     assert_memory_equal(&before, &after, sizeof before);
+    check_reactions(sim);
     end(&s, sim);
 }
 
@@ -232,6 +236,7 @@ static void test_refined(void **unused)
             pel_support_reading reading;
             pel_sim_get_tool(sim, 0, &tool);
             pel_sim_get_support(sim, 0, &reading);
+            check_reactions(sim);
             /* three vertices, and those between them; where the boundary is cut anew its corners are rounder */
             assert_true(pel_sim_vertex_count(sim, 0) > s.mesh->vertex_count);
             assert_int_equal(tool.held_count, everywhere ? 5 : 9);
