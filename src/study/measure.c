@@ -290,9 +290,8 @@ static void watch_row(void *user, const char *line)
                 add_number(&watch->sums[m], value);
 }
 
-static bool watch_step(void *user, const pel_run_progress *progress)
+static bool is_wanted(void *user)
 {
-    (void)progress;
     const run_watch *watch = user;
     return watch->wanted == NULL || watch->wanted(watch->user);
 }
@@ -446,7 +445,7 @@ static pel_status do_run(const pel_study *study, int64_t run, const char *folder
     def.keep_seconds = 0;
     /* a third of a small run; `warnings` counts one that it gives */
     def.skip_intersections = !study->keep && !has_key(study, "self_intersections_final") && !has_key(study, "warnings");
-    def.progress = watch_step;
+    def.wanted = is_wanted;
     def.row = watch_row;
     def.user = watch;
     status = pel_run(scene, &def, summary, error);
