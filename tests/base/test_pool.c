@@ -5,6 +5,7 @@
 #include "base/pool.h"
 #include "pellicle/parallel.h"
 
+#include <stdatomic.h>
 #include <time.h>
 
 enum { CHUNK_LIMIT = 300 };
@@ -81,10 +82,10 @@ static bool is_wanted(void *user)
     return (*left)-- > 0;
 }
 
-static void count_chunk(void *context, int32_t chunk)
+static void count_one(void *context, int32_t chunk)
 {
     (void)chunk;
-    ((atomic_int *)context)[0]++;
+    atomic_fetch_add((atomic_int *)context, 1);
 }
 
 /* the calling thread asks until the answer is no; all chunks run all the same */
@@ -101,9 +102,9 @@ static void test_stop(void **unused)
         for (int i = 0; i < 100; i++) {
             assert_int_equal(pel_pool_is_stopped(pool), left < 0);
             assert_int_equal(pel_pool_check(pool, &error), left < 0 ? PEL_STOPPED : PEL_OK);
-            pel_pool_run(pool, 1, count_chunk, &count);
+            pel_pool_run(pool, 1, count_one, &count);
         }
-        pel_pool_run(pool, 1000, count_chunk, &count);
+        pel_pool_run(pool, 1000, count_one, &count);
         assert_int_equal(left, -1);
         assert_int_equal(count, 1100);
         assert_true(pel_pool_is_stopped(pool));
