@@ -1,12 +1,13 @@
 # The front door. Everything is built under build/, results go to results/.
 PRESET  ?= release
 OPTIONS ?=
+COUNT   ?= 60
 PREFIX  ?= /usr/local
 PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
+.PHONY: help build program test nightly mutate demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -24,8 +25,11 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh (SCAL
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET); exit $$status
 
-nightly: build ## run the long tests: all scenes to their ends, stopped and continued, and three turns of a tube
-	@PELLICLE_LONG=1 ctest --test-dir build/$(PRESET) --output-on-failure --timeout 7200 -R '^(run/resume|sim/twist)$$'
+nightly: packages ## run what takes hours: long runs, 2,000 random scenes, all frames of contact, sanitizers, fuzzing, mutation
+	@tools/nightly
+
+mutate: packages ## change the library in single places and list what no test notices (tools/mutate --help; COUNT=60)
+	@tools/mutate --count $(COUNT)
 
 bench: program ## run the benchmarks
 	@cmake --build build/$(PRESET) --target benchmarks $(QUIET)

@@ -48,14 +48,20 @@ static bool show_progress(void *user, const pel_run_progress *progress)
     double now = cli_clock();
     /* until now nothing is lost by ending at once */
     cli_catch_stop(d->quiet                  ? ""
-                   : d->form == PROGRESS_BAR ? "\r\033[Kstopping after this step; the same again ends at once\n"
-                                             : "stopping after this step; the same again ends at once\n");
+                   : d->form == PROGRESS_BAR ? "\r\033[Kstopping; the same again ends at once\n"
+                                             : "stopping; the same again ends at once\n");
     bool first_or_last = progress->step == 0 || progress->step == progress->step_total;
     if (d->form != PROGRESS_NONE &&
         (now - d->last > progress_interval(d) || (d->form == PROGRESS_PLAIN && first_or_last))) {
         print_progress(d, progress);
         d->last = now;
     }
+    return true;
+}
+
+static bool is_wanted(void *user)
+{
+    (void)user;
     return !cli_stop_asked();
 }
 
@@ -190,6 +196,7 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
     def.thread_count = cli_count(call, "threads");
     def.resume = cli_value(call, "resume");
     def.progress = show_progress;
+    def.wanted = is_wanted;
     def.user = &d;
     def.log = quiet ? NULL : &cli_notes;
     def.warnings = &warnings;

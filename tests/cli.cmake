@@ -20,6 +20,14 @@ if(TARGET pellicle_program)
     add_test(NAME cli/faults COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/faults.py
                                      $<TARGET_FILE:pellicle_program>)
     set_tests_properties(cli/faults PROPERTIES ENVIRONMENT "PELLICLE_SANITIZE=${PELLICLE_SANITIZE};LSAN_OPTIONS=detect_leaks=0")
+    # whole runs of random scenes: more of them by `make nightly`
+    set(PROPERTIES --count 60)
+    if(PELLICLE_SANITIZE)
+        set(PROPERTIES --count 12 --sanitized)
+    endif()
+    add_test(NAME cli/properties COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/properties.py
+                                         $<TARGET_FILE:pellicle_program> ${PROPERTIES} --keep ${PROJECT_BINARY_DIR}/broken)
+    set_tests_properties(cli/properties PROPERTIES ENVIRONMENT "${SANITIZER_OPTIONS};LSAN_OPTIONS=detect_leaks=0" PROCESSORS 2)
     # a job array on a real Slurm; skipped unless PELLICLE_TEST_SLURM=1 and Slurm and munge are installed
     add_test(NAME cli/slurm COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/slurm.py $<TARGET_FILE:pellicle_program>)
     set_tests_properties(cli/slurm PROPERTIES SKIP_RETURN_CODE 77)

@@ -50,6 +50,9 @@ typedef struct pel_run_def {
     /* Called with each line of the series (CSV, newline included), the header first, before it is written; maybe in
        another thread than the caller's, but one at a time and never after pel_run. Nullable. */
     void (*row)(void *user, const char *line);
+    /* Asked between and, in long steps, within steps, from one thread at a time; returning false stops the run after
+       0.5 s at most (meshes of some 100,000 triangles). Nullable. */
+    bool (*wanted)(void *user);
     void *user;
     /* s of wall time after which the state is kept in `checkpoint`, so that a killed run can go on from there; later
        when that would take more than 2 % of the time. 0 = never. A state that cannot be kept is a note in the log. */
@@ -113,11 +116,11 @@ typedef struct pel_run_summary {
 
 /* Runs a scene. With `resume` the series is cut back to the checkpoint and continued with the same bits: all files are
    those of a run without interruption, wall times apart.
-   Returns PEL_OK; PEL_STOPPED (progress returned false); PEL_DIVERGED; PEL_BAD_FILE (folder cannot be made or written:
-   nothing is written then; disk full: the file is named); PEL_BAD_FORMAT (the checkpoint is damaged, or of another
-   scene or version); PEL_BAD_ARGUMENT; PEL_OUT_OF_MEMORY; and what pel_model_create and pel_sim_create return (nothing
-   is written then). After a failure on the way the remedy names the checkpoint to go on from.
-   summary is filled in any case. */
+   Returns PEL_OK; PEL_STOPPED (progress or wanted returned false); PEL_DIVERGED; PEL_BAD_FILE (folder cannot be made or
+   written: nothing is written then; disk full: the file is named); PEL_BAD_FORMAT (the checkpoint is damaged, or of
+   another scene or version); PEL_BAD_ARGUMENT; PEL_OUT_OF_MEMORY; and what pel_model_create and pel_sim_create return
+   (nothing is written then). After a failure on the way the remedy names the checkpoint to go on from. summary is
+   filled in any case. */
 PEL_API pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error);
 
 #ifdef __cplusplus

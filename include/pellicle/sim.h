@@ -229,6 +229,10 @@ typedef struct pel_sim_def {
     pel_contact_def contact;
     bool record_contacts; /* keeps what pel_sim_get_contact_records reads; false by default */
     int32_t thread_count; /* 0 = as many as the machine has; the results do not depend on it */
+    /* Asked many times in each long step (static, implicit, descent, and methods with 32 substeps or more), in the
+       thread that steps; false ends the step with PEL_STOPPED. Has to be quick: a look at a flag. Nullable. */
+    bool (*wanted)(void *user);
+    void *user; /* handed to `wanted`; both have to live as long as the simulation */
     uint32_t cookie;
 } pel_sim_def;
 
@@ -246,9 +250,11 @@ PEL_API void pel_sim_destroy(pel_sim *sim);
 PEL_API pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error);
 
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) leaves the state as it
-   was before the step. No memory is allocated; with contact, with records of contacts, and by tools under
-   PEL_METHOD_DESCENT, only where a step has more pairs than any before, after refinement and while surfaces are
-   tangled. PEL_BAD_ARGUMENT when far too many pairs come near, PEL_OUT_OF_MEMORY. */
+   was before the step. PEL_STOPPED (`wanted` of the def said no) leaves it so too, with all that the next steps depend
+   on: they have the same bits as without the stop. No memory is allocated, but for a snapshot by the first step that
+   asks; with contact, with records of contacts, and by tools under PEL_METHOD_DESCENT, only where a step has more pairs
+   than any before, after refinement and while surfaces are tangled. PEL_BAD_ARGUMENT when far too many pairs come near,
+   PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 PEL_API double pel_sim_time(const pel_sim *sim); /* s, step count x dt */

@@ -75,6 +75,10 @@ extern PyMethodDef core_run_methods[];
 
 /* ---- sim.c ---- */
 
+/* `wanted` of the library: looks for Ctrl-C every 0.05 s. user: double, when to look next, 0 at first. Without the GIL;
+   when it returns false the exception is set. */
+bool core_is_wanted(void *user);
+
 typedef struct core_sim {
     PyObject_HEAD pel_sim *sim;
     core_scene *owner; /* of the model; kept alive */
@@ -82,6 +86,7 @@ typedef struct core_sim {
     int32_t load_count;
     int records;              /* whether contacts are recorded */
     pel_potential *potential; /* made when asked for first */
+    double next_look;         /* s, of core_is_wanted */
     int is_busy;              /* it works without the GIL: other threads have to wait */
 } core_sim;
 extern PyTypeObject *core_sim_type;

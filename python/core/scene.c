@@ -170,6 +170,8 @@ static PyObject *scene_simulation(core_scene *self, PyObject *arguments)
     def.record_contacts = records != 0;
     if (threads > 0)
         def.thread_count = threads;
+    def.wanted = core_is_wanted;
+    def.user = &made->next_look;
     pel_error error;
     pel_status status;
     Py_INCREF((PyObject *)other);
@@ -199,21 +201,6 @@ PyType_Spec core_scene_spec = {"pellicle._core.Scene", sizeof(core_scene), 0, Py
 
 /* ---- whole runs ---- */
 
-/* called without the GIL, after each step */
-static bool look_for_signals(void *user, const pel_run_progress *progress)
-{
-    int64_t *last = user;
-    bool goes_on = true;
-    /* a look costs less than a hundredth of a step */
-    if (progress->frame != *last || progress->step % 64 == 0) {
-        *last = progress->frame;
-        PyGILState_STATE state = PyGILState_Ensure();
-        goes_on = PyErr_CheckSignals() == 0;
-        PyGILState_Release(state);
-    }
-    return goes_on;
-}
-
 /* run(scene, folder, frames, threads, resume, warnings) */
 static PyObject *run(PyObject *module, PyObject *arguments)
 {
@@ -225,13 +212,13 @@ static PyObject *run(PyObject *module, PyObject *arguments)
     if (!PyArg_ParseTuple(arguments, "O!sLiz:run", core_scene_type, &scene, &folder, &frames, &threads, &resume))
         return NULL;
     pel_run_def def = pel_run_def_default();
-    int64_t last = 0;
+    double next_look = 0;
     def.folder = folder;
     def.max_frames = frames;
     def.thread_count = threads;
     def.resume = resume;
-    def.progress = look_for_signals;
-    def.user = &last;
+    def.wanted = core_is_wanted;
+    def.user = &next_look;
     /* large: not on the stack of a thread */
     pel_run_summary *summary = PyMem_Calloc(1, sizeof *summary);
     if (summary == NULL)

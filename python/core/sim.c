@@ -55,6 +55,18 @@ static double seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+bool core_is_wanted(void *user)
+{
+    double *next = user, now = seconds();
+    if (now < *next)
+        return true;
+    *next = now + LOOK_SECONDS;
+    PyGILState_STATE state = PyGILState_Ensure();
+    bool goes_on = PyErr_CheckSignals() == 0;
+    PyGILState_Release(state);
+    return goes_on;
+}
+
 static PyObject *sim_step(core_sim *self, PyObject *argument)
 {
     int32_t count;
@@ -69,7 +81,7 @@ static PyObject *sim_step(core_sim *self, PyObject *argument)
         do
             status = pel_sim_step(self->sim, &error);
         while (--count > 0 && status == PEL_OK && seconds() < until);
-        Py_END_ALLOW_THREADS stopped = PyErr_CheckSignals() < 0;
+        Py_END_ALLOW_THREADS stopped = status == PEL_STOPPED || PyErr_CheckSignals() < 0;
     }
     self->is_busy = 0;
     if (stopped)

@@ -24,6 +24,9 @@ struct pel_pool {
     _Atomic int32_t chunk_count, done_count;
     _Atomic int sleeping_count;
     _Atomic bool stop;
+    _Atomic bool is_stopped;    /* `wanted` has said no */
+    bool (*wanted)(void *user); /* null = nobody is asked */
+    void *user;
     pthread_mutex_t mutex;
     pthread_cond_t wake;
     int helper_count;
@@ -141,16 +144,43 @@ static void open_loop(pel_pool *pool, int32_t chunk_count, pel_chunk_function *f
         wake_helpers(pool);
 }
 
+void pel_pool_watch(pel_pool *pool, bool (*wanted)(void *user), void *user)
+{
+    if (pool == NULL)
+        return;
+    pool->wanted = wanted;
+    pool->user = user;
+    atomic_store(&pool->is_stopped, false);
+}
+
+static void ask(pel_pool *pool)
+{
+    if (pool != NULL && pool->wanted != NULL && !atomic_load(&pool->is_stopped) && !pool->wanted(pool->user))
+        atomic_store(&pool->is_stopped, true);
+}
+
+bool pel_pool_is_stopped(const pel_pool *pool)
+{
+    return pool != NULL && atomic_load(&pool->is_stopped);
+}
+
+pel_status pel_pool_check(const pel_pool *pool, pel_error *error)
+{
+    return pel_pool_is_stopped(pool) ? pel_fail(error, PEL_STOPPED, "stopped on request") : PEL_OK;
+}
+
 void pel_pool_run(pel_pool *pool, int32_t chunk_count, pel_chunk_function *function, void *context)
 {
     if (pool == NULL || pool->helper_count == 0 || chunk_count <= 1) {
-        for (int32_t chunk = 0; chunk < chunk_count; chunk++)
+        for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
             function(context, chunk);
+            ask(pool);
+        }
         return;
     }
     open_loop(pool, chunk_count, function, context);
     while (run_chunk(pool))
-        ;
+        ask(pool);
     /* chunks that helpers have begun are short: wait for those only */
     for (int spins = 0; atomic_load(&pool->done_count) < chunk_count; spins++) {
         if (spins < SPIN_LIMIT)

@@ -258,13 +258,13 @@ pel_eigen_result pel_eigen_solve(pel_eigen *eigen, const pel_eigen_def *def)
     pel_eigen_result result = {0};
     begin_basis(eigen, def);
     result.products = 2 * BLOCK;
-    while (eigen->count > 0) {
+    while (eigen->count > 0 && !pel_pool_is_stopped(def->pool)) {
         find_ritz(eigen);
         if (eigen->count + BLOCK > eigen->room)
             restart(eigen, eigen->wanted + BLOCK);
         int32_t before = eigen->count, ritz = eigen->count < eigen->wanted ? eigen->count : eigen->wanted;
         result.count = 0;
-        for (int32_t k = 0; k < ritz && eigen->count - before < BLOCK; k++) {
+        for (int32_t k = 0; k < ritz && eigen->count - before < BLOCK && !pel_pool_is_stopped(def->pool); k++) {
             double *residual = row(eigen, eigen->basis, eigen->count);
             find_residual(eigen, before, k, residual);
             if (measure(eigen, def, residual) <= def->tolerance * fabs(eigen->values[k]))

@@ -5,6 +5,7 @@
 #ifndef PEL_LINEAR_EIGEN_H
 #define PEL_LINEAR_EIGEN_H
 
+#include "base/pool.h"
 #include "pellicle/error.h"
 
 #include <stdbool.h>
@@ -22,8 +23,9 @@ void pel_eigen_destroy(pel_eigen *eigen);
 typedef struct pel_eigen_def {
     pel_eigen_product *apply, *metric;
     void *context;
-    double tolerance;   /* on |A x - value x| / |value|, in the metric */
-    int32_t iterations; /* at most, of a block each */
+    double tolerance;     /* on |A x - value x| / |value|, in the metric */
+    int32_t iterations;   /* at most, of a block each */
+    const pel_pool *pool; /* that of the products: the solve ends early where it is stopped; nullable */
 } pel_eigen_def;
 
 typedef struct pel_eigen_result {

@@ -49,7 +49,8 @@ typedef struct pel_factor_result {
     double pivot;            /* the pivot over the diagonal entry of the matrix; the smallest of all on success */
 } pel_factor_result;
 
-/* Factors matrix + shift * its diagonal; the matrix has the pattern of the plan. Shift 0 is the matrix itself; float
+/* A pool that is stopped ends a compute early, as one that found no factor.
+   Factors matrix + shift * its diagonal; the matrix has the pattern of the plan. Shift 0 is the matrix itself; float
    may need 1e-7 near its limit of condition. On failure the factor must be computed anew before the next solve. */
 pel_factor_result pel_factor_compute(pel_factor *factor, const pel_matrix *matrix, double shift, pel_pool *pool);
 

@@ -197,6 +197,15 @@ static void update_chunk(void *context, int32_t chunk)
     }
 }
 
+/* true in a pool that is stopped: the front counts as one that failed */
+static bool is_given_up(const pel_front *front, const pel_pool *pool, pel_factor_pivot *pivot)
+{
+    if (!pel_pool_is_stopped(pool))
+        return false;
+    *pivot = (pel_factor_pivot){front->first_pivot, 0};
+    return true;
+}
+
 /* one front by all threads */
 static bool factor_upper(job *w, pel_pool *pool, pel_factor_pivot *pivot)
 {
@@ -204,7 +213,7 @@ static bool factor_upper(job *w, pel_pool *pool, pel_factor_pivot *pivot)
     pel_pool_run(pool, chunks_of(w->front->last_node - w->front->first_node, NODES), fill_chunk, w);
     for (w->first = 0; w->first < pivots; w->first = w->last) {
         w->last = pivots - w->first < BLOCK ? pivots : w->first + BLOCK;
-        if (!factor_block(w, pivot))
+        if (is_given_up(w->front, pool, pivot) || !factor_block(w, pivot))
             return false;
         pel_pool_run(pool, chunks_of(w->last_row - pel_front_pad(w->last), PEL_FRONT_PAD * 4), solve_chunk, w);
         pel_pool_run(pool, chunks_of(pivots - w->last, STRIP) * chunks_of(w->last_row, ROWS), panel_chunk, w);
@@ -219,6 +228,7 @@ typedef struct run {
     pel_factor *factor;
     const pel_matrix *matrix;
     double shift;
+    const pel_pool *pool;
 } run;
 
 static void factor_task(void *context, int32_t chunk)
@@ -230,14 +240,15 @@ static void factor_task(void *context, int32_t chunk)
     *pivot = (pel_factor_pivot){-1, (double)HUGE_VAL};
     for (int32_t f = task->first_front; f < task->last_front && pivot->failed < 0; f++) {
         job w = job_of(r->factor, r->matrix, r->shift, &plan->fronts[f]);
-        factor_front(&w, pivot);
+        if (!is_given_up(&plan->fronts[f], r->pool, pivot))
+            factor_front(&w, pivot);
     }
 }
 
 void PEL_FACTOR_COMPUTE(pel_factor *factor, const pel_matrix *matrix, double shift, pel_pool *pool)
 {
     const pel_factor_plan *plan = factor->plan;
-    run r = {factor, matrix, shift};
+    run r = {factor, matrix, shift, pool};
     pel_pool_run(pool, plan->task_count, factor_task, &r);
     pel_factor_pivot *upper = &factor->pivots[plan->task_count];
     *upper = (pel_factor_pivot){-1, (double)HUGE_VAL};

@@ -110,6 +110,8 @@ pel_pcg_result pel_minres_solve(pel_minres *minres, const pel_pcg_def *def, pel_
     if (!(size > 0))
         result.end = size == 0 ? PEL_PCG_CONVERGED : PEL_PCG_BROKEN;
     for (; result.end == PEL_PCG_LIMIT && result.iterations < def->iterations; result.iterations++) {
+        if (pel_pool_is_stopped(pool))
+            break;
         go_on(minres, def, pool, &l);
         /* the QR factors of the tridiagonal matrix, by rotations */
         double a0 = c * l.delta - c_before * s * l.gamma, a1 = hypot(a0, l.gamma_next);

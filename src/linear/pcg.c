@@ -178,7 +178,7 @@ pel_pcg_result pel_pcg_solve(pel_pcg *pcg, const pel_pcg_def *def, pel_pool *poo
             result.end = PEL_PCG_BROKEN;
         else if (residual <= def->tolerance * size)
             result.end = PEL_PCG_CONVERGED;
-        if (result.end != PEL_PCG_LIMIT || result.iterations == def->iterations)
+        if (result.end != PEL_PCG_LIMIT || result.iterations == def->iterations || pel_pool_is_stopped(pool))
             return result;
         if (def->precondition != NULL)
             def->precondition(def->preconditioner, pool, pcg->residual, pcg->preconditioned);

@@ -30,7 +30,7 @@ typedef struct pel_pcg_def {
 
 typedef enum pel_pcg_end {
     PEL_PCG_CONVERGED,
-    PEL_PCG_LIMIT,      /* iterations are used up; the solution is the last iterate */
+    PEL_PCG_LIMIT,      /* iterations are used up, or the pool is stopped; the solution is the last iterate */
     PEL_PCG_INDEFINITE, /* a direction of curvature <= 0 (within rounding): the solution is the last iterate before it
                          */
     PEL_PCG_BROKEN      /* the preconditioner is not positive definite, or a number is NaN or infinite */

@@ -61,13 +61,13 @@ bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *c
     struct timespec end = later(fmax(seconds, 0));
     pthread_mutex_lock(&box->lock);
     int waited = seconds > 0 ? 0 : ETIMEDOUT;
-    while (!box->ended && box->line_count == 0 && waited != ETIMEDOUT)
+    while (!atomic_load(&box->ended) && box->line_count == 0 && waited != ETIMEDOUT)
         waited = pthread_cond_timedwait(&box->arrived, &box->lock, &end);
     *count = box->line_count;
     for (int32_t i = 0; i < box->line_count; i++)
         lines[i] = box->lines[i];
     box->line_count = 0;
-    bool goes_on = !box->ended;
+    bool goes_on = !atomic_load(&box->ended);
     pthread_mutex_unlock(&box->lock);
     return goes_on;
 }
@@ -148,7 +148,7 @@ void pel_mailbox_want(pel_mailbox *box)
 void pel_mailbox_end(pel_mailbox *box)
 {
     pthread_mutex_lock(&box->lock);
-    box->ended = true;
+    atomic_store(&box->ended, true);
     pthread_cond_signal(&box->arrived);
     pthread_mutex_unlock(&box->lock);
 }

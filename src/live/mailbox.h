@@ -40,7 +40,7 @@ typedef struct pel_mailbox {
     char *lines[PEL_LINE_LIMIT];
     int32_t line_count;
     int64_t lost_lines;       /* that did not fit */
-    bool ended;               /* the simulation has to end */
+    atomic_bool ended;        /* the simulation has to end */
     atomic_bool wanted;       /* a page waits for a frame */
     void (*ring)(void *user); /* wakes the server: there is a new message */
     void *user;

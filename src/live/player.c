@@ -149,6 +149,12 @@ static void close_scene(pel_player *player)
     player->own_scene = NULL;
 }
 
+/* asked within long steps */
+static bool is_wanted(void *box)
+{
+    return !atomic_load(&((pel_mailbox *)box)->ended);
+}
+
 /* model, simulation and session of the player's scene */
 static pel_status start_scene(pel_player *player, pel_error *error)
 {
@@ -159,6 +165,8 @@ static pel_status start_scene(pel_player *player, pel_error *error)
     def.model = player->model;
     if (player->def->thread_count > 0)
         def.thread_count = player->def->thread_count;
+    def.wanted = is_wanted;
+    def.user = player->box;
     status = pel_sim_create(&def, &player->sim, error);
     if (status == PEL_OK)
         status = pel_session_create(player->scene, player->sim, &player->session, error);

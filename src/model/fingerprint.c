@@ -265,6 +265,8 @@ const pel_member pel_sim_members[] = {
     DEF(pel_sim_def, contact, CONTACT, contact),
     OTHER(pel_sim_def, record_contacts),
     OTHER(pel_sim_def, thread_count),
+    OTHER(pel_sim_def, wanted),
+    OTHER(pel_sim_def, user),
     OTHER(pel_sim_def, cookie),
     END,
 };

@@ -3,50 +3,36 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/status.h"
+#include "io/csv.h"
 #include "io/file.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The next cell of a line, without its quotes, written over the line itself; null past the last. */
-static char *next_cell(char **at)
-{
-    if (*at == NULL)
-        return NULL;
-    char *cell = *at, *to = cell, *from = cell;
-    bool quoted = false;
-    for (; *from != '\0' && *from != '\r' && *from != '\n' && (quoted || *from != ','); ++from) {
-        if (*from == '"' && (!quoted || from[1] != '"'))
-            quoted = !quoted;
-        else
-            *to++ = *from == '"' ? *from++ : *from;
-    }
-    *at = *from == ',' ? from + 1 : NULL;
-    *to = '\0';
-    return cell;
-}
+/* bytes of a cell; a name or a number that is longer is none of ours */
+enum { CELL_SIZE = 512 };
 
 /* which of the names stands over each column, -1 for none, is written to columns (column_count) */
-static void find_columns(char *line, const char *const *names, int32_t name_count, int32_t *columns,
+static void find_columns(const char *line, const char *const *names, int32_t name_count, int32_t *columns,
                          size_t column_count)
 {
+    char cell[CELL_SIZE];
     for (size_t i = 0; i < column_count; ++i) {
-        const char *cell = next_cell(&line);
+        bool is_cell = pel_csv_next(&line, cell, sizeof cell);
         columns[i] = -1;
-        for (int32_t k = 0; cell != NULL && k < name_count; ++k)
+        for (int32_t k = 0; is_cell && k < name_count; ++k)
             if (strcmp(cell, names[k]) == 0)
                 columns[i] = k;
     }
 }
 
-static void take_row(char *line, const int32_t *columns, size_t column_count, const pel_series *series, int64_t row)
+static void take_row(const char *line, const int32_t *columns, size_t column_count, const pel_series *series,
+                     int64_t row)
 {
-    for (size_t i = 0; i < column_count; ++i) {
-        const char *cell = next_cell(&line), *end;
+    char cell[CELL_SIZE];
+    for (size_t i = 0; i < column_count && pel_csv_next(&line, cell, sizeof cell); ++i) {
+        const char *end = cell + strlen(cell);
         double value;
-        if (cell == NULL)
-            return;
-        end = cell + strlen(cell);
         if (columns[i] >= 0 && pel_number_parse(cell, end, &value) == end)
             series->values[(int64_t)columns[i] * series->row_count + row] = value;
     }

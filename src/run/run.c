@@ -104,6 +104,8 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
         return status;
     pel_sim_def def = run->scene->sim;
     def.model = run->model;
+    def.wanted = run->def->wanted;
+    def.user = run->def->user;
     if (run->def->thread_count > 0)
         def.thread_count = run->def->thread_count;
     run->thread_count = def.thread_count > 0 ? def.thread_count : (int32_t)pel_thread_limit();
@@ -278,6 +280,8 @@ static void note_tools(pel_run_state *run)
 static bool report(const pel_run_state *run)
 {
     const pel_run_def *def = run->def;
+    if (def->wanted != NULL && !def->wanted(def->user))
+        return false;
     if (def->progress == NULL)
         return true;
     int64_t step = pel_sim_step_count(run->sim), end = pel_run_plan_step(&run->plan, run->plan.frame_end);
@@ -432,8 +436,10 @@ static pel_status simulate(pel_run_state *run, pel_error *error)
     bool wanted = report(run);
     while (status == PEL_OK && wanted && !run->settled && pel_sim_step_count(run->sim) < end) {
         status = advance(run, error);
-        wanted = status != PEL_OK || report(run);
+        wanted = status != PEL_STOPPED && (status != PEL_OK || report(run));
     }
+    if (status == PEL_STOPPED)
+        status = PEL_OK;
     int64_t step = pel_sim_step_count(run->sim);
     if (status == PEL_DIVERGED && strcmp(error->element_kind, "body") == 0)
         pel_scene_locate(run->scene, error);

@@ -721,6 +721,8 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
 {
     pel_sim_contacts *contacts = sim->contacts;
     bool is_new = !pel_contact_surface_is_present(sim);
+    /* statistics of a body that does not move are those of one that was loaded from a snapshot */
+    contacts->way_is_searched = false;
     if (!is_new && contacts->tangles.is_known)
         return PEL_OK;
     pel_contact_present_points(sim);

@@ -12,13 +12,15 @@ pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error)
 {
     if (sim->contacts == NULL || sim->active == NULL)
         return PEL_OK;
-    sim->contacts->event_size = pel_sim_save_size(sim);
-    sim->contacts->before_event = pel_allocate(sim->contacts->event_size, 1);
+    /* forces of the caller may come later */
+    size_t forces = sim->external == NULL ? (size_t)sim->model->vertex_count * sizeof *sim->external : 0;
+    sim->contacts->before_event = pel_allocate(pel_sim_save_size(sim) + forces, 1);
     return sim->contacts->before_event != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
 void pel_contacts_before_event(pel_sim *sim)
 {
+    sim->contacts->event_size = pel_sim_save_size(sim);
     pel_sim_save(sim, sim->contacts->before_event);
 }
 

@@ -142,6 +142,7 @@ static pel_descent_problem make_problem(pel_descent_context *context)
         .held = sim->held,
         .energy = energy_of,
         .context = context,
+        .pool = sim->pool,
         .held_share = LOAD_SHARE,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
         .short_move = SHORT_SHARE * sim->descent->size,
@@ -546,13 +547,12 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, 
 static pel_status run_minimiser(pel_descent_context *context, const pel_descent_problem *problem,
                                 pel_descent_result *result, pel_error *error)
 {
-    (void)error;
     pel_sim *sim = context->sim;
     pel_descent_problem own = *problem;
     if (sim->descent->newton != NULL && sim->descent->count == 0 && pel_sim_newton_approximate(context))
         own.precondition = pel_sim_newton_precondition;
     pel_descent_run(sim->descent->minimiser, &own, sim->state->position_next, result);
-    return PEL_OK;
+    return pel_pool_check(sim->pool, error);
 }
 
 static pel_status create(pel_sim *sim, pel_error *error)

@@ -44,6 +44,23 @@ static pel_status save_before(pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
+/* Substeps from which on a snapshot takes 3 % of a step at most. */
+enum { LONG_SUBSTEPS = 32 };
+
+static bool is_long(const pel_sim *sim)
+{
+    return sim->descent != NULL || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
+}
+
+pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
+{
+    bool asks = sim->def.wanted != NULL && is_long(sim);
+    pel_status status = asks ? save_before(sim, error) : PEL_OK;
+    sim->parts.is_kept = asks && status == PEL_OK;
+    pel_pool_watch(sim->pool, sim->parts.is_kept ? sim->def.wanted : NULL, sim->def.user);
+    return status;
+}
+
 /* what goes by the length of a part, for parts of a size */
 static void set_size(pel_sim *sim, int32_t size)
 {
@@ -69,7 +86,7 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
     }
     if (parts->now.size == PEL_PART_LIMIT)
         return PEL_OK;
-    pel_status status = save_before(sim, error);
+    pel_status status = parts->is_kept ? PEL_OK : save_before(sim, error);
     if (status == PEL_OK)
         set_size(sim, parts->now.size);
     return status;
@@ -79,7 +96,8 @@ pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
 {
     pel_sim_parts *parts = &sim->parts;
     parts->is_refused = false;
-    pel_status status = parts->step_size == PEL_PART_LIMIT ? save_before(sim, error) : PEL_OK;
+    bool is_first = parts->step_size == PEL_PART_LIMIT && !parts->is_kept;
+    pel_status status = is_first ? save_before(sim, error) : PEL_OK;
     if (status != PEL_OK)
         return status;
     if (parts->now.calm == 0)
@@ -125,13 +143,17 @@ void pel_parts_accept(pel_sim *sim)
 void pel_parts_end(pel_sim *sim, pel_status status)
 {
     pel_sim_parts *parts = &sim->parts;
-    int32_t at = parts->at;
+    bool is_whole = parts->step_size == PEL_PART_LIMIT;
+    bool goes_back = (status != PEL_OK && parts->at > 0) || (status == PEL_STOPPED && parts->is_kept);
     parts->at = 0;
-    if (parts->step_size == PEL_PART_LIMIT)
-        return;
-    set_size(sim, PEL_PART_LIMIT);
-    if (status != PEL_OK && at > 0)
+    parts->is_kept = false;
+    pel_pool_watch(sim->pool, NULL, NULL);
+    if (!is_whole)
+        set_size(sim, PEL_PART_LIMIT);
+    if (goes_back)
         pel_sim_load(sim, parts->before, parts->before_size, NULL);
+    if (is_whole)
+        return;
     for (int32_t t = 0; t < sim->tool_count && status == PEL_OK; t++) {
         pel_tool *tool = &sim->tools[t];
         pel_vec3_copy(tool->force_sum, tool->force);

@@ -113,12 +113,16 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_project_finish(projector, state, lists, 2, &sim->boundary, place);
 }
 
-static void run_substeps(pel_sim *sim)
+static pel_status run_substeps(pel_sim *sim, pel_error *error)
 {
+    pel_status status = PEL_OK;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_tools_place(sim, 0);
-    for (int32_t s = 0; s < sim->solver.substeps; s++)
+    for (int32_t s = 0; status == PEL_OK && s < sim->solver.substeps; s++) {
         run_substep(sim, s);
+        status = pel_pool_check(sim->pool, error);
+    }
+    return status;
 }
 
 /* Pairs that the step ran into although nothing told so at its start take part when it is done anew. */
@@ -133,7 +137,7 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
         pel_contacts_forget_step(sim);
         pel_tools_forget_step(sim);
         pel_contact_forces_begin(sim);
-        run_substeps(sim);
+        status = run_substeps(sim, error);
     }
     return status;
 }
@@ -151,8 +155,8 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     if (status != PEL_OK)
         return status;
     pel_projector_begin(sim->projector, state, pel_sim_time(sim));
-    run_substeps(sim);
-    if (has_pairs)
+    status = run_substeps(sim, error);
+    if (status == PEL_OK && has_pairs)
         status = repeat_with_new_pairs(sim, error);
     result->diverged = !pel_sim_all_inside(sim);
     return status;

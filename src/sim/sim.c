@@ -148,13 +148,15 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
+    pel_status status = pel_parts_keep(sim, error);
     pel_ledger_start(sim);
-    pel_status status = follow_surface(sim, error);
-    if (status != PEL_OK)
-        return status;
-    /* substeps go by the stiffness at this time */
-    pel_sim_update_factors(sim, pel_sim_time(sim));
-    status = pel_parts_begin(sim, error);
+    if (status == PEL_OK)
+        status = follow_surface(sim, error);
+    if (status == PEL_OK) {
+        /* substeps go by the stiffness at this time */
+        pel_sim_update_factors(sim, pel_sim_time(sim));
+        status = pel_parts_begin(sim, error);
+    }
     while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
         status = step_part(sim, error);
     pel_parts_end(sim, status);

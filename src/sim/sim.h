@@ -202,7 +202,8 @@ typedef struct pel_sim_parts {
     int32_t substeps;  /* of a whole step */
     bool is_refused;   /* the present part is to be done anew, shorter */
     bool can_halve;    /* false = all steps are whole */
-    void *before;      /* (before_size) snapshot before a step in parts; null until there is one */
+    bool is_kept;      /* `before` is the state before the present step: it may be stopped on its way */
+    void *before;      /* (before_size) snapshot before a step in parts or a long one; null until there is one */
     size_t before_size;
 } pel_sim_parts;
 
@@ -393,6 +394,8 @@ void pel_parts_create(pel_sim *sim);
 void pel_parts_destroy(pel_sim *sim);
 /* At the start of a step: chooses substeps and the size of the first part. PEL_OUT_OF_MEMORY. */
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error);
+/* Before anything of a step: where the caller may stop it on its way, keeps the state to go back to. */
+pel_status pel_parts_keep(pel_sim *sim, pel_error *error);
 /* Whether the present part may be refused, and done anew in two. */
 static inline bool pel_parts_can_halve(const pel_sim *sim)
 {

@@ -117,7 +117,7 @@ static double position_bound(const pel_model *model)
 }
 
 /* a pool when the largest body has work for more than one thread */
-static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error)
+static pel_status start_threads(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     int32_t most = 0;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -130,10 +130,12 @@ static pel_status start_threads(pel_sim *sim, int thread_count, pel_error *error
     if (sim->chunk_longest == NULL)
         return pel_fail_memory(error);
     sim->step.longest = sim->chunk_longest;
-    int threads = thread_count > 0 ? thread_count : pel_thread_limit();
-    if (threads == 1 || most < CHUNKS_WORTH_THREADS)
+    int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
+    bool helps = threads > 1 && most >= CHUNKS_WORTH_THREADS;
+    /* a pool without helpers asks whether the step is wanted */
+    if (!helps && def->wanted == NULL)
         return PEL_OK;
-    pel_status status = pel_pool_create(threads, &sim->pool, error);
+    pel_status status = pel_pool_create(helps ? threads : 1, &sim->pool, error);
     sim->step.pool = sim->pool;
     return status;
 }
@@ -200,7 +202,7 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     sim->force = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *sim->force);
     if (sim->force == NULL)
         return pel_fail_memory(error);
-    status = start_threads(sim, def->thread_count, error);
+    status = start_threads(sim, def, error);
     if (status == PEL_OK)
         status = pel_state_create(sim->model, pel_sim_has_velocity(sim), &sim->state, error);
     if (status == PEL_OK)

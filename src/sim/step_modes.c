@@ -56,7 +56,7 @@ void pel_sim_modes_destroy(pel_sim *sim)
     pel_free(sim->modes);
 }
 
-/* about the state at rest, or that under the loads */
+/* About the state at rest, or that under the loads of the first step: which step asks first makes no difference. */
 static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_state *state = sim->state;
@@ -64,12 +64,16 @@ static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *er
     memcpy(sim->modes->present, state->position, bytes);
     memcpy(state->position, sim->model->rest, bytes);
     memcpy(state->position_next, sim->model->rest, bytes);
+    int64_t step = state->step;
+    state->step = 0;
+    pel_sim_update_factors(sim, sim->step.dt);
     pel_sim_newton_begin(sim);
     bool buckles = sim->solver.analysis == PEL_ANALYSIS_BUCKLING;
     if (buckles)
         sim->descent->result = (pel_descent_result){.converged = true};
     pel_status status = buckles ? PEL_OK : pel_sim_descent_step(sim, result, error);
     memcpy(sim->modes->base, state->position_next, bytes);
+    state->step = step;
     if (status != PEL_OK || result->diverged || sim->descent->result.converged)
         return status;
     pel_fail(error, PEL_BAD_ARGUMENT, "no state of rest under the loads was found to take modes of");
@@ -82,22 +86,27 @@ static void add_springs(void *context, pel_matrix *matrix)
     pel_holds_add_matrix(context, matrix);
 }
 
-static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+static pel_status solve_about_base(pel_sim *sim, pel_error *error)
 {
     pel_sim_newton *newton = sim->descent->newton;
-    pel_sim_modes *own = sim->modes;
-    pel_status status = find_base(sim, result, error);
-    if (status != PEL_OK || result->diverged)
-        return status;
     pel_newton_problem problem = {.time = sim->step.dt, .state = sim->state, .force = newton->loads};
     problem.fixed = newton->fixed;
     problem.frames = pel_sim_newton_gather(sim, problem.time, sim->solver.analysis == PEL_ANALYSIS_BUCKLING);
     const pel_newton_terms springs = {.context = sim, .add_matrix = add_springs};
     problem.terms = &springs;
-    status = pel_modes_solve(own->modes, &problem, newton->unknowns, error);
+    return pel_modes_solve(sim->modes->modes, &problem, newton->unknowns, error);
+}
+
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_sim_modes *own = sim->modes;
+    pel_status status = find_base(sim, result, error);
+    if (status == PEL_OK && !result->diverged)
+        status = solve_about_base(sim, error);
     memcpy(sim->state->position, own->present, (size_t)sim->model->vertex_count * sizeof *own->present);
-    own->is_solved = status == PEL_OK;
-    own->count = status == PEL_OK ? sim->solver.mode_count : 0;
+    pel_sim_update_factors(sim, pel_sim_next_time(sim));
+    own->is_solved = status == PEL_OK && !result->diverged;
+    own->count = own->is_solved ? sim->solver.mode_count : 0;
     for (int32_t m = 0; m < own->count; m++)
         own->values[m] = pel_modes_value(own->modes, m);
     return status;

@@ -128,7 +128,9 @@ static void carry(pel_sim *sim, pel_tool *tool)
             state->velocity_next[v][c] = (pel_real)velocity[c];
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
-        pel_tool_add_grip(sim, tool, v, target, change);
+        /* methods that move tools themselves have no new velocities yet, and read the grip where they end */
+        if (!sim->stepper->moves_tools)
+            pel_tool_add_grip(sim, tool, v, target, change);
         /* what touches it pushes against the tool (tool_reading.c) */
         state->position_next[v][3] = 0;
     }

@@ -233,7 +233,8 @@ static bool search(pel_descent *descent, const pel_descent_problem *problem, des
     descent_point to = look(descent, problem, fmin(first, longest));
     ++*evaluations;
     int trial = 0;
-    for (; trial < MOST_TRIALS && !is_low_enough(from, &to); trial++, ++*evaluations)
+    for (; trial < MOST_TRIALS && !is_low_enough(from, &to) && !pel_pool_is_stopped(problem->pool);
+         trial++, ++*evaluations)
         to = look(descent, problem, shorter(from, &to));
     if (trial == MOST_TRIALS)
         return false;
@@ -290,7 +291,8 @@ static void iterate(pel_descent *descent, const pel_descent_problem *problem, pe
 {
     double rough = fmin(problem->reduction * result->residual, problem->enough);
     descent_point at = {0, result->energy, 0};
-    while (!result->converged && !result->stuck && result->iterations < problem->iterations) {
+    while (!result->converged && !result->stuck && result->iterations < problem->iterations &&
+           !pel_pool_is_stopped(problem->pool)) {
         find_direction(descent, problem);
         if (problem->precondition != NULL && farthest_move(descent) <= problem->short_move) {
             result->converged = result->is_near = true;

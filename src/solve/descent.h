@@ -4,6 +4,7 @@
 #ifndef PEL_SOLVE_DESCENT_H
 #define PEL_SOLVE_DESCENT_H
 
+#include "base/pool.h"
 #include "model/state.h"
 
 /* Returns the energy [J] at positions (vertex_count) and writes the forces, its negative gradient [N]. */
@@ -19,13 +20,14 @@ typedef struct pel_descent_problem {
     pel_descent_energy *energy;
     pel_descent_precondition *precondition; /* of L-BFGS; null = a multiple of the identity */
     void *context;
-    double longest_move; /* m, no vertex goes farther in one iteration */
-    double tolerance;    /* N, root of the sum of squares of all forces at which it has converged */
-    double held_share;   /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
-    double reduction;    /* it has converged as well at this share of what there was at the begin; 0 = no such end */
-    double enough;       /* N, when it is no more than this */
-    double short_move;   /* m, preconditioned: it has converged where no vertex would go farther than this */
-    int32_t iterations;  /* at most */
+    const pel_pool *pool; /* that of the energy: a run ends early, anywhere, where it is stopped; nullable */
+    double longest_move;  /* m, no vertex goes farther in one iteration */
+    double tolerance;     /* N, root of the sum of squares of all forces at which it has converged */
+    double held_share;    /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double reduction;     /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double enough;        /* N, when it is no more than this */
+    double short_move;    /* m, preconditioned: it has converged where no vertex would go farther than this */
+    int32_t iterations;   /* at most */
     bool gradient_only;
     bool goes_on; /* nearly the energy of the last run, from where that ended: what it learnt of the curvature stays */
 } pel_descent_problem;

@@ -214,8 +214,10 @@ static bool compute_factor(pel_modes *modes)
     return pel_factor_compute(modes->factor, modes->system.matrix, 0, modes->system.pool).positive_definite;
 }
 
-static pel_status fail_unstable(pel_error *error)
+static pel_status fail_unstable(const pel_modes *modes, pel_error *error)
 {
+    if (pel_pool_is_stopped(modes->system.pool))
+        return pel_pool_check(modes->system.pool, error);
     pel_fail(error, PEL_BAD_ARGUMENT, "the state under the loads is not stable: it has no frequencies");
     pel_fail_remedy(error, "make the loads smaller, or find the load that it bears with analysis: buckling");
     return PEL_BAD_ARGUMENT;
@@ -235,7 +237,7 @@ static pel_status prepare_modal(pel_modes *modes, const pel_tangent_input *input
         if (compute_factor(modes))
             return PEL_OK;
     }
-    return fail_unstable(error);
+    return fail_unstable(modes, error);
 }
 
 /* ---- buckling ---- */
@@ -293,7 +295,7 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
     }
     pel_matrix_fix(matrix, modes->system.pool, modes->fixed, NULL, NULL);
     if (!compute_factor(modes))
-        return fail_unstable(error);
+        return fail_unstable(modes, error);
     solve(modes, modes->vectors);
     pel_newton_frames_turn_back(&problem->frames, modes->vectors);
     modes->largest_factor = longest_factor(modes, modes->vectors);
@@ -375,7 +377,7 @@ static pel_status take_modes(pel_modes *modes, int32_t found, pel_error *error)
         modes->values[m] = value_of(modes, inverse);
         take_vector(modes, m);
         if (modes->values[m] < 0)
-            return fail_unstable(error);
+            return fail_unstable(modes, error);
     }
     if (found == modes->count)
         return PEL_OK;
@@ -401,11 +403,18 @@ pel_status pel_modes_solve(pel_modes *modes, const pel_newton_problem *problem, 
         .context = modes,
         .tolerance = MODE_TOLERANCE,
         .iterations = MOST_ITERATIONS,
+        .pool = modes->system.pool,
     };
     if (buckles) {
-        if (!find_shift(modes, &def))
+        bool found = find_shift(modes, &def);
+        status = pel_pool_check(modes->system.pool, error);
+        if (status != PEL_OK)
+            return status;
+        if (!found)
             return take_modes(modes, 0, error);
         def.tolerance = BUCKLING_TOLERANCE;
     }
-    return take_modes(modes, pel_eigen_solve(modes->eigen, &def).count, error);
+    int32_t found = pel_eigen_solve(modes->eigen, &def).count;
+    status = pel_pool_check(modes->system.pool, error);
+    return status == PEL_OK ? take_modes(modes, found, error) : status;
 }

@@ -72,7 +72,8 @@ static bool solve_with(newton_run *run, const double *right, double *solution)
         .iterations = MOST_PRODUCTS,
     };
     pel_pcg_end end = pel_minres_solve(newton->minres, &def, newton->pool, right, solution).end;
-    return end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT;
+    run->status = pel_pool_check(newton->pool, run->error);
+    return run->status == PEL_OK && (end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT);
 }
 
 /* newton->step and the change of the factor for a way of `lacks` along the path */

@@ -182,7 +182,9 @@ static bool has_volume_terms(const pel_newton *newton)
 void pel_newton_assemble(newton_run *run)
 {
     pel_newton *newton = run->newton;
-    run->status = pel_newton_couple(run);
+    run->status = pel_pool_check(newton->pool, run->error);
+    if (run->status == PEL_OK)
+        run->status = pel_newton_couple(run);
     if (run->status != PEL_OK)
         return;
     pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
@@ -205,6 +207,7 @@ bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot)
     pel_newton *newton = run->newton;
     pel_factor_result made =
         pel_factor_compute(newton->factors[newton->precision], newton->matrix, shift, newton->pool);
+    run->status = pel_pool_check(newton->pool, run->error);
     newton->has_factor = made.positive_definite;
     *pivot = made.pivot;
     return made.positive_definite;
@@ -217,11 +220,11 @@ bool pel_newton_make_factor(newton_run *run)
     double pivot;
     if (pel_newton_compute_factor(run, 0, &pivot))
         return true;
-    if (newton->precision == PEL_FACTOR_DOUBLE || pivot < -ROUGH_PIVOT)
+    if (run->status != PEL_OK || newton->precision == PEL_FACTOR_DOUBLE || pivot < -ROUGH_PIVOT)
         return false;
     if (pel_newton_compute_factor(run, FLOAT_SHIFT, &pivot))
         return true;
-    if (pivot < -ROUGH_PIVOT)
+    if (run->status != PEL_OK || pivot < -ROUGH_PIVOT)
         return false;
     pel_factor **factor = &newton->factors[PEL_FACTOR_DOUBLE];
     if (*factor == NULL)
@@ -244,7 +247,9 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
         .tolerance = SOLVE_TOLERANCE,
         .iterations = products,
     };
-    return pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step).end;
+    pel_pcg_end end = pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step).end;
+    run->status = pel_pool_check(newton->pool, run->error);
+    return end;
 }
 
 /* newton->step of newton->right by the matrix alone */
@@ -256,7 +261,7 @@ static bool solve_symmetric(newton_run *run)
     if (!pel_newton_make_factor(run))
         return false;
     pel_pcg_end end = pel_newton_solve(run, PEL_NEWTON_PRODUCTS);
-    return end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT;
+    return run->status == PEL_OK && (end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT);
 }
 
 /* The step of the matrix; false where that is not positive definite. */

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/number.h"
+#include "io/csv.h"
 #include "pellicle/run.h"
 
 #include <inttypes.h>
@@ -222,25 +223,6 @@ typedef struct run_watch {
     void *user;
 } run_watch;
 
-/* The text of a cell of a line, quotes removed, and what follows it; null past the last. */
-static const char *next_cell(const char *at, char *cell, size_t size)
-{
-    size_t length = 0;
-    bool quoted = *at == '"';
-    if (*at == '\0' || *at == '\n')
-        return NULL;
-    for (at += quoted; *at != '\0' && *at != '\n'; at++) {
-        if (quoted && *at == '"' && *++at != '"')
-            break;
-        if (!quoted && *at == ',')
-            break;
-        if (length + 1 < size)
-            cell[length++] = *at;
-    }
-    cell[length] = '\0';
-    return *at == ',' ? at + 1 : at;
-}
-
 /* names that the program chooses and that depend on the machine's speed */
 static bool is_wall_time(const char *column)
 {
@@ -252,8 +234,7 @@ static void read_header(run_watch *watch, const char *line)
 {
     char cell[3 * PEL_NAME_SIZE];
     int32_t place = 0;
-    for (const char *at = next_cell(line, cell, sizeof cell); at != NULL;
-         at = next_cell(at, cell, sizeof cell), place++)
+    for (const char *at = line; pel_csv_next(&at, cell, sizeof cell); place++)
         for (int32_t m = 0; m < watch->study->measure_count; m++) {
             const pel_study_measure *measure = &watch->study->measures[m];
             if (measure->column != NULL && strcmp(measure->column, cell) == 0 && !is_wall_time(cell))
@@ -283,16 +264,14 @@ static void watch_row(void *user, const char *line)
         return;
     }
     int32_t place = 0;
-    for (const char *at = next_cell(line, cell, sizeof cell); at != NULL;
-         at = next_cell(at, cell, sizeof cell), place++)
+    for (const char *at = line; pel_csv_next(&at, cell, sizeof cell); place++)
         for (int32_t m = 0; m < watch->study->measure_count; m++)
             if (watch->sums[m].place == place && pel_number_parse(cell, cell + strlen(cell), &value) != NULL)
                 add_number(&watch->sums[m], value);
 }
 
-static bool watch_step(void *user, const pel_run_progress *progress)
+static bool is_wanted(void *user)
 {
-    (void)progress;
     const run_watch *watch = user;
     return watch->wanted == NULL || watch->wanted(watch->user);
 }
@@ -446,7 +425,7 @@ static pel_status do_run(const pel_study *study, int64_t run, const char *folder
     def.keep_seconds = 0;
     /* a third of a small run; `warnings` counts one that it gives */
     def.skip_intersections = !study->keep && !has_key(study, "self_intersections_final") && !has_key(study, "warnings");
-    def.progress = watch_step;
+    def.wanted = is_wanted;
     def.row = watch_row;
     def.user = watch;
     status = pel_run(scene, &def, summary, error);

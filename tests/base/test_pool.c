@@ -5,6 +5,7 @@
 #include "base/pool.h"
 #include "pellicle/parallel.h"
 
+#include <stdatomic.h>
 #include <time.h>
 
 enum { CHUNK_LIMIT = 300 };
@@ -75,11 +76,52 @@ static void test_allocation_failure(void **unused)
     assert_true(pel_thread_limit() >= 1);
 }
 
+static bool is_wanted(void *user)
+{
+    int *left = user;
+    return (*left)-- > 0;
+}
+
+static void count_one(void *context, int32_t chunk)
+{
+    (void)chunk;
+    atomic_fetch_add((atomic_int *)context, 1);
+}
+
+/* the calling thread asks until the answer is no; all chunks run all the same */
+static void test_stop(void **unused)
+{
+    (void)unused;
+    for (int threads = 1; threads <= 3; threads++) {
+        pel_pool *pool;
+        atomic_int count = 0;
+        int left = 5;
+        pel_error error;
+        assert_int_equal(pel_pool_create(threads, &pool, NULL), PEL_OK);
+        pel_pool_watch(pool, is_wanted, &left);
+        for (int i = 0; i < 100; i++) {
+            assert_int_equal(pel_pool_is_stopped(pool), left < 0);
+            assert_int_equal(pel_pool_check(pool, &error), left < 0 ? PEL_STOPPED : PEL_OK);
+            pel_pool_run(pool, 1, count_one, &count);
+        }
+        pel_pool_run(pool, 1000, count_one, &count);
+        assert_int_equal(left, -1);
+        assert_int_equal(count, 1100);
+        assert_true(pel_pool_is_stopped(pool));
+        pel_pool_watch(pool, NULL, NULL);
+        assert_false(pel_pool_is_stopped(pool));
+        pel_pool_destroy(pool);
+    }
+    pel_pool_watch(NULL, is_wanted, NULL);
+    assert_false(pel_pool_is_stopped(NULL));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_each_chunk_once),
         cmocka_unit_test(test_after_sleep),
+        cmocka_unit_test(test_stop),
         cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,6 +25,19 @@ output: { every: 0.2, checkpoint: 1 }
 """
 
 
+# 40 s of one step: modes
+LONG = """version: 1
+bodies:
+  - name: shell
+    mesh: { shape: geodesic-sphere, frequency: %d, radius: 0.1 }
+    mass: { density: 1000, thickness: 0.002 }
+    membrane: { material: neo-hookean, young: 1.0e5, poisson: 0.3, thickness: 0.002 }
+    bending: { model: midedge }
+    pinned: { box: { min: [-1, -1, -1], max: [1, 1, -0.09] } }
+solver: { method: static, analysis: modal, modes: 60, dt: 1 }
+"""
+
+
 class Faults:
     def __init__(self, program, folder):
         self.program, self.folder = program, pathlib.Path(folder)
@@ -104,10 +117,29 @@ def stopped(f):
         process.send_signal(number)
         output, errors = process.communicate(timeout=60)
         assert process.returncode == 1 and "stopped at step" in errors, (number, errors)
-        assert "stopping after this step" in errors and "steps/s" in errors, errors
+        assert "stopping; the same again" in errors and "steps/s" in errors, errors
         assert f.summary(name)["status"] == "stopped" and "--resume" in output
         f.check_whole(name)
     return "3 signals"
+
+
+def stopped_within(f):
+    """a signal within a step that takes half a minute: it ends soon, at the state before it"""
+    frequency = 20 if os.environ.get("PELLICLE_SANITIZE") else 50
+    (f.folder / "long.yaml").write_text(LONG % frequency)
+    process = f.start("run", "long.yaml", "-o", "long", "--progress", "plain")
+    f.wait_for("long/frames/f00000.vtp", process)
+    time.sleep(0.5)
+    start = time.monotonic()
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=120)
+    seconds = time.monotonic() - start
+    assert process.returncode == 1 and "stopped at step 0" in errors, errors
+    assert f.summary("long")["status"] == "stopped"
+    f.check_whole("long")
+    # 0.2 s on an idle machine
+    assert seconds < 10, f"{seconds:.1f} s"
+    return f"{seconds:.2f} s"
 
 
 def file_limit(f):
@@ -251,7 +283,7 @@ def inputs(f):
 def main():
     program = str(pathlib.Path(sys.argv[1]).resolve())
     failures = 0
-    for fault in (killed, stopped, file_limit, full_disk, broken_film, read_only, out_of_memory, locked, links, inputs):
+    for fault in (killed, stopped, stopped_within, file_limit, full_disk, broken_film, read_only, out_of_memory, locked, links, inputs):
         with tempfile.TemporaryDirectory() as folder:
             try:
                 print(f"{fault.__name__}: {fault(Faults(program, folder))}")

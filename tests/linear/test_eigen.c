@@ -38,7 +38,7 @@ static void test_chain(void **unused)
     (void)unused;
     pel_eigen *eigen;
     assert_int_equal(pel_eigen_create(CHAIN, WANTED, &eigen, NULL), PEL_OK);
-    const pel_eigen_def def = {invert_chain, measure_chain, NULL, 1e-8, 200};
+    const pel_eigen_def def = {invert_chain, measure_chain, NULL, 1e-8, 200, NULL};
     for (double mass = 1; mass < 3; mass++) {
         for (int i = 0; i < CHAIN; i++)
             masses[i] = mass;
@@ -77,7 +77,7 @@ static void test_repeated(void **unused)
     (void)unused;
     pel_eigen *eigen;
     assert_int_equal(pel_eigen_create(CHAIN, WANTED, &eigen, NULL), PEL_OK);
-    const pel_eigen_def def = {scale, copy, NULL, 1e-9, 200};
+    const pel_eigen_def def = {scale, copy, NULL, 1e-9, 200, NULL};
     assert_int_equal(pel_eigen_solve(eigen, &def).count, WANTED);
     for (int k = 0; k < WANTED; k++)
         assert_near(pel_eigen_value(eigen, k), 5 - k / 3, 1e-12);
@@ -105,7 +105,7 @@ static void test_rank(void **unused)
     (void)unused;
     pel_eigen *eigen;
     assert_int_equal(pel_eigen_create(CHAIN, WANTED, &eigen, NULL), PEL_OK);
-    const pel_eigen_def def = {project, copy, NULL, 1e-9, 50};
+    const pel_eigen_def def = {project, copy, NULL, 1e-9, 50, NULL};
     assert_int_equal(pel_eigen_solve(eigen, &def).count, 3);
     for (int k = 0; k < 3; k++)
         assert_near(pel_eigen_value(eigen, k), 3 - k, 1e-12);

@@ -138,7 +138,7 @@ static void test_blends(void **unused)
     (void)unused;
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
     for (int body = 0; body < 3; body++)
-        for (int finer = 0; finer < 2; finer++) {
+        for (int finer = 0; finer < ROUNDS(2, 1); finer++) {
             def.body = (pel_blend_body)body;
             def.size = 2;
             def.edge = finer ? 0.035 : 0.06;
@@ -283,6 +283,7 @@ static void check_convergence(const pel_shape_def *coarse, const pel_shape_def *
 static void test_areas_and_volumes(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     pel_shape_def coarse = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE), fine = coarse;
     coarse.radius = fine.radius = 0.3;
     coarse.frequency = 16;
@@ -344,6 +345,7 @@ static void integrate_lens(int32_t age, double *area, double *volume)
 static void test_lens_capsule(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     const int32_t ages[3] = {11, 29, 45};
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_LENS_CAPSULE);
     for (int k = 0; k < 3; k++) {
@@ -525,7 +527,7 @@ static void test_allocation_failures_of_blends(void **unused)
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
     def.edge = 0.06 * def.size;
     allocation_count count = {.failed = 1};
-    for (long n = 1; count.failed > 0; n += n < 40 ? 1 : 29) {
+    for (long n = 1; count.failed > 0; n += n < 40 ? 1 : ROUNDS(29, 151)) {
         pel_error error = {0};
         failing_malloc_begin(n);
         pel_status status = create_case(&def, &error);

@@ -1,6 +1,7 @@
 """Scenes and simulations."""
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -31,6 +32,26 @@ class Stepping(unittest.TestCase):
         sim = pellicle.load_scene(shell(mesh))
         np.testing.assert_array_equal(sim.rest_positions(), mesh.positions)
         np.testing.assert_array_equal(sim.triangles(), mesh.triangles)
+
+    def test_ctrl_c_ends_a_long_step(self):
+        spec = shell(pellicle.Mesh.shape("geodesic-sphere", frequency=24))
+        spec["bodies"][0]["pinned"] = {"box": {"min": [-9, -9, -9], "max": [9, 9, -0.8]}}
+        spec["solver"] = {"method": "static", "analysis": "modal", "modes": 40, "dt": 0.1}
+        sim = pellicle.load_scene(spec)
+        before = sim.hash
+
+        def interrupt(number, frame):
+            raise KeyboardInterrupt
+        old = signal.signal(signal.SIGALRM, interrupt)
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                sim.step()
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, old)
+        self.assertEqual(sim.hash, before)
+        self.assertEqual(sim.steps, 0)
 
     def test_out_is_filled_and_given_back(self):
         sim = pellicle.load_scene(ball())

@@ -57,7 +57,7 @@ static int64_t frames_of(const char *name)
         return 0;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
         if (strcmp(scenes[i].name, name) == 0)
-            return scenes[i].frames;
+            return (scenes[i].frames + ROUNDS(0, 1)) / ROUNDS(1, 2);
     return 3;
 }
 

@@ -154,6 +154,29 @@ static void test_volume_of_any_body(void **unused)
     }
 }
 
+/* the last columns are sums of what the search for contacts did since the frame before */
+static void test_contact_columns(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 3 }, preset: paper-a }]\ncontact: {}\n"
+        "tools: [{ name: t, shape: sphere, radius: 0.3, motion: [{ position: [0, 0, 1.31] }, { time: 0.2, position: "
+        "[0, 0, 1] }] }]\n"
+        "solver: { method: quasi-static, dt: 0.01 }\nduration: 0.2\noutput: { every_frame: 5 }\n";
+    pel_scene *scene = load_scene(text, NULL, 0);
+    run_case test = {.run = "contact"};
+    check_run(scene, &test, PEL_OK);
+    char *bytes;
+    read_text("contact", "series.csv", &bytes, NULL);
+    int column = 0;
+    for (const char *at = bytes; at < strstr(bytes, "contact_candidates"); at++)
+        column += *at == ',';
+    pel_free(bytes);
+    assert_true(column > 12);
+    assert_true(largest_in_series("contact", column) > 0);
+    pel_scene_destroy(scene);
+}
+
 /* steps a second are those of this call, and the time that is left follows from them */
 static bool watch_speed(void *user, const pel_run_progress *progress)
 {
@@ -184,6 +207,10 @@ static void test_speed(void **unused)
     assert_true(numbers[0] < 510 && numbers[0] > 5);
     assert_near(numbers[1], 80, 1e-6);
     assert_near(numbers[2], -1, 0);
+    /* the pauses are no time of steps */
+    enum { STEP_MS = 11 };
+    double step_ms = largest_in_series("speed", STEP_MS);
+    assert_true(step_ms > 0 && step_ms < 1e3);
     pel_scene_destroy(scene);
 }
 
@@ -495,6 +522,7 @@ int main(void)
         cmocka_unit_test(test_frame_fields),
         cmocka_unit_test(test_refinement),
         cmocka_unit_test(test_volume_of_any_body),
+        cmocka_unit_test(test_contact_columns),
         cmocka_unit_test(test_speed),
         cmocka_unit_test(test_takes_over_folder),
         cmocka_unit_test(test_bad_folders),

@@ -100,6 +100,7 @@ static void act(play *made)
         steps(made, 1);
         pel_session_get_hand(made->session, &hand);
         assert_int_equal(hand.kind, PEL_HAND_PRESS);
+        assert_int_equal(hand.shape, PEL_TOOL_BOX);
         most = fmax(most, hand.force[0]);
     }
     /* it knocks the ball away */
@@ -146,6 +147,29 @@ static void test_undo_and_reset(void **unused)
     pel_session_free_text(record);
     act(&made);
     assert_true(pel_sim_hash(made.sim) == last);
+    end(&made);
+}
+
+/* the oldest marks go: undo leads to the last ones, each to the bit */
+static void test_many_marks(void **unused)
+{
+    (void)unused;
+    enum { MARKS = 20, KEPT = 16 };
+    play made = begin(text);
+    uint64_t hashes[MARKS];
+    bool done;
+    for (int i = 0; i < MARKS; i++) {
+        hashes[i] = pel_sim_hash(made.sim);
+        apply(&made, "mark");
+        steps(&made, 1);
+    }
+    assert_int_equal(pel_session_undo_count(made.session), KEPT);
+    for (int i = MARKS - 1; i >= MARKS - KEPT; i--) {
+        assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+        assert_true(done && pel_sim_hash(made.sim) == hashes[i]);
+    }
+    assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+    assert_false(done);
     end(&made);
 }
 
@@ -353,8 +377,9 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_run_repeats), cmocka_unit_test(test_bad_lines),
-        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_divergence),  cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_many_marks), cmocka_unit_test(test_run_repeats),
+        cmocka_unit_test(test_bad_lines),      cmocka_unit_test(test_bad_scenes), cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -221,6 +221,34 @@ static void test_allocation(void **unused)
 }
 
 /* bending that names no model: mid-edge where the method knows the edges */
+/* static without a duration: steps for keys, for modes, along a path */
+static void test_static_times(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *solver;
+        double duration, dt;
+    } cases[] = {
+        {"solver: {method: static}\n", 1, 1},
+        {"solver: {method: static}\nloads: [{force: [0, 0, 1], keys: [[0, 0], [0.5, 1], [1.5, 0]]}]\n", 1.5, 0.5},
+        {"solver: {method: static, steps: 6}\nloads: [{force: [0, 0, 1], keys: [[0, 0], [3, 1]]}]\n", 3, 0.5},
+        {"solver: {method: static, analysis: modal, modes: 4}\n", 4, 1},
+        {"solver: {method: static, analysis: modal, modes: 4, dt: 0.5}\n", 2, 0.5},
+        {"solver: {method: static, path: arc-length, steps: 20}\n", 20, 1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1000];
+        snprintf(text, sizeof text, "version: 1\nbodies: [{mesh: {shape: grid}, pinned: {nearest: [0, 0, 0]}}]\n%s",
+                 cases[i].solver);
+        pel_scene *scene;
+        assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL), PEL_OK);
+        assert_near(scene->sim.solver.dt, cases[i].dt, 1e-12);
+        assert_near(scene->duration, cases[i].duration, 1e-12);
+        assert_int_equal(scene->output.every_frame, 1);
+        pel_scene_destroy(scene);
+    }
+}
+
 static void test_bending(void **unused)
 {
     (void)unused;
@@ -251,7 +279,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_choice),     cmocka_unit_test(test_bending),    cmocka_unit_test(test_soft_runs),
-        cmocka_unit_test(test_tried_step), cmocka_unit_test(test_allocation),
+        cmocka_unit_test(test_tried_step), cmocka_unit_test(test_allocation), cmocka_unit_test(test_static_times),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

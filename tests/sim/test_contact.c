@@ -3,12 +3,14 @@
 #include "sim/contact_scene.h"
 
 #include "failing_malloc.h"
+#include "pellicle/live.h"
 
 /* ---- scenes ---- */
 
 static void test_folded_sheet(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     contact_scene scene;
     pel_sim *sim = folded_sheet(&scene, 14);
     assert_true(run_free(sim, 700) > 50);
@@ -66,6 +68,7 @@ static void test_held_tools(void **unused)
 static void test_still_tool_is_not_held(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     contact_scene scene;
     pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, 0, 300);
     pel_sim_destroy(sim);
@@ -191,7 +194,7 @@ static void test_mesh_tool(void **unused)
     scene_move(&scene, 0, 0.1, 0, 1.3, 0.3, 1.5);
     scene_move(&scene, 1, 0, 0.1, -1.3, -0.3, 1.5);
     pel_sim *sim = scene_create(&scene);
-    assert_true(run_free(sim, 200) > 50);
+    assert_true(run_free(sim, ROUNDS(200, 130)) > 50);
     pel_tool_reading reading;
     pel_sim_get_tool(sim, 0, &reading);
     assert_true(reading.force[2] > 0);
@@ -398,7 +401,7 @@ static void test_shaken(void **unused)
     for (int i = 0; i < 3; i++) {
         contact_scene scene;
         pel_sim *sim = two_spheres(&scene);
-        for (int n = 0; n < 8; n++) {
+        for (int n = 0; n < ROUNDS(8, 3); n++) {
             shake(sim, 0, speeds[i], &random);
             shake(sim, 1, speeds[i], &random);
             run_free(sim, 10);
@@ -431,6 +434,10 @@ static void test_refinement(void **unused)
     }
     pel_sim *sim = scene_create(&scene);
     int32_t most = 0;
+    /* forces of the caller make snapshots larger, that before an event of refinement too */
+    double *forces = calloc(3 * (size_t)pel_sim_vertex_count(sim, 0), sizeof *forces);
+    assert_int_equal(pel_sim_set_forces(sim, 0, forces, NULL), PEL_OK);
+    free(forces);
     for (int n = 0; n < 130; n++) {
         run_free(sim, 1);
         int32_t count = pel_sim_triangle_count(sim, 0);
@@ -517,8 +524,10 @@ static void test_same_bits(void **unused)
     (void)unused;
     uint64_t hash = hash_of_run(1, 0);
     assert_true(hash_of_run(2, 0) == hash);
-    assert_true(hash_of_run(4, 0) == hash);
     assert_true(hash_of_run(1, 13) == hash);
+    if (IS_SLOW)
+        return;
+    assert_true(hash_of_run(4, 0) == hash);
     assert_true(hash_of_run(2, 30) == hash);
 }
 

@@ -251,6 +251,21 @@ static void test_refusals(void **unused)
     pel_error error;
     assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "path by arc length finds the load factor"));
+    const pel_pose_key pose = {0, {0, 0, 9}, {0, 0, 0, 1}, {0}};
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "one";
+    tool.radius = 0.1;
+    tool.keys = &pose;
+    tool.key_count = 1;
+    def.load_count = 0;
+    def.tools = &tool;
+    def.tool_count = 1;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "a path by arc length has no tools"));
+    def.tool_count = 0;
+    def.contact.enabled = true;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "a path by arc length has no contact"));
     end_stage(&s);
 }
 

@@ -83,8 +83,8 @@ static double largest_force(pel_sim *sim)
     return largest;
 }
 
-static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC, PEL_METHOD_XPBD, PEL_METHOD_PBD,
-                                     PEL_METHOD_DESCENT};
+static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC, PEL_METHOD_XPBD,
+                                     PEL_METHOD_PBD,      PEL_METHOD_DESCENT,      PEL_METHOD_IMPLICIT};
 
 /* after every step the forces of what is held are within the limit; who is lost is free and counted from the first time
  * on */
@@ -196,6 +196,28 @@ static void test_resumes(void **unused)
     end(&scene, sim);
 }
 
+/* forces are those of the present step, whatever is left in the buffers of earlier ones */
+static void test_readings_resume(void **unused)
+{
+    (void)unused;
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+        pull_scene scene;
+        pel_tool_reading readings[2];
+        for (int i = 0; i < 2; i++) {
+            pel_sim *sim = create(&scene, methods[m], 0);
+            run_steps(sim, 6);
+            if (i == 1)
+                sim = resume_sim(sim, &scene.def);
+            run_steps(sim, 1);
+            pel_sim_get_tool(sim, 0, &readings[i]);
+            end(&scene, sim);
+        }
+        assert_true(readings[0].held_count > 5);
+        assert_memory_equal(readings[0].force, readings[1].force, sizeof readings[0].force);
+        assert_memory_equal(readings[0].torque, readings[1].torque, sizeof readings[0].torque);
+    }
+}
+
 static void test_refusals(void **unused)
 {
     (void)unused;
@@ -238,8 +260,10 @@ static void test_catches_up(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_limit),   cmocka_unit_test(test_lost_are_free), cmocka_unit_test(test_largest_first),
-        cmocka_unit_test(test_resumes), cmocka_unit_test(test_refusals),      cmocka_unit_test(test_catches_up),
+        cmocka_unit_test(test_limit),           cmocka_unit_test(test_lost_are_free),
+        cmocka_unit_test(test_largest_first),   cmocka_unit_test(test_resumes),
+        cmocka_unit_test(test_refusals),        cmocka_unit_test(test_catches_up),
+        cmocka_unit_test(test_readings_resume),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,6 +89,7 @@ static void step(pel_sim *sim, int n)
 static void test_torque(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     twist t;
     pel_sim *sim = begin(&t, PEL_METHOD_XPBD, -1, false);
     pel_sim_ledger ledger;
@@ -112,7 +113,7 @@ static void test_energy(void **unused)
     pel_sim *sim = begin(&t, PEL_METHOD_XPBD, 0, false);
     bool was_divided = false;
     double worst = 0, sums[2] = {0, 0}, torques[2] = {0, 0};
-    for (int n = 0; n < t.steps; n++) {
+    for (int n = 0; n < ROUNDS(t.steps, 92); n++) {
         pel_sim_ledger ledger;
         pel_tool_reading rims[2];
         step(sim, n);
@@ -140,6 +141,7 @@ static void test_energy(void **unused)
 static void test_parts_of_pbd(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     twist t;
     pel_sim *sim = begin(&t, PEL_METHOD_PBD, 0, false);
     double whole = 0, divided = 0;
@@ -161,6 +163,7 @@ static void test_parts_of_pbd(void **unused)
 static void test_thick(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     twist t;
     pel_sim *sim = begin(&t, PEL_METHOD_PBD, thickness, is_long());
     for (int n = 0; n < t.steps; n++)
