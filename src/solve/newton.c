@@ -396,7 +396,8 @@ static double find_least(energy_point a, energy_point b)
 static energy_point find_point(step_walk *walk, double share, const energy_point *begin)
 {
     energy_point point = {.share = share, .slope = walk_to(walk, share)};
-    bool has_energy = walk->run->newton->has_potential;
+    const pel_newton_terms *terms = walk->run->problem->terms;
+    bool has_energy = walk->run->newton->has_potential && (terms == NULL || terms->add_skew == NULL);
     point.energy = has_energy ? merit_of(walk->run) : begin->energy + 0.5 * share * (begin->slope + point.slope);
     return point;
 }
