@@ -317,7 +317,7 @@ class Runs:
         if contact is not None and contact.get("response") != "after" and summary["self_intersections_final"] > 0:
             raise Broken("intersection", f"{summary['self_intersections_final']} pairs of triangles cut each other")
         energy = summary.get("energy") or {}
-        rounding = 1e-20 + 1e-9 * max((abs(value) for value in energy.values() if isinstance(value, float)), default=0)
+        rounding = least_energy + 1e-9 * max((abs(value) for value in energy.values() if isinstance(value, float)), default=0)
         if energy.get("energy_error", 0) > 0.0501 * energy.get("supplied", 0) + rounding and "energy-appears" not in codes:
             raise Broken("ledger", f"{energy['energy_error']} J appeared of {energy['supplied']} J, and no warning says so")
 
@@ -433,7 +433,7 @@ def try_scene(program, scene, name, keep):
 
 
 def main():
-    global sanitized
+    global sanitized, least_energy
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--count", type=int, default=60, help="scenes (default: %(default)s)")
@@ -442,8 +442,10 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path, help="folder for scenes that break something, made smaller")
     parser.add_argument("--scene", type=pathlib.Path, help="checks this scene of --keep again instead")
     parser.add_argument("--sanitized", action="store_true", help="the program has a sanitizer: no limit of its memory")
+    parser.add_argument("--single", action="store_true", help="the program computes in float")
     arguments = parser.parse_args()
     sanitized = arguments.sanitized
+    least_energy = 1e-9 if arguments.single else 1e-20
     program = str(pathlib.Path(arguments.program).resolve())
     if arguments.scene:
         with tempfile.TemporaryDirectory() as folder:
@@ -472,4 +474,5 @@ def main():
 
 
 sanitized = False
+least_energy = 1e-20  # J, less is rounding
 main()
