@@ -100,6 +100,75 @@ async function pressing(page, shape) {
     await until(page, () => globalThis.pellicle.frame.hand.kind === "free");
 }
 
+// a gamepad and a SpaceMouse that are not there
+async function playingPads(page) {
+    const pad = (axes, values, mapping = "standard") =>
+        page.evaluate(
+            ([axes, values, mapping]) => {
+                const buttons = Array.from({ length: mapping === "standard" ? 17 : 2 }, (_, i) => ({ value: values[i] ?? 0 }));
+                navigator.getGamepads = () => [null, { connected: true, mapping, axes, buttons }];
+                dispatchEvent(new Event("gamepadconnected"));
+            },
+            [axes, values, mapping],
+        );
+    const pressed = () => {
+        const { hand } = globalThis.pellicle.frame;
+        return hand.kind === "press" && Math.hypot(...hand.force) > 0.01;
+    };
+    const free = () => globalThis.pellicle.frame.hand.kind === "free";
+    const mode = () => page.evaluate(() => globalThis.pellicle.state.mode);
+    const place = () => page.evaluate(() => document.getElementById("aim").style.transform);
+    await page.click("[data-mode=press]");
+    await pad([0, 0, 0, 0], {});
+    await page.waitForSelector("#aim:not([hidden])");
+    const middle = await place();
+    await pad([0.6, 0, 0, 0], {});
+    await until(page, (before) => document.getElementById("aim").style.transform !== before, middle);
+    await pad([-1, 0, 0, 0], {});
+    await page.waitForTimeout(50);
+    // in the middle again
+    await page.evaluate(() => globalThis.pellicle.aim(0.5, 0.5));
+    await pad([0, 0, 0, 0], { 7: 0.9 });
+    await until(page, pressed);
+    await picture(page, "gamepad");
+    await pad([0, 0, 0, 0], {});
+    await until(page, free);
+    await pad([0, 0, 0, 0], { 5: 1 });
+    await until(page, () => globalThis.pellicle.state.mode === "pin");
+    await pad([0, 0, 0, 0], { 4: 1 });
+    await until(page, () => globalThis.pellicle.state.mode === "press");
+    assert.equal(await mode(), "press");
+    // the cap of a SpaceMouse, pushed down
+    await pad([0, 0, 0.8, 0, 0, 0], {}, "");
+    await until(page, pressed);
+    await pad([0, 0, 0, 0, 0, 0], {}, "");
+    await until(page, free);
+    await page.evaluate(() => (navigator.getGamepads = () => []));
+    await page.waitForSelector("#aim", { state: "hidden" });
+}
+
+// depth by the force on a pen
+async function pressingPen(page) {
+    const depth = async (pressure) => {
+        await page.evaluate((pressure) => {
+            const canvas = document.getElementById("view");
+            const box = canvas.getBoundingClientRect();
+            canvas.setPointerCapture = () => {};
+            const at = { clientX: box.x + box.width / 2, clientY: box.y + box.height / 2, pointerType: "pen", pointerId: 7, pressure };
+            canvas.dispatchEvent(new PointerEvent("pointerdown", { ...at, button: 0 }));
+            canvas.dispatchEvent(new PointerEvent("pointermove", at));
+        }, pressure);
+        await page.waitForTimeout(700);
+        const { hand } = await frame(page);
+        await page.evaluate(() => document.getElementById("view").dispatchEvent(new PointerEvent("pointerup", { pointerType: "pen", pointerId: 7 })));
+        await until(page, () => globalThis.pellicle.frame.hand.kind === "free");
+        return Math.hypot(...hand.force);
+    };
+    await page.click("[data-mode=press]");
+    const [light, firm] = [await depth(0.35), await depth(0.8)];
+    assert.ok(firm > 1.2 * light && light > 0, `${light} and ${firm} N`);
+}
+
 async function pinning(page) {
     const count = () => page.evaluate(() => globalThis.pellicle.stage.bodies[0].pinned.length);
     const before = await count();
@@ -246,6 +315,8 @@ try {
     await pulling(page);
     await sliding(page);
     for (const shape of ["sphere", "capsule", "box"]) await pressing(page, shape);
+    await pressingPen(page);
+    await playingPads(page);
     await pinning(page);
     await colouring(page);
     await measuring(page);

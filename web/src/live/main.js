@@ -4,6 +4,7 @@ import { isDiverging, mapGradient, mapNames } from "../colour.js";
 import { formatNumber, formatTogether, plainName, withUnit } from "../format.js";
 import { element } from "../plots.js";
 import { Parameters } from "./parameters.js";
+import { findPad, readPad } from "./pads.js";
 import { LivePlots } from "./plots.js";
 import { Stage } from "./stage.js";
 
@@ -109,6 +110,7 @@ function needs() {
 function draw(now) {
     scheduled = false;
     if (!hello) return;
+    const hasPad = followPad(now);
     hand?.tick?.();
     const fresh = frame !== shown && frame && stage.showFrame(frame, state.contacts);
     if (fresh) {
@@ -125,7 +127,7 @@ function draw(now) {
         shown = frame;
         send("drawn");
     }
-    if (hand?.moves) needs();
+    if (hand?.moves || hasPad) needs();
 }
 
 let rest = 0;
@@ -269,9 +271,9 @@ const modes = {
             move(now) {
                 this.last = now;
             },
-            // deeper for half a second, then as deep as the slider says
+            // deeper for half a second, then as deep as the slider says; as deep as a pen or trigger that feels force asks
             tick() {
-                const part = Math.min((performance.now() - began) / 500, 1);
+                const part = this.squeeze ?? Math.min((performance.now() - began) / 500, 1);
                 const shift = stage.onPlane(this.last, hit.point).sub(hit.point);
                 moveTo(start.clone().add(shift).addScaledVector(hit.normal, -part * (clear + state.depth)));
             },
@@ -301,34 +303,46 @@ function rayOf(event) {
     return stage.ray(event.clientX - box.left, event.clientY - box.top);
 }
 
+// false where there is nothing to act on
+function begin(ray) {
+    const hit = shown && stage.pick(ray);
+    if (hand || !hit || state.mode === "turn") return false;
+    hand = modes[state.mode](ray, hit);
+    // after the mark, so that undo leads to where the simulation stood
+    if (hand && !state.playing) send("play");
+    needs();
+    return true;
+}
+
+function end() {
+    hand?.end();
+    hand = null;
+    stage.controls.enabled = true;
+}
+
+// half of the force that a pen can feel presses as deep as the slider says
+function squeezeBy(event) {
+    if (hand && event.pointerType === "pen") hand.squeeze = 2 * event.pressure;
+}
+
 function listenToPicture() {
     const canvas = $("view");
     canvas.addEventListener(
         "pointerdown",
         (event) => {
-            if (hand || event.button !== 0 || event.ctrlKey || event.metaKey || state.mode === "turn" || !shown) return;
-            const ray = rayOf(event);
-            const hit = stage.pick(ray);
-            if (!hit) return;
+            if (event.button !== 0 || event.ctrlKey || event.metaKey || !begin(rayOf(event))) return;
             stage.controls.enabled = false;
             canvas.setPointerCapture(event.pointerId);
-            hand = modes[state.mode](ray, hit);
-            // after the mark, so that undo leads to where the simulation stood
-            if (hand && !state.playing) send("play");
-            needs();
+            squeezeBy(event);
         },
         { capture: true },
     );
     canvas.addEventListener("pointermove", (event) => {
-        if (!hand) return;
+        if (!hand || aim.acts) return;
         hand.move(rayOf(event));
+        squeezeBy(event);
         needs();
     });
-    const end = () => {
-        hand?.end();
-        hand = null;
-        stage.controls.enabled = true;
-    };
     canvas.addEventListener("pointerup", end);
     canvas.addEventListener("pointercancel", end);
     canvas.addEventListener(
@@ -342,6 +356,53 @@ function listenToPicture() {
         },
         { capture: true, passive: false },
     );
+}
+
+/* ---- gamepads ---- */
+
+// pictures a second that the pointer crosses, radians a second of the view, its factor a second; squeezes that begin and end
+const padSpeed = { aim: 0.6, turn: 1.8, zoom: 2, begin: 0.15, end: 0.05 };
+const aim = { x: 0.5, y: 0.5, last: 0, acts: false, buttons: {} }; // place over the size of the picture
+
+const padActions = {
+    undo: () => send("undo"),
+    view: () => stage.reset(),
+    play: () => playOrPause(),
+    before: () => nextMode(-1),
+    next: () => nextMode(1),
+};
+
+function pressPadButtons(buttons) {
+    for (const [name, isDown] of Object.entries(buttons)) if (isDown && !aim.buttons[name]) padActions[name]();
+    aim.buttons = buttons;
+}
+
+// one look at the gamepad; whether there is one
+function followPad(now) {
+    const pad = findPad();
+    $("aim").hidden = !pad;
+    if (!pad) return false;
+    const seconds = Math.min((now - aim.last) / 1000, 0.1);
+    const asked = readPad(pad);
+    const { width, height } = $("view").getBoundingClientRect();
+    const clamp = (value) => Math.max(0, Math.min(1, value));
+    aim.last = now;
+    aim.x = clamp(aim.x + (asked.aim[0] * padSpeed.aim * seconds * height) / width);
+    aim.y = clamp(aim.y + asked.aim[1] * padSpeed.aim * seconds);
+    const [x, y] = [aim.x * width, aim.y * height];
+    $("aim").style.transform = `translate(${x}px, ${y}px)`;
+    if (asked.turn.some((part) => part !== 0)) stage.turn(...asked.turn.map((part) => part * padSpeed.turn * seconds));
+    if (asked.zoom !== 0) stage.zoom(padSpeed.zoom ** (asked.zoom * seconds));
+    if (!aim.acts && asked.squeeze > padSpeed.begin) aim.acts = begin(stage.ray(x, y));
+    else if (aim.acts && asked.squeeze < padSpeed.end) {
+        aim.acts = false;
+        end();
+    } else if (aim.acts && hand) {
+        hand.move(stage.ray(x, y));
+        hand.squeeze = asked.squeeze;
+    }
+    pressPadButtons(asked.buttons);
+    return true;
 }
 
 /* ---- controls ---- */
@@ -371,6 +432,11 @@ function setMode(mode) {
     }
     $("view").classList.toggle("turning", mode === "turn");
     makeOptions();
+}
+
+function nextMode(way) {
+    const index = modeNames.findIndex(([mode]) => mode === state.mode);
+    setMode(modeNames.at((index + way) % modeNames.length)[0]);
 }
 
 function slider(text, key, low, high, show) {
@@ -425,8 +491,7 @@ function makeControls() {
         const way = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
         if (!way) return;
         event.preventDefault();
-        const index = modeNames.findIndex(([mode]) => mode === state.mode);
-        setMode(modeNames.at((index + way) % modeNames.length)[0]);
+        nextMode(way);
         $("modes").querySelector('[aria-checked="true"]').focus();
     });
     setMode("pull");
@@ -575,6 +640,7 @@ export function run(connect) {
     makeControls();
     listenToPicture();
     listenToKeys();
+    addEventListener("gamepadconnected", needs);
     showTheme();
     new ResizeObserver(() => {
         stage.resize();
@@ -585,6 +651,7 @@ export function run(connect) {
 
 globalThis.pellicle = {
     state,
+    aim: (x, y) => Object.assign(aim, { x, y }),
     stage,
     send,
     get wire() {
