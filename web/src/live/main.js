@@ -80,7 +80,8 @@ function takeFrame(message) {
 function showNotice({ kind, text }) {
     if (kind === "error" && parameters.refuse(text)) return;
     const notice = $("notice");
-    notice.textContent = text.charAt(0).toUpperCase() + text.slice(1);
+    // what, then the remedy: messages of the program begin both with a small letter
+    notice.textContent = text.replace(/(^|\. )([a-z])/g, (_, before, letter) => before + letter.toUpperCase());
     notice.className = kind;
     notice.hidden = false;
     clearTimeout(noticeTimer);
