@@ -62,8 +62,11 @@ bool core_is_wanted(void *user)
         return true;
     *next = now + LOOK_SECONDS;
     PyGILState_STATE state = PyGILState_Ensure();
-    bool goes_on = PyErr_CheckSignals() == 0;
+    /* the signal is taken once, its exception stays */
+    bool goes_on = !PyErr_Occurred() && PyErr_CheckSignals() == 0;
     PyGILState_Release(state);
+    if (!goes_on)
+        *next = 0;
     return goes_on;
 }
 
@@ -81,7 +84,7 @@ static PyObject *sim_step(core_sim *self, PyObject *argument)
         do
             status = pel_sim_step(self->sim, &error);
         while (--count > 0 && status == PEL_OK && seconds() < until);
-        Py_END_ALLOW_THREADS stopped = status == PEL_STOPPED || PyErr_CheckSignals() < 0;
+        Py_END_ALLOW_THREADS stopped = status == PEL_STOPPED || PyErr_Occurred() || PyErr_CheckSignals() < 0;
     }
     self->is_busy = 0;
     if (stopped)

@@ -299,7 +299,7 @@ static void tool_place(const pel_sim *sim, const pel_tool *tool, double place[3]
     pel_vec3_copy(tool->pose.position, place);
     if (sim->state->velocity_next == NULL)
         return;
-    pel_vec3_add(place, tool->pose_before.position, place);
+    pel_vec3_add(place, tool->pose_start.position, place);
     pel_vec3_scale(place, 0.5, place);
 }
 

@@ -240,7 +240,8 @@ void pel_frames_close(pel_frames *frames)
         return;
     for (int32_t f = 0; f < frames->frame_count; f++)
         pel_free(frames->paths[f]);
-    for (int32_t i = 0; frames->tool_paths != NULL && i < frames->frame_count * frames->tool_count; i++)
+    size_t path_count = (size_t)frames->frame_count * (size_t)frames->tool_count;
+    for (size_t i = 0; frames->tool_paths != NULL && i < path_count; i++)
         pel_free(frames->tool_paths[i]);
     for (int32_t i = 0; frames->tool_names != NULL && i < frames->tool_count; i++)
         pel_free(frames->tool_names[i]);
@@ -301,7 +302,7 @@ pel_status pel_frames_read_tool(const pel_frames *frames, int32_t frame, int32_t
     *mesh = NULL;
     if (frame < 0 || frame >= frames->frame_count || tool < 0 || tool >= frames->tool_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "there is no tool %d in frame %d", (int)tool, (int)frame);
-    const char *path = frames->tool_paths[frame * frames->tool_count + tool];
+    const char *path = frames->tool_paths[(size_t)frame * (size_t)frames->tool_count + (size_t)tool];
     if (path == NULL)
         return PEL_OK;
     pel_status status = pel_vtp_read(path, mesh, NULL, error);

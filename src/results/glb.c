@@ -90,18 +90,31 @@ static void count_parts(glb *g, const pel_field *body)
         g->parts[part_of(g, body, mesh->triangles[t][0])].index_count += 3;
 }
 
-/* Sorts vertices and triangles by parts; a triangle is of the part of its first corner. Where a number has no vertices
-   or triangles, which the format does not allow, all is one part. */
+static bool crosses_parts(const glb *g, const pel_field *body)
+{
+    const pel_mesh *mesh = g->first;
+    bool any = false;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        int32_t of = part_of(g, body, mesh->triangles[t][0]);
+        any |= part_of(g, body, mesh->triangles[t][1]) != of || part_of(g, body, mesh->triangles[t][2]) != of;
+    }
+    return any;
+}
+
+/* Sorts vertices and triangles by parts. Where a triangle has corners in two of them, or a number has no vertices or
+   triangles, which the format does not allow, all is one part. */
 static void sort_parts(glb *g)
 {
     const pel_mesh *mesh = g->first;
     const pel_field *body = pel_mesh_field(mesh, "body");
     count_parts(g, body);
+    bool is_apart = !crosses_parts(g, body);
     for (int32_t p = 0; p < g->part_count; p++)
-        if (g->parts[p].vertex_count == 0 || g->parts[p].index_count == 0) {
-            g->part_count = 1;
-            count_parts(g, body);
-        }
+        is_apart &= g->parts[p].vertex_count > 0 && g->parts[p].index_count > 0;
+    if (!is_apart) {
+        g->part_count = 1;
+        count_parts(g, body);
+    }
     for (int32_t p = 1; p < g->part_count; p++) {
         g->parts[p].vertex_begin = g->parts[p - 1].vertex_begin + g->parts[p - 1].vertex_count;
         g->parts[p].index_begin = g->parts[p - 1].index_begin + g->parts[p - 1].index_count;

@@ -479,7 +479,7 @@ static void expect_tools(pel_sim *sim)
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_contact_tool *own = &sim->contacts->tools[i];
         pel_tool *tool = &sim->tools[i];
-        pel_pose wanted = began ? tool->pose_wanted : pel_tool_next_pose(tool, next, sim->step.dt);
+        pel_pose wanted = began ? tool->pose_wanted : pel_tool_next_pose(sim, tool, next);
         pel_contact_tool_points(own, began ? &tool->pose_before : &tool->pose, sim->contacts->start);
         pel_contact_tool_points(own, &wanted, sim->contacts->end);
     }

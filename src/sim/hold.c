@@ -582,11 +582,11 @@ static void add_reading(pel_sim *sim, pel_hold *hold, int32_t v, double size, co
     double point[3], force[3], torque[3];
     pel_vertex_position(sim->state->position_next, v, point);
     pel_vec3_scale(direction, size, force);
-    pel_vec3_along(sim->reactions[v], -1, force, sim->reactions[v]);
+    pel_vec3_along(sim->reactions[v], -pel_part_share(sim), force, sim->reactions[v]);
     pel_vec3_cross(point, force, torque);
-    pel_vec3_add(hold->reading.force, force, hold->reading.force);
-    pel_vec3_add(hold->reading.torque, torque, hold->reading.torque);
-    hold->reading.vertex_count++;
+    pel_vec3_add(hold->part.force, force, hold->part.force);
+    pel_vec3_add(hold->part.torque, torque, hold->part.torque);
+    hold->part.vertex_count++;
 }
 
 /* the force of a vertex on what holds it, shared out over the directions of its supports */
@@ -608,13 +608,24 @@ static void read_held(pel_sim *sim, int32_t h)
     }
 }
 
+/* readings of a step in parts are means */
+static void add_part(const pel_sim *sim, pel_hold *hold)
+{
+    double share = pel_part_share(sim);
+    if (sim->parts.at == 0)
+        hold->reading = (pel_support_reading){0};
+    pel_vec3_along(hold->reading.force, share, hold->part.force, hold->reading.force);
+    pel_vec3_along(hold->reading.torque, share, hold->part.torque, hold->reading.torque);
+    hold->reading.vertex_count = hold->part.vertex_count;
+}
+
 void pel_holds_read(pel_sim *sim, double time)
 {
     pel_sim_holds *holds = sim->holds;
     if (holds == NULL)
         return;
     for (int32_t h = 0; h < holds->hold_count; h++)
-        holds->holds[h].reading = (pel_support_reading){0};
+        holds->holds[h].part = (pel_support_reading){0};
     for (int32_t h = 0; h < holds->held_count; h++)
         read_held(sim, h);
     for (int32_t i = 0; i < holds->spring_count; i++) {
@@ -625,6 +636,8 @@ void pel_holds_read(pel_sim *sim, double time)
         add_reading(sim, hold, spring->vertex, spring->stiffness * stretch(sim, spring, time, point),
                     hold->axes[spring->component]);
     }
+    for (int32_t h = 0; h < holds->hold_count; h++)
+        add_part(sim, &holds->holds[h]);
 }
 
 double pel_holds_work(pel_sim *sim, double time)
@@ -639,11 +652,11 @@ double pel_holds_work(pel_sim *sim, double time)
         pel_hold *hold = &holds->holds[h];
         for (int c = 0; c < 3; c++) {
             double way = displacement(hold, c, time);
-            work -= (way - hold->booked_way[c]) * (share * pel_vec3_dot(hold->reading.force, hold->axes[c]) +
+            work -= (way - hold->booked_way[c]) * (share * pel_vec3_dot(hold->part.force, hold->axes[c]) +
                                                    (1 - share) * pel_vec3_dot(hold->booked_force, hold->axes[c]));
             hold->booked_way[c] = way;
         }
-        pel_vec3_copy(hold->reading.force, hold->booked_force);
+        pel_vec3_copy(hold->part.force, hold->booked_force);
     }
     for (int32_t i = 0; i < holds->spring_count; i++) {
         double point[3];

@@ -13,7 +13,7 @@ typedef struct pel_hold {
     double axes[3][3], value[3];
     pel_key *keys;
     int32_t key_count;
-    pel_support_reading reading; /* after the last step */
+    pel_support_reading part, reading; /* of the last part of a step, and the mean of the last step */
     /* after the last step that the ledger has booked: N, m along the axes */
     double booked_force[3], booked_way[3];
 } pel_hold;

@@ -18,7 +18,8 @@ void pel_parts_create(pel_sim *sim)
     /* a collision with a restitution of its own is told by steps, and who bounds the work of a step wants one */
     bool is_bounded = sim->solver.budget > 0 || (!pel_sim_is_projected(sim) && sim->solver.iterations > 0);
     bool divides = pel_sim_is_projected(sim) ? sim->contacts != NULL : sim->stepper->divides;
-    parts->can_halve = divides && !is_bounded && sim->collisions == NULL;
+    parts->divides = divides && sim->collisions == NULL;
+    parts->can_halve = parts->divides && !is_bounded;
 }
 
 void pel_parts_destroy(pel_sim *sim)
@@ -144,7 +145,8 @@ void pel_parts_end(pel_sim *sim, pel_status status)
 {
     pel_sim_parts *parts = &sim->parts;
     bool is_whole = parts->step_size == PEL_PART_LIMIT;
-    bool goes_back = (status != PEL_OK && parts->at > 0) || (status == PEL_STOPPED && parts->is_kept);
+    bool is_before_known = parts->at > 0 || !is_whole || (status == PEL_STOPPED && parts->is_kept);
+    bool goes_back = status != PEL_OK && is_before_known;
     parts->at = 0;
     parts->is_kept = false;
     pel_pool_watch(sim->pool, NULL, NULL);

@@ -1,6 +1,7 @@
 /* The step, the same for all methods: surface, method, contact and tools, readings, ledger; then it is accepted. */
 #include "sim/sim.h"
 
+#include "base/pool.h"
 #include "base/status.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
@@ -141,6 +142,8 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
     if (sim->parts.is_refused || (is_too_long && pel_parts_can_halve(sim)))
         return pel_parts_halve(sim, error);
     if (status == PEL_OK)
+        status = pel_pool_check(sim->pool, error);
+    if (status == PEL_OK)
         accept_part(sim, next);
     return status;
 }
@@ -159,6 +162,9 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     }
     while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
         status = step_part(sim, error);
+    /* a stop that was asked for after the last part was accepted is not lost */
+    if (status == PEL_OK)
+        status = pel_pool_check(sim->pool, error);
     pel_parts_end(sim, status);
     return status;
 }

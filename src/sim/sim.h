@@ -100,6 +100,7 @@ typedef struct pel_tool {
 
     pel_pose pose, pose_before; /* at present; at the start of the step */
     pel_pose pose_wanted;       /* at the end of the step, if nothing holds the tool back */
+    pel_pose pose_start;        /* at the start of the step, of which the present one may be a part */
     pel_pose pose_substep;      /* at the start of the substep */
     bool blocked;               /* it was held back, and has not caught up with its keys yet */
     bool is_held_back;          /* the last step held it back */
@@ -201,6 +202,7 @@ typedef struct pel_sim_parts {
     int32_t step_size; /* of the present part */
     int32_t substeps;  /* of a whole step */
     bool is_refused;   /* the present part is to be done anew, shorter */
+    bool divides;      /* the method and what meets would let steps go in parts; then sizes are in snapshots */
     bool can_halve;    /* false = all steps are whole */
     bool is_kept;      /* `before` is the state before the present step: it may be stopped on its way */
     void *before;      /* (before_size) snapshot before a step in parts or a long one; null until there is one */
@@ -405,6 +407,12 @@ static inline bool pel_parts_can_halve(const pel_sim *sim)
 static inline double pel_part_share(const pel_sim *sim)
 {
     return (double)sim->parts.step_size / PEL_PART_LIMIT;
+}
+
+/* of the present part in what is left of its step */
+static inline double pel_part_share_left(const pel_sim *sim)
+{
+    return (double)sim->parts.step_size / (PEL_PART_LIMIT - sim->parts.at);
 }
 
 static inline bool pel_parts_are_last(const pel_sim *sim)

@@ -159,8 +159,10 @@ static bool restore_parts(pel_sim *sim)
 {
     pel_parts_now *now = &sim->parts.now;
     bool is_size = now->size > 0 && now->size <= PEL_PART_LIMIT && (now->size & (now->size - 1)) == 0;
-    if (is_size && now->calm >= 0 && now->patience >= PEL_LEAST_PATIENCE && now->patience <= PEL_MOST_PATIENCE)
+    if (is_size && now->calm >= 0 && now->patience >= PEL_LEAST_PATIENCE && now->patience <= PEL_MOST_PATIENCE) {
+        now->size = sim->parts.can_halve ? now->size : PEL_PART_LIMIT;
         return true;
+    }
     *now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
     return false;
 }
@@ -231,7 +233,7 @@ static void transfer_substeps(cursor *at, const pel_sim *sim, int32_t unused)
 static void transfer_parts(cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    if (sim->parts.can_halve)
+    if (sim->parts.divides)
         transfer(at, (pel_parts_now *)(uintptr_t)&sim->parts.now, sizeof sim->parts.now);
 }
 
@@ -540,6 +542,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
             return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
+    sim->held_is_listed = false;
     pel_contact_forces_loaded(sim);
     sim->state->step = head.step;
     for (int32_t l = 0; l < sim->load_count; l++)

@@ -115,7 +115,9 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
 pel_status pel_sim_modes_step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_sim_modes *own = sim->modes;
-    pel_status status = own->is_solved ? PEL_OK : solve(sim, result, error);
+    /* none are known to a snapshot from before the first step */
+    bool is_known = own->is_solved && own->count > 0;
+    pel_status status = is_known ? PEL_OK : solve(sim, result, error);
     if (status != PEL_OK || result->diverged)
         return status;
     int32_t number = (int32_t)(sim->state->step % own->count);

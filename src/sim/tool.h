@@ -28,7 +28,7 @@ pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
 /* rotation vector [rad] between two poses of a tool, along its way */
 void pel_tool_turn(const pel_pose *a, const pel_pose *b, double turn[3]);
 /* the pose that a tool goes to in the step to `time` */
-pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt);
+pel_pose pel_tool_next_pose(const pel_sim *sim, const pel_tool *tool, double time);
 /* way between two poses: of the position, and of what is at the tool's rim by the rotation */
 double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
 /* a pose between two; share 0 and 1 give them exactly */

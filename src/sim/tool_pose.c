@@ -143,7 +143,13 @@ static pel_pose catch_up(const pel_tool *tool, double time, double dt)
     return pose;
 }
 
-pel_pose pel_tool_next_pose(const pel_tool *tool, double time, double dt)
+pel_pose pel_tool_next_pose(const pel_sim *sim, const pel_tool *tool, double time)
 {
-    return tool->blocked ? catch_up(tool, time, dt) : pel_tool_pose_at(tool, time);
+    if (tool->blocked)
+        return catch_up(tool, time, sim->step.dt);
+    pel_pose wanted = pel_tool_pose_at(tool, time), pose = wanted;
+    /* what is driven knows its pose at the end of the step: parts share the way */
+    if (tool->driven)
+        pel_tool_pose_between(&tool->pose, &wanted, pel_part_share_left(sim), &pose);
+    return pose;
 }

@@ -34,8 +34,10 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     tool->plane_before_count = tool->plane_count;
     tool->planes = oldest;
     tool->plane_count = 0;
+    if (sim->parts.at == 0)
+        tool->pose_start = tool->pose;
     tool->pose_before = tool->pose_substep = tool->pose;
-    tool->pose = tool->pose_wanted = pel_tool_next_pose(tool, time, sim->step.dt);
+    tool->pose = tool->pose_wanted = pel_tool_next_pose(sim, tool, time);
 }
 
 void pel_tools_begin(pel_sim *sim, double time)

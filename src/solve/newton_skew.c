@@ -35,7 +35,11 @@ static pel_status create(newton_run *run)
         made->vectors[i] = pel_allocate((size_t)newton->pattern->unknown_limit, sizeof *made->vectors[i]);
         room = made->vectors[i] != NULL;
     }
-    return room ? PEL_OK : pel_fail_memory(run->error);
+    if (room)
+        return PEL_OK;
+    pel_newton_skew_destroy(made);
+    newton->skew = NULL;
+    return pel_fail_memory(run->error);
 }
 
 /* newton->step = K^-1 S x */

@@ -199,13 +199,151 @@ static void test_caving(void **unused)
     }
 }
 
+/* ---- a sheet under steps of given parts ---- */
+
+typedef struct sheet_scene {
+    contact_scene scene;
+    int32_t held[2];
+    pel_support_def support;
+} sheet_scene;
+
+/* held at two corners by a support or pins; a small sphere may hold a third corner */
+static pel_sim *hold_sheet(sheet_scene *s, pel_method method, bool has_support, bool has_grip, int32_t size)
+{
+    contact_scene *scene = &s->scene;
+    scene_begin(scene, method);
+    scene->def.contact.enabled = false;
+    scene_body(scene, make_sheet(6, 0));
+    make_shell(&scene->bodies[0], 1e5);
+    s->held[0] = 42;
+    s->held[1] = 48;
+    if (has_support) {
+        s->support = pel_support_def_default();
+        s->support.name = "rim";
+        s->support.vertices = s->held;
+        s->support.vertex_count = 2;
+        scene->def.supports = &s->support;
+        scene->def.support_count = 1;
+    } else {
+        scene->bodies[0].pinned = s->held;
+        scene->bodies[0].pinned_count = 2;
+    }
+    scene->gravity = has_grip ? 0 : -10;
+    if (has_grip) {
+        pel_tool_def *tool = scene_tool(scene, PEL_TOOL_SPHERE);
+        tool->radius = 0.05;
+        tool->press = false;
+        tool->grasp = true;
+        tool->reach = 0.02;
+        const double *corner = scene->meshes[0]->positions[0];
+        pel_vec3_copy(corner, tool->center);
+        scene_move(scene, 0, corner[0], corner[1], corner[2], corner[2], 1);
+    }
+    pel_sim *sim = scene_create(scene);
+    sim->parts.now = (pel_parts_now){.size = size, .patience = PEL_MOST_PATIENCE};
+    return sim;
+}
+
+/* what supports feel in a step in parts is a mean, of the field of reactions as well */
+static void test_supports(void **unused)
+{
+    (void)unused;
+    double whole = 0;
+    for (int32_t size = PEL_PART_LIMIT; size >= 8; size /= 2) {
+        sheet_scene s;
+        double sum = 0;
+        pel_support_reading reading;
+        pel_sim *sim = hold_sheet(&s, PEL_METHOD_IMPLICIT, true, false, size);
+        run_steps(sim, 3);
+        pel_sim_get_support(sim, 0, &reading);
+        for (int32_t v = 0; v < sim->model->vertex_count; v++)
+            sum += sim->reactions[v][2];
+        assert_near(sum, -reading.force[2], 1e-9 * fabs(sum) + (sizeof(pel_real) == 8 ? 0 : 1e-4));
+        whole = size == PEL_PART_LIMIT ? sum : whole;
+        assert_near(sum, whole, 0.2 * fabs(whole));
+        scene_end(&s.scene, sim);
+    }
+}
+
+/* a tool that the caller moves goes its way in a step at one speed */
+static void test_driven_tool(void **unused)
+{
+    (void)unused;
+    for (int32_t size = PEL_PART_LIMIT; size >= 4; size /= 4) {
+        sheet_scene s;
+        pel_sim *sim = hold_sheet(&s, PEL_METHOD_IMPLICIT, false, true, size);
+        const double rotation[4] = {0, 0, 0, 1};
+        double place[3];
+        pel_vec3_copy(s.scene.tools[0].center, place);
+        run_steps(sim, 1);
+        for (int n = 0; n < 3; n++) {
+            place[0] -= 0.002;
+            assert_int_equal(pel_sim_set_tool_pose(sim, 0, place, rotation, NULL), PEL_OK);
+            run_steps(sim, 1);
+        }
+        assert_int_equal(sim->tools[0].held_count, 1);
+        assert_near((double)sim->state->velocity[sim->tools[0].held[0]][0], -0.2, 2e-3);
+        scene_end(&s.scene, sim);
+    }
+}
+
+/* a step that fails in its first part, however short that is, leaves everything as it was */
+static void test_failed_first_part(void **unused)
+{
+    (void)unused;
+    sheet_scene s;
+    pel_sim *sim = hold_sheet(&s, PEL_METHOD_IMPLICIT, false, false, PEL_PART_LIMIT);
+    run_steps(sim, 5);
+    size_t size = pel_sim_save_size(sim);
+    void *before = malloc(size), *after = malloc(size);
+    pel_sim_save(sim, before);
+    assert_int_equal(pel_parts_keep(sim, NULL), PEL_OK);
+    assert_int_equal(pel_parts_begin(sim, NULL), PEL_OK);
+    for (int i = 0; i < 6; i++)
+        assert_int_equal(pel_parts_halve(sim, NULL), PEL_OK);
+    pel_parts_end(sim, PEL_DIVERGED);
+    pel_sim_save(sim, after);
+    assert_memory_equal(before, after, size);
+    free(before);
+    free(after);
+    scene_end(&s.scene, sim);
+}
+
+/* a state before a grasp holds nothing, also where it is loaded while the grasp holds */
+static void test_load_before_grasp(void **unused)
+{
+    (void)unused;
+    sheet_scene s;
+    pel_sim *sim = hold_sheet(&s, PEL_METHOD_XPBD, false, true, PEL_PART_LIMIT);
+    sim->tools[0].grasp_from = 0.025;
+    size_t size = pel_sim_save_size(sim);
+    void *before = malloc(size);
+    pel_sim_save(sim, before);
+    run_steps(sim, 1);
+    uint64_t right = pel_sim_hash(sim);
+    run_steps(sim, 4);
+    assert_int_equal(sim->tools[0].held_count, 1);
+    assert_int_equal(pel_sim_load(sim, before, size, NULL), PEL_OK);
+    run_steps(sim, 1);
+    assert_true(pel_sim_hash(sim) == right);
+    free(before);
+    scene_end(&s.scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bullet),   cmocka_unit_test(test_bullet_implicit),
-        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_snapshot_implicit),
-        cmocka_unit_test(test_failure),  cmocka_unit_test(test_collapse),
+        cmocka_unit_test(test_bullet),
+        cmocka_unit_test(test_bullet_implicit),
+        cmocka_unit_test(test_snapshot),
+        cmocka_unit_test(test_snapshot_implicit),
+        cmocka_unit_test(test_failure),
+        cmocka_unit_test(test_collapse),
         cmocka_unit_test(test_caving),
+        cmocka_unit_test(test_supports),
+        cmocka_unit_test(test_driven_tool),
+        cmocka_unit_test(test_failed_first_part),
+        cmocka_unit_test(test_load_before_grasp),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -125,6 +125,30 @@ static void test_stops(void **context)
     }
 }
 
+/* a no that comes once, however late in the step, is not lost */
+static void test_one_no(void **context)
+{
+    (void)context;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        stop_scene s;
+        if (!cases[i].is_long)
+            continue;
+        pel_sim *sim = begin(&s, &cases[i], 1);
+        size_t size = pel_sim_save_size(sim);
+        void *saved = malloc(size);
+        pel_sim_save(sim, saved);
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+        int64_t count = s.patience.asked;
+        for (int64_t last = count - 1; last >= 0; last -= count / 16 + 1) {
+            assert_int_equal(pel_sim_load(sim, saved, size, NULL), PEL_OK);
+            s.patience = (patience){0, last};
+            assert_int_equal(pel_sim_step(sim, NULL), PEL_STOPPED);
+        }
+        free(saved);
+        press_end(&s.press, sim);
+    }
+}
+
 /* how soon: of the questions of a whole step, few come after the first no, which sticks */
 static void test_soon(void **context)
 {
@@ -148,6 +172,7 @@ static void test_soon(void **context)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_stops), cmocka_unit_test(test_soon)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_stops), cmocka_unit_test(test_one_no),
+                                       cmocka_unit_test(test_soon)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

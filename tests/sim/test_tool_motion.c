@@ -159,7 +159,7 @@ static void test_held_back(void **unused)
     /* at 1.5 s it lags 230 degrees behind: it follows forwards, by an eighth a step */
     own->blocked = true;
     own->pose = pel_tool_pose_at(own, 1.5 - 230 / 540.0);
-    middle = pel_tool_next_pose(own, 1.5, 0.001);
+    middle = pel_tool_next_pose(s.sim, own, 1.5);
     pel_rotate(middle.rotation, (double[3]){1, 2, 3}, x);
     expect_turn(x, (double[3]){0, 0, 1}, 630 - 230 * 7 / 8.0);
     end_stage(&s);
