@@ -240,6 +240,11 @@ static void test_glb_mesh(void **unused)
     assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
     assert_null(strstr(bytes + 20, "animations"));
     check_by_python(path, "4 vertices, 4 triangles, 1 frames\n");
+    /* bodies that share triangles cannot be nodes of their own */
+    const double labels[4] = {0, 0, 1, 1};
+    assert_int_equal(pel_mesh_add_field(mesh, "body", 1, labels, NULL), PEL_OK);
+    assert_int_equal(pel_export_glb_mesh(path, mesh, NULL), PEL_OK);
+    check_by_python(path, "4 vertices, 4 triangles, 1 frames\n");
     mesh->positions[1][2] = 1e300;
     assert_int_equal(pel_export_glb_mesh(path, mesh, NULL), PEL_BAD_ARGUMENT);
     pel_mesh_destroy(mesh);
