@@ -54,6 +54,23 @@ pel_mesh *bench_sphere(int32_t frequency)
     return mesh;
 }
 
+pel_body_def bench_organ(const pel_mesh *mesh, int32_t levels)
+{
+    pel_body_def body = pel_body_def_default();
+    body.name = "organ";
+    body.mesh = mesh;
+    body.mass_kind = PEL_MASS_TOTAL;
+    body.mass = 1.5;
+    body.spring_stiffness.value = 60;
+    body.spring_damping.value = 0.1;
+    body.volumetric_stiffness.value = 120;
+    body.volumetric_damping.value = 0.1;
+    body.volumetric_by_area = true;
+    body.refine.levels = levels;
+    body.refine.near_tools = levels > 0 ? 0.003 : 0;
+    return body;
+}
+
 pel_mesh *bench_read(const char *path)
 {
     pel_error error;

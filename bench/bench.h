@@ -24,6 +24,9 @@ void *bench_allocate(size_t count, size_t size);
 /* geodesic sphere of radius 1 with 20 frequency^2 triangles */
 pel_mesh *bench_sphere(int32_t frequency);
 
+/* tissue of scenes/organ-press.yaml, refined under a tool; the mesh lives on */
+pel_body_def bench_organ(const pel_mesh *mesh, int32_t levels);
+
 /* mesh of a file */
 pel_mesh *bench_read(const char *path);
 

@@ -96,19 +96,10 @@ int main(int argc, char **argv)
     for (int32_t v = 0; argc <= 2 && v < organ->vertex_count; v++)
         for (int i = 0; i < 3; i++)
             organ->positions[v][i] *= 0.08;
-    body.mesh = organ;
-    body.mass_kind = PEL_MASS_TOTAL;
-    body.mass = 1.5;
-    body.spring_stiffness.value = 60;
-    body.spring_damping.value = 0.1;
-    body.volumetric_stiffness.value = 120;
-    body.volumetric_damping.value = 0.1;
-    body.volumetric_by_area = true;
     for (int32_t levels = 0; levels <= 2; levels++) {
         char name[32];
         snprintf(name, sizeof name, "tissue, %d levels", (int)levels);
-        body.refine.levels = levels;
-        body.refine.near_tools = levels > 0 ? 0.003 : 0;
+        body = bench_organ(organ, levels);
         press(name, organ, &body, 0.02, 0.01, steps);
     }
     pel_mesh_destroy(organ);

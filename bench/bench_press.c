@@ -39,18 +39,7 @@ static void press_path(const pel_mesh *mesh, double radius, pel_pose_key keys[3]
 static void press(const pel_mesh *mesh, int32_t levels)
 {
     pel_error error;
-    pel_body_def body = pel_body_def_default();
-    body.name = "organ";
-    body.mesh = mesh;
-    body.mass_kind = PEL_MASS_TOTAL;
-    body.mass = 1.5;
-    body.spring_stiffness.value = 60;
-    body.spring_damping.value = 0.1;
-    body.volumetric_stiffness.value = 120;
-    body.volumetric_damping.value = 0.1;
-    body.volumetric_by_area = true;
-    body.refine.levels = levels;
-    body.refine.near_tools = levels > 0 ? 0.003 : 0;
+    const pel_body_def body = bench_organ(mesh, levels);
     pel_model *model = bench_model(&body);
     pel_pose_key keys[3];
     press_path(mesh, 0.02, keys);

@@ -145,8 +145,8 @@ void pel_parts_end(pel_sim *sim, pel_status status)
 {
     pel_sim_parts *parts = &sim->parts;
     bool is_whole = parts->step_size == PEL_PART_LIMIT;
-    bool is_before_known = parts->at > 0 || !is_whole || (status == PEL_STOPPED && parts->is_kept);
-    bool goes_back = status != PEL_OK && is_before_known;
+    /* a stop is asked for only where the state before is kept */
+    bool goes_back = status == PEL_STOPPED || (status != PEL_OK && !is_whole);
     parts->at = 0;
     parts->is_kept = false;
     pel_pool_watch(sim->pool, NULL, NULL);

@@ -1,6 +1,7 @@
 /* The loop beside a simulation: forces against a simulation that steps at the loop's own rate, energy, learning,
    grasps, the thread. */
 #include "failing_malloc.h"
+#include "haptic/idle_device.h"
 #include "haptic/proxy.h"
 #include "pellicle/haptic.h"
 #include "pellicle/live.h"
@@ -428,20 +429,6 @@ static pel_status create_haptic(const void *data, pel_error *error)
     assert_true((haptic == NULL) == (status != PEL_OK));
     pel_haptic_destroy(haptic);
     return status;
-}
-
-static bool read_nothing(void *user, double position[3], double rotation[4])
-{
-    (void)user;
-    (void)position;
-    (void)rotation;
-    return false;
-}
-
-static void write_nothing(void *user, const double force[3])
-{
-    (void)user;
-    (void)force;
 }
 
 static pel_status start_haptic(const void *data, pel_error *error)

@@ -1,20 +1,7 @@
+#include "haptic/idle_device.h"
 #include "misuse.h"
 #include "pellicle/haptic.h"
 #include "sim/fixture.h"
-
-static bool read_nothing(void *user, double position[3], double rotation[4])
-{
-    (void)user;
-    (void)position;
-    (void)rotation;
-    return false;
-}
-
-static void write_nothing(void *user, const double force[3])
-{
-    (void)user;
-    (void)force;
-}
 
 static pel_status start(pel_haptic *haptic, bool reads, bool writes, pel_error *error)
 {

@@ -116,7 +116,6 @@ async function playingPads(page) {
         return hand.kind === "press" && Math.hypot(...hand.force) > 0.01;
     };
     const free = () => globalThis.pellicle.frame.hand.kind === "free";
-    const mode = () => page.evaluate(() => globalThis.pellicle.state.mode);
     const place = () => page.evaluate(() => document.getElementById("aim").style.transform);
     await page.click("[data-mode=press]");
     await pad([0, 0, 0, 0], {});
@@ -124,8 +123,6 @@ async function playingPads(page) {
     const middle = await place();
     await pad([0.6, 0, 0, 0], {});
     await until(page, (before) => document.getElementById("aim").style.transform !== before, middle);
-    await pad([-1, 0, 0, 0], {});
-    await page.waitForTimeout(50);
     // in the middle again
     await page.evaluate(() => globalThis.pellicle.aim(0.5, 0.5));
     await pad([0, 0, 0, 0], { 7: 0.9 });
@@ -137,7 +134,6 @@ async function playingPads(page) {
     await until(page, () => globalThis.pellicle.state.mode === "pin");
     await pad([0, 0, 0, 0], { 4: 1 });
     await until(page, () => globalThis.pellicle.state.mode === "press");
-    assert.equal(await mode(), "press");
     // the cap of a SpaceMouse, pushed down
     await pad([0, 0, 0.8, 0, 0, 0], {}, "");
     await until(page, pressed);
