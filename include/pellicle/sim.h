@@ -442,6 +442,9 @@ typedef struct pel_solver_reading {
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all that can move */
     bool unstable;       /* static: the state is a balance but no minimum of the energy, and none was found beside it */
+    int32_t stray_body;  /* static, descent: only contact holds it, and it went farther than all ways of the tools by
+                            half its size or more; -1 = none */
+    double stray_way;    /* m, that it went */
     bool has_budget;     /* solver.budget is set */
     bool converged;   /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
                          act: loads, pressure, contacts, grasps; where none acts, of the largest that acted before */

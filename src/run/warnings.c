@@ -30,19 +30,13 @@ enum { JAM_STEPS = 10 };
 #define LEAST_ENERGY 1e-6
 
 static const char *const codes[PEL_WARN_COUNT] = {
-    [PEL_WARN_SOFT] = "softer-than-material",
-    [PEL_WARN_COARSE] = "coarse-mesh",
-    [PEL_WARN_MILLIMETRES] = "millimetres",
-    [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
-    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume",
-    [PEL_WARN_UNCONVERGED] = "unconverged",
-    [PEL_WARN_UNSTABLE] = "unstable-balance",
-    [PEL_WARN_ENERGY] = "energy-appears",
-    [PEL_WARN_JAMMED] = "jammed",
-    [PEL_WARN_TOOL_HELD] = "tool-held-back",
-    [PEL_WARN_GRASP_LOST] = "grasp-lost",
-    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
-    [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
+    [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
+    [PEL_WARN_MILLIMETRES] = "millimetres",         [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
+    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
+    [PEL_WARN_UNSTABLE] = "unstable-balance",       [PEL_WARN_STRAY] = "stray-body",
+    [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
+    [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -244,6 +238,10 @@ void pel_warnings_check_step(pel_run_state *run)
         pel_warn(tallies, PEL_WARN_UNCONVERGED, frame, solver.residual);
     if (solver.unstable)
         pel_warn(tallies, PEL_WARN_UNSTABLE, frame, 0);
+    if (solver.stray_body >= 0) {
+        run->flagged[PEL_WARN_STRAY] = (pel_flagged_body){solver.stray_body, solver.stray_way, 0};
+        pel_warn(tallies, PEL_WARN_STRAY, frame, solver.stray_way);
+    }
     if (solver.softness > SOFTNESS_LIMIT)
         pel_warn(tallies, PEL_WARN_SOFT, frame, solver.softness);
     pel_sim_get_contact_statistics(run->sim, &now);
@@ -384,6 +382,17 @@ static void tell_unstable(const text_context *at)
              at->tally->count, pel_sim_step_count(at->run->sim));
 }
 
+static void tell_stray(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_STRAY, &name);
+    snprintf(at->text, at->size,
+             "only contact holds body '%s', and it slid away by %.3g m, farther than the tools went: without "
+             "friction many places are states of rest. set contact.friction, pin it against sliding, or use the method "
+             "implicit",
+             name, flagged->value);
+}
+
 static const char *energy_remedy(const pel_sim_def *sim)
 {
     switch (sim->solver.method) {
@@ -505,6 +514,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_INVERTED_VOLUME] = tell_inverted_volume,
     [PEL_WARN_UNCONVERGED] = tell_unconverged,
     [PEL_WARN_UNSTABLE] = tell_unstable,
+    [PEL_WARN_STRAY] = tell_stray,
     [PEL_WARN_ENERGY] = tell_energy,
     [PEL_WARN_JAMMED] = tell_jam,
     [PEL_WARN_TOOL_HELD] = tell_tool,

@@ -295,11 +295,11 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
     descent->acted = fmax(descent->acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
-/* a step in time goes by what was left of the forces that it began with */
+/* not by a share of the forces that the round began with: those of gaps that close are far larger than all others */
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
-    return round->converged &&
-           (pel_sim_has_velocity(sim) || round->is_near || round->residual <= tolerance_of(sim, loads));
+    double tolerance = pel_sim_has_velocity(sim) ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
+    return round->converged && (round->is_near || round->residual <= tolerance);
 }
 
 /* rounds until gaps are closed and forces balanced; the last part of a step looks for surfaces as well */
@@ -429,6 +429,9 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
             return status;
     }
     sim->descent->result.energy = plain_energy(context, sim->force);
+    sim->descent->tool_way += way;
+    if (!pel_sim_has_velocity(sim))
+        pel_descent_find_stray(sim);
     return status;
 }
 
@@ -529,6 +532,7 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, 
     size_t count = (size_t)sim->model->vertex_count;
     descent->minimise = minimise;
     descent->force_time = 1;
+    descent->stray_body = -1;
     descent->external = pel_allocate_aligned(count, sizeof *descent->external);
     descent->constraint_of_vertex = pel_allocate(count, sizeof *descent->constraint_of_vertex);
     descent->shares = pel_allocate(count, sizeof *descent->shares);

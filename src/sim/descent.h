@@ -61,6 +61,9 @@ struct pel_sim_descent {
     double stiffness;            /* 1/s2, bound of that of the bodies over mass */
     double penalty;              /* stiffness of constraints over that bound */
     double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
+    int32_t stray_body;          /* has got away by the last step (pel_descent_find_stray); -1 = none */
+    double stray_way;            /* m */
+    double tool_way;             /* m, farthest that any tool went, summed over the steps; in snapshots */
     pel_descent_result result;   /* of the step at work */
     pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 
@@ -119,6 +122,8 @@ void pel_sim_descent_accept(pel_sim *sim);
 pel_status pel_descent_check_held(const pel_sim *sim, const pel_record *force, double time, pel_error *error);
 /* The same for the loads of the first step, and at the times of those that come later. Clears sim->force. */
 pel_status pel_descent_check_start(pel_sim *sim, pel_error *error);
+/* Finds a body that only contact holds and that has got away by the end of the step of a static method. */
+void pel_descent_find_stray(pel_sim *sim);
 
 /* ---- descent_contact.c ---- */
 /* the weighted sum of its points: where it is, against a surface the way between both sides */

@@ -15,17 +15,25 @@
 /* net force over the sum of the forces' sizes: rounding of records, and what the vertex-normal form is wrong by */
 #define LOAD_RATIO 1e-4
 #define FOLLOWER_RATIO 0.05
+/* of its size: a body that goes so much farther than the tools has got away */
+#define STRAY_SHARE 0.5
 
-static bool holds_itself(const pel_sim *sim, int32_t body)
+/* by pins, volumetric springs or supports */
+static bool is_fastened(const pel_sim *sim, int32_t body)
 {
     const pel_body *own = &sim->model->bodies[body];
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < own->slice_end * PEL_WIDTH; v++)
         if (sim->model->mesh_vertex[v] >= 0 && !(sim->model->inverse_mass[v] > 0))
             return true;
+    return own->has_volumetric || pel_holds_has_body(sim, body);
+}
+
+static bool holds_itself(const pel_sim *sim, int32_t body)
+{
     for (int32_t i = 0; i < sim->tool_count; i++)
         if ((sim->tools[i].press || sim->tools[i].grasp) && pel_tool_acts_on(&sim->tools[i], body))
             return true;
-    return own->has_volumetric || pel_holds_has_body(sim, body);
+    return is_fastened(sim, body);
 }
 
 static bool is_held(const pel_sim *sim, int32_t body)
@@ -93,4 +101,46 @@ pel_status pel_descent_check_start(pel_sim *sim, pel_error *error)
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         sim->force[v] = (pel_record){0};
     return status;
+}
+
+/* ---- bodies that get away ---- */
+
+/* m, of the mean of a body's vertices from its place at rest, across the forces that stay; 0 where a grasp holds it */
+static double way_across(const pel_sim *sim, int32_t body)
+{
+    const pel_state *state = sim->state;
+    double way[3] = {0, 0, 0}, net[3] = {0, 0, 0}, x[3];
+    int32_t count = 0;
+    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+        if (sim->model->mesh_vertex[v] < 0)
+            continue;
+        if (sim->held != NULL && sim->held[v])
+            return 0;
+        pel_vertex_position(sim->descent->external, v, x);
+        pel_vec3_add(net, x, net);
+        pel_vertex_position(state->position_next, v, x);
+        pel_vec3_add(way, x, way);
+        pel_vertex_position(sim->model->rest, v, x);
+        pel_vec3_subtract(way, x, way);
+        count++;
+    }
+    pel_vec3_scale(way, count > 0 ? 1.0 / count : 0, way);
+    if (pel_vec3_normalize(net) > 0)
+        pel_vec3_along(way, -pel_vec3_dot(way, net), net, way);
+    return pel_vec3_length(way);
+}
+
+void pel_descent_find_stray(pel_sim *sim)
+{
+    pel_sim_descent *descent = sim->descent;
+    descent->stray_body = -1;
+    descent->stray_way = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        double way = !is_fastened(sim, b) ? way_across(sim, b) : 0;
+        if (way - descent->tool_way < STRAY_SHARE * body->diameter || way <= descent->stray_way)
+            continue;
+        descent->stray_body = b;
+        descent->stray_way = way;
+    }
 }

@@ -277,7 +277,7 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 {
     if (sim == NULL || reading == NULL)
         return;
-    *reading = (pel_solver_reading){0};
+    *reading = (pel_solver_reading){.stray_body = -1};
     pel_substeps_read(sim, reading);
     if (sim->descent == NULL)
         return;
@@ -288,6 +288,8 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
     reading->energy = result->energy;
     reading->residual = result->residual;
     reading->unstable = result->unstable;
+    reading->stray_body = sim->descent->stray_body;
+    reading->stray_way = sim->descent->stray_way;
     reading->has_budget = sim->solver.budget > 0;
     reading->converged = result->converged;
 }

@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 10 };
+enum { SNAPSHOT_VERSION = 11 };
 
 typedef struct header {
     char magic[8];
@@ -219,6 +219,7 @@ static void transfer_history(cursor *at, const pel_sim *sim, int32_t unused)
         transfer(at, state->older_position, count * sizeof *state->older_position);
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
+        transfer(at, &state->collision, sizeof state->collision);
     }
 }
 
@@ -358,6 +359,7 @@ static void transfer_descent(cursor *at, const pel_sim *sim, int32_t unused)
     if (sim->descent == NULL)
         return;
     transfer(at, &sim->descent->acted, sizeof sim->descent->acted);
+    transfer(at, &sim->descent->tool_way, sizeof sim->descent->tool_way);
     transfer(at, &sim->descent->accepted, sizeof sim->descent->accepted);
 }
 

@@ -22,6 +22,7 @@ struct pel_sim_newton {
     int32_t (*couplings)[4]; /* scratch: vertices of constraints */
     size_t coupling_capacity;
     bool is_damped; /* drag, or damping of springs */
+    bool collides;  /* velocities have jumped in the step in progress */
     bool goes_on;   /* the unknowns belong to the step in progress */
 };
 
