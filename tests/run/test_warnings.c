@@ -123,6 +123,27 @@ static void test_unconverged(void **unused)
     assert_null(find_warning(&summary, "unconverged"));
 }
 
+/* a ball between two plates without friction has no place that it must stay at */
+static void test_stray(void **unused)
+{
+    (void)unused;
+    const char *text =
+        "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.05 }\n"
+        "    membrane: { preset: rubber }\n    pressure: { gas: {} }\ntools:\n"
+        "  - { name: floor, shape: box, size: [0.3, 0.3, 0.02], motion: [{ position: [0, 0, -0.0605] }] }\n"
+        "  - { name: plate, shape: box, size: [0.3, 0.3, 0.02],\n"
+        "      motion: [{ position: [0, 0, 0.0605] }, { time: 1, position: [0, 0, 0.0505] }] }\n"
+        "contact: { self: true, friction: 0 }\nsolver: { method: static, dt: 0.02 }\nstop: { frames: 30 }\n";
+    const char *held = "contact.friction=0.3";
+    pel_run_summary summary;
+    run_scene(text, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "stray-body");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "body 'ball'"));
+    run_scene(text, &held, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "stray-body"));
+}
+
 /* a grasp that tears out is told with its tool, vertices and time; the count goes through checkpoints */
 static void test_lost_grasp(void **unused)
 {
@@ -364,19 +385,13 @@ static int two_threads(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clean_run),
-        cmocka_unit_test(test_softness),
-        cmocka_unit_test(test_unconverged),
-        cmocka_unit_test(test_lost_grasp),
-        cmocka_unit_test(test_millimetres),
-        cmocka_unit_test(test_coarse_mesh),
-        cmocka_unit_test(test_inverted_mesh),
-        cmocka_unit_test(test_energy_appears),
-        cmocka_unit_test(test_energy_of_rest),
-        cmocka_unit_test(test_grasp_empty),
-        cmocka_unit_test(test_tallies),
-        cmocka_unit_test(test_frames),
-        cmocka_unit_test(test_every_kind_has_a_text),
+        cmocka_unit_test(test_clean_run),      cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_unconverged),    cmocka_unit_test(test_stray),
+        cmocka_unit_test(test_lost_grasp),     cmocka_unit_test(test_millimetres),
+        cmocka_unit_test(test_coarse_mesh),    cmocka_unit_test(test_inverted_mesh),
+        cmocka_unit_test(test_energy_appears), cmocka_unit_test(test_energy_of_rest),
+        cmocka_unit_test(test_grasp_empty),    cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_frames),         cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);
     return failures + cmocka_run_group_tests(tests, two_threads, clear_folder);

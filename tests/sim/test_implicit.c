@@ -244,7 +244,52 @@ static void test_slide(void **unused)
         pel_sim_get_positions(sim, 0, after);
         for (int v = 0; v < 49; v++)
             way += (after[3 * v] - before[3 * v]) / 49;
-        assert_near(way / (0.5 * gravity * (sine - mu * cosine) * time * time), 1, 0.04);
+        /* the slack of the contact is closed in the first steps, which are of first order */
+        assert_near(way / (0.5 * gravity * (sine - mu * cosine) * time * time), 1, i == 2 ? 0.025 : 0.004);
+        scene_end(&scene, sim);
+    }
+}
+
+/* A stiff sheet that falls flat stays where it falls, wherever in a step it meets the ground. */
+static void test_flat_fall(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < 4; i++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_IMPLICIT);
+        pel_mesh *sheet = make_sheet(8, 0);
+        for (int32_t v = 0; v < sheet->vertex_count; v++)
+            sheet->positions[v][2] += 0.02 + 0.005 * i;
+        scene_body(&scene, sheet);
+        scene.bodies[0].spring_stiffness.value = 0;
+        scene.bodies[0].spring_damping.value = scene.bodies[0].volumetric_damping.value = 0;
+        scene.bodies[0].shell.membrane.on = true;
+        scene.bodies[0].shell.membrane.young.value = 2e9;
+        scene.bodies[0].shell.membrane.thickness.value = 5e-4;
+        scene_tool(&scene, PEL_TOOL_BOX);
+        for (int k = 0; k < 3; k++)
+            scene.tools[0].half_extents[k] = 4;
+        scene_move(&scene, 0, 0, 0, -4, -4, 1);
+        scene.gravity = -10;
+        scene.def.contact.thickness = 5e-4;
+        scene.def.solver.dt = 0.01;
+        pel_sim *sim = scene_create(&scene);
+        pel_sim_measures measures;
+        pel_tool_reading reading = {0};
+        double before = 0;
+        for (int step = 0; step < 30 && reading.contact_count == 0; step++) {
+            pel_sim_measure(sim, &measures);
+            before = measures.kinetic_energy;
+            run_steps(sim, 1);
+            pel_sim_get_tool(sim, 0, &reading);
+        }
+        assert_true(before > 0 && reading.contact_count > 0);
+        run_steps(sim, 1);
+        for (int step = 0; step < 10; step++) {
+            run_steps(sim, 1);
+            pel_sim_measure(sim, &measures);
+            assert_true(measures.kinetic_energy < 1e-3 * before);
+        }
         scene_end(&scene, sim);
     }
 }
@@ -669,15 +714,15 @@ static void test_budget(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order),         cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_momentum),      cmocka_unit_test(test_load_in_time),
-        cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_slide),
-        cmocka_unit_test(test_round_tool),    cmocka_unit_test(test_capsule),
-        cmocka_unit_test(test_light),         cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_collision),     cmocka_unit_test(test_collision_bits),
-        cmocka_unit_test(test_refined),       cmocka_unit_test(test_refined_bits),
-        cmocka_unit_test(test_refusal),       cmocka_unit_test(test_radial_damping),
-        cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_order),          cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_momentum),       cmocka_unit_test(test_load_in_time),
+        cmocka_unit_test(test_driven_volume),  cmocka_unit_test(test_slide),
+        cmocka_unit_test(test_flat_fall),      cmocka_unit_test(test_round_tool),
+        cmocka_unit_test(test_capsule),        cmocka_unit_test(test_light),
+        cmocka_unit_test(test_bits),           cmocka_unit_test(test_collision),
+        cmocka_unit_test(test_collision_bits), cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_refined_bits),   cmocka_unit_test(test_refusal),
+        cmocka_unit_test(test_radial_damping), cmocka_unit_test(test_budget),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
