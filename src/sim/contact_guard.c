@@ -307,7 +307,7 @@ static void move_tool(pel_sim *sim, int32_t i)
     /* a tool that stands still lags behind nothing */
     if (pel_tool_way(tool, &tool->pose_before, &contacts->wanted[i]) > 0)
         tool->blocked = tool->is_held_back = true;
-    pel_tool_pose_between(&tool->pose_before, &contacts->wanted[i], share, &tool->pose);
+    pel_pose_between(&tool->pose_before, &contacts->wanted[i], share, &tool->pose);
     pel_contact_tool_points(&contacts->tools[i], &tool->pose, contacts->end);
 }
 

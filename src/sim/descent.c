@@ -174,7 +174,7 @@ static int count_parts(const pel_sim *sim, double *longest)
 static void set_poses(pel_sim *sim, double share)
 {
     for (int32_t i = 0; i < sim->tool_count; i++)
-        pel_tool_pose_between(&sim->tools[i].pose_before, &sim->tools[i].pose_wanted, share, &sim->tools[i].pose);
+        pel_pose_between(&sim->tools[i].pose_before, &sim->tools[i].pose_wanted, share, &sim->tools[i].pose);
     pel_tools_carry(sim);
 }
 

@@ -136,7 +136,7 @@ static rigid_motion motion_of_tool(const pel_sim *sim, const pel_tool *tool, boo
     pel_vec3_copy(now ? tool->pose.position : tool->pose_before.position, motion.center);
     pel_vec3_subtract(tool->pose.position, tool->pose_before.position, motion.velocity);
     pel_vec3_scale(motion.velocity, 1 / sim->step.dt, motion.velocity);
-    pel_tool_turn(&tool->pose_before, &tool->pose, turn);
+    pel_pose_turn(&tool->pose_before, &tool->pose, turn);
     pel_vec3_scale(turn, 1 / sim->step.dt, motion.spin);
     return motion;
 }

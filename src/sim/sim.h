@@ -6,6 +6,7 @@
 #include "force/body_force.h"
 #include "force/shell_force.h"
 #include "geom/solid.h"
+#include "math/pose.h"
 #include "model/boundary.h"
 #include "model/refined_model.h"
 #include "pellicle/sim.h"
@@ -49,12 +50,6 @@ typedef struct pel_follower {
     /* of the last evaluation: N; turn of the frame by displacements of the vertices */
     double force[3], turns[3][3][3];
 } pel_follower;
-
-typedef struct pel_pose {
-    double position[3];
-    double rotation[4]; /* x, y, z, w */
-    double spin[3];     /* rotation vectors [rad] along the way to here, summed: tells whole turns from none */
-} pel_pose;
 
 typedef enum pel_grasp_phase { PEL_GRASP_WAITING, PEL_GRASP_HOLDING, PEL_GRASP_DONE } pel_grasp_phase;
 

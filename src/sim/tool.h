@@ -6,18 +6,6 @@
 #include "model/contact.h"
 #include "sim/sim.h"
 
-static inline void pel_pose_to_local(const pel_pose *pose, const double world[3], double local[3])
-{
-    pel_vec3_subtract(world, pose->position, local);
-    pel_rotate_back(pose->rotation, local, local);
-}
-
-static inline void pel_pose_to_world(const pel_pose *pose, const double local[3], double world[3])
-{
-    pel_rotate(pose->rotation, local, world);
-    pel_vec3_add(world, pose->position, world);
-}
-
 /* ---- tool_pose.c ---- */
 /* finite, with a unit quaternion and not too many turns */
 bool pel_tool_is_key(const pel_pose_key *key);
@@ -25,20 +13,14 @@ bool pel_tool_is_key(const pel_pose_key *key);
 void pel_tool_sum_spins(pel_tool *tool);
 /* a keyed pose at a time */
 pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
-/* rotation vector [rad] between two poses of a tool, along its way */
-void pel_tool_turn(const pel_pose *a, const pel_pose *b, double turn[3]);
 /* the pose that a tool goes to in the step to `time` */
 pel_pose pel_tool_next_pose(const pel_sim *sim, const pel_tool *tool, double time);
-/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
-double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
-/* a pose between two; share 0 and 1 give them exactly */
-void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
 
 /* velocity of the point of the tool that is now at `point`: v + w x r with the mean v and w of the last step */
 static inline void pel_tool_velocity(const pel_tool *tool, const double point[3], double dt, double velocity[3])
 {
     double turn[3], arm[3], before[3];
-    pel_tool_turn(&tool->pose_before, &tool->pose, turn);
+    pel_pose_turn(&tool->pose_before, &tool->pose, turn);
     pel_vec3_subtract(point, tool->pose.position, arm);
     pel_vec3_cross(turn, arm, velocity);
     pel_vec3_add(arm, tool->pose_before.position, before);
@@ -48,9 +30,13 @@ static inline void pel_tool_velocity(const pel_tool *tool, const double point[3]
 
 static inline double pel_tool_size(const pel_tool *tool)
 {
-    double half[3];
-    pel_solid_half_box(&tool->solid, half);
-    return half[0] + half[1] + half[2];
+    return pel_solid_size(&tool->solid);
+}
+
+/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
+static inline double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
+{
+    return pel_pose_way(a, b, pel_tool_size(tool));
 }
 
 /* grown by a distance about it */
