@@ -194,16 +194,16 @@ static bool go_back_to(pel_sim *sim, int32_t v, double share)
    say more */
 static bool go_back(pel_sim *sim)
 {
-    const pel_sim_contacts *contacts = sim->contacts;
+    const pel_contact_set *contacts = sim->contacts;
     double *shares = sim->descent->shares;
     bool any = false;
     for (int pass = 0; pass < 2; pass++)
         for (size_t c = 0; c < contacts->conflict_count; c++) {
             const pel_conflict *conflict = &contacts->conflicts[c];
-            if (conflict->tool >= 0 && pel_tool_is_round(&sim->tools[conflict->tool]))
+            if (conflict->obstacle >= 0 && pel_tool_is_round(&sim->tools[conflict->obstacle]))
                 continue;
             for (int i = 0; i < 4; i++) {
-                int32_t v = conflict->places[i];
+                int32_t v = conflict->vertices[i];
                 if (v < 0)
                     continue;
                 if (pass == 1 && shares[v] < 1)
@@ -229,7 +229,7 @@ static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_er
     }
     if (status != PEL_OK || !sees)
         return status;
-    pel_contacts_look_at_start(sim);
+    pel_contact_set_look_at_start(sim->contacts);
     return pel_descent_contacts_add_surfaces(sim, error);
 }
 

@@ -1,9 +1,9 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
  */
 #include "base/status.h"
+#include "contact/sweep.h"
 #include "sim/contact.h"
 #include "sim/tool_solid.h"
-#include "solve/contact.h"
 
 #include <string.h>
 
@@ -50,12 +50,12 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
    looked at: most pairs of a wad are farther apart. */
 static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record *start)
 {
-    const pel_sim_contacts *contacts = sim->contacts;
+    pel_contact_set *contacts = sim->contacts;
     double reach = HUGE_VAL;
     for (int i = 0; i < SWEEP_LIMIT; i++) {
-        pel_contacts_refresh(sim, start, reach);
+        pel_contact_set_refresh(contacts, sim->state->position_next, start, reach);
         double deepest = pel_contacts_project(pairs, sim->state->position_next, start);
-        if (!(deepest > SWEEP_TOLERANCE * contacts->thickness))
+        if (!(deepest > SWEEP_TOLERANCE * contacts->def.thickness))
             break;
         reach = contacts->largest + CORRECTION_REACH * deepest;
     }
@@ -69,7 +69,7 @@ static void sweep(pel_sim *sim, const pel_record *start)
     pel_project_sweep(sim->projector, positions);
     if (pairs != NULL) {
         sweep_pairs(sim, pairs, start);
-        pel_contact_heights_refresh(sim);
+        pel_contact_heights_refresh(sim->contacts, positions);
         pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
     if (sim->solids != NULL) {
@@ -95,8 +95,8 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_project_predict(projector, state, sim->force, &sim->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
     if (pairs != NULL) {
-        pel_contacts_place_tools(sim);
-        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->thickness;
+        pel_contacts_begin_substep(sim);
+        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->def.thickness;
         pel_contacts_begin(pairs);
         pel_contacts_begin(&sim->contacts->heights.list);
     }
@@ -134,7 +134,7 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
         status = pel_contacts_find_on_way(sim, error);
         if (status != PEL_OK || sim->contacts->conflict_count == 0 || sim->contacts->list.count == known)
             break;
-        pel_contacts_forget_step(sim);
+        pel_contact_set_forget_step(sim->contacts);
         pel_tools_forget_step(sim);
         pel_contact_forces_begin(sim);
         status = run_substeps(sim, error);
@@ -149,7 +149,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     bool has_pairs = pel_sim_has_loop_contacts(sim);
     pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
     if (status == PEL_OK && has_pairs)
-        status = pel_contact_heights_find(sim, error);
+        status = pel_contact_heights_find(sim->contacts, state->position, error);
     if (status == PEL_OK && sim->solids != NULL)
         status = pel_solids_find(sim, error);
     if (status != PEL_OK)

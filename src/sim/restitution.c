@@ -327,7 +327,7 @@ static double restitution_of(const pel_sim *sim, int32_t group)
 {
     int32_t tool = group - sim->model->body_count;
     double own = tool < 0 ? sim->model->bodies[group].restitution : sim->tools[tool].restitution;
-    return own >= 0 ? own : sim->contacts->def.restitution;
+    return own >= 0 ? own : sim->contact.def.restitution;
 }
 
 /* below 0 where neither has any */

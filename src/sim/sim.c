@@ -58,7 +58,7 @@ static void mark_contacts(pel_sim *sim)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
     if (sim->contacts != NULL)
-        pel_contacts_mark(sim);
+        pel_contact_set_mark(sim->contacts, sim->state->contact);
     if (sim->stepper->mark_contacts != NULL)
         sim->stepper->mark_contacts(sim);
 }

@@ -158,7 +158,18 @@ typedef struct pel_refine_body {
     int64_t output_revision;
 } pel_refine_body;
 
-typedef struct pel_sim_contacts pel_sim_contacts;
+typedef struct pel_contact_set pel_contact_set;
+
+/* What the simulation keeps of contact beside the set. */
+typedef struct pel_sim_contact {
+    pel_contact_def def;
+    int64_t *revisions; /* (body_count) of the surface in the set */
+    bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
+    double solved_energy; /* J, of the new positions and velocities before anything was corrected */
+    void *before_event;   /* (event_size) snapshot, of models that refine; else null */
+    size_t event_size;
+} pel_sim_contact;
+
 typedef struct pel_sim_solids pel_sim_solids;
 
 /* Substeps of xpbd at present and so far; in snapshots. */
@@ -285,7 +296,8 @@ struct pel_sim {
     int32_t follower_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_sim_contacts *contacts;   /* (contact.h) null = none */
+    pel_contact_set *contacts; /* (contact.h) null = none */
+    pel_sim_contact contact;
     bool contact_in_loop;         /* the solver sweeps over them too */
     bool self_contact;            /* no body can cut itself */
     pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */

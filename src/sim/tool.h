@@ -2,8 +2,8 @@
 #ifndef PEL_SIM_TOOL_H
 #define PEL_SIM_TOOL_H
 
+#include "contact/contact.h"
 #include "math/pose.h"
-#include "model/contact.h"
 #include "sim/sim.h"
 
 /* ---- tool_pose.c ---- */
