@@ -136,7 +136,7 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
             break;
         pel_contact_set_forget_step(sim->contacts);
         pel_tools_forget_step(sim);
-        pel_contact_forces_begin(sim);
+        pel_contact_forces_begin(&sim->contact_forces);
         status = run_substeps(sim, error);
     }
     return status;

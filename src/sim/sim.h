@@ -3,6 +3,7 @@
 #define PEL_SIM_SIM_H
 
 #include "batch/batches.h"
+#include "contact/force.h"
 #include "force/body_force.h"
 #include "force/shell_force.h"
 #include "geom/solid.h"
@@ -226,15 +227,6 @@ typedef struct pel_sim_path pel_sim_path;
 /* (hold.h) supports of single components */
 typedef struct pel_sim_holds pel_sim_holds;
 
-/* What a body or tool did to a body in a step. Sums over contacts; those with a load are weighted by it. */
-typedef struct pel_pair_force {
-    double force[3];  /* N */
-    double load[3];   /* N, the part along the normals of contacts */
-    double point[3];  /* N m, sum of load times place */
-    double approach;  /* N m, sum of load times way along the normal from the start of the step to the contact */
-    double load_size; /* N, sum of the sizes of loads */
-} pel_pair_force;
-
 /* A pair of groups that collides (restitution.c). */
 typedef struct pel_collision_state {
     uint8_t is_on;
@@ -245,17 +237,6 @@ typedef struct pel_collision_state {
     double contact_distance; /* m, of the centers along the normal while they touched */
     double risen;            /* m, beyond that */
 } pel_collision_state;
-
-/* Forces of contacts and tools in a step, means where it has substeps (contact_force.c). */
-typedef struct pel_contact_forces {
-    pel_record *vertex, *vertex_next;      /* (vertex_count) N, in the last step and in the present one; null without
-                                              contact and tools */
-    uint8_t *is_touched, *is_touched_next; /* (slices) 0 = the forces of a slice are zero, so that a step clears few */
-    pel_pair_force *pair, *pair_next;      /* (body_count x group_count) on the body of the row; groups are bodies, then
-                                              tools; of two bodies the lower one has the row */
-    int32_t group_count;
-    struct pel_contact_records *records; /* (contact_record.c) null = they are not kept */
-} pel_contact_forces;
 
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
@@ -466,17 +447,6 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body);
 
 /* Takes force and times of a def that differs in no other member, if they are right. PEL_BAD_ARGUMENT. */
 pel_status pel_load_retime(pel_sim *sim, int32_t load, const pel_load_def *def, pel_error *error);
-
-/* ---- contact_force.c ---- */
-/* After tools, before contacts. PEL_OUT_OF_MEMORY. */
-pel_status pel_contact_forces_create(pel_sim *sim, pel_error *error);
-void pel_contact_forces_destroy(pel_sim *sim);
-/* Before a step or a part of it, or before its substeps are done anew. */
-void pel_contact_forces_begin(pel_sim *sim);
-/* The forces of the step become the present ones; those of a part are added to the mean. */
-void pel_contact_forces_accept(pel_sim *sim);
-/* After those of the last step were read from a snapshot. */
-void pel_contact_forces_loaded(pel_sim *sim);
 
 /* ---- restitution.c ---- */
 /* After contacts. PEL_BAD_ARGUMENT for a number out of range or a method without velocities, PEL_OUT_OF_MEMORY. */

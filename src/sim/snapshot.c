@@ -543,7 +543,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
             return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->held_is_listed = false;
-    pel_contact_forces_loaded(sim);
+    pel_contact_forces_loaded(&sim->contact_forces);
     sim->state->step = head.step;
     for (int32_t l = 0; l < sim->load_count; l++)
         memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads[l].force, sizeof sim->loads[l].force);

@@ -88,30 +88,8 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
 }
 
 /* ---- contact_force.c ---- */
-/* What acts at a point of surfaces, a weighted sum of vertices. */
-typedef struct pel_contact_action {
-    const int32_t *vertices; /* (4) */
-    double weights[4];       /* 0 where unused */
-    double force[3];         /* N, on the sum: each vertex has it times its weight */
-    double load[3];          /* N, the part of it along the normal */
-    int32_t tool;            /* that it comes from; -1 = of surfaces of bodies */
-} pel_contact_action;
-
 /* Adds it to the forces of the step. */
-void pel_contact_forces_add(pel_sim *sim, const pel_contact_action *action);
-/* The force of a tool on one vertex, without a load. */
-void pel_contact_forces_add_at(pel_sim *sim, int32_t v, int32_t tool, const double force[3]);
-
-/* ---- contact_record.c ---- */
-/* PEL_OUT_OF_MEMORY. */
-pel_status pel_contact_records_create(pel_contact_forces *forces, pel_error *error);
-void pel_contact_records_destroy(pel_contact_forces *forces);
-/* These do nothing where no records are kept. */
-void pel_contact_records_begin(pel_contact_forces *forces);
-void pel_contact_records_add(pel_contact_forces *forces, const pel_contact_action *action);
-/* share: of a step in parts; the first one forgets the step before */
-void pel_contact_records_accept(pel_contact_forces *forces, double share, bool is_first);
-void pel_contact_records_forget(pel_contact_forces *forces);
+void pel_contact_act(pel_sim *sim, const pel_contact_action *action);
 /* Adds what changed the sum of a contact by `change`, times rate over its mobility: with displacements in m the rate is
    in 1/s2, with velocities in 1/s. tool: its other side, which takes the reaction and what it touches; -1 = none. */
 void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate);
@@ -126,7 +104,7 @@ static inline void pel_tool_add_grip(pel_sim *sim, pel_tool *tool, int32_t v, co
     pel_vec3_add(sim->grip_forces[v], force, sim->grip_forces[v]);
     pel_tool_add_reaction(tool, point, force);
     pel_vec3_scale(force, -1, back);
-    pel_contact_forces_add_at(sim, v, (int32_t)(tool - sim->tools), back);
+    pel_contact_forces_add_at(&sim->contact_forces, v, (int32_t)(tool - sim->tools), back);
 }
 
 /* ---- tool_grip.c ---- */

@@ -56,7 +56,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
             hold_against(sim, tool, touch->vertex, touch->push, force);
             pel_tool_add_reaction(tool, x, force);
             pel_vec3_scale(force, -1, force);
-            pel_contact_forces_add_at(sim, touch->vertex, (int32_t)(tool - sim->tools), force);
+            pel_contact_forces_add_at(&sim->contact_forces, touch->vertex, (int32_t)(tool - sim->tools), force);
         }
     }
 }
