@@ -218,7 +218,7 @@ static bool go_back(pel_sim *sim)
    anew */
 static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_error *error)
 {
-    bool sees = pel_descent_sees_contacts(sim);
+    bool sees = pel_sim_has_loop_contacts(sim);
     *again = false;
     if (sees)
         pel_descent_contacts_keep_loads(sim);
@@ -410,7 +410,7 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].pose_before = sim->tools[i].pose;
     /* before the tools move: it asks from where they come */
-    pel_status status = pel_descent_sees_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
+    pel_status status = pel_sim_has_loop_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
     if (status != PEL_OK)
         return status;
     pel_tools_move(sim, context->time);
@@ -479,7 +479,7 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
     sim->descent->result = (pel_descent_result){0};
     sim->descent->count = sim->descent->tool_count = 0;
-    if (sim->tool_count > 0 || pel_descent_sees_contacts(sim))
+    if (sim->tool_count > 0 || pel_sim_has_loop_contacts(sim))
         status = minimise_under_constraints(&context, loads, error);
     else
         status = minimise_alone(&context, loads, error);
@@ -598,6 +598,19 @@ static void advise(const pel_sim *sim, pel_error *error)
     pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
 }
 
+void pel_sim_descent_get_solver(const pel_sim *sim, pel_solver_reading *reading)
+{
+    const pel_descent_result *result = &sim->descent->accepted;
+    reading->solves = true;
+    reading->iterations = result->iterations;
+    reading->evaluations = result->evaluations;
+    reading->energy = result->energy;
+    reading->residual = result->residual;
+    reading->unstable = result->unstable;
+    reading->has_budget = sim->solver.budget > 0;
+    reading->converged = result->converged;
+}
+
 const pel_stepper pel_descent_kind = {
     .is_at_end = true,
     .moves_tools = true,
@@ -607,5 +620,6 @@ const pel_stepper pel_descent_kind = {
     .read_tools = pel_descent_contacts_read,
     .mark_contacts = pel_descent_contacts_mark,
     .accept = pel_sim_descent_accept,
+    .get_solver = pel_sim_descent_get_solver,
     .advise = advise,
 };

@@ -30,7 +30,7 @@ typedef struct tool_search {
 /* boxes and meshes are in the list of contacts */
 static bool is_found_here(const pel_sim *sim, const pel_tool *tool)
 {
-    return tool->press && tool->mesh == NULL && (pel_tool_is_round(tool) || !pel_descent_sees_contacts(sim));
+    return tool->press && tool->mesh == NULL && (pel_tool_is_round(tool) || !pel_sim_has_loop_contacts(sim));
 }
 
 /* the way of the tool at a point since the step began */

@@ -150,7 +150,7 @@ void pel_substeps_follow(pel_sim *sim)
     look(sim);
     int32_t count = clamp_substeps(sim, needed_substeps(sim)), present = sim->solver.substeps;
     if (substeps->is_automatic && (count > present || count < KEEP_SHARE * present)) {
-        pel_projector_set_substeps(sim->projector, sim->state, count);
+        sim->stepper->set_substeps(sim, count, false);
         sim->solver.substeps = count;
     }
     note(sim);
@@ -165,7 +165,7 @@ bool pel_substeps_restore(pel_sim *sim)
     if (!is_whole)
         return false;
     sim->solver.substeps = now->count;
-    pel_projector_set_substeps(sim->projector, NULL, now->count);
+    sim->stepper->set_substeps(sim, now->count, true);
     return true;
 }
 

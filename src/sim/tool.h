@@ -117,6 +117,11 @@ void pel_tools_list_held(pel_sim *sim);
 /* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
 
+/* ---- tool_reading.c ---- */
+/* Where the mean force of a step on a held vertex acts: by the mean of its arms at both ends of the step. By the last
+   one alone, what pulls a turning rim inward would turn it on. */
+void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3]);
+
 /* ---- tool_start.c ---- */
 /* PEL_BAD_ARGUMENT with that way */
 pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t body, pel_error *error);
