@@ -73,6 +73,7 @@ static int32_t needed_substeps(const pel_sim *sim)
 
 static void find_softness(pel_sim *sim)
 {
+    sim->force_is_present = false;
     sim->substeps.now.found =
         pel_softness_find(sim->model, sim->state, sim->state->position, pel_sim_time(sim), &sim->substeps.scratch);
 }
@@ -127,11 +128,18 @@ static void choose_first(pel_sim *sim)
     note(sim);
 }
 
+/* nothing needs the forces while substeps are chosen; with numbers in float there is too little room among them */
+static pel_status create_scratch(pel_sim *sim, pel_error *error)
+{
+    double *lent = sizeof *sim->force >= 4 * sizeof *lent ? (double *)sim->force : NULL;
+    return pel_softness_create(sim->model, lent, &sim->substeps.scratch, error);
+}
+
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
 {
     if (!sim->stepper->is_compliant)
         return PEL_OK;
-    pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
+    pel_status status = create_scratch(sim, error);
     if (status == PEL_OK && !sim->goes_on)
         choose_first(sim);
     return status;
@@ -208,7 +216,7 @@ static double finest_factor(const pel_model *model)
 
 pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error)
 {
-    pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
+    pel_status status = create_scratch(sim, error);
     if (status != PEL_OK)
         return status;
     find_softness(sim);
