@@ -29,6 +29,30 @@ enum { ZONE_ROUNDS = 16, LAST_ROUND = 22 };
 #define SAFE_TIME 0.9
 #define LEAST_SHARE 0.02
 
+/* ---- creation ---- */
+
+/* a block that is not there yet; false without memory */
+static bool make_block(void **block, size_t count, size_t size)
+{
+    if (*block == NULL)
+        *block = pel_allocate(count, size);
+    return *block != NULL;
+}
+
+/* when a step is guarded for the first time: many runs never need it, and it is as large as all of the points */
+static pel_status allocate(pel_contact_set *set, pel_error *error)
+{
+    size_t vertices = (size_t)set->vertex_count, obstacles = (size_t)set->def.obstacle_count;
+    size_t nodes = vertices + obstacles, bodies = (size_t)set->def.body_count;
+    bool made = make_block((void **)&set->solved, vertices, sizeof *set->solved) &&
+                make_block((void **)&set->zones, nodes, sizeof *set->zones) &&
+                make_block((void **)&set->rings, nodes, sizeof *set->rings) &&
+                make_block((void **)&set->wanted, obstacles, sizeof *set->wanted) &&
+                make_block((void **)&set->body_shares, bodies, sizeof *set->body_shares) &&
+                make_block((void **)&set->body_impacts, bodies, sizeof *set->body_impacts);
+    return made ? PEL_OK : pel_fail_memory(error);
+}
+
 /* ---- zones ---- */
 
 static int32_t find_zone(pel_zone *zones, int32_t node)
@@ -259,6 +283,9 @@ static void finish(pel_contact_set *set, const pel_contact_motion *motion)
 pel_status pel_contact_guard(pel_contact_set *set, const pel_contact_motion *motion, pel_error *error)
 {
     int32_t node_count = set->vertex_count + set->def.obstacle_count;
+    pel_status status = allocate(set, error);
+    if (status != PEL_OK)
+        return status;
     set->way_is_searched = false;
     memcpy(set->solved, set->end, (size_t)set->vertex_count * sizeof *set->solved);
     for (int32_t i = 0; i < set->def.obstacle_count; i++) {
@@ -272,7 +299,7 @@ pel_status pel_contact_guard(pel_contact_set *set, const pel_contact_motion *mot
         set->conflict_count = 0;
         if (round == LAST_ROUND)
             break;
-        pel_status status = pel_contact_look(set, error);
+        status = pel_contact_look(set, error);
         if (status != PEL_OK)
             return status;
     }

@@ -57,30 +57,13 @@ static pel_status copy_def(pel_contact_set *set, const pel_contact_set_def *def,
     return PEL_OK;
 }
 
-static pel_status allocate_guard(pel_contact_set *set, pel_error *error)
-{
-    size_t vertices = (size_t)set->vertex_count, obstacles = (size_t)set->def.obstacle_count;
-    size_t nodes = vertices + obstacles, bodies = (size_t)set->def.body_count;
-    set->solved = pel_allocate(vertices, sizeof *set->solved);
-    set->zones = pel_allocate(nodes, sizeof *set->zones);
-    set->rings = pel_allocate(nodes, sizeof *set->rings);
-    set->wanted = pel_allocate(obstacles, sizeof *set->wanted);
-    set->body_shares = pel_allocate(bodies, sizeof *set->body_shares);
-    set->body_impacts = pel_allocate(bodies, sizeof *set->body_impacts);
-    bool made = set->solved != NULL && set->zones != NULL && set->rings != NULL && set->wanted != NULL &&
-                set->body_shares != NULL && set->body_impacts != NULL;
-    return made ? PEL_OK : pel_fail_memory(error);
-}
-
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error)
 {
     *set = pel_allocate(1, sizeof **set);
     if (*set == NULL)
         return pel_fail_memory(error);
     pel_status status = copy_def(*set, def, error);
-    if (status == PEL_OK)
-        status = pel_contact_surface_create(*set, error);
-    return status == PEL_OK ? allocate_guard(*set, error) : status;
+    return status == PEL_OK ? pel_contact_surface_create(*set, error) : status;
 }
 
 void pel_contact_set_destroy(pel_contact_set *set)

@@ -168,7 +168,7 @@ typedef struct pel_contact_set {
     size_t capacity, other_capacity, key_capacity, other_key_capacity;
     pel_contact_heights heights;
 
-    /* the guard */
+    /* the guard; from `solved` on null until it first runs */
     pel_conflict *conflicts; /* of the last look */
     size_t conflict_count, conflict_capacity;
     pel_timed_hit *impacts; /* (collisions of the last look) */
@@ -262,7 +262,7 @@ pel_status pel_contact_look(pel_contact_set *set, pel_error *error);
 
 /* ---- guard.c ---- */
 /* Steps back until the way from start to end is free, from the conflicts of the last look on; positions, velocities and
-   poses of obstacles follow. Errors of pel_contact_look. */
+   poses of obstacles follow. PEL_OUT_OF_MEMORY, and errors of pel_contact_look. */
 pel_status pel_contact_guard(pel_contact_set *set, const pel_contact_motion *motion, pel_error *error);
 
 /* ---- tangle.c ---- */

@@ -347,6 +347,12 @@ static void check_guard(pel_solid_kind kind, uint64_t seed)
     assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
     assert_true(set->conflict_count > 0);
     const pel_contact_motion motion = {a.rest, a.next, a.velocity, 0.01};
+    /* its six blocks, made when it first runs */
+    for (int i = 0; i < 6; i++) {
+        failing_malloc_begin(i == 0 ? 1 : 2);
+        assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OUT_OF_MEMORY);
+        assert_int_equal(failing_malloc_end().failed, 1);
+    }
     assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
     assert_true(set->obstacles[0].is_held_back);
     assert_true(set->obstacles[0].pose.position[2] < 0.2);
