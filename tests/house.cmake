@@ -6,6 +6,8 @@ add_test(NAME house/layers COMMAND ${PYTHON3} ${HOUSE}/layers.py ${PROJECT_SOURC
 add_test(NAME house/layers_self_test COMMAND ${PYTHON3} ${HOUSE}/layers.py --self-test ${PROJECT_SOURCE_DIR})
 add_test(NAME house/links COMMAND ${PYTHON3} ${HOUSE}/links.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR} ${CMAKE_NM})
 add_test(NAME house/links_self_test COMMAND ${PYTHON3} ${HOUSE}/links.py --self-test)
+add_test(NAME house/methods COMMAND ${PYTHON3} ${HOUSE}/methods.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house/methods_self_test COMMAND ${PYTHON3} ${HOUSE}/methods.py --self-test)
 add_test(NAME house/text COMMAND ${PYTHON3} ${HOUSE}/text.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/allocations COMMAND ${PYTHON3} ${HOUSE}/allocations.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/misuse COMMAND ${PYTHON3} ${HOUSE}/misuse.py ${PROJECT_SOURCE_DIR})

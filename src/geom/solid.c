@@ -256,3 +256,10 @@ void pel_solid_half_box(const pel_solid *solid, double half[3])
         pel_vec3_set(half, solid->radius, solid->radius,
                      solid->radius + (solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0));
 }
+
+double pel_solid_size(const pel_solid *solid)
+{
+    double half[3];
+    pel_solid_half_box(solid, half);
+    return half[0] + half[1] + half[2];
+}

@@ -34,4 +34,7 @@ double pel_box_separation(const double half[3], const double triangle[3][3], dou
 /* Half sizes of the box about the solid in its own frame. */
 void pel_solid_half_box(const pel_solid *solid, double half[3]);
 
+/* Sum of these half sizes: a length that no point of the solid is farther from its center than. */
+double pel_solid_size(const pel_solid *solid);
+
 #endif

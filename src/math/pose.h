@@ -1,4 +1,4 @@
-/* Rotations as unit quaternions (x, y, z, w). */
+/* Rotations as unit quaternions (x, y, z, w), and poses of rigid things. */
 #ifndef PEL_MATH_POSE_H
 #define PEL_MATH_POSE_H
 
@@ -68,6 +68,56 @@ static inline void pel_rotation_turn(const double q[4], const double vector[3], 
     double length = sqrt(pel_vec3_dot(rotated, rotated) + rotated[3] * rotated[3]);
     for (int i = 0; i < 4; i++)
         rotated[i] /= length;
+}
+
+typedef struct pel_pose {
+    double position[3];
+    double rotation[4]; /* x, y, z, w */
+    double spin[3];     /* rotation vectors [rad] along the way to here, summed: tells whole turns from none */
+} pel_pose;
+
+static inline void pel_pose_to_local(const pel_pose *pose, const double world[3], double local[3])
+{
+    pel_vec3_subtract(world, pose->position, local);
+    pel_rotate_back(pose->rotation, local, local);
+}
+
+static inline void pel_pose_to_world(const pel_pose *pose, const double local[3], double world[3])
+{
+    pel_rotate(pose->rotation, local, world);
+    pel_vec3_add(world, pose->position, world);
+}
+
+/* rotation vector [rad] from a to b, whole turns included */
+static inline void pel_pose_turn(const pel_pose *a, const pel_pose *b, double turn[3])
+{
+    double spin[3];
+    pel_vec3_subtract(b->spin, a->spin, spin);
+    pel_rotation_between(a->rotation, b->rotation, spin, turn);
+}
+
+/* a pose between two; share 0 and 1 give them exactly */
+static inline void pel_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose)
+{
+    if (share >= 1 || share <= 0) {
+        *pose = share >= 1 ? *b : *a;
+        return;
+    }
+    double turn[3];
+    pel_pose_turn(a, b, turn);
+    pel_rotation_turn(a->rotation, turn, share, pose->rotation);
+    for (int i = 0; i < 3; i++) {
+        pose->spin[i] = a->spin[i] + share * turn[i];
+        pose->position[i] = a->position[i] + share * (b->position[i] - a->position[i]);
+    }
+}
+
+/* m: length of the way of the position, and of what is at a distance `radius` from it by the rotation */
+static inline double pel_pose_way(const pel_pose *a, const pel_pose *b, double radius)
+{
+    double turn[3];
+    pel_pose_turn(a, b, turn);
+    return pel_vec3_distance(a->position, b->position) + pel_vec3_length(turn) * radius;
 }
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef PEL_MODEL_STATE_H
 #define PEL_MODEL_STATE_H
 
-#include "math/vec3.h"
+#include "math/record.h"
 #include "model/model.h"
 
 /* What the automatic weight of a body's bending knows (sim/bending_weight.c). */
@@ -27,11 +27,6 @@ struct pel_state {
     double load_factor, load_factor_before; /* of loads, gravity and given pressure: now and one step ago; 1 but along a
                                                path (PEL_PATH_ARC_LENGTH) */
 };
-
-static inline void pel_vertex_position(const pel_record *positions, int32_t v, double x[3])
-{
-    pel_vec3_set(x, (double)positions[v][0], (double)positions[v][1], (double)positions[v][2]);
-}
 
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error);
 /* gives the vertices that may move the velocities with which their bodies start; the state has velocities */

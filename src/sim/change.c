@@ -45,12 +45,12 @@ static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error
     }
     if (!any || sim->contacts == NULL)
         return PEL_OK;
-    pel_contact_present_points(sim);
-    sim->contacts->revisions[0] = -1;
-    pel_status status = pel_contact_surface_update(sim, error);
+    pel_contacts_place_start(sim);
+    sim->contact.revisions[0] = -1;
+    pel_status status = pel_contacts_update_surface(sim, error);
     if (status == PEL_OK)
-        status = pel_tangles_find(sim, error);
-    return status == PEL_OK ? pel_tangles_refuse(sim, error) : status;
+        status = pel_tangles_find(sim->contacts, error);
+    return status == PEL_OK ? pel_contacts_refuse_tangles(sim, error) : status;
 }
 
 /* the state of the old one, and the change of energy */

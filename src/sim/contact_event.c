@@ -14,21 +14,21 @@ pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error)
         return PEL_OK;
     /* forces of the caller may come later */
     size_t forces = sim->external == NULL ? (size_t)sim->model->vertex_count * sizeof *sim->external : 0;
-    sim->contacts->before_event = pel_allocate(pel_sim_save_size(sim) + forces, 1);
-    return sim->contacts->before_event != NULL ? PEL_OK : pel_fail_memory(error);
+    sim->contact.before_event = pel_allocate(pel_sim_save_size(sim) + forces, 1);
+    return sim->contact.before_event != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
 void pel_contacts_before_event(pel_sim *sim)
 {
-    sim->contacts->event_size = pel_sim_save_size(sim);
-    pel_sim_save(sim, sim->contacts->before_event);
+    sim->contact.event_size = pel_sim_save_size(sim);
+    pel_sim_save(sim, sim->contact.before_event);
 }
 
 /* pairs at the present positions; false when that cannot be told */
 static bool count_pairs(pel_sim *sim, int64_t *count)
 {
-    pel_contact_present_points(sim);
-    if (pel_contact_surface_update(sim, NULL) != PEL_OK || pel_tangles_find(sim, NULL) != PEL_OK)
+    pel_contacts_place_start(sim);
+    if (pel_contacts_update_surface(sim, NULL) != PEL_OK || pel_tangles_find(sim->contacts, NULL) != PEL_OK)
         return false;
     *count = sim->contacts->tangles.count;
     return true;
@@ -62,6 +62,6 @@ bool pel_contacts_accept_event(pel_sim *sim, int32_t body)
         move_to_middle(sim, own, own->front->added_vertices[i]);
     if (count_pairs(sim, &count) && count <= known)
         return true;
-    pel_sim_load(sim, sim->contacts->before_event, sim->contacts->event_size, NULL);
+    pel_sim_load(sim, sim->contact.before_event, sim->contact.event_size, NULL);
     return false;
 }

@@ -174,7 +174,7 @@ static int count_parts(const pel_sim *sim, double *longest)
 static void set_poses(pel_sim *sim, double share)
 {
     for (int32_t i = 0; i < sim->tool_count; i++)
-        pel_tool_pose_between(&sim->tools[i].pose_before, &sim->tools[i].pose_wanted, share, &sim->tools[i].pose);
+        pel_pose_between(&sim->tools[i].pose_before, &sim->tools[i].pose_wanted, share, &sim->tools[i].pose);
     pel_tools_carry(sim);
 }
 
@@ -194,16 +194,16 @@ static bool go_back_to(pel_sim *sim, int32_t v, double share)
    say more */
 static bool go_back(pel_sim *sim)
 {
-    const pel_sim_contacts *contacts = sim->contacts;
+    const pel_contact_set *contacts = sim->contacts;
     double *shares = sim->descent->shares;
     bool any = false;
     for (int pass = 0; pass < 2; pass++)
         for (size_t c = 0; c < contacts->conflict_count; c++) {
             const pel_conflict *conflict = &contacts->conflicts[c];
-            if (conflict->tool >= 0 && pel_tool_is_round(&sim->tools[conflict->tool]))
+            if (conflict->obstacle >= 0 && pel_tool_is_round(&sim->tools[conflict->obstacle]))
                 continue;
             for (int i = 0; i < 4; i++) {
-                int32_t v = conflict->places[i];
+                int32_t v = conflict->vertices[i];
                 if (v < 0)
                     continue;
                 if (pass == 1 && shares[v] < 1)
@@ -218,7 +218,7 @@ static bool go_back(pel_sim *sim)
    anew */
 static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_error *error)
 {
-    bool sees = pel_descent_sees_contacts(sim);
+    bool sees = pel_sim_has_loop_contacts(sim);
     *again = false;
     if (sees)
         pel_descent_contacts_keep_loads(sim);
@@ -229,7 +229,7 @@ static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_er
     }
     if (status != PEL_OK || !sees)
         return status;
-    pel_contacts_look_at_start(sim);
+    pel_contact_set_look_at_start(sim->contacts);
     return pel_descent_contacts_add_surfaces(sim, error);
 }
 
@@ -410,7 +410,7 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
     for (int32_t i = 0; i < sim->tool_count; i++)
         sim->tools[i].pose_before = sim->tools[i].pose;
     /* before the tools move: it asks from where they come */
-    pel_status status = pel_descent_sees_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
+    pel_status status = pel_sim_has_loop_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
     if (status != PEL_OK)
         return status;
     pel_tools_move(sim, context->time);
@@ -482,7 +482,7 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
     sim->descent->result = (pel_descent_result){0};
     sim->descent->count = sim->descent->tool_count = 0;
-    if (sim->tool_count > 0 || pel_descent_sees_contacts(sim))
+    if (sim->tool_count > 0 || pel_sim_has_loop_contacts(sim))
         status = minimise_under_constraints(&context, loads, error);
     else
         status = minimise_alone(&context, loads, error);
@@ -602,6 +602,21 @@ static void advise(const pel_sim *sim, pel_error *error)
     pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
 }
 
+void pel_sim_descent_get_solver(const pel_sim *sim, pel_solver_reading *reading)
+{
+    const pel_descent_result *result = &sim->descent->accepted;
+    reading->solves = true;
+    reading->iterations = result->iterations;
+    reading->evaluations = result->evaluations;
+    reading->energy = result->energy;
+    reading->residual = result->residual;
+    reading->unstable = result->unstable;
+    reading->stray_body = sim->descent->stray_body;
+    reading->stray_way = sim->descent->stray_way;
+    reading->has_budget = sim->solver.budget > 0;
+    reading->converged = result->converged;
+}
+
 const pel_stepper pel_descent_kind = {
     .is_at_end = true,
     .moves_tools = true,
@@ -611,5 +626,6 @@ const pel_stepper pel_descent_kind = {
     .read_tools = pel_descent_contacts_read,
     .mark_contacts = pel_descent_contacts_mark,
     .accept = pel_sim_descent_accept,
+    .get_solver = pel_sim_descent_get_solver,
     .advise = advise,
 };

@@ -97,11 +97,6 @@ typedef struct pel_contact_stiffness {
     double rows[2][4][3]; /* root of N/m */
 } pel_contact_stiffness;
 
-static inline bool pel_descent_sees_contacts(const pel_sim *sim)
-{
-    return sim->contacts != NULL && sim->contact_in_loop;
-}
-
 /* ---- descent.c ---- */
 /* What all methods need that minimise. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, pel_error *error);
@@ -116,6 +111,8 @@ double pel_descent_short_move(const pel_sim *sim);
 
 /* After a step that is accepted, or a part of one: what is told of the step is the sum, the worst of residuals. */
 void pel_sim_descent_accept(pel_sim *sim);
+/* the get_solver of the steppers that minimise */
+void pel_sim_descent_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 
 /* ---- descent_free.c ---- */
 /* Refuses a body that nothing holds against the net of some forces (vertex_count) at a time. PEL_BAD_ARGUMENT. */

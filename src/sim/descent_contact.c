@@ -389,7 +389,7 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_descent_contac
         .tolerance = GAP_TOLERANCE * thickness,
         .load = key->load,
         .friction = (double)contact->friction,
-        .tool = key->tool,
+        .tool = key->obstacle,
         .number = number,
     };
     for (int i = 0; i < 4; i++) {

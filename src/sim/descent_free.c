@@ -39,7 +39,7 @@ static bool holds_itself(const pel_sim *sim, int32_t body)
 static bool is_held(const pel_sim *sim, int32_t body)
 {
     bool held = holds_itself(sim, body);
-    bool meets = sim->contacts != NULL && sim->contacts->def.between;
+    bool meets = sim->contacts != NULL && sim->contact.def.between;
     for (int32_t b = 0; !held && meets && b < sim->model->body_count; b++)
         held = holds_itself(sim, b);
     return held;

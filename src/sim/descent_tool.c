@@ -30,7 +30,7 @@ typedef struct tool_search {
 /* boxes and meshes are in the list of contacts */
 static bool is_found_here(const pel_sim *sim, const pel_tool *tool)
 {
-    return tool->press && tool->mesh == NULL && (pel_tool_is_round(tool) || !pel_descent_sees_contacts(sim));
+    return tool->press && tool->mesh == NULL && (pel_tool_is_round(tool) || !pel_sim_has_loop_contacts(sim));
 }
 
 /* the way of the tool at a point since the step began */
@@ -314,11 +314,11 @@ pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
  */
 static void add_action(pel_sim *sim, const pel_descent_contact *constraint, const pel_gap_sample *meeting)
 {
-    pel_contact_action action = {.vertices = constraint->vertices, .tool = constraint->tool};
+    pel_contact_action action = {.vertices = constraint->vertices, .obstacle = constraint->tool};
     memcpy(action.weights, meeting->weights, sizeof action.weights);
     pel_vec3_scale(meeting->normal, constraint->load, action.load);
     pel_vec3_add(action.load, constraint->drag, action.force);
-    pel_contact_forces_add(sim, &action);
+    pel_contact_act(sim, &action);
 }
 
 static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)

@@ -1,6 +1,6 @@
 /* Getters between the model's vertex order and the mesh's, and sums over everything. */
 #include "math/vec3.h"
-#include "sim/descent.h"
+#include "sim/sim.h"
 
 /* velocities of the last step: stored by the explicit method, else the displacement over dt */
 static void vertex_velocity(const pel_sim *sim, int32_t i, double velocity[3])
@@ -279,17 +279,6 @@ void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading)
         return;
     *reading = (pel_solver_reading){.stray_body = -1};
     pel_substeps_read(sim, reading);
-    if (sim->descent == NULL)
-        return;
-    const pel_descent_result *result = &sim->descent->accepted;
-    reading->solves = true;
-    reading->iterations = result->iterations;
-    reading->evaluations = result->evaluations;
-    reading->energy = result->energy;
-    reading->residual = result->residual;
-    reading->unstable = result->unstable;
-    reading->stray_body = sim->descent->stray_body;
-    reading->stray_way = sim->descent->stray_way;
-    reading->has_budget = sim->solver.budget > 0;
-    reading->converged = result->converged;
+    if (sim->stepper->get_solver != NULL)
+        sim->stepper->get_solver(sim, reading);
 }

@@ -50,7 +50,7 @@ enum { LONG_SUBSTEPS = 32 };
 
 static bool is_long(const pel_sim *sim)
 {
-    return sim->descent != NULL || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
+    return sim->stepper->get_solver != NULL || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
 }
 
 pel_status pel_parts_keep(pel_sim *sim, pel_error *error)

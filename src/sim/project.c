@@ -1,9 +1,10 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
  */
 #include "base/status.h"
+#include "contact/sweep.h"
 #include "sim/contact.h"
+#include "sim/tool.h"
 #include "sim/tool_solid.h"
-#include "solve/contact.h"
 
 #include <string.h>
 
@@ -50,12 +51,12 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
    looked at: most pairs of a wad are farther apart. */
 static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record *start)
 {
-    const pel_sim_contacts *contacts = sim->contacts;
+    pel_contact_set *contacts = sim->contacts;
     double reach = HUGE_VAL;
     for (int i = 0; i < SWEEP_LIMIT; i++) {
-        pel_contacts_refresh(sim, start, reach);
+        pel_contact_set_refresh(contacts, sim->state->position_next, start, reach);
         double deepest = pel_contacts_project(pairs, sim->state->position_next, start);
-        if (!(deepest > SWEEP_TOLERANCE * contacts->thickness))
+        if (!(deepest > SWEEP_TOLERANCE * contacts->def.thickness))
             break;
         reach = contacts->largest + CORRECTION_REACH * deepest;
     }
@@ -69,7 +70,7 @@ static void sweep(pel_sim *sim, const pel_record *start)
     pel_project_sweep(sim->projector, positions);
     if (pairs != NULL) {
         sweep_pairs(sim, pairs, start);
-        pel_contact_heights_refresh(sim);
+        pel_contact_heights_refresh(sim->contacts, positions);
         pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
     if (sim->solids != NULL) {
@@ -95,8 +96,8 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_project_predict(projector, state, sim->force, &sim->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
     if (pairs != NULL) {
-        pel_contacts_place_tools(sim);
-        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->thickness;
+        pel_contacts_begin_substep(sim);
+        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->def.thickness;
         pel_contacts_begin(pairs);
         pel_contacts_begin(&sim->contacts->heights.list);
     }
@@ -134,9 +135,9 @@ static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
         status = pel_contacts_find_on_way(sim, error);
         if (status != PEL_OK || sim->contacts->conflict_count == 0 || sim->contacts->list.count == known)
             break;
-        pel_contacts_forget_step(sim);
+        pel_contact_set_forget_step(sim->contacts);
         pel_tools_forget_step(sim);
-        pel_contact_forces_begin(sim);
+        pel_contact_forces_begin(&sim->contact_forces);
         status = run_substeps(sim, error);
     }
     return status;
@@ -149,7 +150,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     bool has_pairs = pel_sim_has_loop_contacts(sim);
     pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
     if (status == PEL_OK && has_pairs)
-        status = pel_contact_heights_find(sim, error);
+        status = pel_contact_heights_find(sim->contacts, state->position, error);
     if (status == PEL_OK && sim->solids != NULL)
         status = pel_solids_find(sim, error);
     if (status != PEL_OK)
@@ -162,7 +163,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     return status;
 }
 
-static void follow_surface(pel_sim *sim)
+static void follow_held(pel_sim *sim)
 {
     pel_projector_hold(sim->projector, sim->boundary.is_held);
 }
@@ -186,6 +187,75 @@ static void accept(pel_sim *sim)
     pel_projector_accept(sim->projector, sim->state);
 }
 
+/* ---- what is held ---- */
+
+static pel_status record_held(pel_sim *sim, pel_error *error)
+{
+    return pel_projector_record_reactions(sim->projector, error);
+}
+
+static void set_substeps(pel_sim *sim, int32_t count, bool is_loaded)
+{
+    pel_projector_set_substeps(sim->projector, is_loaded ? NULL : sim->state, count);
+}
+
+/* the mean of the substeps and the contacts */
+static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
+{
+    double contact[3] = {0, 0, 0};
+    pel_vertex_position(sim->projector->reaction, v, force);
+    pel_vec3_scale(force, 1.0 / sim->solver.substeps, force);
+    if (sim->contact_forces.vertex_next != NULL)
+        pel_vertex_position(sim->contact_forces.vertex_next, v, contact);
+    pel_vec3_add(force, contact, force);
+}
+
+/* adds drag and damping of a held vertex, by its mean velocity in the step */
+static void add_damping(const pel_sim *sim, int32_t v, const double *factors, double force[3])
+{
+    const pel_model *model = sim->model;
+    const pel_record next = sim->state->position_next[v], before = sim->state->position[v];
+    double drag = factors[PEL_SPRING_DAMPING] * (double)model->damping[v] + sim->solver.drag * (double)model->mass[v];
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v], velocity[3], offset[3];
+    for (int k = 0; k < 3; k++) {
+        velocity[k] = (double)(next[k] - before[k]) / sim->step.dt;
+        offset[k] = (double)(next[k] - model->rest[v][k]);
+    }
+    double square = pel_vec3_squared_length(offset);
+    double along = square > 0 ? radial * pel_vec3_dot(velocity, offset) / square : 0;
+    pel_vec3_along(force, -drag, velocity, force);
+    pel_vec3_along(force, -along, offset, force);
+}
+
+/* what the substeps recorded on held vertices, what draws them to their rest places, damping and inertia */
+static void read_grip(pel_sim *sim, pel_tool *tool)
+{
+    const pel_model *model = sim->model;
+    const pel_state *state = sim->state;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        const double *factors = state->factors[model->body_of_slice[v / PEL_WIDTH]];
+        double spring = factors[PEL_VOLUMETRIC_STIFFNESS] * (double)model->rest[v][3], force[3], x[3], point[3];
+        for (int k = 0; k < 3; k++) {
+            x[k] = (double)state->position_next[v][k];
+            force[k] =
+                (double)sim->projector->reaction[v][k] / sim->solver.substeps -
+                spring * (x[k] - (double)model->rest[v][k]) -
+                (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
+        }
+        add_damping(sim, v, factors, force);
+        pel_tool_mean_point(sim, tool, v, point);
+        pel_tool_add_grip(sim, tool, v, point, force);
+        pel_tool_touch(tool, v);
+    }
+}
+
+static void read_grips(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        read_grip(sim, &sim->tools[i]);
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
     if (pel_sim_softness(sim) > 1)
@@ -196,7 +266,9 @@ static void advise(const pel_sim *sim, pel_error *error)
 
 #define PROJECTS                                                                                                       \
     .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step,                   \
-    .follow_surface = follow_surface, .restart = restart, .set_time = set_time, .accept = accept, .advise = advise
+    .follow_surface = follow_held, .restart = restart, .set_time = set_time, .accept = accept, .advise = advise,       \
+    .get_held_force = get_held_force, .record_held = record_held, .follow_held = follow_held,                          \
+    .read_grips = read_grips, .set_substeps = set_substeps
 
 const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true, .limits_strain = true};
 const pel_stepper pel_project_distance_kind = {PROJECTS};

@@ -136,7 +136,7 @@ static rigid_motion motion_of_tool(const pel_sim *sim, const pel_tool *tool, boo
     pel_vec3_copy(now ? tool->pose.position : tool->pose_before.position, motion.center);
     pel_vec3_subtract(tool->pose.position, tool->pose_before.position, motion.velocity);
     pel_vec3_scale(motion.velocity, 1 / sim->step.dt, motion.velocity);
-    pel_tool_turn(&tool->pose_before, &tool->pose, turn);
+    pel_pose_turn(&tool->pose_before, &tool->pose, turn);
     pel_vec3_scale(turn, 1 / sim->step.dt, motion.spin);
     return motion;
 }
@@ -327,7 +327,7 @@ static double restitution_of(const pel_sim *sim, int32_t group)
 {
     int32_t tool = group - sim->model->body_count;
     double own = tool < 0 ? sim->model->bodies[group].restitution : sim->tools[tool].restitution;
-    return own >= 0 ? own : sim->contacts->def.restitution;
+    return own >= 0 ? own : sim->contact.def.restitution;
 }
 
 /* below 0 where neither has any */

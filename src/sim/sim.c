@@ -58,7 +58,7 @@ static void mark_contacts(pel_sim *sim)
         for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
             sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
     if (sim->contacts != NULL)
-        pel_contacts_mark(sim);
+        pel_contact_set_mark(sim->contacts, sim->state->contact);
     if (sim->stepper->mark_contacts != NULL)
         sim->stepper->mark_contacts(sim);
 }
@@ -118,7 +118,7 @@ static void accept_part(pel_sim *sim, double next)
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(sim->state);
-    pel_contact_forces_accept(sim);
+    pel_contact_forces_accept(&sim->contact_forces, pel_part_share(sim), sim->parts.at == 0);
     sim->state->step += is_last;
     pel_tools_end_step(sim, next);
     if (is_last)
@@ -133,7 +133,7 @@ static void accept_part(pel_sim *sim, double next)
 static pel_status step_part(pel_sim *sim, pel_error *error)
 {
     double next = pel_sim_next_time(sim), longest = 0;
-    pel_contact_forces_begin(sim);
+    pel_contact_forces_begin(&sim->contact_forces);
     pel_status status = solve(sim, next, &longest, error);
     if (status == PEL_OK && !sim->parts.is_refused)
         status = keep_apart(sim, next, longest, error);

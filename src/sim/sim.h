@@ -3,9 +3,11 @@
 #define PEL_SIM_SIM_H
 
 #include "batch/batches.h"
+#include "contact/force.h"
 #include "force/body_force.h"
 #include "force/shell_force.h"
 #include "geom/solid.h"
+#include "math/pose.h"
 #include "model/boundary.h"
 #include "model/refined_model.h"
 #include "pellicle/sim.h"
@@ -49,12 +51,6 @@ typedef struct pel_follower {
     /* of the last evaluation: N; turn of the frame by displacements of the vertices */
     double force[3], turns[3][3][3];
 } pel_follower;
-
-typedef struct pel_pose {
-    double position[3];
-    double rotation[4]; /* x, y, z, w */
-    double spin[3];     /* rotation vectors [rad] along the way to here, summed: tells whole turns from none */
-} pel_pose;
 
 typedef enum pel_grasp_phase { PEL_GRASP_WAITING, PEL_GRASP_HOLDING, PEL_GRASP_DONE } pel_grasp_phase;
 
@@ -163,7 +159,18 @@ typedef struct pel_refine_body {
     int64_t output_revision;
 } pel_refine_body;
 
-typedef struct pel_sim_contacts pel_sim_contacts;
+typedef struct pel_contact_set pel_contact_set;
+
+/* What the simulation keeps of contact beside the set. */
+typedef struct pel_sim_contact {
+    pel_contact_def def;
+    int64_t *revisions; /* (body_count) of the surface in the set */
+    bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
+    double solved_energy; /* J, of the new positions and velocities before anything was corrected */
+    void *before_event;   /* (event_size) snapshot, of models that refine; else null */
+    size_t event_size;
+} pel_sim_contact;
+
 typedef struct pel_sim_solids pel_sim_solids;
 
 /* Substeps of xpbd at present and so far; in snapshots. */
@@ -220,15 +227,6 @@ typedef struct pel_sim_path pel_sim_path;
 /* (hold.h) supports of single components */
 typedef struct pel_sim_holds pel_sim_holds;
 
-/* What a body or tool did to a body in a step. Sums over contacts; those with a load are weighted by it. */
-typedef struct pel_pair_force {
-    double force[3];  /* N */
-    double load[3];   /* N, the part along the normals of contacts */
-    double point[3];  /* N m, sum of load times place */
-    double approach;  /* N m, sum of load times way along the normal from the start of the step to the contact */
-    double load_size; /* N, sum of the sizes of loads */
-} pel_pair_force;
-
 /* A pair of groups that collides (restitution.c). */
 typedef struct pel_collision_state {
     uint8_t is_on;
@@ -239,17 +237,6 @@ typedef struct pel_collision_state {
     double contact_distance; /* m, of the centers along the normal while they touched */
     double risen;            /* m, beyond that */
 } pel_collision_state;
-
-/* Forces of contacts and tools in a step, means where it has substeps (contact_force.c). */
-typedef struct pel_contact_forces {
-    pel_record *vertex, *vertex_next;      /* (vertex_count) N, in the last step and in the present one; null without
-                                              contact and tools */
-    uint8_t *is_touched, *is_touched_next; /* (slices) 0 = the forces of a slice are zero, so that a step clears few */
-    pel_pair_force *pair, *pair_next;      /* (body_count x group_count) on the body of the row; groups are bodies, then
-                                              tools; of two bodies the lower one has the row */
-    int32_t group_count;
-    struct pel_contact_records *records; /* (contact_record.c) null = they are not kept */
-} pel_contact_forces;
 
 struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
@@ -290,7 +277,8 @@ struct pel_sim {
     int32_t follower_count;
     pel_tool *tools;
     int32_t tool_count;
-    pel_sim_contacts *contacts;   /* (contact.h) null = none */
+    pel_contact_set *contacts; /* (contact.h) null = none */
+    pel_sim_contact contact;
     bool contact_in_loop;         /* the solver sweeps over them too */
     bool self_contact;            /* no body can cut itself */
     pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
@@ -459,17 +447,6 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body);
 
 /* Takes force and times of a def that differs in no other member, if they are right. PEL_BAD_ARGUMENT. */
 pel_status pel_load_retime(pel_sim *sim, int32_t load, const pel_load_def *def, pel_error *error);
-
-/* ---- contact_force.c ---- */
-/* After tools, before contacts. PEL_OUT_OF_MEMORY. */
-pel_status pel_contact_forces_create(pel_sim *sim, pel_error *error);
-void pel_contact_forces_destroy(pel_sim *sim);
-/* Before a step or a part of it, or before its substeps are done anew. */
-void pel_contact_forces_begin(pel_sim *sim);
-/* The forces of the step become the present ones; those of a part are added to the mean. */
-void pel_contact_forces_accept(pel_sim *sim);
-/* After those of the last step were read from a snapshot. */
-void pel_contact_forces_loaded(pel_sim *sim);
 
 /* ---- restitution.c ---- */
 /* After contacts. PEL_BAD_ARGUMENT for a number out of range or a method without velocities, PEL_OUT_OF_MEMORY. */

@@ -234,7 +234,8 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_solids_create(sim, error);
     if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
-        status = pel_contact_forces_create(sim, error);
+        status = pel_contact_forces_create(sim->model->vertex_count, sim->model->body_count, sim->tool_count,
+                                           sim->model->body_of_slice, &sim->contact_forces, error);
     if (status == PEL_OK && def->record_contacts && sim->contact_forces.vertex != NULL)
         status = pel_contact_records_create(&sim->contact_forces, error);
     if (status == PEL_OK)
@@ -280,7 +281,7 @@ void pel_sim_release(pel_sim *sim)
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
     pel_free(sim->collisions);
-    pel_contact_forces_destroy(sim);
+    pel_contact_forces_destroy(&sim->contact_forces);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
     pel_holds_destroy(sim);

@@ -343,12 +343,12 @@ static void transfer_statistics(cursor *at, const pel_sim *sim, int32_t unused)
 static void transfer_collider(cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    pel_sim_contacts *contacts = sim->contacts;
+    pel_contact_set *contacts = sim->contacts;
     if (contacts == NULL)
         return;
     pel_memory_part parts[PEL_COLLIDER_PARTS];
     pel_collider_memory(contacts->collider, parts);
-    transfer(at, contacts->revisions, (size_t)sim->model->body_count * sizeof *contacts->revisions);
+    transfer(at, sim->contact.revisions, (size_t)sim->model->body_count * sizeof *sim->contact.revisions);
     for (int i = 0; i < PEL_COLLIDER_PARTS; i++)
         transfer(at, parts[i].data, parts[i].size);
 }
@@ -545,7 +545,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
             return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
     transfer_sim(&place, sim);
     sim->held_is_listed = false;
-    pel_contact_forces_loaded(sim);
+    pel_contact_forces_loaded(&sim->contact_forces);
     sim->state->step = head.step;
     for (int32_t l = 0; l < sim->load_count; l++)
         memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads[l].force, sizeof sim->loads[l].force);
@@ -553,7 +553,7 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     pel_shell_forces_set_load_factor(sim->shells, sim->state->load_factor);
     if (sim->contacts != NULL) {
         sim->contacts->tangles.is_known = false;
-        sim->contacts->is_loaded = true;
+        sim->contact.is_loaded = true;
     }
     /* first, so that readings of tools are whole whatever else is damaged */
     bool has_tools = restore_tools(sim);
@@ -689,7 +689,7 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error
         to->state->step = from->state->step;
         if (to->contacts != NULL && has_run) {
             to->contacts->tangles.is_known = false;
-            to->contacts->revisions[0] = -1;
+            to->contact.revisions[0] = -1;
         }
         rest_unused_places(to);
     }

@@ -73,6 +73,7 @@ static int32_t needed_substeps(const pel_sim *sim)
 
 static void find_softness(pel_sim *sim)
 {
+    sim->force_is_present = false;
     sim->substeps.now.found =
         pel_softness_find(sim->model, sim->state, sim->state->position, pel_sim_time(sim), &sim->substeps.scratch);
 }
@@ -127,11 +128,18 @@ static void choose_first(pel_sim *sim)
     note(sim);
 }
 
+/* nothing needs the forces while substeps are chosen; with numbers in float there is too little room among them */
+static pel_status create_scratch(pel_sim *sim, pel_error *error)
+{
+    double *lent = sizeof *sim->force >= 4 * sizeof *lent ? (double *)sim->force : NULL;
+    return pel_softness_create(sim->model, lent, &sim->substeps.scratch, error);
+}
+
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
 {
     if (!sim->stepper->is_compliant)
         return PEL_OK;
-    pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
+    pel_status status = create_scratch(sim, error);
     if (status == PEL_OK && !sim->goes_on)
         choose_first(sim);
     return status;
@@ -150,7 +158,7 @@ void pel_substeps_follow(pel_sim *sim)
     look(sim);
     int32_t count = clamp_substeps(sim, needed_substeps(sim)), present = sim->solver.substeps;
     if (substeps->is_automatic && (count > present || count < KEEP_SHARE * present)) {
-        pel_projector_set_substeps(sim->projector, sim->state, count);
+        sim->stepper->set_substeps(sim, count, false);
         sim->solver.substeps = count;
     }
     note(sim);
@@ -165,7 +173,7 @@ bool pel_substeps_restore(pel_sim *sim)
     if (!is_whole)
         return false;
     sim->solver.substeps = now->count;
-    pel_projector_set_substeps(sim->projector, NULL, now->count);
+    sim->stepper->set_substeps(sim, now->count, true);
     return true;
 }
 
@@ -208,7 +216,7 @@ static double finest_factor(const pel_model *model)
 
 pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error)
 {
-    pel_status status = pel_softness_create(sim->model, &sim->substeps.scratch, error);
+    pel_status status = create_scratch(sim, error);
     if (status != PEL_OK)
         return status;
     find_softness(sim);

@@ -262,6 +262,7 @@ const pel_stepper pel_step_implicit_kind = {
     .get_held_force = pel_sim_newton_held_force,
     .mark_contacts = pel_descent_contacts_mark,
     .restart = restart,
+    .get_solver = pel_sim_descent_get_solver,
     .set_time = set_time,
     .accept = accept,
     .advise = advise,

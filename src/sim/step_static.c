@@ -55,6 +55,7 @@ const pel_stepper pel_step_static_kind = {
     .follow_surface = pel_sim_newton_follow_surface,
     .get_held_force = pel_sim_newton_held_force,
     .mark_contacts = pel_descent_contacts_mark,
+    .get_solver = pel_sim_descent_get_solver,
     .accept = pel_sim_descent_accept,
     .advise = advise,
 };

@@ -43,6 +43,16 @@ typedef struct pel_stepper {
     void (*set_time)(pel_sim *sim, double before);
     /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
     void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
+    /* Makes room for these forces and those of read_grips; nullable. PEL_OUT_OF_MEMORY. */
+    pel_status (*record_held)(pel_sim *sim, pel_error *error);
+    /* after the vertices that tools hold have changed; nullable */
+    void (*follow_held)(pel_sim *sim);
+    /* the forces of what tools hold, after contacts were passed on to them; nullable */
+    void (*read_grips)(pel_sim *sim);
+    /* A step has so many substeps from now on, and starts anew where the state was loaded; nullable. */
+    void (*set_substeps)(pel_sim *sim, int32_t count, bool is_loaded);
+    /* how the last accepted step was solved; null = nothing is solved */
+    void (*get_solver)(const pel_sim *sim, pel_solver_reading *reading);
     /* after a step that is accepted; nullable */
     void (*accept)(pel_sim *sim);
     /* the remedy for a step that diverged */

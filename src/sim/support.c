@@ -19,11 +19,6 @@ static int32_t count_pins(const pel_sim *sim, int32_t body)
     return count;
 }
 
-static bool records_pins(const pel_sim *sim)
-{
-    return sim->projector != NULL || sim->stepper->get_held_force != NULL;
-}
-
 static bool has_pins(const pel_sim *sim)
 {
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
@@ -42,13 +37,13 @@ static bool has_support_tools(const pel_sim *sim)
 
 pel_status pel_supports_create(pel_sim *sim, pel_error *error)
 {
-    bool records = records_pins(sim) && has_pins(sim);
+    bool records = sim->stepper->get_held_force != NULL && has_pins(sim);
     if (!records && sim->holds == NULL && !has_support_tools(sim))
         return PEL_OK;
     sim->reactions = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->reactions);
     if (sim->reactions == NULL)
         return pel_fail_memory(error);
-    return records && sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
+    return records && sim->stepper->record_held != NULL ? sim->stepper->record_held(sim, error) : PEL_OK;
 }
 
 void pel_supports_destroy(pel_sim *sim)
@@ -57,21 +52,6 @@ void pel_supports_destroy(pel_sim *sim)
 }
 
 /* ---- after a part of a step ---- */
-
-/* force on the support of a pinned vertex: that of the balance, or the mean of the substeps and the contacts */
-static void read_pin(const pel_sim *sim, int32_t v, double force[3])
-{
-    double contact[3] = {0, 0, 0};
-    if (sim->projector == NULL) {
-        sim->stepper->get_held_force(sim, v, force);
-        return;
-    }
-    pel_vertex_position(sim->projector->reaction, v, force);
-    pel_vec3_scale(force, 1.0 / sim->solver.substeps, force);
-    if (sim->contact_forces.vertex_next != NULL)
-        pel_vertex_position(sim->contact_forces.vertex_next, v, contact);
-    pel_vec3_add(force, contact, force);
-}
 
 /* reactions of a step in parts are means */
 void pel_supports_read(pel_sim *sim, double time)
@@ -82,11 +62,11 @@ void pel_supports_read(pel_sim *sim, double time)
     if (sim->parts.at == 0)
         memset(sim->reactions, 0, (size_t)sim->model->vertex_count * sizeof *sim->reactions);
     pel_holds_read(sim, time);
-    for (int32_t v = 0; records_pins(sim) && v < sim->model->vertex_count; v++) {
+    for (int32_t v = 0; sim->stepper->get_held_force != NULL && v < sim->model->vertex_count; v++) {
         double force[3];
         if (!is_pinned(sim, v))
             continue;
-        read_pin(sim, v, force);
+        sim->stepper->get_held_force(sim, v, force);
         pel_vec3_along(sim->reactions[v], share, force, sim->reactions[v]);
     }
     for (int32_t t = 0; t < sim->tool_count; t++) {
@@ -108,7 +88,7 @@ static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
     pel_vec3_set(force, 0, 0, 0);
     if (sim->reactions != NULL)
         pel_vec3_copy(sim->reactions[v], force);
-    if (records_pins(sim) || !is_pinned(sim, v))
+    if (sim->stepper->get_held_force != NULL || !is_pinned(sim, v))
         return;
     pel_vertex_position(sim->force, v, force);
     if (sim->contact_forces.vertex != NULL)
@@ -119,7 +99,7 @@ static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
 
 void pel_supports_get_reactions(pel_sim *sim, int32_t body, double *reactions)
 {
-    if (!records_pins(sim) && count_pins(sim, body) > 0)
+    if (sim->stepper->get_held_force == NULL && count_pins(sim, body) > 0)
         pel_sim_compute_forces(sim);
     for (int32_t r = 0; r < pel_output_count(sim, body); r++)
         find_reaction(sim, pel_output_model_index(sim, body, r), reactions + 3 * (size_t)r);
@@ -135,7 +115,7 @@ static void add_force(pel_support_reading *reading, const double point[3], const
 
 static void add_pins(pel_sim *sim, int32_t body, pel_support_reading *reading)
 {
-    if (!records_pins(sim))
+    if (sim->stepper->get_held_force == NULL)
         pel_sim_compute_forces(sim);
     for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
         double point[3], force[3];

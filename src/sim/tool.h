@@ -2,21 +2,9 @@
 #ifndef PEL_SIM_TOOL_H
 #define PEL_SIM_TOOL_H
 
+#include "contact/contact.h"
 #include "math/pose.h"
-#include "model/contact.h"
 #include "sim/sim.h"
-
-static inline void pel_pose_to_local(const pel_pose *pose, const double world[3], double local[3])
-{
-    pel_vec3_subtract(world, pose->position, local);
-    pel_rotate_back(pose->rotation, local, local);
-}
-
-static inline void pel_pose_to_world(const pel_pose *pose, const double local[3], double world[3])
-{
-    pel_rotate(pose->rotation, local, world);
-    pel_vec3_add(world, pose->position, world);
-}
 
 /* ---- tool_pose.c ---- */
 /* finite, with a unit quaternion and not too many turns */
@@ -25,20 +13,14 @@ bool pel_tool_is_key(const pel_pose_key *key);
 void pel_tool_sum_spins(pel_tool *tool);
 /* a keyed pose at a time */
 pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
-/* rotation vector [rad] between two poses of a tool, along its way */
-void pel_tool_turn(const pel_pose *a, const pel_pose *b, double turn[3]);
 /* the pose that a tool goes to in the step to `time` */
 pel_pose pel_tool_next_pose(const pel_sim *sim, const pel_tool *tool, double time);
-/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
-double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b);
-/* a pose between two; share 0 and 1 give them exactly */
-void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose);
 
 /* velocity of the point of the tool that is now at `point`: v + w x r with the mean v and w of the last step */
 static inline void pel_tool_velocity(const pel_tool *tool, const double point[3], double dt, double velocity[3])
 {
     double turn[3], arm[3], before[3];
-    pel_tool_turn(&tool->pose_before, &tool->pose, turn);
+    pel_pose_turn(&tool->pose_before, &tool->pose, turn);
     pel_vec3_subtract(point, tool->pose.position, arm);
     pel_vec3_cross(turn, arm, velocity);
     pel_vec3_add(arm, tool->pose_before.position, before);
@@ -48,9 +30,13 @@ static inline void pel_tool_velocity(const pel_tool *tool, const double point[3]
 
 static inline double pel_tool_size(const pel_tool *tool)
 {
-    double half[3];
-    pel_solid_half_box(&tool->solid, half);
-    return half[0] + half[1] + half[2];
+    return pel_solid_size(&tool->solid);
+}
+
+/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
+static inline double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
+{
+    return pel_pose_way(a, b, pel_tool_size(tool));
 }
 
 /* grown by a distance about it */
@@ -102,30 +88,8 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
 }
 
 /* ---- contact_force.c ---- */
-/* What acts at a point of surfaces, a weighted sum of vertices. */
-typedef struct pel_contact_action {
-    const int32_t *vertices; /* (4) */
-    double weights[4];       /* 0 where unused */
-    double force[3];         /* N, on the sum: each vertex has it times its weight */
-    double load[3];          /* N, the part of it along the normal */
-    int32_t tool;            /* that it comes from; -1 = of surfaces of bodies */
-} pel_contact_action;
-
 /* Adds it to the forces of the step. */
-void pel_contact_forces_add(pel_sim *sim, const pel_contact_action *action);
-/* The force of a tool on one vertex, without a load. */
-void pel_contact_forces_add_at(pel_sim *sim, int32_t v, int32_t tool, const double force[3]);
-
-/* ---- contact_record.c ---- */
-/* PEL_OUT_OF_MEMORY. */
-pel_status pel_contact_records_create(pel_contact_forces *forces, pel_error *error);
-void pel_contact_records_destroy(pel_contact_forces *forces);
-/* These do nothing where no records are kept. */
-void pel_contact_records_begin(pel_contact_forces *forces);
-void pel_contact_records_add(pel_contact_forces *forces, const pel_contact_action *action);
-/* share: of a step in parts; the first one forgets the step before */
-void pel_contact_records_accept(pel_contact_forces *forces, double share, bool is_first);
-void pel_contact_records_forget(pel_contact_forces *forces);
+void pel_contact_act(pel_sim *sim, const pel_contact_action *action);
 /* Adds what changed the sum of a contact by `change`, times rate over its mobility: with displacements in m the rate is
    in 1/s2, with velocities in 1/s. tool: its other side, which takes the reaction and what it touches; -1 = none. */
 void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate);
@@ -140,7 +104,7 @@ static inline void pel_tool_add_grip(pel_sim *sim, pel_tool *tool, int32_t v, co
     pel_vec3_add(sim->grip_forces[v], force, sim->grip_forces[v]);
     pel_tool_add_reaction(tool, point, force);
     pel_vec3_scale(force, -1, back);
-    pel_contact_forces_add_at(sim, v, (int32_t)(tool - sim->tools), back);
+    pel_contact_forces_add_at(&sim->contact_forces, v, (int32_t)(tool - sim->tools), back);
 }
 
 /* ---- tool_grip.c ---- */
@@ -152,6 +116,11 @@ bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time);
 void pel_tools_list_held(pel_sim *sim);
 /* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
+
+/* ---- tool_reading.c ---- */
+/* Where the mean force of a step on a held vertex acts: by the mean of its arms at both ends of the step. By the last
+   one alone, what pulls a turning rim inward would turn it on. */
+void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3]);
 
 /* ---- tool_start.c ---- */
 /* PEL_BAD_ARGUMENT with that way */

@@ -215,7 +215,7 @@ static pel_status create_grips(pel_sim *sim, pel_error *error)
     sim->grip_forces = pel_allocate(count, sizeof *sim->grip_forces);
     if (sim->held_vertices == NULL || sim->held_targets == NULL || sim->grip_forces == NULL)
         return pel_fail_memory(error);
-    return sim->projector != NULL ? pel_projector_record_reactions(sim->projector, error) : PEL_OK;
+    return sim->stepper->record_held != NULL ? sim->stepper->record_held(sim, error) : PEL_OK;
 }
 
 pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error)

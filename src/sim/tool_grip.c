@@ -103,8 +103,8 @@ void pel_tools_list_held(pel_sim *sim)
             sim->held_vertices[count++] = sim->tools[i].held[k];
     sim->boundary =
         (pel_boundary){count > 0 ? sim->held : NULL, sim->held_vertices, (const double(*)[3])sim->held_targets, count};
-    if (sim->projector != NULL)
-        pel_projector_hold(sim->projector, sim->boundary.is_held);
+    if (sim->stepper->follow_held != NULL)
+        sim->stepper->follow_held(sim);
 }
 
 /* ---- carrying ---- */

@@ -99,37 +99,6 @@ pel_pose pel_tool_pose_at(const pel_tool *tool, double time)
     return pose;
 }
 
-/* ---- two poses ---- */
-
-void pel_tool_turn(const pel_pose *a, const pel_pose *b, double turn[3])
-{
-    double spin[3];
-    pel_vec3_subtract(b->spin, a->spin, spin);
-    pel_rotation_between(a->rotation, b->rotation, spin, turn);
-}
-
-void pel_tool_pose_between(const pel_pose *a, const pel_pose *b, double share, pel_pose *pose)
-{
-    if (share >= 1 || share <= 0) {
-        *pose = share >= 1 ? *b : *a;
-        return;
-    }
-    double turn[3];
-    pel_tool_turn(a, b, turn);
-    pel_rotation_turn(a->rotation, turn, share, pose->rotation);
-    for (int i = 0; i < 3; i++) {
-        pose->spin[i] = a->spin[i] + share * turn[i];
-        pose->position[i] = a->position[i] + share * (b->position[i] - a->position[i]);
-    }
-}
-
-double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
-{
-    double turn[3];
-    pel_tool_turn(a, b, turn);
-    return pel_vec3_distance(a->position, b->position) + pel_vec3_length(turn) * pel_tool_size(tool);
-}
-
 /* ---- the step ---- */
 
 /* a tool that was held back catches up at twice its keyed speed, or by an eighth of the lag per step if that is more;
@@ -139,7 +108,7 @@ static pel_pose catch_up(const pel_tool *tool, double time, double dt)
     pel_pose wanted = pel_tool_pose_at(tool, time), last = pel_tool_pose_at(tool, time - dt), pose;
     double behind = pel_tool_way(tool, &tool->pose, &wanted), stride = 2 * pel_tool_way(tool, &last, &wanted);
     double share = behind > CAUGHT_UP * pel_tool_size(tool) ? fmax(stride / behind, 0.125) : 1;
-    pel_tool_pose_between(&tool->pose, &wanted, fmin(share, 1), &pose);
+    pel_pose_between(&tool->pose, &wanted, fmin(share, 1), &pose);
     return pose;
 }
 
@@ -150,6 +119,6 @@ pel_pose pel_tool_next_pose(const pel_sim *sim, const pel_tool *tool, double tim
     pel_pose wanted = pel_tool_pose_at(tool, time), pose = wanted;
     /* what is driven knows its pose at the end of the step: parts share the way */
     if (tool->driven)
-        pel_tool_pose_between(&tool->pose, &wanted, pel_part_share_left(sim), &pose);
+        pel_pose_between(&tool->pose, &wanted, pel_part_share_left(sim), &pose);
     return pose;
 }

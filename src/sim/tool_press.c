@@ -122,7 +122,7 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
         return;
     double impulse = approach / inertia, back[3], force[3];
     const int32_t vertices[4] = {at->vertices[0], at->vertices[1], at->vertices[2], at->vertices[0]};
-    pel_contact_action action = {.vertices = vertices, .tool = (int32_t)(tool - sim->tools)};
+    pel_contact_action action = {.vertices = vertices, .obstacle = (int32_t)(tool - sim->tools)};
     memcpy(action.weights, at->weights, 3 * sizeof *action.weights);
     change_velocity(sim, at, impulse, normal);
     pel_vec3_scale(normal, impulse / sim->step.dt, action.load);
@@ -131,7 +131,7 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
         change_velocity(sim, at, 1 / inertia, back);
         pel_vec3_along(action.force, 1 / (inertia * sim->step.dt), back, action.force);
     }
-    pel_contact_forces_add(sim, &action);
+    pel_contact_act(sim, &action);
     pel_vec3_scale(action.force, -1, force);
     pel_tool_add_reaction(tool, point, force);
 }

@@ -4,7 +4,6 @@
    vertex, as far as it presses against the tool (held vertices: all of it); at rest this balances the push exactly, and
    friction carries what is across it, as far as it can. Explicit method: the momentum taken from the vertices over dt.
    Minimisation: the sum of the loads of its contacts (descent.h), and all of F_i where it holds. */
-#include "sim/descent.h"
 #include "sim/tool.h"
 
 /* ---- forces of the methods without velocities ---- */
@@ -46,7 +45,8 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
         const pel_contact_vertex *touch = &tool->touches[i];
         double force[3], x[3];
         /* of the rest the minimisation knows the loads, but of meshes that only a correction after it keeps out */
-        if (sim->descent != NULL && !sim->held[touch->vertex] && (tool->mesh == NULL || pel_descent_sees_contacts(sim)))
+        if (sim->stepper->read_tools != NULL && !sim->held[touch->vertex] &&
+            (tool->mesh == NULL || pel_sim_has_loop_contacts(sim)))
             continue;
         static_force(sim, touch->vertex, force);
         pel_vertex_position(sim->state->position_next, touch->vertex, x);
@@ -56,33 +56,14 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
             hold_against(sim, tool, touch->vertex, touch->push, force);
             pel_tool_add_reaction(tool, x, force);
             pel_vec3_scale(force, -1, force);
-            pel_contact_forces_add_at(sim, touch->vertex, (int32_t)(tool - sim->tools), force);
+            pel_contact_forces_add_at(&sim->contact_forces, touch->vertex, (int32_t)(tool - sim->tools), force);
         }
     }
 }
 
-/* ---- projected methods ---- */
+/* ---- all methods ---- */
 
-/* adds drag and damping of a held vertex, by its mean velocity in the step */
-static void add_damping(const pel_sim *sim, int32_t v, const double *factors, double force[3])
-{
-    const pel_model *model = sim->model;
-    const pel_record next = sim->state->position_next[v], before = sim->state->position[v];
-    double drag = factors[PEL_SPRING_DAMPING] * (double)model->damping[v] + sim->solver.drag * (double)model->mass[v];
-    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v], velocity[3], offset[3];
-    for (int k = 0; k < 3; k++) {
-        velocity[k] = (double)(next[k] - before[k]) / sim->step.dt;
-        offset[k] = (double)(next[k] - model->rest[v][k]);
-    }
-    double square = pel_vec3_squared_length(offset);
-    double along = square > 0 ? radial * pel_vec3_dot(velocity, offset) / square : 0;
-    pel_vec3_along(force, -drag, velocity, force);
-    pel_vec3_along(force, -along, offset, force);
-}
-
-/* Where the mean force of the substeps on a held vertex acts: by the mean of its arms at both ends of the step. By the
-   last one alone, what pulls a turning rim inward would turn it on. */
-static void find_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3])
+void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3])
 {
     for (int k = 0; k < 3; k++) {
         double before = (double)sim->state->position[v][k] - tool->pose_before.position[k];
@@ -90,31 +71,6 @@ static void find_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v,
         point[k] = tool->pose.position[k] + 0.5 * (before + after);
     }
 }
-
-/* what the substeps recorded on held vertices, what draws them to their rest places, damping and inertia */
-static void read_grip(pel_sim *sim, pel_tool *tool)
-{
-    const pel_model *model = sim->model;
-    const pel_state *state = sim->state;
-    for (int32_t i = 0; i < tool->held_count; i++) {
-        int32_t v = tool->held[i];
-        const double *factors = state->factors[model->body_of_slice[v / PEL_WIDTH]];
-        double spring = factors[PEL_VOLUMETRIC_STIFFNESS] * (double)model->rest[v][3], force[3], x[3], point[3];
-        for (int k = 0; k < 3; k++) {
-            x[k] = (double)state->position_next[v][k];
-            force[k] =
-                (double)sim->projector->reaction[v][k] / sim->solver.substeps -
-                spring * (x[k] - (double)model->rest[v][k]) -
-                (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
-        }
-        add_damping(sim, v, factors, force);
-        find_mean_point(sim, tool, v, point);
-        pel_tool_add_grip(sim, tool, v, point, force);
-        pel_tool_touch(tool, v);
-    }
-}
-
-/* ---- all methods ---- */
 
 /* what contacts do to held vertices goes on to the tool that holds them; the explicit step needs their mass again */
 static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
@@ -125,9 +81,9 @@ static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
         /* the grip itself is among the forces of the step */
         pel_vertex_position(sim->contact_forces.vertex_next, v, force);
         pel_vec3_add(force, sim->grip_forces[v], force);
-        find_mean_point(sim, tool, v, point);
+        pel_tool_mean_point(sim, tool, v, point);
         pel_tool_add_grip(sim, tool, v, point, force);
-        if (sim->projector == NULL)
+        if (!pel_sim_is_projected(sim))
             sim->state->position_next[v][3] = sim->model->inverse_mass[v];
     }
 }
@@ -139,8 +95,8 @@ void pel_tools_read(pel_sim *sim, double time)
         sim->stepper->read_tools(sim);
     for (int32_t i = 0; i < sim->tool_count && sim->state->velocity_next != NULL; i++)
         pass_contacts_on(sim, &sim->tools[i]);
-    for (int32_t i = 0; i < sim->tool_count && sim->projector != NULL; i++)
-        read_grip(sim, &sim->tools[i]);
+    if (sim->stepper->read_grips != NULL)
+        sim->stepper->read_grips(sim);
     for (int32_t i = 0; i < sim->tool_count; i++)
         touch_count += sim->tools[i].touch_count;
     if (sim->state->velocity_next == NULL && touch_count > 0) {

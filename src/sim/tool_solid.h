@@ -4,7 +4,7 @@
 #ifndef PEL_SIM_TOOL_SOLID_H
 #define PEL_SIM_TOOL_SOLID_H
 
-#include "model/contact.h"
+#include "contact/contact.h"
 #include "sim/sim.h"
 
 typedef struct pel_solid_pair {

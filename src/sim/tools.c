@@ -60,7 +60,7 @@ void pel_tools_place(pel_sim *sim, double share)
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
         tool->pose_substep = tool->pose;
-        pel_tool_pose_between(&tool->pose_before, &tool->pose_wanted, share, &tool->pose);
+        pel_pose_between(&tool->pose_before, &tool->pose_wanted, share, &tool->pose);
         for (int32_t k = 0; k < tool->held_count; k++)
             pel_pose_to_world(&tool->pose, tool->anchors[k], sim->held_targets[count++]);
     }

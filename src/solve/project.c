@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "solve/contact.h"
+#include "contact/sweep.h"
 
 #include <math.h>
 #include <string.h>

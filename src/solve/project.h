@@ -22,8 +22,8 @@
 
 #include "base/pool.h"
 #include "batch/batches.h"
+#include "contact/contact.h"
 #include "model/boundary.h"
-#include "model/contact.h"
 #include "model/shell.h"
 #include "model/state.h"
 #include "pellicle/sim.h"

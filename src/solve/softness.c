@@ -20,22 +20,23 @@ enum { POWER_STEPS = 12, STRAIN_COUNT = 3, BINS_PER_OCTAVE = 8, BIN_COUNT = 128 
 /* a triangle squeezed below this area ratio has no frame to speak of */
 #define LEAST_AREA_RATIO 1e-6
 
-pel_status pel_softness_create(const pel_model *model, pel_softness_scratch *scratch, pel_error *error)
+pel_status pel_softness_create(const pel_model *model, double *lent, pel_softness_scratch *scratch, pel_error *error)
 {
-    scratch->energy = pel_allocate((size_t)model->vertex_count, sizeof *scratch->energy);
-    scratch->excess = pel_allocate((size_t)model->vertex_count, sizeof *scratch->excess);
-    scratch->mean = pel_allocate((size_t)model->vertex_count, sizeof *scratch->mean);
-    scratch->sum = pel_allocate((size_t)model->vertex_count, sizeof *scratch->sum);
-    bool made = scratch->energy != NULL && scratch->excess != NULL && scratch->mean != NULL && scratch->sum != NULL;
-    return made ? PEL_OK : pel_fail_memory(error);
+    size_t count = (size_t)model->vertex_count;
+    double *own = lent == NULL ? pel_allocate(4 * count, sizeof *own) : NULL, *room = lent != NULL ? lent : own;
+    *scratch = (pel_softness_scratch){.own = own};
+    if (room == NULL)
+        return pel_fail_memory(error);
+    scratch->energy = room;
+    scratch->excess = room + count;
+    scratch->mean = room + 2 * count;
+    scratch->sum = room + 3 * count;
+    return PEL_OK;
 }
 
 void pel_softness_destroy(pel_softness_scratch *scratch)
 {
-    pel_free(scratch->energy);
-    pel_free(scratch->excess);
-    pel_free(scratch->mean);
-    pel_free(scratch->sum);
+    pel_free(scratch->own);
 }
 
 /* ---- means over the elements at a vertex ---- */

@@ -34,9 +34,12 @@ typedef struct pel_softness_scratch {
     double *energy, *excess; /* (vertex_count) of the elements at a vertex; excess: energy times rate */
     double *mean;            /* (vertex_count) of the rate, around a vertex */
     double *sum;             /* (vertex_count) */
+    double *own;             /* these arrays, where the caller lent none; else null */
 } pel_softness_scratch;
 
-pel_status pel_softness_create(const pel_model *model, pel_softness_scratch *scratch, pel_error *error);
+/* lent: room of the caller for 4 vertex_count numbers, which a search overwrites and which has to live on; null = it
+   makes its own. PEL_OUT_OF_MEMORY. */
+pel_status pel_softness_create(const pel_model *model, double *lent, pel_softness_scratch *scratch, pel_error *error);
 void pel_softness_destroy(pel_softness_scratch *scratch);
 
 /* Rates of springs and shells at positions (vertex_count) and a time, with the present factors of keyed parameters. */

@@ -27,7 +27,7 @@ static void test_watched(void **unused)
     scene_begin(&scene, PEL_METHOD_XPBD);
     scene_body(&scene, make_sheet(10, 0));
     pel_sim *sim = scene_create(&scene);
-    const pel_sim_contacts *contacts = sim->contacts;
+    const pel_contact_set *contacts = sim->contacts;
     random_state random = {7};
     int32_t fewest = INT32_MAX, most = 0;
     for (int trial = 0; trial < 40; trial++) {
@@ -38,7 +38,7 @@ static void test_watched(void **unused)
                 sim->state->position[v][k] =
                     (pel_real)(((double)sim->model->rest[v][k] + noise) * (k == 0 ? squeeze : 1));
             }
-        assert_int_equal(pel_contact_heights_find(sim, NULL), PEL_OK);
+        assert_int_equal(pel_contact_heights_find(sim->contacts, sim->state->position, NULL), PEL_OK);
         const pel_contact_heights *heights = &contacts->heights;
         int32_t found = 0;
         for (int32_t t = 0; t < contacts->triangle_count; t++) {

@@ -149,11 +149,11 @@ static void test_held_back(void **unused)
     pel_tool *own = &s.sim->tools[0];
     pel_pose from = pel_tool_pose_at(own, 0.25), to = pel_tool_pose_at(own, 1.5), middle;
     assert_near(pel_tool_way(own, &from, &to), 540 * pi / 180 * 1.5, 1e-9);
-    pel_tool_pose_between(&from, &to, 0.5, &middle);
+    pel_pose_between(&from, &to, 0.5, &middle);
     double x[3];
     pel_rotate(middle.rotation, (double[3]){1, 2, 3}, x);
     expect_turn(x, (double[3]){0, 0, 1}, 360);
-    pel_tool_pose_between(&middle, &to, 0.25, &middle);
+    pel_pose_between(&middle, &to, 0.25, &middle);
     pel_rotate(middle.rotation, (double[3]){1, 2, 3}, x);
     expect_turn(x, (double[3]){0, 0, 1}, 360 + 270.0 / 4);
     /* at 1.5 s it lags 230 degrees behind: it follows forwards, by an eighth a step */
@@ -182,7 +182,7 @@ static void test_set_pose(void **unused)
     assert_int_equal(pel_sim_set_tool_pose(s.sim, 0, (double[3]){0}, rotation, NULL), PEL_OK);
     pel_pose wanted = pel_tool_pose_at(&s.sim->tools[0], 1), half;
     assert_near(pel_tool_way(&s.sim->tools[0], &s.sim->tools[0].pose, &wanted), pi / 3 * 1.5, 1e-9);
-    pel_tool_pose_between(&s.sim->tools[0].pose, &wanted, 0.5, &half);
+    pel_pose_between(&s.sim->tools[0].pose, &wanted, 0.5, &half);
     double x[3];
     pel_rotate(half.rotation, (double[3]){1, 2, 3}, x);
     expect_turn(x, (double[3]){0, 0, 1}, 30);

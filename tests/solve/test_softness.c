@@ -15,7 +15,7 @@ static pel_softness find(const pel_model *model, double stretch, double time)
 {
     pel_state *state = make_state(model);
     pel_softness_scratch scratch;
-    assert_int_equal(pel_softness_create(model, &scratch, NULL), PEL_OK);
+    assert_int_equal(pel_softness_create(model, NULL, &scratch, NULL), PEL_OK);
     for (int32_t v = 0; v < model->vertex_count; v++)
         for (int c = 0; c < 3; c++)
             state->position[v][c] *= (pel_real)stretch;
@@ -115,7 +115,7 @@ static void test_springs(void **unused)
     pel_model *model = make_model(&made.body);
     pel_state *state = make_state(model);
     pel_softness_scratch scratch;
-    assert_int_equal(pel_softness_create(model, &scratch, NULL), PEL_OK);
+    assert_int_equal(pel_softness_create(model, NULL, &scratch, NULL), PEL_OK);
     for (int i = 0; i < 2; i++) {
         state->factors[0][PEL_SPRING_STIFFNESS] = keys[i].value;
         assert_rate(pel_softness_find(model, state, state->position, 0, &scratch).rate, 2 / 0.5 * keys[i].value);
@@ -248,7 +248,7 @@ static void test_iterations(void **unused)
 static pel_status create(const void *model, pel_error *error)
 {
     pel_softness_scratch scratch = {0};
-    pel_status status = pel_softness_create(model, &scratch, error);
+    pel_status status = pel_softness_create(model, NULL, &scratch, error);
     pel_softness_destroy(&scratch);
     return status;
 }

@@ -7,10 +7,10 @@
    a tool, whose motion is given, only the body's points stand here: the tool's share of the sum is in `separation`, and
    what it moved since the start of the step in `drift`. The normal points to the side on which the first one was in the
    last free state (paper B, section 4; theory page, section 7). */
-#ifndef PEL_MODEL_CONTACT_H
-#define PEL_MODEL_CONTACT_H
+#ifndef PEL_CONTACT_CONTACT_H
+#define PEL_CONTACT_CONTACT_H
 
-#include "base/wide.h"
+#include "math/record.h"
 
 #include <stdint.h>
 

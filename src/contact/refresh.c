@@ -8,8 +8,7 @@
 
    The side on which a pair touches is that of the start of the substep in which its closest points came to lie inside
    both features; from then on the normal is followed. */
-#include "sim/contact.h"
-#include "sim/tool.h"
+#include "contact/set.h"
 
 enum { PAIRS_OF_CHUNK = 256 };
 
@@ -23,36 +22,33 @@ enum { PAIRS_OF_CHUNK = 256 };
 #define FAR 3.0
 enum { FAR_INTERVAL = 4 };
 
-void pel_contacts_place_tools(pel_sim *sim)
+void pel_contact_set_begin_substep(pel_contact_set *set)
 {
-    pel_sim_contacts *contacts = sim->contacts;
-    contacts->substep++;
-    for (int32_t i = 0; i < sim->tool_count; i++) {
-        const pel_contact_tool *tool = &contacts->tools[i];
-        for (int32_t p = tool->point_begin; p < tool->point_end; p++) {
-            const double *local = tool->local[p - tool->point_begin];
-            pel_pose_to_world(&sim->tools[i].pose_substep, local, contacts->substep_start[p - contacts->place_count]);
-            pel_pose_to_world(&sim->tools[i].pose, local, contacts->substep_end[p - contacts->place_count]);
-        }
+    set->substep++;
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        const pel_obstacle *obstacle = &set->obstacles[i];
+        int32_t first = obstacle->point_begin - set->vertex_count;
+        pel_obstacle_points(obstacle, &obstacle->substep, set->substep_start + first);
+        pel_obstacle_points(obstacle, &obstacle->pose, set->substep_end + first);
     }
 }
 
 typedef struct refresh_job {
-    pel_sim *sim;
-    const pel_record
-        *start;   /* (vertex_count) positions at the start of the substep; null = all is at that of the step */
+    pel_contact_set *set;
+    const pel_record *positions,
+        *start;   /* (vertex_count) now and at the start of the substep; null = at that of the step */
     double reach; /* m, pairs with a larger gap when they were looked at last are left out, and those that were off */
 } refresh_job;
 
 static void load_point(const refresh_job *job, int32_t point, double x[3])
 {
-    const pel_sim_contacts *contacts = job->sim->contacts;
+    const pel_contact_set *set = job->set;
     if (job->start == NULL)
-        pel_vec3_copy(contacts->start[point], x);
-    else if (point < contacts->place_count)
-        pel_vertex_position(job->sim->state->position_next, point, x);
+        pel_vec3_copy(set->start[point], x);
+    else if (point < set->vertex_count)
+        pel_vertex_position(job->positions, point, x);
     else
-        pel_vec3_copy(contacts->substep_end[point - contacts->place_count], x);
+        pel_vec3_copy(set->substep_end[point - set->vertex_count], x);
 }
 
 static bool has_point(const pel_contact_key *key, int32_t point)
@@ -65,7 +61,7 @@ static bool has_point(const pel_contact_key *key, int32_t point)
 static bool leads_away(const refresh_job *job, const pel_contact_key *key, int32_t edge, const double a[3],
                        const double b[3], const double direction[3])
 {
-    const pel_tree *tree = pel_collider_tree(job->sim->contacts->collider);
+    const pel_tree *tree = pel_collider_tree(job->set->collider);
     double along[3], square;
     pel_vec3_subtract(b, a, along);
     square = pel_vec3_squared_length(along);
@@ -86,7 +82,7 @@ static bool leads_away(const refresh_job *job, const pel_contact_key *key, int32
 static bool leads_away_from_border(const refresh_job *job, const pel_contact_key *key, double x[4][3],
                                    const double w[3], const double direction[3])
 {
-    const pel_tree *tree = pel_collider_tree(job->sim->contacts->collider);
+    const pel_tree *tree = pel_collider_tree(job->set->collider);
     for (int i = 0; i < 3; i++)
         if (w[(i + 2) % 3] <= INSIDE &&
             !leads_away(job, key, tree->triangle_edges[key->second][i], x[1 + i], x[1 + (i + 1) % 3], direction))
@@ -97,14 +93,14 @@ static bool leads_away_from_border(const refresh_job *job, const pel_contact_key
 /* six times the signed volume of the points at the start of the substep: which side the pair is on */
 static double start_volume(const refresh_job *job, const pel_contact_key *key)
 {
-    const pel_sim_contacts *contacts = job->sim->contacts;
+    const pel_contact_set *set = job->set;
     double x[4][3], a[3], b[3], c[3], normal[3];
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i];
-        if (point < contacts->place_count)
+        if (point < set->vertex_count)
             pel_vertex_position(job->start, point, x[i]);
         else
-            pel_vec3_copy(contacts->substep_start[point - contacts->place_count], x[i]);
+            pel_vec3_copy(set->substep_start[point - set->vertex_count], x[i]);
     }
     pel_vec3_subtract(x[key->edge_edge ? 1 : 2], x[key->edge_edge ? 0 : 1], a);
     pel_vec3_subtract(x[3], x[key->edge_edge ? 2 : 1], b);
@@ -179,22 +175,21 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
         normal[k] = is_inside ? cross[k] : (double)contact->normal[k];
 }
 
-/* separation and drift of the tool's share of the sum */
-static void set_tool_share(const pel_sim *sim, const pel_contact_key *key, const double weights[4],
-                           const double normal[3], pel_contact *contact)
+/* separation and drift of the obstacle's share of the sum */
+static void set_obstacle_share(const pel_contact_set *set, const pel_contact_key *key, const double weights[4],
+                               const double normal[3], pel_contact *contact)
 {
-    const pel_sim_contacts *contacts = sim->contacts;
-    const int32_t *group = contacts->group_of_point;
-    double separation = pel_contact_thickness(contacts, group[key->points[0]], group[key->points[3]]);
+    const int32_t *group = set->group_of_point;
+    double separation = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]);
     double drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
-        int32_t point = key->points[i] - contacts->place_count;
+        int32_t point = key->points[i] - set->vertex_count;
         contact->weights[i] = point < 0 ? (pel_real)weights[i] : 0;
         if (point < 0)
             continue;
-        separation -= weights[i] * pel_vec3_dot(contacts->substep_end[point], normal);
+        separation -= weights[i] * pel_vec3_dot(set->substep_end[point], normal);
         for (int k = 0; k < 3; k++)
-            drift[k] -= weights[i] * (contacts->substep_end[point][k] - contacts->substep_start[point][k]);
+            drift[k] -= weights[i] * (set->substep_end[point][k] - set->substep_start[point][k]);
     }
     contact->separation = (pel_real)separation;
     for (int k = 0; k < 3; k++)
@@ -228,32 +223,31 @@ static void check_impact(const refresh_job *job, double x[4][3], pel_contact_key
 }
 
 /* what went so far beyond an impact is left to the guard */
-static bool is_far_through(const pel_sim_contacts *contacts, double x[4][3], const pel_contact_key *key,
+static bool is_far_through(const pel_contact_set *set, double x[4][3], const pel_contact_key *key,
                            const pel_contact *contact)
 {
     double normal[3];
     for (int k = 0; k < 3; k++)
         normal[k] = (double)contact->normal[k];
-    return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * contacts->mean_edge;
+    return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * set->mean_edge;
 }
 
 static void refresh_pair(const refresh_job *job, int32_t c)
 {
-    pel_sim *sim = job->sim;
-    pel_sim_contacts *contacts = sim->contacts;
-    pel_contact_key *key = &contacts->keys[c];
-    pel_contact *contact = &contacts->list.contacts[c];
+    pel_contact_set *set = job->set;
+    pel_contact_key *key = &set->keys[c];
+    pel_contact *contact = &set->list.contacts[c];
     double x[4][3], weights[4], normal[3];
-    if (key->gap > FAR * contacts->largest && (contacts->substep + (uint32_t)c) % FAR_INTERVAL != 0)
+    if (key->gap > FAR * set->largest && (set->substep + (uint32_t)c) % FAR_INTERVAL != 0)
         return;
     if (job->reach < HUGE_VAL && !key->is_impact && (key->gap > job->reach || key->is_off))
         return;
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
-        if (contacts->minds_sides)
+        if (set->minds_sides)
             check_impact(job, x, key, contact);
-        if (is_far_through(contacts, x, key, contact))
+        if (is_far_through(set, x, key, contact))
             contact->separation = (pel_real)-HUGE_VAL;
         return;
     }
@@ -264,7 +258,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     for (int k = 0; k < 3; k++)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
-    set_tool_share(sim, key, weights, normal, contact);
+    set_obstacle_share(set, key, weights, normal, contact);
     if (key->is_off)
         contact->separation = (pel_real)-HUGE_VAL;
 }
@@ -273,22 +267,22 @@ static void refresh_chunk(void *context, int32_t chunk)
 {
     const refresh_job *job = context;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
-    for (int32_t c = begin; c < end && c < job->sim->contacts->list.count; c++)
+    for (int32_t c = begin; c < end && c < job->set->list.count; c++)
         refresh_pair(job, c);
 }
 
-void pel_contacts_refresh(pel_sim *sim, const pel_record *start, double reach)
+void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start, double reach)
 {
-    refresh_job job = {sim, start, reach};
-    int32_t count = sim->contacts->list.count;
-    pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
+    refresh_job job = {set, positions, start, reach};
+    int32_t count = set->list.count;
+    pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
 }
 
 /* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */
 static bool acts_at_start(const refresh_job *job, int32_t c)
 {
-    pel_contact_key key = job->sim->contacts->keys[c];
-    pel_contact contact = job->sim->contacts->list.contacts[c];
+    pel_contact_key key = job->set->keys[c];
+    pel_contact contact = job->set->list.contacts[c];
     double x[4][3];
     if (key.is_impact)
         return true;
@@ -302,26 +296,13 @@ static void look_chunk(void *context, int32_t chunk)
 {
     const refresh_job *job = context;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
-    for (int32_t c = begin; c < end && c < job->sim->contacts->list.count; c++)
-        job->sim->contacts->keys[c].is_off = !acts_at_start(job, c);
+    for (int32_t c = begin; c < end && c < job->set->list.count; c++)
+        job->set->keys[c].is_off = !acts_at_start(job, c);
 }
 
-void pel_contacts_look_at_start(pel_sim *sim)
+void pel_contact_set_look_at_start(pel_contact_set *set)
 {
-    refresh_job job = {sim, NULL, HUGE_VAL};
-    int32_t count = sim->contacts->list.count;
-    pel_pool_run(sim->pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, look_chunk, &job);
-}
-
-void pel_contacts_tally(pel_sim *sim, double rate)
-{
-    pel_sim_contacts *contacts = sim->contacts;
-    for (int32_t c = 0; c < contacts->list.count; c++) {
-        const pel_contact *contact = &contacts->list.contacts[c];
-        pel_contact_key *key = &contacts->keys[c];
-        if (!(contact->push > 0))
-            continue;
-        key->has_pushed = true;
-        pel_contact_take_push(sim, key->tool, contact, rate);
-    }
+    refresh_job job = {set, NULL, NULL, HUGE_VAL};
+    int32_t count = set->list.count;
+    pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, look_chunk, &job);
 }

@@ -4,7 +4,7 @@
 
    so that the weighted sum moves by exactly c d. Friction has the same mobility along every direction: Coulomb's cone
    on impulses is one on the sums of these distances, |tangential| <= friction push. */
-#include "solve/contact.h"
+#include "contact/sweep.h"
 
 #include <math.h>
 

@@ -1,9 +1,9 @@
 /* Contacts in a position-based solver: inequality constraints C = sum_i w_i x_i . n - separation >= 0 (paper B, section
    4, with the side remembered), met by sweeps of Gauss-Seidel, and Coulomb's friction on the way across the normal. */
-#ifndef PEL_SOLVE_CONTACT_H
-#define PEL_SOLVE_CONTACT_H
+#ifndef PEL_CONTACT_SWEEP_H
+#define PEL_CONTACT_SWEEP_H
 
-#include "model/contact.h"
+#include "contact/contact.h"
 
 /* One sweep over the contacts in their order. positions: (vertex_count) position and inverse mass, what has inverse
    mass 0 stays; start: positions at the start of the step, from which friction counts the way. Corrections add to push

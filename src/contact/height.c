@@ -2,7 +2,7 @@
    and no pair of features tells it: the features have vertices in common. The edges about a collapsed triangle then lie
    along each other, and everything in their neighbourhood jams. So with contact the height of each triangle of a body
    over its longest edge stays above a share of its least height at rest: a contact between a vertex and an edge. */
-#include "sim/contact.h"
+#include "contact/set.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -75,19 +75,18 @@ static bool is_far_from_flat(const int32_t *v, const pel_record *rest, const pel
     return area * rest_longest > bound * bound * rest_area * longest;
 }
 
-pel_status pel_contact_heights_find(pel_sim *sim, pel_error *error)
+pel_status pel_contact_heights_find(pel_contact_set *set, const pel_record *position, pel_error *error)
 {
-    pel_sim_contacts *contacts = sim->contacts;
-    pel_contact_heights *heights = &contacts->heights;
+    pel_contact_heights *heights = &set->heights;
     heights->list.count = 0;
-    for (int32_t t = 0; t < contacts->triangle_count; t++) {
-        const int32_t *v = contacts->triangles[t];
-        if (v[0] >= contacts->place_count)
+    for (int32_t t = 0; t < set->triangle_count; t++) {
+        const int32_t *v = set->triangles[t];
+        if (v[0] >= set->vertex_count)
             continue;
-        if (is_far_from_flat(v, sim->model->rest, sim->state->position))
+        if (is_far_from_flat(v, set->def.rest, position))
             continue;
-        double least = LEAST_SHARE * measure_triangle(v, sim->model->rest).length;
-        if (!(measure_triangle(v, sim->state->position).length < WATCH * least))
+        double least = LEAST_SHARE * measure_triangle(v, set->def.rest).length;
+        if (!(measure_triangle(v, position).length < WATCH * least))
             continue;
         size_t count = (size_t)heights->list.count;
         if (!pel_reserve((void **)&heights->list.contacts, &heights->capacity, count + 1,
@@ -102,14 +101,13 @@ pel_status pel_contact_heights_find(pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-void pel_contact_heights_refresh(pel_sim *sim)
+void pel_contact_heights_refresh(pel_contact_set *set, const pel_record *positions)
 {
-    const pel_sim_contacts *contacts = sim->contacts;
-    const pel_contact_heights *heights = &contacts->heights;
+    const pel_contact_heights *heights = &set->heights;
     for (int32_t c = 0; c < heights->list.count; c++) {
         pel_contact *contact = &heights->list.contacts[c];
-        const int32_t *v = contacts->triangles[heights->triangles[c]];
-        height h = measure_triangle(v, sim->state->position_next);
+        const int32_t *v = set->triangles[heights->triangles[c]];
+        height h = measure_triangle(v, positions);
         const int32_t vertices[4] = {v[h.vertex], v[h.a], v[h.b], v[h.b]};
         const double weights[4] = {1, h.share - 1, -h.share, 0};
         for (int i = 0; i < 4; i++) {

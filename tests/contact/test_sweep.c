@@ -2,7 +2,7 @@
  */
 #include "check.h"
 
-#include "solve/contact.h"
+#include "contact/sweep.h"
 
 static pel_contact vertex_on_face(double friction)
 {

@@ -1,0 +1,127 @@
+/* Conflicts: pairs that come nearer than they may between the start and the end of a step, by the conservative test.
+
+   How near may a pair come? To the guarded distance; when it starts nearer than that, to 0.99 of where it starts, so
+   that it can part and slide but not close in. */
+#include "contact/set.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+enum { HITS_OF_CHUNK = 64 };
+
+#define APPROACH 0.99
+#define NO_IMPACT 2.0
+
+typedef struct check {
+    const pel_contact_set *set;
+    const pel_collision_result *found;
+} check;
+
+double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit)
+{
+    const double(*x)[3] = (const double(*)[3])set->start;
+    const int32_t *v = hit->vertices;
+    double weights[4];
+    double square = hit->edge_edge ? pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights)
+                                   : pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights);
+    return sqrt(square);
+}
+
+/* the most that the points of both sides can come nearer to each other */
+static double longest_approach(const pel_contact_set *set, const pel_collision *hit)
+{
+    double side[2] = {0, 0};
+    for (int i = 0; i < 4; i++) {
+        int32_t point = hit->vertices[i];
+        double *longest = &side[i >= (hit->edge_edge ? 2 : 1)];
+        *longest = fmax(*longest, pel_vec3_distance(set->start[point], set->end[point]));
+    }
+    return side[0] + side[1];
+}
+
+/* impact of what the guard minds */
+static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision *hit)
+{
+    pel_timed_hit impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
+    double distance = pel_contact_start_distance(set, hit), approach = longest_approach(set, hit);
+    double separation = fmin(set->guarded, APPROACH * distance);
+    /* twice, to be far from rounding */
+    if (approach == 0 || distance - 2 * approach > separation)
+        return impact;
+    const pel_ccd_batch batch = {.start = set->start[0],
+                                 .end = set->end[0],
+                                 .points = hit->vertices,
+                                 .query_count = 1,
+                                 .edge_edge = hit->edge_edge,
+                                 .min_separation = separation,
+                                 .tolerance = 1e-3 * separation};
+    pel_ccd_statistics statistics = {0};
+    int32_t number;
+    if (pel_ccd_solve_batch(&batch, &number, &found.hit, &statistics) > 0)
+        impact = found;
+    impact.is_solved = statistics.cubics > 0;
+    return impact;
+}
+
+static void check_chunk(void *context, int32_t chunk)
+{
+    const check *c = context;
+    int64_t begin = (int64_t)chunk * HITS_OF_CHUNK, end = begin + HITS_OF_CHUNK;
+    for (int64_t i = begin; i < end && i < c->found->collision_count; i++)
+        c->set->impacts[i] = find_impact(c->set, &c->found->collisions[i]);
+}
+
+pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *conflict, pel_error *error)
+{
+    if (!pel_reserve((void **)&set->conflicts, &set->conflict_capacity, set->conflict_count + 1,
+                     sizeof *set->conflicts))
+        return pel_fail_memory(error);
+    set->conflicts[set->conflict_count++] = *conflict;
+    return PEL_OK;
+}
+
+static pel_status add_hit(pel_contact_set *set, const pel_collision *hit, double time, pel_error *error)
+{
+    pel_conflict conflict = {.obstacle = -1, .time = time};
+    for (int i = 0; i < 4; i++) {
+        int32_t obstacle = pel_contact_obstacle_of(set, hit->vertices[i]);
+        conflict.vertices[i] = obstacle < 0 ? hit->vertices[i] : -1;
+        conflict.obstacle = obstacle < 0 ? conflict.obstacle : obstacle;
+    }
+    return pel_contact_add_conflict(set, &conflict, error);
+}
+
+pel_status pel_contact_find_conflicts(pel_contact_set *set, const pel_collision_result *found, pel_error *error)
+{
+    set->conflict_count = 0;
+    if (!pel_reserve((void **)&set->impacts, &set->impact_capacity, (size_t)found->collision_count,
+                     sizeof *set->impacts))
+        return pel_fail_memory(error);
+    check all = {set, found};
+    pel_pool_run(set->def.pool, (int32_t)((found->collision_count + HITS_OF_CHUNK - 1) / HITS_OF_CHUNK), check_chunk,
+                 &all);
+    pel_status status = PEL_OK;
+    for (int64_t i = 0; status == PEL_OK && i < found->collision_count; i++) {
+        const pel_collision *hit = &found->collisions[i];
+        const pel_timed_hit *impact = &set->impacts[i];
+        set->statistics.cubics += impact->is_solved;
+        if (impact->hit.time_of_impact > 1 || (set->tangles.count > 0 && pel_tangles_have(set, hit)))
+            continue;
+        status = add_hit(set, hit, impact->hit.time_of_impact, error);
+    }
+    return status == PEL_OK ? pel_contact_round_conflicts(set, error) : status;
+}
+
+pel_status pel_contact_look(pel_contact_set *set, pel_error *error)
+{
+    pel_collision_query query = pel_collision_query_default();
+    query.start = (const double *)set->start;
+    query.end = (const double *)set->end;
+    query.min_separation = set->guarded;
+    query.near = set->near;
+    pel_collision_result found;
+    set->way_is_searched = false;
+    pel_status status = pel_collider_detect(set->collider, &query, &found, error);
+    pel_contact_count_search(set, &found);
+    return status == PEL_OK ? pel_contact_find_conflicts(set, &found, error) : status;
+}

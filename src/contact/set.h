@@ -1,0 +1,277 @@
+/* Contacts of all surfaces as one set, over arrays. It knows positions, masses and obstacles, and neither what moves
+   them nor which method does.
+
+   It is given   which vertices are whose, their masses and rest positions (def); triangles, after each change of the
+   surface; obstacles and their poses; positions at the start and the end of a step It owns       the collider, the
+   points at both times, the sorted list of contacts with their keys, conflicts, zones
+
+   Points are the vertices of the bodies, then those of obstacles that are boxes or meshes. Spheres and capsules are
+   points and segments with a radius and stand apart (round.c).
+
+   A step from the positions x0 (free of intersections) to x1 goes so:
+     find      pairs that come within the thickness on the way from x0 to x1 become contacts (set.c)
+     correct   sweeps of Gauss-Seidel over them move x1, until no pair is too near, or some rounds are over
+     guard     what is too near still is stepped back until the whole way from x0 to x1 is free (guard.c) */
+#ifndef PEL_CONTACT_SET_H
+#define PEL_CONTACT_SET_H
+
+#include "collide/collider.h"
+#include "contact/contact.h"
+#include "geom/solid.h"
+#include "math/pose.h"
+#include "pellicle/sim.h"
+
+/* in mean edges: what goes farther in a step is not corrected after the solver, but stopped */
+#define PEL_CONTACT_FAR 2.0
+
+/* What moves as it is told: a solid or a mesh with its poses. */
+typedef struct pel_obstacle {
+    pel_solid solid;      /* of a mesh: the sphere about it */
+    const pel_mesh *mesh; /* null = the solid; has to live on */
+    bool presses;         /* false = passes through everything */
+    int32_t body;         /* the only body that it meets; -1 = all */
+    /* to be brought before a call that places points or guards */
+    pel_pose before, pose; /* at the start of the step; at its end, which the guard may set back */
+    pel_pose substep;      /* at the start of the substep */
+    const int32_t *held;   /* (held_count) vertices that go with it */
+    int32_t held_count;
+    bool is_held_back; /* by the last guard */
+    /* own: its part of the points, none for spheres and capsules */
+    int32_t point_begin, point_end;
+    const double (*local)[3]; /* (points) in its frame */
+    double corners[8][3];     /* of a box */
+} pel_obstacle;
+
+/* a body or an obstacle */
+typedef struct pel_contact_group {
+    double thickness; /* m, above 0 */
+    double friction;  /* Coulomb's coefficient */
+} pel_contact_group;
+
+/* Arrays marked so are copied; all others stay the caller's and have to live on. */
+typedef struct pel_contact_set_def {
+    int32_t vertex_count, body_count;
+    const int32_t *body_of_slice; /* (vertex_count / PEL_WIDTH) */
+    const pel_real *mass,
+        *inverse_mass;             /* (vertex_count) kg, 1/kg; 0 and 0 for unused vertices, inverse 0 for fixed ones */
+    const pel_record *rest;        /* (vertex_count) m */
+    int32_t triangle_limit;        /* the most triangles of bodies */
+    const pel_obstacle *obstacles; /* (obstacle_count) copied */
+    int32_t obstacle_count;
+    const pel_contact_group *groups; /* (body_count + obstacle_count) copied; bodies, then obstacles */
+    double thickness;                /* m, of groups that have none of their own: the unit of tolerances */
+    double shortest_edge;            /* m, of the bodies */
+    bool self, between;              /* which bodies meet: each itself, different ones */
+    pel_ccd_method method;           /* of the search; the guard is always conservative */
+    int32_t limit;                   /* the most contacts; others are left to the guard */
+    int64_t memory_limit;            /* see pel_collider_def */
+    pel_pool *pool;                  /* null = one thread */
+} pel_contact_set_def;
+
+/* Where a step goes: from `position` to `next`. */
+typedef struct pel_contact_motion {
+    const pel_record *position;  /* (vertex_count) m */
+    pel_record *next, *velocity; /* (vertex_count) m and m/s at the end of the step; velocity may be null */
+    double dt;                   /* s */
+} pel_contact_motion;
+
+/* which pair a contact is of, in the order of the list; the obstacle that it is with, -1 = none */
+typedef struct pel_contact_key {
+    bool edge_edge;
+    int32_t first, second;
+    int32_t obstacle;
+    bool is_impact; /* its place is that of a conflict in this step, which says more than where the step began */
+    int32_t points[4];
+    double place[4]; /* weights where it was found */
+    /* in substeps and minimisations (refresh.c) */
+    bool is_off;          /* does not act at present */
+    bool has_side;        /* the normal tells the side on which the pair touches */
+    bool has_pushed;      /* in any substep of this step */
+    double depth;         /* m, how much nearer than the thickness the pair was at the start of the step */
+    double gap;           /* m, between the features, when it was looked at last */
+    double load, drag[3]; /* N, of the method descent: along the normal and across it */
+} pel_contact_key;
+
+/* What comes too near on the way of a step. */
+typedef struct pel_conflict {
+    int32_t vertices[4]; /* -1 = none */
+    int32_t obstacle;    /* -1 = none */
+    double time;         /* of impact, as part of the way */
+} pel_conflict;
+
+/* where a pair that was found is a conflict */
+typedef struct pel_timed_hit {
+    pel_ccd_hit hit; /* time of impact above 1 = it is none */
+    bool is_solved;  /* by a cubic */
+} pel_timed_hit;
+
+/* What moves together in the guard: a vertex or obstacle at first. Numbers of a zone stand at its root, but for those
+   of a node. */
+typedef struct pel_zone {
+    int32_t parent;     /* of a forest; itself = root */
+    bool is_joined;     /* more than one */
+    bool is_held;       /* has met an obstacle, or has what cannot move: no common motion */
+    double mass;        /* kg */
+    double momentum[3]; /* kg m: sum of mass times way */
+    /* of a node */
+    int32_t leader;  /* the obstacle that holds it, or itself: whose share counts */
+    bool is_stopped; /* it stays */
+    double share;    /* of its way against that of the zone */
+    double impact;   /* earliest in this round, 1 = none */
+} pel_zone;
+
+/* Pairs of triangles that intersect from the start on and are left alone (tangle.c). */
+typedef struct pel_tangles {
+    bool is_known; /* false = to be found anew, before the next step */
+    int64_t count;
+    pel_pair *pairs; /* (count) triangles of the surface */
+    size_t capacity;
+    uint64_t *keys; /* (9 count) sorted: pairs of their corners */
+    size_t key_capacity;
+} pel_tangles;
+
+/* triangles that may collapse in this step (height.c) */
+typedef struct pel_contact_heights {
+    pel_contact_list list;
+    int32_t *triangles; /* (list.count) of the surface */
+    size_t capacity, triangle_capacity;
+} pel_contact_heights;
+
+typedef struct pel_contact_set {
+    pel_contact_set_def def;   /* its obstacles and groups are: */
+    pel_obstacle *obstacles;   /* (obstacle_count) */
+    pel_contact_group *groups; /* (body_count + obstacle_count) */
+    double least, largest;     /* m, thickness of all groups */
+    double guarded;            /* m, distance that the guard keeps */
+    double mean_edge;          /* m, of the bodies when the first surface was set */
+    double near;               /* m, what starts within it needs no time of impact (pel_ccd_batch) */
+
+    /* the surface */
+    pel_collider *collider; /* null = no surface was set */
+    int32_t vertex_count, point_count, triangle_count;
+    int32_t (*triangles)[3]; /* (triangle_count) those of obstacles first */
+    int32_t obstacle_triangle_count;
+    int32_t *group_of_point;                       /* (point_count) its body, or body_count and its obstacle */
+    uint8_t *may_meet;                             /* (groups x groups) */
+    double (*start)[3], (*end)[3];                 /* (point_count) */
+    double (*substep_start)[3], (*substep_end)[3]; /* (points of obstacles) */
+    uint32_t substep;                              /* number of the substep, of all steps */
+    bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
+                                                      every writer of these but pel_contact_set_place clears it */
+    pel_collision_result on_way;                   /* the collider's */
+    bool minds_sides;                              /* impacts whose normal leans over a triangle are left to that */
+
+    /* contacts, sorted by their keys; the second ones are scratch of merging */
+    pel_contact_list list;
+    pel_contact_key *keys, *other_keys;
+    pel_contact *other_contacts;
+    size_t capacity, other_capacity, key_capacity, other_key_capacity;
+    pel_contact_heights heights;
+
+    /* the guard; from `solved` on null until it first runs */
+    pel_conflict *conflicts; /* of the last look */
+    size_t conflict_count, conflict_capacity;
+    pel_timed_hit *impacts; /* (collisions of the last look) */
+    size_t impact_capacity;
+    double (*solved)[3];                /* (vertex_count) end positions before anything was stepped back */
+    pel_zone *zones;                    /* (vertex_count + obstacle_count) */
+    int32_t *rings;                     /* (same) scratch */
+    double *body_shares, *body_impacts; /* (body_count) of the way of all of a body */
+    pel_pose *wanted;                   /* (obstacle_count) poses before they were held back */
+    pel_tangles tangles;
+    pel_contact_statistics statistics;
+} pel_contact_set;
+
+/* ---- set.c ---- */
+/* Without a surface. PEL_OUT_OF_MEMORY; free with pel_contact_set_destroy, also what failed. */
+pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error);
+void pel_contact_set_destroy(pel_contact_set *set);
+/* Forgets all contacts and finds what may touch on the way from start to end; what is as near as `least` [m] in any
+   case, but for obstacles. has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
+pel_status pel_contact_set_find(pel_contact_set *set, double least, bool has_solids, pel_error *error);
+/* What comes too near between start and end, and the conflicts among it; nothing is searched twice. */
+pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result *found, pel_error *error);
+/* Puts what pel_contact_set_search_way found into the list; contacts that were there keep their sums.
+ * PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_set_add_way(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
+/* Before the substeps of a step are done anew: the pairs stay, nothing of what they did. */
+void pel_contact_set_forget_step(pel_contact_set *set);
+/* Moves the next positions by sweeps over the contacts, and `end` with them. Velocities lose what runs into a contact,
+   by impulses: momentum stays and energy cannot grow. */
+void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *motion, int32_t sweeps);
+/* Sets the flags (vertex_count) of the vertices that were pushed. */
+void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
+/* Coulomb's coefficient between two groups: the geometric mean of theirs */
+double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b);
+/* m, distance that two groups keep: half the thickness of either */
+double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b);
+
+/* ---- surface.c ---- */
+/* Points, groups and the triangles of obstacles, in a set that is empty but for its def and obstacles.
+ * PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_surface_create(pel_contact_set *set, pel_error *error);
+/* Another surface: only the triangles of obstacles; then one of a body; then the collider takes all, with the points at
+   `start`. is_known: the collider's memory is that of this surface (pel_collider_recall). Errors of that and of
+   pel_collider_create; the old surface stays. */
+void pel_contact_surface_clear(pel_contact_set *set);
+void pel_contact_surface_add(pel_contact_set *set, const int32_t corners[3]);
+pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error);
+/* Points at both ends of a step, from positions (vertex_count) and the poses of obstacles; if they differ from those of
+   the last search it no longer holds. */
+void pel_contact_set_place(pel_contact_set *set, const pel_record *position, const pel_record *next);
+/* `start` alone, from positions and the poses at the end of the step */
+void pel_contact_set_place_start(pel_contact_set *set, const pel_record *position);
+/* the points of one obstacle at a pose */
+void pel_obstacle_points(const pel_obstacle *obstacle, const pel_pose *pose, double (*points)[3]);
+/* the obstacle of a point, -1 = a vertex of a body */
+int32_t pel_contact_obstacle_of(const pel_contact_set *set, int32_t point);
+/* the triangles at `start`, as a mesh that nothing is to be freed of */
+pel_mesh pel_contact_mesh(const pel_contact_set *set);
+/* Adds what a search went through to the statistics. */
+void pel_contact_count_search(pel_contact_set *set, const pel_collision_result *found);
+
+/* ---- refresh.c ---- */
+/* At the start of a substep: the points of obstacles at both its ends. */
+void pel_contact_set_begin_substep(pel_contact_set *set);
+/* Contacts at positions (vertex_count) and the poses at the end of the substep; impulses of the substep are kept. start
+   (vertex_count): positions at the start of the substep. reach: pairs that were farther apart than this at the last
+   refresh, or off, stay as they were [m]; HUGE_VAL = all are looked at. */
+void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start, double reach);
+/* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at
+ * `start`. */
+void pel_contact_set_look_at_start(pel_contact_set *set);
+
+/* ---- height.c ---- */
+/* At the start of a step: triangles that are nearly collapsed. PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_heights_find(pel_contact_set *set, const pel_record *position, pel_error *error);
+/* contacts at positions (vertex_count) */
+void pel_contact_heights_refresh(pel_contact_set *set, const pel_record *positions);
+
+/* ---- round.c ---- */
+/* Adds a conflict for each triangle that comes too near to a sphere or capsule between start and end. */
+pel_status pel_contact_round_conflicts(pel_contact_set *set, pel_error *error);
+
+/* ---- conflict.c ---- */
+/* of the two parts of a pair at `start` */
+double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit);
+/* Fills `conflicts` from what the collider found between start and end, and from round obstacles. */
+pel_status pel_contact_find_conflicts(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
+pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *conflict, pel_error *error);
+/* The same with a search of its own, by the conservative test, for what comes nearer than the guarded distance. */
+pel_status pel_contact_look(pel_contact_set *set, pel_error *error);
+
+/* ---- guard.c ---- */
+/* Steps back until the way from start to end is free, from the conflicts of the last look on; positions, velocities and
+   poses of obstacles follow. PEL_OUT_OF_MEMORY, and errors of pel_contact_look. */
+pel_status pel_contact_guard(pel_contact_set *set, const pel_contact_motion *motion, pel_error *error);
+
+/* ---- tangle.c ---- */
+/* Lists the pairs of triangles that intersect at `start`, of groups that meet, in `tangles`, without its keys.
+   PEL_BAD_ARGUMENT for more than 2^20, PEL_OUT_OF_MEMORY. */
+pel_status pel_tangles_list(const pel_contact_set *set, pel_tangles *tangles, pel_error *error);
+/* Finds them for the set. Errors as above. */
+pel_status pel_tangles_find(pel_contact_set *set, pel_error *error);
+/* true when the points are of a pair that is left alone: vertex and triangle, or two edges */
+bool pel_tangles_have(const pel_contact_set *set, const pel_collision *collision);
+
+#endif

@@ -1,0 +1,271 @@
+/* All surfaces as one: the present triangles of the bodies and those of obstacles. */
+#include "contact/set.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "geom/wide4.h"
+
+#include <string.h>
+
+enum { BOX_CORNERS = 8, BOX_TRIANGLES = 12 };
+
+/* of the mean edge: motion for which the collider keeps pairs */
+#define MARGIN_SHARE 0.2
+
+static const int32_t box_triangles[BOX_TRIANGLES][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                                        {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                                        {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+/* ---- obstacles ---- */
+
+static bool is_surface(const pel_obstacle *obstacle)
+{
+    return obstacle->presses && (obstacle->mesh != NULL || obstacle->solid.kind == PEL_SOLID_BOX);
+}
+
+static int32_t triangle_count_of(const pel_obstacle *obstacle)
+{
+    if (!is_surface(obstacle))
+        return 0;
+    return obstacle->mesh != NULL ? obstacle->mesh->triangle_count : BOX_TRIANGLES;
+}
+
+/* its points, from `point` on */
+static void set_points(pel_obstacle *obstacle, int32_t point)
+{
+    const pel_mesh *mesh = obstacle->mesh;
+    obstacle->point_begin = obstacle->point_end = point;
+    if (!is_surface(obstacle))
+        return;
+    obstacle->point_end += mesh != NULL ? mesh->vertex_count : BOX_CORNERS;
+    obstacle->local = mesh != NULL ? (const double(*)[3])mesh->positions : (const double(*)[3])obstacle->corners;
+    for (int i = 0; i < BOX_CORNERS; i++)
+        for (int k = 0; k < 3; k++)
+            obstacle->corners[i][k] = (i >> k & 1 ? 1 : -1) * obstacle->solid.half_extents[k];
+}
+
+static void set_obstacle_triangles(pel_contact_set *set)
+{
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        const pel_obstacle *obstacle = &set->obstacles[i];
+        int32_t count = triangle_count_of(obstacle);
+        const int32_t(*triangles)[3] =
+            obstacle->mesh != NULL ? (const int32_t(*)[3])obstacle->mesh->triangles : box_triangles;
+        for (int32_t t = 0; t < count; t++, set->obstacle_triangle_count++)
+            for (int c = 0; c < 3; c++)
+                set->triangles[set->obstacle_triangle_count][c] = obstacle->point_begin + triangles[t][c];
+    }
+    set->triangle_count = set->obstacle_triangle_count;
+}
+
+int32_t pel_contact_obstacle_of(const pel_contact_set *set, int32_t point)
+{
+    return point < set->vertex_count ? -1 : set->group_of_point[point] - set->def.body_count;
+}
+
+void pel_obstacle_points(const pel_obstacle *obstacle, const pel_pose *pose, double (*points)[3])
+{
+    for (int32_t p = 0; p < obstacle->point_end - obstacle->point_begin; p++)
+        pel_pose_to_world(pose, obstacle->local[p], points[p]);
+}
+
+/* ---- points ---- */
+
+enum { POINT_PARTS = 64 };
+
+/* false if the point was there already */
+static bool set_point(const double x[3], double point[3])
+{
+    bool differs = x[0] != point[0] || x[1] != point[1] || x[2] != point[2];
+    pel_vec3_copy(x, point);
+    return differs;
+}
+
+typedef struct point_job {
+    pel_contact_set *set;
+    const pel_record *position, *next;
+    bool differs[POINT_PARTS];
+} point_job;
+
+/* whether a vertex is where the point is; reads the number behind the point as well */
+static bool is_at(pel_record record, const double point[3])
+{
+    wide4 x = __builtin_convertvector(record, wide4), y;
+    memcpy(&y, point, sizeof y);
+    wide4_mask same = x == y;
+    same[3] = -1;
+    return wide4_all(same);
+}
+
+/* returns whether a point differs; looks at no more of them than that takes */
+static bool set_range(const pel_record *records, int64_t begin, int64_t end, double (*points)[3])
+{
+    while (begin < end && is_at(records[begin], points[begin]))
+        begin++;
+    for (int64_t p = begin; p < end; p++)
+        pel_vertex_position(records, (int32_t)p, points[p]);
+    return begin < end;
+}
+
+static void set_part(void *context, int32_t part)
+{
+    point_job *job = context;
+    pel_contact_set *set = job->set;
+    int64_t count = set->vertex_count, begin = count * part / POINT_PARTS, end = count * (part + 1) / POINT_PARTS;
+    bool moved = set_range(job->position, begin, end, set->start);
+    job->differs[part] = set_range(job->next, begin, end, set->end) || moved;
+}
+
+void pel_contact_set_place(pel_contact_set *set, const pel_record *position, const pel_record *next)
+{
+    point_job job = {.set = set, .position = position, .next = next};
+    pel_pool_run(set->def.pool, POINT_PARTS, set_part, &job);
+    bool differs = false;
+    double x[3];
+    for (int part = 0; part < POINT_PARTS; part++)
+        differs |= job.differs[part];
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        const pel_obstacle *obstacle = &set->obstacles[i];
+        for (int32_t p = obstacle->point_begin; p < obstacle->point_end; p++) {
+            pel_pose_to_world(&obstacle->before, obstacle->local[p - obstacle->point_begin], x);
+            differs |= set_point(x, set->start[p]);
+            pel_pose_to_world(&obstacle->pose, obstacle->local[p - obstacle->point_begin], x);
+            differs |= set_point(x, set->end[p]);
+        }
+    }
+    set->way_is_searched &= !differs;
+}
+
+void pel_contact_set_place_start(pel_contact_set *set, const pel_record *position)
+{
+    set->way_is_searched = false;
+    for (int32_t p = 0; p < set->vertex_count; p++)
+        pel_vertex_position(position, p, set->start[p]);
+    for (int32_t i = 0; i < set->def.obstacle_count; i++)
+        pel_obstacle_points(&set->obstacles[i], &set->obstacles[i].pose, set->start + set->obstacles[i].point_begin);
+}
+
+/* ---- triangles ---- */
+
+void pel_contact_surface_clear(pel_contact_set *set)
+{
+    set->triangle_count = set->obstacle_triangle_count;
+    set->way_is_searched = false;
+}
+
+void pel_contact_surface_add(pel_contact_set *set, const int32_t corners[3])
+{
+    memcpy(set->triangles[set->triangle_count++], corners, sizeof set->triangles[0]);
+}
+
+/* of the bodies: obstacles may have far larger triangles */
+static double mean_edge(const pel_contact_set *set)
+{
+    double sum = 0;
+    int64_t count = 0;
+    for (int32_t t = set->obstacle_triangle_count; t < set->triangle_count; t++)
+        for (int c = 0; c < 3; c++, count++)
+            sum += pel_vec3_distance(set->start[set->triangles[t][c]], set->start[set->triangles[t][(c + 1) % 3]]);
+    return isfinite(sum) ? sum / (double)count : 0;
+}
+
+pel_mesh pel_contact_mesh(const pel_contact_set *set)
+{
+    return (pel_mesh){.vertex_count = set->point_count,
+                      .triangle_count = set->triangle_count,
+                      .positions = set->start,
+                      .triangles = set->triangles};
+}
+
+static pel_status create_collider(pel_contact_set *set, pel_error *error)
+{
+    pel_mesh mesh = pel_contact_mesh(set);
+    pel_collider_def def = pel_collider_def_default();
+    def.mesh = &mesh;
+    set->mean_edge = mean_edge(set);
+    def.margin = MARGIN_SHARE * set->mean_edge;
+    def.memory_limit = set->def.memory_limit;
+    pel_status status = pel_collider_create(&def, &set->collider, error);
+    if (status != PEL_OK)
+        return status;
+    pel_collider_use_pool(set->collider, set->def.pool);
+    const pel_collision_groups groups = {set->group_of_point, set->may_meet,
+                                         set->def.body_count + set->def.obstacle_count};
+    pel_collider_use_groups(set->collider, &groups);
+    return PEL_OK;
+}
+
+pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error)
+{
+    if (set->collider == NULL)
+        return create_collider(set, error);
+    return (is_known ? pel_collider_recall
+                     : pel_collider_set_surface)(set->collider, (const double(*)[3])set->start, set->point_count,
+                                                 (const int32_t(*)[3])set->triangles, set->triangle_count, error);
+}
+
+/* ---- creation ---- */
+
+static void set_groups(pel_contact_set *set)
+{
+    int32_t body_count = set->def.body_count, count = body_count + set->def.obstacle_count;
+    for (int32_t p = 0; p < set->vertex_count; p++)
+        set->group_of_point[p] = set->def.body_of_slice[p / PEL_WIDTH];
+    for (int32_t i = 0; i < set->def.obstacle_count; i++)
+        for (int32_t p = set->obstacles[i].point_begin; p < set->obstacles[i].point_end; p++)
+            set->group_of_point[p] = body_count + i;
+    for (int32_t a = 0; a < body_count; a++) {
+        for (int32_t b = 0; b < body_count; b++)
+            set->may_meet[a * count + b] = a == b ? set->def.self : set->def.between;
+        for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+            bool meets = set->obstacles[i].body < 0 || set->obstacles[i].body == a;
+            set->may_meet[a * count + body_count + i] = set->may_meet[(body_count + i) * count + a] = meets;
+        }
+    }
+}
+
+static pel_status allocate_surface(pel_contact_set *set, int32_t triangle_limit, pel_error *error)
+{
+    size_t group_count = (size_t)(set->def.body_count + set->def.obstacle_count);
+    size_t point_count = (size_t)set->point_count, obstacle_points = point_count - (size_t)set->vertex_count;
+    set->triangles = pel_allocate((size_t)triangle_limit, sizeof *set->triangles);
+    set->group_of_point = pel_allocate(point_count, sizeof *set->group_of_point);
+    set->may_meet = pel_allocate(group_count * group_count, sizeof *set->may_meet);
+    /* one more: points are read four numbers at once */
+    set->start = pel_allocate(point_count + 1, sizeof *set->start);
+    set->end = pel_allocate(point_count + 1, sizeof *set->end);
+    set->substep_start = pel_allocate(obstacle_points, sizeof *set->substep_start);
+    set->substep_end = pel_allocate(obstacle_points, sizeof *set->substep_end);
+    bool made = set->triangles != NULL && set->group_of_point != NULL && set->may_meet != NULL && set->start != NULL &&
+                set->end != NULL && set->substep_start != NULL && set->substep_end != NULL;
+    return made ? PEL_OK : pel_fail_memory(error);
+}
+
+pel_status pel_contact_surface_create(pel_contact_set *set, pel_error *error)
+{
+    int32_t triangle_limit = set->def.triangle_limit;
+    set->point_count = set->vertex_count;
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        set_points(&set->obstacles[i], set->point_count);
+        set->point_count = set->obstacles[i].point_end;
+        triangle_limit += triangle_count_of(&set->obstacles[i]);
+    }
+    pel_status status = allocate_surface(set, triangle_limit, error);
+    if (status != PEL_OK)
+        return status;
+    set_groups(set);
+    set_obstacle_triangles(set);
+    return PEL_OK;
+}
+
+void pel_contact_count_search(pel_contact_set *set, const pel_collision_result *found)
+{
+    pel_contact_statistics *sum = &set->statistics;
+    const pel_ccd_statistics *kinds[] = {&found->vertex_face, &found->edge_edge};
+    for (int i = 0; i < 2; i++) {
+        sum->candidates += kinds[i]->queries;
+        sum->passed_filter += kinds[i]->passed_filter;
+        sum->passed_hull += kinds[i]->passed_hull;
+        sum->cubics += kinds[i]->cubics;
+    }
+}

@@ -1,0 +1,426 @@
+/* The set of contacts over arrays alone: what it finds against all pairs, what it does against closed forms. */
+#include "base/memory.h"
+#include "check.h"
+#include "contact/set.h"
+#include "contact/sweep.h"
+#include "failing_malloc.h"
+#include "random.h"
+
+#define THICKNESS 0.02
+
+enum { MOST_VERTICES = 256, MOST_SLICES = MOST_VERTICES / PEL_WIDTH, MOST_TRIANGLES = 512, MOST_EDGES = 1024 };
+
+/* bodies and an obstacle, as arrays */
+typedef struct arrays {
+    int32_t vertex_count, body_count, obstacle_count, triangle_count;
+    int32_t body_of_slice[MOST_SLICES];
+    pel_real mass[MOST_VERTICES], inverse_mass[MOST_VERTICES];
+    pel_record rest[MOST_VERTICES], next[MOST_VERTICES], velocity[MOST_VERTICES];
+    int32_t triangles[MOST_TRIANGLES][3];
+    pel_obstacle obstacle;
+    pel_contact_group groups[3];
+} arrays;
+
+/* a body of rows x rows vertices over the unit square, with noise, at a height; unused vertices fill its last slice */
+static void add_sheet(arrays *a, int32_t rows, double height, double noise, random_state *random)
+{
+    int32_t first = a->vertex_count, count = rows * rows;
+    for (int32_t i = 0; i < count; i++) {
+        double x = (double)(i % rows) / (rows - 1), y = (double)(i / rows) / (rows - 1);
+        double z = height + noise * random_between(random, -1, 1);
+        double mass = random_between(random, 0.5, 2);
+        a->mass[first + i] = (pel_real)mass;
+        a->inverse_mass[first + i] = (pel_real)(1 / mass);
+        a->rest[first + i] = (pel_record){(pel_real)x, (pel_real)y, (pel_real)z, (pel_real)(1 / mass)};
+        a->next[first + i] = a->rest[first + i];
+    }
+    for (int32_t i = 0; i < (rows - 1) * (rows - 1); i++) {
+        int32_t v = first + i / (rows - 1) * rows + i % (rows - 1);
+        const int32_t corners[2][3] = {{v, v + 1, v + rows + 1}, {v, v + rows + 1, v + rows}};
+        memcpy(a->triangles[a->triangle_count], corners, sizeof corners);
+        a->triangle_count += 2;
+    }
+    int32_t slices = (count + PEL_WIDTH - 1) / PEL_WIDTH;
+    for (int32_t s = 0; s < slices; s++)
+        a->body_of_slice[first / PEL_WIDTH + s] = a->body_count;
+    a->vertex_count += slices * PEL_WIDTH;
+    a->groups[a->body_count++] = (pel_contact_group){.thickness = THICKNESS, .friction = 0};
+}
+
+/* the last group, so after all sheets */
+static void add_obstacle(arrays *a, const pel_obstacle *obstacle, double friction)
+{
+    a->obstacle = *obstacle;
+    a->obstacle_count = 1;
+    a->groups[a->body_count] = (pel_contact_group){.thickness = THICKNESS, .friction = friction};
+}
+
+static pel_pose pose_at(double x, double y, double z)
+{
+    return (pel_pose){.position = {x, y, z}, .rotation = {0, 0, 0, 1}};
+}
+
+static pel_status make_set(const arrays *a, pel_contact_set **set, pel_error *error)
+{
+    const pel_contact_set_def def = {
+        .vertex_count = a->vertex_count,
+        .body_count = a->body_count,
+        .body_of_slice = a->body_of_slice,
+        .mass = a->mass,
+        .inverse_mass = a->inverse_mass,
+        .rest = a->rest,
+        .triangle_limit = a->triangle_count,
+        .obstacles = &a->obstacle,
+        .obstacle_count = a->obstacle_count,
+        .groups = a->groups,
+        .thickness = THICKNESS,
+        .shortest_edge = 0.05,
+        .self = true,
+        .between = true,
+        .method = PEL_CCD_CONSERVATIVE,
+        .limit = 10000,
+    };
+    pel_status status = pel_contact_set_create(&def, set, error);
+    if (status != PEL_OK)
+        return status;
+    pel_contact_set_place(*set, a->rest, a->next);
+    pel_contact_surface_clear(*set);
+    for (int32_t t = 0; t < a->triangle_count; t++)
+        pel_contact_surface_add(*set, a->triangles[t]);
+    return pel_contact_surface_finish(*set, false, error);
+}
+
+static pel_contact_set *create(const arrays *a)
+{
+    pel_contact_set *set;
+    pel_error error;
+    assert_int_equal(make_set(a, &set, &error), PEL_OK);
+    return set;
+}
+
+/* ---- pairs ---- */
+
+static void position(const arrays *a, int32_t v, double x[3])
+{
+    pel_vertex_position(a->rest, v, x);
+}
+
+static bool share_vertex(const int32_t *a, int a_count, const int32_t *b, int b_count)
+{
+    for (int i = 0; i < a_count; i++)
+        for (int k = 0; k < b_count; k++)
+            if (a[i] == b[k])
+                return true;
+    return false;
+}
+
+static int32_t list_edges(const arrays *a, int32_t edges[MOST_EDGES][2])
+{
+    int32_t count = 0;
+    for (int32_t t = 0; t < a->triangle_count; t++)
+        for (int i = 0; i < 3; i++) {
+            int32_t p = a->triangles[t][i], q = a->triangles[t][(i + 1) % 3];
+            int32_t low = p < q ? p : q, high = p < q ? q : p, e = 0;
+            while (e < count && !(edges[e][0] == low && edges[e][1] == high))
+                e++;
+            if (e == count) {
+                edges[count][0] = low;
+                edges[count++][1] = high;
+            }
+        }
+    return count;
+}
+
+/* whether the list has a contact with these points, each side in any order */
+static bool has_contact(const pel_contact_set *set, const int32_t *a, int a_count, const int32_t *b, int b_count)
+{
+    for (int32_t c = 0; c < set->list.count; c++) {
+        const int32_t *points = set->keys[c].points;
+        int found[2] = {0, 0};
+        if (set->keys[c].edge_edge != (a_count == 2))
+            continue;
+        for (int side = 0; side < 2; side++) {
+            const int32_t *first = side == 0 ? points : points + a_count,
+                          *second = side == 0 ? points + a_count : points;
+            if (a_count == 1 && side == 1)
+                break;
+            for (int i = 0; i < a_count; i++)
+                found[side] += share_vertex(a + i, 1, first, a_count);
+            for (int i = 0; i < b_count; i++)
+                found[side] += share_vertex(b + i, 1, second, b_count);
+        }
+        if (found[0] == 4 || found[1] == 4)
+            return true;
+    }
+    return false;
+}
+
+/* Every pair nearer than `near` is in the list, none beyond `far`; returns how many are near. */
+static int32_t check_pairs(const arrays *a, const pel_contact_set *set, double near, double far)
+{
+    static int32_t edges[MOST_EDGES][2];
+    int32_t edge_count = list_edges(a, edges), count = 0, unsure = 0;
+    double x[4][3], weights[4];
+    for (int32_t t = 0; t < a->triangle_count; t++)
+        for (int32_t v = 0; v < a->vertex_count; v++) {
+            const int32_t *corners = a->triangles[t];
+            if (!(a->mass[v] > 0) || share_vertex(&v, 1, corners, 3))
+                continue;
+            position(a, v, x[0]);
+            for (int i = 0; i < 3; i++)
+                position(a, corners[i], x[i + 1]);
+            double distance = sqrt(pel_closest_point_triangle(x[0], x[1], x[2], x[3], weights));
+            count += distance < near;
+            unsure += distance >= near && distance <= far;
+            if (distance < near || distance > far)
+                assert_int_equal(has_contact(set, &v, 1, corners, 3), distance < near);
+        }
+    for (int32_t e = 0; e < edge_count; e++)
+        for (int32_t f = 0; f < e; f++) {
+            if (share_vertex(edges[e], 2, edges[f], 2))
+                continue;
+            for (int i = 0; i < 2; i++) {
+                position(a, edges[e][i], x[i]);
+                position(a, edges[f][i], x[i + 2]);
+            }
+            double distance = sqrt(pel_closest_segment_segment(x[0], x[1], x[2], x[3], weights));
+            count += distance < near;
+            unsure += distance >= near && distance <= far;
+            if (distance < near || distance > far)
+                assert_int_equal(has_contact(set, edges[e], 2, edges[f], 2), distance < near);
+        }
+    assert_true(set->list.count >= count && set->list.count <= count + unsure);
+    return count;
+}
+
+/* noisy sheets at rest: contacts are the pairs of features that are near, by all pairs */
+static void test_pairs(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    int32_t most = 0;
+    for (int round = 0; round < ROUNDS(6, 1); round++) {
+        static arrays a;
+        a = (arrays){0};
+        add_sheet(&a, 7, 0, 0.01, &random);
+        add_sheet(&a, 6, 0.025, 0.01, &random);
+        pel_contact_set *set = create(&a);
+        assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
+        /* half more than the thickness, and the tolerance of the search */
+        int32_t count = check_pairs(&a, set, 1.5 * THICKNESS, 1.5 * THICKNESS + 0.02 * THICKNESS);
+        most = count > most ? count : most;
+        pel_contact_set_destroy(set);
+    }
+    assert_true(most > 50);
+}
+
+/* ---- closed forms ---- */
+
+/* the gap of a contact at positions, over all its points */
+static double gap_of(const pel_contact *contact, const pel_record *positions)
+{
+    double gap = -(double)contact->separation;
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            gap += (double)(contact->weights[i] * positions[contact->vertices[i]][k] * contact->normal[k]);
+    return gap;
+}
+
+/* A sheet falls on a box that rises: its vertices end where the thickness has them, with the velocity of the box. */
+static void test_box(void **unused)
+{
+    (void)unused;
+    random_state random = {5};
+    const double dt = 0.01, rise = 0.004, top = 0.1;
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 5, top + THICKNESS + 0.002, 0, &random);
+    pel_obstacle box = {.solid = {.kind = PEL_SOLID_BOX, .half_extents = {2, 2, top}}, .presses = true, .body = -1};
+    add_obstacle(&a, &box, 0);
+    for (int32_t v = 0; v < 25; v++) {
+        a.next[v][2] -= (pel_real)0.01;
+        a.velocity[v][2] = (pel_real)(-0.01 / dt);
+    }
+    pel_contact_set *set = create(&a);
+    set->obstacles[0].before = pose_at(0, 0, 0);
+    set->obstacles[0].pose = pose_at(0, 0, rise);
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
+    assert_true(set->list.count >= 25);
+    const pel_contact_motion motion = {a.rest, a.next, a.velocity, dt};
+    pel_contacts_begin(&set->list);
+    pel_contact_set_correct(set, &motion, 20);
+    double least = HUGE_VAL;
+    for (int32_t c = 0; c < set->list.count; c++)
+        least = fmin(least, gap_of(&set->list.contacts[c], a.next));
+    assert_true(least > -1e-2 * THICKNESS);
+    for (int32_t v = 0; v < 25; v++) {
+        /* the distance at the start is more than the thickness, so all of it is kept */
+        assert_near((double)a.next[v][2], rise + top + THICKNESS, 1e-2 * THICKNESS);
+        assert_near((double)a.velocity[v][2], rise / dt, 1e-3 * rise / dt);
+        assert_near(set->end[v][2], (double)a.next[v][2], 0);
+    }
+    uint8_t flags[MOST_VERTICES] = {0};
+    pel_contact_set_mark(set, flags);
+    for (int32_t v = 0; v < a.vertex_count; v++)
+        assert_int_equal(flags[v], v < 25);
+    pel_contact_set_destroy(set);
+}
+
+static void sum_momentum(const arrays *a, const pel_record *from, const pel_record *to, double momentum[3])
+{
+    pel_vec3_set(momentum, 0, 0, 0);
+    for (int32_t v = 0; v < a->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            momentum[k] += (double)(a->mass[v] * (to[v][k] - (from != NULL ? from[v][k] : 0)));
+}
+
+/* Corrections of free bodies keep momentum, and kinetic energy does not grow. */
+static void test_momentum(void **unused)
+{
+    (void)unused;
+    random_state random = {9};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.005, &random);
+    add_sheet(&a, 6, 0.05, 0.005, &random);
+    for (int32_t v = 0; v < a.vertex_count; v++)
+        if (a.mass[v] > 0)
+            for (int k = 0; k < 3; k++) {
+                double way = random_between(&random, -0.005, 0.005) - (v >= 49 && k == 2 ? 0.03 : 0);
+                a.next[v][k] += (pel_real)way;
+                a.velocity[v][k] = (pel_real)(100 * way);
+            }
+    pel_contact_set *set = create(&a);
+    assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
+    double before[2][3], after[2][3], energy[2] = {0, 0}, most = 0;
+    static pel_record start[MOST_VERTICES];
+    memcpy(start, a.next, sizeof start);
+    sum_momentum(&a, a.rest, a.next, before[0]);
+    sum_momentum(&a, NULL, a.velocity, before[1]);
+    for (int i = 0; i < 2; i++) {
+        for (int32_t v = 0; v < a.vertex_count; v++)
+            for (int k = 0; k < 3; k++)
+                energy[i] += 0.5 * (double)(a.mass[v] * a.velocity[v][k] * a.velocity[v][k]);
+        const pel_contact_motion motion = {a.rest, a.next, a.velocity, 0.01};
+        pel_contacts_begin(&set->list);
+        if (i == 0)
+            pel_contact_set_correct(set, &motion, 10);
+    }
+    sum_momentum(&a, a.rest, a.next, after[0]);
+    sum_momentum(&a, NULL, a.velocity, after[1]);
+    double rounding = sizeof(pel_real) == 8 ? 1e-12 : 1e-4;
+    for (int k = 0; k < 3; k++) {
+        assert_near(after[0][k], before[0][k], rounding);
+        assert_near(after[1][k], before[1][k], 100 * rounding);
+    }
+    for (int32_t v = 0; v < a.vertex_count; v++)
+        most = fmax(most, fabs((double)(a.next[v][2] - start[v][2])));
+    assert_true(most > 1e-3);
+    assert_true(energy[1] < energy[0]);
+    pel_contact_set_destroy(set);
+}
+
+/* ---- the guard ---- */
+
+/* Sheets thrown through each other, and through a sphere or box: the guard leaves a way on which nothing meets. */
+static void check_guard(pel_solid_kind kind, uint64_t seed)
+{
+    random_state random = {seed};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.005, &random);
+    add_sheet(&a, 6, 0.06, 0.005, &random);
+    pel_obstacle obstacle = {
+        .solid = {.kind = kind, .radius = 0.1, .half_extents = {0.1, 0.1, 0.1}}, .presses = true, .body = -1};
+    add_obstacle(&a, &obstacle, 0);
+    for (int32_t v = 0; v < a.vertex_count; v++)
+        for (int k = 0; k < 3 && a.mass[v] > 0; k++) {
+            double way = random_between(&random, -0.02, 0.02) - (v >= 49 && k == 2 ? 0.2 : 0);
+            a.next[v][k] += (pel_real)way;
+            a.velocity[v][k] = (pel_real)(100 * way);
+        }
+    pel_contact_set *set = create(&a);
+    set->obstacles[0].before = pose_at(0.4, 0.4, -0.15);
+    set->obstacles[0].pose = pose_at(0.4, 0.4, 0.2);
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    assert_true(set->conflict_count > 0);
+    const pel_contact_motion motion = {a.rest, a.next, a.velocity, 0.01};
+    /* its six blocks, made when it first runs */
+    for (int i = 0; i < 6; i++) {
+        failing_malloc_begin(i == 0 ? 1 : 2);
+        assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OUT_OF_MEMORY);
+        assert_int_equal(failing_malloc_end().failed, 1);
+    }
+    assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+    assert_true(set->obstacles[0].is_held_back);
+    assert_true(set->obstacles[0].pose.position[2] < 0.2);
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    assert_int_equal(set->conflict_count, 0);
+    pel_tangles tangles = {0};
+    pel_contact_set_place_start(set, a.next);
+    assert_int_equal(pel_tangles_list(set, &tangles, NULL), PEL_OK);
+    assert_int_equal(tangles.count, 0);
+    pel_free(tangles.pairs);
+    pel_contact_set_destroy(set);
+}
+
+static void test_guard(void **unused)
+{
+    (void)unused;
+    for (uint64_t seed = 1; seed <= ROUNDS(8, 1); seed++) {
+        check_guard(PEL_SOLID_SPHERE, seed);
+        check_guard(PEL_SOLID_BOX, seed);
+    }
+}
+
+/* two sheets that cross: their pairs are known, and are no conflicts */
+static void test_tangles(void **unused)
+{
+    (void)unused;
+    random_state random = {2};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 5, 0, 0.02, &random);
+    add_sheet(&a, 5, 0, 0.02, &random);
+    pel_contact_set *set = create(&a);
+    assert_int_equal(pel_tangles_find(set, NULL), PEL_OK);
+    assert_true(set->tangles.is_known && set->tangles.count > 0);
+    set->def.between = false;
+    set->may_meet[1] = set->may_meet[2] = 0;
+    pel_tangles none = {0};
+    assert_int_equal(pel_tangles_list(set, &none, NULL), PEL_OK);
+    assert_int_equal(none.count, 0);
+    pel_free(none.pairs);
+    pel_contact_set_destroy(set);
+}
+
+static pel_status create_case(const void *data, pel_error *error)
+{
+    pel_contact_set *set = NULL;
+    pel_status status = make_set(data, &set, error);
+    pel_contact_set_destroy(set);
+    return status;
+}
+
+static void test_allocations(void **unused)
+{
+    (void)unused;
+    random_state random = {1};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 4, 0, 0.01, &random);
+    add_sheet(&a, 4, 0.02, 0, &random);
+    assert_true(for_every_allocation_failure(create_case, &a) > 20);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pairs), cmocka_unit_test(test_box),     cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_guard), cmocka_unit_test(test_tangles), cmocka_unit_test(test_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
