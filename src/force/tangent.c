@@ -101,16 +101,15 @@ static void add_triangle(const tangent_loop *loop, const pel_tangent_part *part,
 static void add_hinge(const tangent_loop *loop, const pel_tangent_part *part, int32_t i, const tangent_element *element,
                       pel_tangent_energy *energy)
 {
-    const pel_shell *shell = loop->tangent->shells[part->shell].shell;
+    const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
+    const pel_shell *shell = own->shell;
     const pel_shell_hinge *hinge = &shell->hinges[i];
     const pel_tangent_request request = request_of(loop, element, part->first_stress + i * part->strains);
-    const pel_record *rest = loop->tangent->model->rest;
-    if (shell->bending == PEL_BENDING_HINGE) {
-        const pel_hinge stencil = pel_shell_angle(rest, hinge);
-        energy->bending += pel_hinge_tangent(&stencil, hinge->stiffness, element->x, &request, &element->sum);
+    if (own->hinges != NULL) {
+        energy->bending += pel_hinge_tangent(&own->hinges[i], hinge->stiffness, element->x, &request, &element->sum);
         return;
     }
-    const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
+    const pel_bending_isometric stencil = pel_shell_isometric(loop->tangent->model->rest, hinge);
     const pel_line line = pel_line_of_isometric(&stencil, hinge->stiffness);
     energy->bending += pel_line_tangent(&line, element->x, &request, &element->sum);
     if (shell->bending == PEL_BENDING_ISOMETRIC_REST)

@@ -52,6 +52,7 @@ typedef struct pel_tangent_shell {
     pel_tangent_fibre *fibres;
     int32_t (*edges)[3];        /* (triangle_count) of mid-edge bending, ~edge where the triangle is the second */
     pel_midedge *midedges;      /* (triangle_count) */
+    pel_hinge *hinges;          /* (hinge_count) of bending by the angle, else null */
     double *normal_pressure[4]; /* (places) scratch of the vertex-normal form: area vector and area; else null */
     pel_rank_one *rank_one;     /* of a gas or a kept volume; else null */
     double pressure;            /* Pa, of the present evaluation */

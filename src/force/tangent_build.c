@@ -84,6 +84,10 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
         own->midedges = pel_allocate(triangles, sizeof *own->midedges);
         all &= own->edges != NULL && own->midedges != NULL;
     }
+    if (shell->bending == PEL_BENDING_HINGE) {
+        own->hinges = pel_allocate((size_t)shell->hinge_limit, sizeof *own->hinges);
+        all &= own->hinges != NULL;
+    }
     if (shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL)
         for (int i = 0; i < 4; i++) {
             own->normal_pressure[i] = pel_allocate(places, sizeof(double));
@@ -246,6 +250,8 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
     material.young = material.thickness = 1;
     own->law = pel_membrane_law_of(&material);
     fill_fibres(own);
+    for (int32_t i = 0; own->hinges != NULL && i < shell->hinge_count; i++)
+        own->hinges[i] = pel_shell_angle(tangent->model->rest, &shell->hinges[i]);
     if (!has_midedge(shell))
         return;
     fill_edges(tangent, own);
@@ -457,6 +463,7 @@ void pel_tangent_destroy(pel_tangent *tangent)
                           own->fibres,
                           own->edges,
                           own->midedges,
+                          own->hinges,
                           own->normal_pressure[0],
                           own->normal_pressure[1],
                           own->normal_pressure[2],

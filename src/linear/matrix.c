@@ -415,25 +415,38 @@ typedef struct assembly {
 } assembly;
 
 /* adds a dense matrix (row-major, size x size) of one element at its places */
+/* a block of 3 x 3 as two quads and its last number: most blocks are of this size */
+static void add_three_by_three(double *block, const double *from, int32_t size)
+{
+    const double *next = from + size, *last = next + size;
+    quad first = {from[0], from[1], from[2], next[0]}, second = {next[1], next[2], last[0], last[1]};
+    *(quad *)block += first;
+    *(quad *)(block + 4) += second;
+    block[8] += last[2];
+}
+
+/* The dense matrix is symmetric: a column of the block is a piece of one of its rows. */
+static void add_block(double *block, const double *from, int32_t size, int32_t rows, int32_t columns)
+{
+    if (rows == 3 && columns == 3) {
+        add_three_by_three(block, from, size);
+        return;
+    }
+    for (int32_t b = 0; b < columns; b++)
+        for (int32_t a = 0; a < rows; a++)
+            block[b * rows + a] += from[b * size + a];
+}
+
 static void add_element(pel_matrix *m, int32_t element, int32_t size, const double *dense)
 {
     const int32_t *nodes = &m->element_node[m->node_start[element]],
                   *place = &m->element_place[m->element_start[element]];
-    int32_t count = m->node_start[element + 1] - m->node_start[element];
-    for (int32_t i = 0, row = 0; i < count; row += size_of(m, nodes[i]), i++) {
-        int32_t rows = size_of(m, nodes[i]);
-        for (int32_t j = 0, column = 0; j < count; j++) {
-            int32_t columns = size_of(m, nodes[j]);
-            double *block = &m->values[*place++];
-            for (int32_t b = 0; b < columns; b++) {
-                /* the dense matrix is symmetric: a column of the block is a piece of one of its rows */
-                const double *from = &dense[(column + b) * size + row];
-                for (int32_t a = 0; a < rows; a++)
-                    block[b * rows + a] += from[a];
-            }
-            column += columns;
-        }
-    }
+    int32_t count = m->node_start[element + 1] - m->node_start[element], sizes[PEL_ELEMENT_SIZE_LIMIT];
+    for (int32_t i = 0; i < count; i++)
+        sizes[i] = size_of(m, nodes[i]);
+    for (int32_t i = 0, row = 0; i < count; row += sizes[i], i++)
+        for (int32_t j = 0, column = 0; j < count; column += sizes[j], j++)
+            add_block(&m->values[*place++], &dense[column * size + row], size, sizes[i], sizes[j]);
 }
 
 static void assemble_chunk(void *context, int32_t chunk)

@@ -164,6 +164,13 @@ static void begin(pass *p, const pel_pcg_def *def, pel_pool *pool, double sums[S
     run_pass(p, pool, begin_chunk, sums);
 }
 
+/* no more iterations, or too little after half of them */
+static bool is_at_limit(const pel_pcg_def *def, const pel_pcg_result *result)
+{
+    bool is_slow = def->midway > 0 && 2 * result->iterations == def->iterations && result->residual > def->midway;
+    return is_slow || result->iterations == def->iterations;
+}
+
 pel_pcg_result pel_pcg_solve(pel_pcg *pcg, const pel_pcg_def *def, pel_pool *pool, const double *right,
                              double *solution)
 {
@@ -178,7 +185,7 @@ pel_pcg_result pel_pcg_solve(pel_pcg *pcg, const pel_pcg_def *def, pel_pool *poo
             result.end = PEL_PCG_BROKEN;
         else if (residual <= def->tolerance * size)
             result.end = PEL_PCG_CONVERGED;
-        if (result.end != PEL_PCG_LIMIT || result.iterations == def->iterations || pel_pool_is_stopped(pool))
+        if (result.end != PEL_PCG_LIMIT || is_at_limit(def, &result) || pel_pool_is_stopped(pool))
             return result;
         if (def->precondition != NULL)
             def->precondition(def->preconditioner, pool, pcg->residual, pcg->preconditioned);

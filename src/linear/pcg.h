@@ -25,12 +25,14 @@ typedef struct pel_pcg_def {
     void *preconditioner;
     double tolerance;   /* on |r| / |b| */
     int32_t iterations; /* at most */
+    double midway;      /* |r| / |b| above which it ends after half of them; 0 = never */
     bool has_start;     /* solution holds a first guess; else zero */
 } pel_pcg_def;
 
 typedef enum pel_pcg_end {
     PEL_PCG_CONVERGED,
-    PEL_PCG_LIMIT,      /* iterations are used up, or the pool is stopped; the solution is the last iterate */
+    PEL_PCG_LIMIT,      /* iterations are used up, or half of them led nowhere, or the pool is stopped; the solution is
+                           the last iterate */
     PEL_PCG_INDEFINITE, /* a direction of curvature <= 0 (within rounding): the solution is the last iterate before it
                          */
     PEL_PCG_BROKEN      /* the preconditioner is not positive definite, or a number is NaN or infinite */

@@ -18,6 +18,14 @@
 /* of a run of a step in time, without constraints and with them */
 enum { DYNAMIC_ITERATIONS = 20, CONSTRAINED_ITERATIONS = 40 };
 
+/* bodies that press against each other; sums are kept with the first of them */
+typedef struct newton_group {
+    int32_t leader;   /* a body of the same group with a lower number, or itself */
+    bool is_held;     /* not free to move as a whole */
+    double left[3];   /* N, sum of the forces that a run left */
+    double stiffness; /* N/m, of the springs that inertia is */
+} newton_group;
+
 pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error)
 {
     pel_sim_newton *newton = sim->descent->newton = pel_allocate(1, sizeof *newton);
@@ -39,7 +47,8 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     if (is_dynamic) {
         newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
         newton->points = pel_allocate(vertices, sizeof *newton->points);
-        room &= newton->point_stiffness != NULL && newton->points != NULL;
+        newton->groups = pel_allocate((size_t)sim->model->body_count, sizeof *newton->groups);
+        room &= newton->point_stiffness != NULL && newton->points != NULL && newton->groups != NULL;
     }
     return room ? PEL_OK : pel_fail_memory(error);
 }
@@ -49,8 +58,9 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     if (newton == NULL)
         return;
     pel_newton_destroy(newton->newton);
-    void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,     newton->position,
-                      newton->force,    newton->point_stiffness, newton->points, newton->couplings, newton->radial};
+    void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,
+                      newton->position, newton->force,           newton->points, newton->couplings,
+                      newton->radial,   newton->point_stiffness, newton->groups};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -371,6 +381,69 @@ static int32_t list_couplings(void *context, const int32_t (**vertices)[4], int3
     return list_constraints(sim, false, *acting);
 }
 
+/* ---- momentum ---- */
+
+static int32_t leader_of(const newton_group *groups, int32_t body)
+{
+    while (groups[body].leader != body)
+        body = groups[body].leader;
+    return body;
+}
+
+static int32_t body_of(const pel_sim *sim, int32_t v)
+{
+    return sim->model->body_of_slice[v / PEL_WIDTH];
+}
+
+/* bodies that a constraint presses together, or holds to a tool */
+static void join(const pel_sim *sim, const pel_descent_contact *constraint)
+{
+    const pel_sim_newton *newton = sim->descent->newton;
+    pel_gap_sample sample;
+    pel_descent_contact_meet(sim, constraint, newton->position, &sample);
+    if (!(constraint->load > 0) && !(constraint->load - constraint->stiffness * sample.gap > 0))
+        return;
+    int32_t first = -1;
+    for (int i = 0; i < 4; i++) {
+        if (sample.weights[i] == 0)
+            continue;
+        int32_t other = leader_of(newton->groups, body_of(sim, constraint->vertices[i]));
+        int32_t low = first >= 0 && first < other ? first : other, high = first > other ? first : other;
+        newton->groups[high].leader = low;
+        newton->groups[low].is_held |= newton->groups[high].is_held || constraint->tool >= 0;
+        first = low;
+    }
+}
+
+static void find_groups(const pel_sim *sim, bool is_constrained)
+{
+    const pel_sim_descent *descent = sim->descent;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        descent->newton->groups[b] = (newton_group){.leader = b, .is_held = !is_free(sim, b)};
+    for (int32_t c = 0; is_constrained && c < descent->count; c++)
+        join(sim, &descent->constraints[c]);
+}
+
+/* Systems are solved roughly, and forces on a body as a whole may be left: a translation of all that moves together
+   balances them, which nothing but inertia and drag feels. So momentum stays what the loads make of it. */
+static void balance_groups(const pel_sim *sim, bool is_constrained)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    const double *gradient = pel_newton_gradient(newton->newton);
+    find_groups(sim, is_constrained);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        newton_group *group = &newton->groups[leader_of(newton->groups, body_of(sim, v))];
+        pel_vec3_add(group->left, gradient + 3 * (size_t)v, group->left);
+        group->stiffness += newton->point_stiffness[v];
+    }
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        const newton_group *group = &newton->groups[leader_of(newton->groups, body_of(sim, v))];
+        double *x = newton->unknowns + 3 * (size_t)v;
+        if (!group->is_held && group->stiffness > 0)
+            pel_vec3_along(x, -1 / group->stiffness, group->left, x);
+    }
+}
+
 /* ---- a run ---- */
 
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
@@ -422,6 +495,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     };
     pel_newton_result run;
     pel_status status = pel_newton_run(newton->newton, &own, newton->unknowns, &run, error);
+    if (status == PEL_OK && is_dynamic)
+        balance_groups(sim, context->is_constrained);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
             sim->state->position_next[v][k] = (pel_real)newton->unknowns[3 * v + k];

@@ -8,10 +8,14 @@
 #define LONGEST_SHARE 0.5
 /* fixed unknowns this near to their targets, of the size, are there: rounding */
 #define SHORT_SHARE 1e-12
-/* of conjugate gradients, relative */
+/* of conjugate gradients, relative: in statics, and of a step in time, where the next system mends what one leaves
+   (Dembo, Eisenstat, Steihaug 1982) */
 #define SOLVE_TOLERANCE 1e-8
-/* products with a kept factor; more of them ask for a new one */
+#define DYNAMIC_SOLVE_TOLERANCE 1e-1
+/* Products with a kept factor; more of them cost as much as a new one, which is made as well when the relative residual
+   is above KEPT_MIDWAY after half of them. */
 enum { KEPT_PRODUCTS = 8 };
+#define KEPT_MIDWAY 0.2
 /* on the diagonal of a float factor near its limit of condition */
 #define FLOAT_SHIFT 1e-7
 /* a pivot in float, over its diagonal, that is below minus this is none of rounding */
@@ -235,6 +239,14 @@ bool pel_newton_make_factor(newton_run *run)
     return pel_newton_compute_factor(run, 0, &pivot);
 }
 
+/* what is solved for the skew part goes on from step to step, and so do its errors */
+static double solve_tolerance(const newton_run *run)
+{
+    const pel_newton_terms *terms = run->problem->terms;
+    bool has_skew = terms != NULL && terms->add_skew != NULL;
+    return run->problem->is_dynamic && !has_skew ? DYNAMIC_SOLVE_TOLERANCE : SOLVE_TOLERANCE;
+}
+
 pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
 {
     pel_newton *newton = run->newton;
@@ -244,8 +256,9 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
         .added = run,
         .precondition = pel_factor_solve,
         .preconditioner = newton->factors[newton->precision],
-        .tolerance = SOLVE_TOLERANCE,
+        .tolerance = solve_tolerance(run),
         .iterations = products,
+        .midway = products == KEPT_PRODUCTS ? KEPT_MIDWAY : 0,
     };
     pel_pcg_end end = pel_pcg_solve(newton->pcg, &def, newton->pool, newton->right, newton->step).end;
     run->status = pel_pool_check(newton->pool, run->error);
@@ -264,6 +277,15 @@ static bool solve_symmetric(newton_run *run)
     return run->status == PEL_OK && (end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT);
 }
 
+/* fixed unknowns go all of their way, whatever the solve leaves */
+static void set_fixed_steps(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
+        if (newton->fixed[u])
+            newton->step[u] = pel_newton_way_to_target(run, u);
+}
+
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run)
 {
@@ -271,6 +293,7 @@ bool pel_newton_find_step(newton_run *run)
     pel_newton_assemble(run);
     if (run->status != PEL_OK || !solve_symmetric(run))
         return false;
+    set_fixed_steps(run);
     return terms == NULL || terms->add_skew == NULL || pel_newton_solve_skew(run);
 }
 

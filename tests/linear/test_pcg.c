@@ -122,6 +122,14 @@ static void test_ends(void **unused)
     assert_int_equal(cut.end, PEL_PCG_LIMIT);
     assert_int_equal(cut.iterations, 3);
     assert_near(test_residual(f.m, f.right, f.x), cut.residual, 1e-12);
+    /* too slow for its limit: half of the iterations */
+    def.iterations = 6;
+    def.midway = 0.9 * cut.residual;
+    pel_pcg_result slow = pel_pcg_solve(f.pcg, &def, NULL, f.right, f.x);
+    assert_true(slow.end == PEL_PCG_LIMIT && slow.iterations == 3 && slow.residual == cut.residual);
+    def.midway = 1.1 * cut.residual;
+    assert_int_equal(pel_pcg_solve(f.pcg, &def, NULL, f.right, f.x).iterations, 6);
+    def.midway = 0;
     f.right[0] = (double)NAN;
     assert_int_equal(pel_pcg_solve(f.pcg, &def, NULL, f.right, f.x).end, PEL_PCG_BROKEN);
     memset(f.right, 0, (size_t)f.s.unknown_count * sizeof *f.right);
