@@ -12,6 +12,11 @@ void pel_study_kept_drop(pel_study_kept *kept)
     *kept = (pel_study_kept){0};
 }
 
+static bool varies(const pel_study_axis *axis)
+{
+    return axis->count > 1;
+}
+
 /* leaves places null where a value of an axis needs a scene of its own */
 static pel_status find_places(const pel_study *study, pel_study_kept *kept, pel_error *error)
 {
@@ -20,7 +25,7 @@ static pel_status find_places(const pel_study *study, pel_study_kept *kept, pel_
         return pel_fail_memory(error);
     bool all = kept->scene->session_count == 0;
     for (int32_t a = 0; all && a < study->axis_count; a++)
-        all = pel_scene_patch_find(kept->scene, study->axes[a].path, &kept->places[a]);
+        all = !varies(&study->axes[a]) || pel_scene_patch_find(kept->scene, study->axes[a].path, &kept->places[a]);
     if (!all) {
         pel_free(kept->places);
         kept->places = NULL;
@@ -65,7 +70,7 @@ static bool copy_direct(const pel_study *study, pel_study_kept *kept)
         return true;
     bool done = pel_run_kept_rewind(&kept->parts, NULL) == PEL_OK;
     for (int32_t a = 0; done && a < study->axis_count; a++)
-        if (pel_parameter_row_at(kept->places[a].row)->is_direct)
+        if (varies(&study->axes[a]) && pel_parameter_row_at(kept->places[a].row)->is_direct)
             done = pel_parameter_copy(kept->parts.sim, &kept->scene->sim, kept->places[a], NULL) == PEL_OK;
     return done && pel_run_kept_mark(&kept->parts, NULL) == PEL_OK;
 }
