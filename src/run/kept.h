@@ -8,8 +8,7 @@
 typedef struct pel_run_kept {
     pel_model *model; /* null = made by the next run */
     pel_sim *sim;     /* null = likewise */
-    void *start;      /* (start_size) its snapshot before the first step */
-    size_t start_size;
+    void *start;      /* its snapshot before the first step */
     bool is_at_start; /* the simulation is */
 } pel_run_kept;
 
@@ -17,10 +16,9 @@ typedef struct pel_run_kept {
    has no times of steps. kept null: as pel_run. */
 pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_kept *kept, pel_run_summary *summary,
                         pel_error *error);
-/* Takes the simulation back to its start. Errors of pel_sim_load. */
+/* Takes the simulation back to its start, with the numbers of loads and grasps that it was made with
+   (pel_snapshot_rewind). Errors of pel_sim_load. */
 pel_status pel_run_kept_rewind(pel_run_kept *kept, pel_error *error);
-/* Takes the present state of the simulation as that before the first step. PEL_OUT_OF_MEMORY. */
-pel_status pel_run_kept_mark(pel_run_kept *kept, pel_error *error);
 /* Forgets the simulation, or all of it. */
 void pel_run_kept_drop(pel_run_kept *kept, bool with_model);
 

@@ -10,6 +10,7 @@
 #include "pellicle/parallel.h"
 #include "results/files.h"
 #include "run/state.h"
+#include "sim/sim.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -96,6 +97,19 @@ static uint64_t hash_scene(const pel_scene *scene)
     return hash;
 }
 
+/* the state before the first step */
+static pel_status keep_start(pel_run_kept *kept, pel_error *error)
+{
+    size_t size = pel_sim_save_size(kept->sim);
+    pel_free(kept->start);
+    kept->start = pel_allocate(size, 1);
+    if (kept->start == NULL)
+        return pel_fail_memory(error);
+    pel_sim_save(kept->sim, kept->start);
+    kept->is_at_start = true;
+    return PEL_OK;
+}
+
 /* the simulation of a kept run is at its start again */
 static pel_status take_kept(pel_run_state *run, const pel_sim_def *def, pel_error *error)
 {
@@ -106,7 +120,7 @@ static pel_status take_kept(pel_run_state *run, const pel_sim_def *def, pel_erro
     } else {
         status = pel_sim_create(def, &kept->sim, error);
         if (status == PEL_OK)
-            status = pel_run_kept_mark(kept, error);
+            status = keep_start(kept, error);
     }
     run->sim = kept->sim;
     kept->is_at_start = false;
@@ -614,26 +628,11 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
 
 /* ---- runs that share a simulation ---- */
 
-pel_status pel_run_kept_mark(pel_run_kept *kept, pel_error *error)
-{
-    size_t size = pel_sim_save_size(kept->sim);
-    if (size != kept->start_size) {
-        pel_free(kept->start);
-        kept->start = pel_allocate(size, 1);
-        kept->start_size = kept->start != NULL ? size : 0;
-    }
-    if (kept->start == NULL)
-        return pel_fail_memory(error);
-    pel_sim_save(kept->sim, kept->start);
-    kept->is_at_start = true;
-    return PEL_OK;
-}
-
 pel_status pel_run_kept_rewind(pel_run_kept *kept, pel_error *error)
 {
     if (kept->is_at_start)
         return PEL_OK;
-    pel_status status = pel_sim_load(kept->sim, kept->start, kept->start_size, error);
+    pel_status status = pel_snapshot_rewind(kept->sim, kept->start, error);
     kept->is_at_start = status == PEL_OK;
     return status;
 }

@@ -72,7 +72,7 @@ static bool copy_direct(const pel_study *study, pel_study_kept *kept)
     for (int32_t a = 0; done && a < study->axis_count; a++)
         if (varies(&study->axes[a]) && pel_parameter_row_at(kept->places[a].row)->is_direct)
             done = pel_parameter_copy(kept->parts.sim, &kept->scene->sim, kept->places[a], NULL) == PEL_OK;
-    return done && pel_run_kept_mark(&kept->parts, NULL) == PEL_OK;
+    return done;
 }
 
 pel_status pel_study_kept_take(const pel_study *study, pel_study_kept *kept, int64_t run, bool *patched,
