@@ -506,6 +506,39 @@ typedef struct pel_adjoint {
    is not a stable balance; PEL_OUT_OF_MEMORY. Changes nothing in the simulation. */
 PEL_API pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *error);
 
+/* A state on a path of steps, and what a function of the path changes with it. */
+typedef struct pel_adjoint_point {
+    int64_t step;                         /* of these, from 1 */
+    const double *positions, *velocities; /* (vertices x 3) m, m/s after it; vertices as in pel_adjoint */
+    double *by_positions,
+        *by_velocities; /* (vertices x 3) derivatives of the function [1/m, s/m]; 0 if left as they are
+                         */
+} pel_adjoint_point;
+
+/* What pel_sim_adjoint_steps reads and fills; start from zeros. */
+typedef struct pel_adjoint_steps {
+    int64_t step_count;
+    /* Called with the state after the last step, or, for a function of the whole path, after each of them, from the
+       last to the first. False ends with PEL_STOPPED. */
+    bool (*gradient)(void *user, const pel_adjoint_point *point);
+    void *user;
+    bool is_running;     /* the function is of the whole path */
+    pel_adjoint results; /* `positions` is not read; forces, loads, numbers are those of all steps together */
+    /* (vertices x 3) by the state where the steps begin [1/m, s/m]; what is held 0. Nullable. Rest positions leave it
+       as it is: where the bodies start at rest it goes along, so that the two have to be added. */
+    double *start_positions, *start_velocities;
+} pel_adjoint_steps;
+
+/* Takes step_count steps of PEL_METHOD_IMPLICIT and gives the derivatives of a function of them
+   (src/sim/adjoint_steps.c has the equations). The steps are solved to rounding, so that they differ a little from
+   those of pel_sim_step; the simulation is at their end afterwards, at their begin when this fails. Takes the time of
+   three to five times as many steps, and memory for 2 sqrt(step_count) snapshots.
+
+   What pel_sim_adjoint refuses is refused, and so are refinement, damping of volumetric springs, fibres along principal
+   directions, moments on edges, a budget of time, and steps that do not converge: PEL_BAD_ARGUMENT. PEL_STOPPED by the
+   gradient; PEL_OUT_OF_MEMORY. Masses and drag are as they are. */
+PEL_API pel_status pel_sim_adjoint_steps(pel_sim *sim, const pel_adjoint_steps *def, pel_error *error);
+
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
     double volume_ratio;       /* enclosed volume of closed bodies over that at rest; 1 when none is closed */

@@ -119,6 +119,7 @@ PyObject *core_sim_set_pins(core_sim *self, PyObject *const *arguments, Py_ssize
 PyObject *core_sim_pick(core_sim *self, PyObject *ray);
 PyObject *core_sim_drag(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
+PyObject *core_sim_adjoint_steps(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 
 /* ---- study.c ---- */
 

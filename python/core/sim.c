@@ -461,6 +461,7 @@ static PyMethodDef methods[] = {
     CHANGE(pick, METH_O),
     CHANGE(drag, METH_FASTCALL),
     CHANGE(adjoint, METH_FASTCALL),
+    CHANGE(adjoint_steps, METH_FASTCALL),
     {NULL, NULL, 0, NULL},
 };
 static PyType_Slot slots[] = {

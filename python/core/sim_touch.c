@@ -215,3 +215,95 @@ PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_
         return NULL;
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
+
+/* arrays of adjoint_steps, in order */
+enum {
+    STEPS_POSITIONS,
+    STEPS_VELOCITIES,
+    STEPS_BY_POSITIONS,
+    STEPS_BY_VELOCITIES,
+    STEPS_START_POSITIONS,
+    STEPS_START_VELOCITIES,
+    STEPS_FORCES,
+    STEPS_REST,
+    STEPS_LOADS,
+    STEPS_GRAVITY,
+    STEPS_MATERIALS,
+    STEPS_COUNT
+};
+
+typedef struct asked {
+    PyObject *function;
+    Py_buffer views[STEPS_COUNT];
+} asked;
+
+/* what the function is told of a state stands in two arrays, and its answer in two others */
+static bool ask_function(void *user, const pel_adjoint_point *point)
+{
+    asked *a = user;
+    size_t size = (size_t)a->views[STEPS_POSITIONS].len;
+    PyGILState_STATE held = PyGILState_Ensure();
+    memcpy(a->views[STEPS_POSITIONS].buf, point->positions, size);
+    memcpy(a->views[STEPS_VELOCITIES].buf, point->velocities, size);
+    PyObject *answer = PyObject_CallFunction(a->function, "L", (long long)point->step);
+    if (answer != NULL) {
+        memcpy(point->by_positions, a->views[STEPS_BY_POSITIONS].buf, size);
+        memcpy(point->by_velocities, a->views[STEPS_BY_VELOCITIES].buf, size);
+        Py_DECREF(answer);
+    }
+    PyGILState_Release(held);
+    return answer != NULL;
+}
+
+static pel_status take_steps(core_sim *self, asked *a, long long steps, bool is_running, pel_error *error)
+{
+    const pel_adjoint_steps def = {.step_count = steps,
+                                   .gradient = ask_function,
+                                   .user = a,
+                                   .is_running = is_running,
+                                   .results = {.forces = a->views[STEPS_FORCES].buf,
+                                               .rest_positions = a->views[STEPS_REST].buf,
+                                               .loads = a->views[STEPS_LOADS].buf,
+                                               .gravity = a->views[STEPS_GRAVITY].buf,
+                                               .materials = a->views[STEPS_MATERIALS].buf},
+                                   .start_positions = a->views[STEPS_START_POSITIONS].buf,
+                                   .start_velocities = a->views[STEPS_START_VELOCITIES].buf};
+    pel_status status;
+    self->is_busy = 1;
+    Py_BEGIN_ALLOW_THREADS status = pel_sim_adjoint_steps(self->sim, &def, error);
+    Py_END_ALLOW_THREADS self->is_busy = 0;
+    return status;
+}
+
+/* adjoint_steps(function, steps, running, positions, velocities, by positions, by velocities, start positions, start
+   velocities, forces, rest positions or None, loads, gravity, materials) */
+PyObject *core_sim_adjoint_steps(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    enum { FIRST = 3 };
+    if (core_check_count("adjoint_steps", count, FIRST + STEPS_COUNT) < 0 || core_sim_check(self) < 0)
+        return NULL;
+    asked a = {.function = arguments[0]};
+    long long steps = PyLong_AsLongLong(arguments[1]);
+    int is_running = PyObject_IsTrue(arguments[2]);
+    if ((steps == -1 && PyErr_Occurred()) || is_running < 0)
+        return NULL;
+    const Py_ssize_t vertices = 3 * all_vertices(self), bodies = pel_model_body_count(pel_sim_model(self->sim));
+    int opened = 0;
+    for (; opened < STEPS_COUNT; opened++) {
+        Py_ssize_t size = opened == STEPS_LOADS       ? pel_sim_load_count(self->sim)
+                          : opened == STEPS_GRAVITY   ? 3
+                          : opened == STEPS_MATERIALS ? 5 * bodies
+                                                      : vertices;
+        if (opened == STEPS_REST && arguments[FIRST + opened] == Py_None)
+            continue;
+        if (core_get_array(arguments[FIRST + opened], "arrays", 'd', size, 1, &a.views[opened]) != 0)
+            break;
+    }
+    pel_error error = {0};
+    pel_status status = opened == STEPS_COUNT ? take_steps(self, &a, steps, is_running > 0, &error) : PEL_OK;
+    for (int i = 0; i < opened; i++)
+        PyBuffer_Release(&a.views[i]);
+    if (opened < STEPS_COUNT || PyErr_Occurred())
+        return NULL;
+    return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
+}

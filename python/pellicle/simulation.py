@@ -537,18 +537,28 @@ class Simulation:
             raise _core.Error("an enclosed gas or driven volume adds a dense part to the Hessian. use hessian(parts=True)")
         return matrix
 
-    def adjoint(self, loss_gradient: Any, rest_positions: bool = False) -> dict[str, Any]:
-        """Derivatives of a function of the positions by the numbers of the model, all from one linear system.
+    def adjoint(
+        self, loss_gradient: Any, rest_positions: bool = False, steps: int = 0, running: bool = False
+    ) -> dict[str, Any]:
+        """Derivatives of a function of the positions by the numbers of the model.
 
         For the method ``static`` of the state of rest, which must have converged; for ``implicit`` of the end of the last
-        step, with its start as it is. Without tools and contact.
+        step, with its start as it is: one linear system. With `steps` for ``implicit``: takes so many steps, solved to
+        rounding, and goes back along them, in the time of three to five times as many steps; the simulation is at their
+        end then. Without tools and contact.
 
         Parameters
         ----------
-        loss_gradient : array_like, (vertex_count, 3)
-            Derivative of your function by the positions of all bodies, one after the other, at the present state [1/m].
+        loss_gradient : array_like, (vertex_count, 3), or callable
+            Derivative of your function by the positions of all bodies, one after the other, at the present state [1/m];
+            with `steps`, after the last of them. Or, with `steps`, a function of positions, velocities and the number of
+            the step (from 1) that returns it, or a pair: that and the derivative by the velocities [s/m].
         rest_positions : bool
             Also the derivatives by the positions at rest: of membranes and bending ``midedge``, no springs or fibres.
+        steps : int
+            Steps to take and to differentiate; 0: none.
+        running : bool
+            Your function is a sum over all these steps: `loss_gradient` is asked after each of them, the last one first.
 
         Returns
         -------
@@ -557,23 +567,56 @@ class Simulation:
             loads: for each load by name (or number) by a factor on it, 1 at present; gravity (3,): [s2/m];
             materials: for each body a dict with young, thickness, bending and pressure, by a factor on each, 1 at present,
             and poisson, by the ratio. The derivative by Young's modulus E is young / E;
-            rest_positions (vertex_count, 3), when asked for: by the positions at rest [1/m].
+            rest_positions (vertex_count, 3), when asked for: by the positions at rest [1/m];
+            with `steps`: start_positions [1/m] and start_velocities [s/m] (vertex_count, 3), by the state before them. Rest
+            positions leave it as it is: add start_positions where the bodies start at rest.
 
         Raises
         ------
         Error
-            What cannot be asked, or a state that is not a stable balance.
+            What cannot be asked, a state that is not a stable balance, or a step that does not converge.
+
+        Examples
+        --------
+        >>> sheet = {"name": "sheet", "mesh": {"shape": "grid", "nx": 4, "ny": 4}, "mass": {"total": 0.1},
+        ...          "membrane": {"young": 1e4, "poisson": 0.3, "thickness": 1e-3}}
+        >>> sim = pellicle.load_scene({"bodies": [sheet], "gravity": [0, 0, -9.81], "duration": 1,
+        ...                            "solver": {"method": "implicit", "dt": 0.01}})
+        >>> found = sim.adjoint(lambda x, v, step: x / len(x), steps=20)
+        >>> found["start_velocities"].shape
+        (25, 3)
         """
-        gradient = numbers(loss_gradient, "loss_gradient", self._x(None).shape)
+        shape = self._x(None).shape
+        if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
+            raise ValueError("steps: must be an integer of at least 0")
+        if callable(loss_gradient) and steps == 0:
+            raise ValueError("loss_gradient: a function needs steps; without them give an array")
+        gradient = None if callable(loss_gradient) else numbers(loss_gradient, "loss_gradient", shape)
         bodies, loads = self.scene.bodies, self.loads
-        forces, rest = np.empty_like(gradient), np.empty_like(gradient) if rest_positions else None
+        forces, rest = np.empty(shape), np.empty(shape) if rest_positions else None
         by_load, gravity, materials = np.empty(len(loads)), np.empty(3), np.empty((len(bodies), len(_MATERIAL)))
-        self._core.adjoint(gradient, forces, rest, by_load, gravity, materials)
+        results = forces, rest, by_load, gravity, materials
+        start = {}
+        if steps == 0:
+            self._core.adjoint(gradient, *results)
+        else:
+            positions, velocities, by_positions, by_velocities = (np.zeros(shape) for _ in range(4))
+            start = {"start_positions": np.empty(shape), "start_velocities": np.empty(shape)}
+
+            def ask(step: int) -> None:
+                answer = gradient if gradient is not None else loss_gradient(positions.copy(), velocities.copy(), step)
+                x, v = answer if isinstance(answer, tuple) else (answer, 0.0)
+                by_positions[:] = numbers(x, "loss_gradient", shape)
+                by_velocities[:] = numbers(v, "loss_gradient", shape) if np.ndim(v) else v
+
+            arrays = positions, velocities, by_positions, by_velocities
+            self._core.adjoint_steps(ask, int(steps), bool(running), *arrays, *start.values(), *results)
         found = {
             "forces": forces,
             "loads": {name or number: float(by_load[number]) for number, name in enumerate(loads)},
             "gravity": gravity,
             "materials": {name: dict(zip(_MATERIAL, map(float, row))) for name, row in zip(bodies, materials)},
+            **start,
         }
         return {**found, "rest_positions": rest} if rest_positions else found
 

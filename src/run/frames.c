@@ -72,7 +72,9 @@ static pel_status take_frame(pel_run_frames *frames, pel_sim *sim, const pel_run
     pel_sim_measure(sim, &row->measures);
     pel_sim_get_ledger(sim, &row->ledger);
     pel_sim_get_contact_statistics(sim, &row->contact);
-    pel_run_series_make(&frames->series, sim, row);
+    frames->measured_step = pel_sim_step_count(sim);
+    if (frames->folder != NULL || frames->row != NULL)
+        pel_run_series_make(&frames->series, sim, row);
     if (frames->folder == NULL)
         return PEL_OK;
     pel_status status = pel_run_surface_read(&frames->surface, sim, error);
@@ -158,6 +160,7 @@ static void begin_interval(pel_run_totals *totals, const pel_sim *sim, double *t
 pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_def, const pel_sim *sim,
                                  pel_error *error)
 {
+    frames->measured_step = -1;
     pel_status status = pel_run_surface_create(sim, &frames->scene->output, &frames->surface, error);
     int32_t threads = sim_def->thread_count > 0 ? sim_def->thread_count : (int32_t)pel_thread_limit();
     return status == PEL_OK && threads > 1 ? start_thread(frames, sim, error) : status;

@@ -62,6 +62,7 @@ typedef struct pel_run_frames {
     pel_worker *worker;           /* null = one thread does everything */
     size_t snapshot_size;
     pel_run_frame frame;
+    int64_t measured_step; /* of the measures in its row; -1 = none yet */
 } pel_run_frames;
 
 /* Prepares everything in memory, with a thread when `sim_def` asks for more than one. Destroy also on failure. */

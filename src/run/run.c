@@ -10,6 +10,7 @@
 #include "pellicle/parallel.h"
 #include "results/files.h"
 #include "run/state.h"
+#include "sim/sim.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -96,12 +97,45 @@ static uint64_t hash_scene(const pel_scene *scene)
     return hash;
 }
 
+/* the state before the first step */
+static pel_status keep_start(pel_run_kept *kept, pel_error *error)
+{
+    size_t size = pel_sim_save_size(kept->sim);
+    pel_free(kept->start);
+    kept->start = pel_allocate(size, 1);
+    if (kept->start == NULL)
+        return pel_fail_memory(error);
+    pel_sim_save(kept->sim, kept->start);
+    kept->is_at_start = true;
+    return PEL_OK;
+}
+
+/* the simulation of a kept run is at its start again */
+static pel_status take_kept(pel_run_state *run, const pel_sim_def *def, pel_error *error)
+{
+    pel_run_kept *kept = run->kept;
+    pel_status status;
+    if (kept->sim != NULL) {
+        status = pel_run_kept_rewind(kept, error);
+    } else {
+        status = pel_sim_create(def, &kept->sim, error);
+        if (status == PEL_OK)
+            status = keep_start(kept, error);
+    }
+    run->sim = kept->sim;
+    kept->is_at_start = false;
+    return status;
+}
+
 /* model, simulation, and what writes its frames */
 static pel_status create_sim(pel_run_state *run, pel_error *error)
 {
-    pel_status status = pel_model_create(&run->scene->model, &run->model, error);
+    pel_run_kept *kept = run->kept;
+    pel_model **model = kept != NULL ? &kept->model : &run->model;
+    pel_status status = *model == NULL ? pel_model_create(&run->scene->model, model, error) : PEL_OK;
     if (status != PEL_OK)
         return status;
+    run->model = *model;
     pel_sim_def def = run->scene->sim;
     def.model = run->model;
     def.wanted = run->def->wanted;
@@ -109,7 +143,7 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
     if (run->def->thread_count > 0)
         def.thread_count = run->def->thread_count;
     run->thread_count = def.thread_count > 0 ? def.thread_count : (int32_t)pel_thread_limit();
-    status = pel_sim_create(&def, &run->sim, error);
+    status = kept != NULL ? take_kept(run, &def, error) : pel_sim_create(&def, &run->sim, error);
     if (status == PEL_OK)
         run->tool_count = run->frames.tool_count = pel_sim_tool_count(run->sim);
     if (status == PEL_OK && run->scene->session_count > 0) {
@@ -212,6 +246,8 @@ static void release(pel_run_state *run)
     pel_free(run->checkpoint);
     pel_free(run->tool_force);
     pel_session_destroy(run->session);
+    if (run->kept != NULL)
+        return;
     pel_sim_destroy(run->sim);
     pel_model_destroy(run->model);
 }
@@ -389,8 +425,10 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
 /* from time to time: what is left of a run that is killed */
 static pel_status keep_state(pel_run_state *run, pel_error *error)
 {
+    if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || run->session != NULL)
+        return PEL_OK;
     double now = pel_run_clock();
-    if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || run->session != NULL || now < run->keep_at)
+    if (now < run->keep_at)
         return PEL_OK;
     pel_status status = settle_frames(run, error);
     if (status != PEL_OK)
@@ -416,11 +454,13 @@ static pel_status step(pel_run_state *run, pel_error *error)
 /* one step and what belongs to it */
 static pel_status advance(pel_run_state *run, pel_error *error)
 {
-    double before = pel_run_clock();
+    /* the clock takes a thirtieth of the steps of a small body, and no row of a study has times */
+    bool is_timed = run->kept == NULL;
+    double before = is_timed ? pel_run_clock() : 0;
     pel_status status = step(run, error);
     if (status != PEL_OK)
         return status;
-    double seconds = pel_run_clock() - before;
+    double seconds = is_timed ? pel_run_clock() - before : 0;
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
@@ -503,6 +543,18 @@ static pel_status count_intersections(pel_run_state *run, bool stopped, pel_erro
     return status;
 }
 
+/* what the last frame says where it shows the end */
+static void measure_end(pel_run_state *run)
+{
+    if (run->frames.measured_step == pel_sim_step_count(run->sim)) {
+        run->measures = run->frames.frame.row.measures;
+        run->ledger = run->frames.frame.row.ledger;
+        return;
+    }
+    pel_sim_measure(run->sim, &run->measures);
+    pel_sim_get_ledger(run->sim, &run->ledger);
+}
+
 /* error holds what ended the run when status is a failure; a later failure does not replace an earlier one, and that of
    a frame is the earliest */
 static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary *summary, pel_error *error)
@@ -512,8 +564,7 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     bool has_folder = run->def->folder != NULL;
     if (has_folder)
         pel_run_folder_release(run->def->folder);
-    pel_sim_measure(run->sim, &run->measures);
-    pel_sim_get_ledger(run->sim, &run->ledger);
+    measure_end(run);
     later = has_folder ? write_results(run, status == PEL_OK ? error : NULL) : PEL_OK;
     status = status == PEL_OK ? later : status;
     later = count_intersections(run, status == PEL_STOPPED, status == PEL_OK ? error : NULL);
@@ -536,11 +587,9 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     return status == PEL_OK ? later : status;
 }
 
-pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error)
+pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_kept *kept, pel_run_summary *summary,
+                        pel_error *error)
 {
-    PEL_REFUSE_NULL(scene, error);
-    PEL_REFUSE_NULL(def, error);
-    PEL_REFUSE_NULL(summary, error);
     pel_error own;
     pel_error *cause = error != NULL ? error : &own;
     *summary = (pel_run_summary){.status = ""};
@@ -549,7 +598,7 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         status = check_inputs(scene, def, cause);
     if (status != PEL_OK)
         return status;
-    pel_run_state run = {.scene = scene, .def = def, .start = pel_run_clock(), .lock = -1};
+    pel_run_state run = {.scene = scene, .def = def, .kept = kept, .start = pel_run_clock(), .lock = -1};
     run.keep_at = run.start + def->keep_seconds;
     run.plan = pel_run_plan_make(scene, def->max_frames);
     if (def->folder == NULL)
@@ -567,4 +616,34 @@ pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summa
         status = finish(&run, simulate(&run, cause), summary, cause);
     release(&run);
     return status;
+}
+
+pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error)
+{
+    PEL_REFUSE_NULL(scene, error);
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(summary, error);
+    return pel_run_with(scene, def, NULL, summary, error);
+}
+
+/* ---- runs that share a simulation ---- */
+
+pel_status pel_run_kept_rewind(pel_run_kept *kept, pel_error *error)
+{
+    if (kept->is_at_start)
+        return PEL_OK;
+    pel_status status = pel_snapshot_rewind(kept->sim, kept->start, error);
+    kept->is_at_start = status == PEL_OK;
+    return status;
+}
+
+void pel_run_kept_drop(pel_run_kept *kept, bool with_model)
+{
+    pel_sim_destroy(kept->sim);
+    kept->sim = NULL;
+    if (!with_model)
+        return;
+    pel_model_destroy(kept->model);
+    pel_free(kept->start);
+    *kept = (pel_run_kept){0};
 }

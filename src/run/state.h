@@ -5,10 +5,12 @@
 #include "pellicle/run.h"
 #include "pellicle/session.h"
 #include "run/frames.h"
+#include "run/kept.h"
 
 typedef struct pel_run_state {
     const pel_scene *scene;
     const pel_run_def *def;
+    pel_run_kept *kept; /* owns model and simulation; null = this does */
     pel_model *model;
     pel_sim *sim;
     int32_t tool_count;   /* of the scene: a session adds some and takes them away */

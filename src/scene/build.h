@@ -21,6 +21,9 @@ const char *pel_scene_method_name(pel_method method);
 /* Contact (build_contact.c); a null value is none. */
 pel_status pel_scene_build_contact(pel_scene_reader *reader, const pel_scene_value *value, pel_contact_def *contact);
 
+/* The tree of a scene, as long as that lives (scene.c). */
+const pel_scene_value *pel_scene_root(const pel_scene *scene);
+
 /* what one body is built from */
 typedef struct pel_scene_body_source {
     pel_scene_reader *reader;

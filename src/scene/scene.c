@@ -202,6 +202,11 @@ pel_status pel_scene_load(const char *path, const char *const *overrides, int32_
     return status;
 }
 
+const pel_scene_value *pel_scene_root(const pel_scene *scene)
+{
+    return ((const scene_storage *)scene->inner)->root;
+}
+
 const char *pel_scene_text(const pel_scene *scene)
 {
     if (scene == NULL)

@@ -3,25 +3,16 @@
    With m the multipliers and the gradient g = dE/dx - F: a load F changes f by m . dF, a number p of the elements by
    -m . dg/dp. Vertices that are held where they were at rest go along with their rest positions. In a step of the
    method implicit x_1 = e y + (1 - e) x_0 with the unknowns y of the step, whose matrix has the inertia in it. */
+#include "sim/adjoint.h"
+
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
 #include "sim/edge_load.h"
 #include "sim/follower.h"
-#include "sim/step_newton.h"
+#include "sim/hold.h"
 
 #include <string.h>
-
-/* scratch */
-typedef struct work {
-    pel_sim *sim;
-    const pel_adjoint *def;
-    pel_newton_problem problem;
-    double end;                                /* x_1 over y */
-    double *unknowns, *gradient, *multipliers; /* (unknown_count) */
-    double *held, *rest;                       /* (unknown_count) */
-    pel_tangent_derivative *bodies;            /* (body_count) */
-} work;
 
 static pel_status refuse(pel_error *error, const char *what, const char *remedy)
 {
@@ -48,17 +39,13 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-static pel_status check(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
+pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     if (!sim->stepper->turns_edges || sim->modes != NULL)
         return refuse(error, "derivatives are those of the methods static and implicit",
                       "use one of them, without an analysis");
     if (sim->tool_count > 0 || sim->contacts != NULL)
         return refuse(error, "derivatives are those of bodies without tools and contact", "remove tools and contact");
-    if (def->positions == NULL)
-        return refuse(error, "the derivative of the function by the positions is missing", "fill positions");
-    if (sim->state->step == 0)
-        return refuse(error, "there is no state to take derivatives of yet", "step first");
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&sim->model->bodies[b]))
             return refuse(error, "pressure on a part of a surface, or in the form vertex-normal, has no potential",
@@ -70,28 +57,28 @@ static pel_status check(const pel_sim *sim, const pel_adjoint *def, pel_error *e
 
 /* ---- the problem of the present state ---- */
 
-/* the unknowns y of the last step, with edges as they bend least */
-static void take_state(work *a)
+/* the unknowns y of the last step, with edges as they bend least at these */
+static void take_state(pel_adjoint_work *a, double end)
 {
     pel_sim *sim = a->sim;
     const pel_state *state = sim->state;
-    const double *settled;
-    pel_sim_settle_edges(sim, &settled);
+    double *unknowns = sim->descent->newton->unknowns;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             double now = (double)state->position[v][k], before = (double)state->position_before[v][k];
-            sim->descent->newton->unknowns[3 * v + k] = (now - (1 - a->end) * before) / a->end;
+            bool moves = state->position[v][3] > 0;
+            unknowns[3 * v + k] = moves ? (now - (1 - end) * before) / end : now;
         }
+    pel_sim_newton_settle_at(sim);
 }
 
-static void make_problem(work *a)
+static void make_problem(pel_adjoint_work *a, double end)
 {
     pel_sim *sim = a->sim;
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    double time = pel_sim_time(sim) - (1 - sim->descent->force_time) * sim->step.dt;
-    a->end = is_dynamic ? 1 / sim->descent->force_time : 1;
-    take_state(a);
+    double time = pel_sim_time(sim) - (1 - 1 / end) * sim->step.dt;
+    take_state(a, end);
     memcpy(a->unknowns, newton->unknowns, (size_t)pel_newton_pattern(newton->newton)->unknown_count * sizeof(double));
     a->problem = (pel_newton_problem){
         .time = time,
@@ -111,42 +98,67 @@ static void make_problem(work *a)
 
 /* ---- results ---- */
 
-/* rows of vertices as the caller has them */
-static void for_each_row(const pel_sim *sim, const double *from, double scale, double *rows)
+/* adds to rows of vertices as the caller has them */
+static void add_rows(const pel_sim *sim, const double *from, double *rows)
 {
     size_t row = 0;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         for (int32_t r = 0; r < pel_output_count(sim, b); r++, row++) {
             const double *x = from + 3 * (size_t)pel_output_model_index(sim, b, r);
             for (int k = 0; k < 3; k++)
-                rows[3 * row + (size_t)k] = scale * x[k];
+                rows[3 * row + (size_t)k] += x[k];
         }
 }
 
-static void take_gradient(work *a)
+static size_t count_rows(const pel_sim *sim)
+{
+    size_t count = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        count += (size_t)pel_output_count(sim, b);
+    return count;
+}
+
+static void clear(double *values, size_t count)
+{
+    if (values != NULL)
+        memset(values, 0, count * sizeof *values);
+}
+
+static void clear_results(const pel_sim *sim, const pel_adjoint *def)
+{
+    clear(def->forces, 3 * count_rows(sim));
+    clear(def->rest_positions, 3 * count_rows(sim));
+    clear(def->loads, (size_t)sim->load_count);
+    clear(def->gravity, 3);
+    for (int32_t b = 0; def->materials != NULL && b < sim->model->body_count; b++)
+        def->materials[b] = (pel_adjoint_material){0};
+}
+
+/* of the positions; where a vertex is held they are its place */
+static void take_gradient(pel_adjoint_work *a, double end)
 {
     const pel_sim *sim = a->sim;
     size_t row = 0;
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        for (int32_t r = 0; r < pel_output_count(sim, b); r++, row++)
+        for (int32_t r = 0; r < pel_output_count(sim, b); r++, row++) {
+            int32_t v = pel_output_model_index(sim, b, r);
+            bool moves = sim->model->inverse_mass[v] > 0;
             for (int k = 0; k < 3; k++)
-                a->gradient[3 * (size_t)pel_output_model_index(sim, b, r) + (size_t)k] =
-                    a->end * a->def->positions[3 * row + (size_t)k];
+                a->gradient[3 * (size_t)v + (size_t)k] = (moves ? end : 1) * a->def->positions[3 * row + (size_t)k];
+        }
 }
 
 /* by a factor on each load, and by gravity */
-static void give_loads(const work *a)
+static void give_loads(const pel_adjoint_work *a)
 {
     const pel_sim *sim = a->sim;
     size_t edges = 3 * (size_t)sim->model->vertex_count;
     for (int32_t l = 0; a->def->loads != NULL && l < sim->load_count; l++)
-        a->def->loads[l] = pel_load_product(sim, l, a->problem.time, a->multipliers) +
-                           pel_edge_load_product(sim, l, a->problem.time, a->multipliers + edges);
-    for (int k = 0; a->def->gravity != NULL && k < 3; k++) {
-        a->def->gravity[k] = 0;
+        a->def->loads[l] += pel_load_product(sim, l, a->problem.time, a->multipliers) +
+                            pel_edge_load_product(sim, l, a->problem.time, a->multipliers + edges);
+    for (int k = 0; a->def->gravity != NULL && k < 3; k++)
         for (int32_t v = 0; v < sim->model->vertex_count; v++)
             a->def->gravity[k] += sim->state->load_factor * (double)sim->model->mass[v] * a->multipliers[3 * v + k];
-    }
 }
 
 /* bending that goes with young and thickness, as left out in the def */
@@ -161,7 +173,7 @@ static bool bending_follows(const pel_shell *shell)
     return fabs(stiffness - own) <= 1e-9 * own;
 }
 
-static void give_materials(const work *a)
+static void give_materials(const pel_adjoint_work *a)
 {
     for (int32_t b = 0; b < a->sim->model->body_count; b++) {
         const pel_tangent_derivative *sum = &a->bodies[b];
@@ -171,38 +183,41 @@ static void give_materials(const work *a)
             pel_membrane_material material = shell->material;
             poisson = pel_membrane_law_of(&material).poisson;
         }
-        a->def->materials[b] = (pel_adjoint_material){
-            .young = -sum->membrane - bending,
-            .thickness = -sum->membrane - 3 * bending,
-            .poisson = -sum->poisson - bending * 2 * poisson / (1 - poisson * poisson),
-            .bending = -sum->bending,
-            .pressure = -sum->pressure,
-        };
+        pel_adjoint_material *result = &a->def->materials[b];
+        result->young -= sum->membrane + bending;
+        result->thickness -= sum->membrane + 3 * bending;
+        result->poisson -= sum->poisson + bending * 2 * poisson / (1 - poisson * poisson);
+        result->bending -= sum->bending;
+        result->pressure -= sum->pressure;
     }
 }
 
 /* elements, and what is held where it was at rest */
-static void give_rest(const work *a)
+static void give_rest(const pel_adjoint_work *a)
 {
     for (int32_t i = 0; i < 3 * a->sim->model->vertex_count; i++)
         a->rest[i] = a->held[i] - a->rest[i];
-    for_each_row(a->sim, a->rest, 1, a->def->rest_positions);
+    add_rows(a->sim, a->rest, a->def->rest_positions);
 }
 
 /* ---- all ---- */
 
-static bool make_room(work *a)
+pel_status pel_adjoint_begin(pel_adjoint_work *a, pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
-    size_t count = (size_t)pel_newton_pattern(a->sim->descent->newton->newton)->unknown_count;
+    size_t count = (size_t)pel_newton_pattern(sim->descent->newton->newton)->unknown_count;
+    *a = (pel_adjoint_work){.sim = sim, .def = def};
     double **vectors[] = {&a->unknowns, &a->gradient, &a->multipliers, &a->held, &a->rest};
     bool room = true;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
-    a->bodies = pel_allocate((size_t)a->sim->model->body_count, sizeof *a->bodies);
-    return room && a->bodies != NULL;
+    a->bodies = pel_allocate((size_t)sim->model->body_count, sizeof *a->bodies);
+    if (!room || a->bodies == NULL)
+        return pel_fail_memory(error);
+    clear_results(sim, def);
+    return PEL_OK;
 }
 
-static void release(work *a)
+void pel_adjoint_end(pel_adjoint_work *a)
 {
     double *vectors[] = {a->unknowns, a->gradient, a->multipliers, a->held, a->rest};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
@@ -210,19 +225,26 @@ static void release(work *a)
     pel_free(a->bodies);
 }
 
-static pel_status solve(work *a, pel_error *error)
+pel_status pel_adjoint_solve(pel_adjoint_work *a, double end, pel_error *error)
 {
     const pel_adjoint *def = a->def;
-    pel_newton *newton = a->sim->descent->newton->newton;
-    make_problem(a);
-    take_gradient(a);
+    pel_sim *sim = a->sim;
+    pel_newton *newton = sim->descent->newton->newton;
+    make_problem(a, end);
+    pel_descent_context context = {.sim = sim, .time = a->problem.time};
+    const pel_newton_terms terms = pel_sim_newton_terms(&context);
+    if (pel_sim_newton_has_terms(sim))
+        a->problem.terms = &terms;
     pel_status status =
         pel_newton_adjoint(newton, &a->problem, a->unknowns, a->gradient, a->multipliers, a->held, error);
+    a->problem.terms = NULL;
     if (status != PEL_OK)
         return status;
     if (def->forces != NULL)
-        for_each_row(a->sim, a->multipliers, 1, def->forces);
+        add_rows(sim, a->multipliers, def->forces);
     give_loads(a);
+    memset(a->bodies, 0, (size_t)sim->model->body_count * sizeof *a->bodies);
+    memset(a->rest, 0, 3 * (size_t)sim->model->vertex_count * sizeof *a->rest);
     if (def->materials != NULL || def->rest_positions != NULL)
         pel_tangent_derivatives(pel_newton_tangent(newton), a->multipliers, a->bodies,
                                 def->rest_positions != NULL ? a->rest : NULL);
@@ -233,15 +255,30 @@ static pel_status solve(work *a, pel_error *error)
     return PEL_OK;
 }
 
+static pel_status check_state(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
+{
+    pel_status status = pel_adjoint_check(sim, def, error);
+    if (status == PEL_OK && def->positions == NULL)
+        return refuse(error, "the derivative of the function by the positions is missing", "fill positions");
+    if (status == PEL_OK && sim->state->step == 0)
+        return refuse(error, "there is no state to take derivatives of yet", "step first");
+    return status;
+}
+
 pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(def, error);
-    pel_status status = check(sim, def, error);
+    pel_status status = check_state(sim, def, error);
     if (status != PEL_OK)
         return status;
-    work a = {.sim = sim, .def = def};
-    status = make_room(&a) ? solve(&a, error) : pel_fail_memory(error);
-    release(&a);
+    pel_adjoint_work a;
+    double end = sim->descent->newton->point_stiffness != NULL ? 1 / sim->descent->force_time : 1;
+    status = pel_adjoint_begin(&a, sim, def, error);
+    if (status == PEL_OK) {
+        take_gradient(&a, end);
+        status = pel_adjoint_solve(&a, end, error);
+    }
+    pel_adjoint_end(&a);
     return status;
 }

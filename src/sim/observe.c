@@ -53,6 +53,7 @@ void pel_sim_compute_forces(pel_sim *sim)
     if (sim->force_is_present)
         return;
     sim->force_is_present = true;
+    sim->energies_are_present = false;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
     pel_loads_add(sim, pel_sim_time(sim), state->position, sim->force);
     pel_shell_forces_follow(sim->shells, state->position);
@@ -211,11 +212,10 @@ static void present_velocity(const pel_sim *sim, int32_t i, double velocity[3])
         velocity[c] = kept * velocity[c] + gain * (double)sim->force[i][c];
 }
 
-void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
+static void sum_energies(pel_sim *sim)
 {
     const pel_model *model = sim->model;
     double spring_sum = 0, volumetric_sum = 0, kinetic_sum = 0;
-    pel_sim_compute_forces(sim);
     for (int32_t slice = 0; slice < model->slice_count; slice++) {
         pel_wide spring, volumetric;
         pel_slice_energy(model, sim->state, slice, &spring, &volumetric);
@@ -230,14 +230,25 @@ void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
             kinetic_sum += 0.5 * (double)model->mass[i] * pel_vec3_squared_length(velocity);
         }
     }
-    measures->spring_energy = spring_sum;
-    measures->volumetric_energy = volumetric_sum;
-    measures->kinetic_energy = kinetic_sum;
+    sim->spring_energy = spring_sum;
+    sim->volumetric_energy = volumetric_sum;
+    sim->kinetic_energy = kinetic_sum;
+}
+
+void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
+{
+    pel_sim_compute_forces(sim);
+    if (!sim->energies_are_present)
+        sum_energies(sim);
+    sim->energies_are_present = true;
+    measures->spring_energy = sim->spring_energy;
+    measures->volumetric_energy = sim->volumetric_energy;
+    measures->kinetic_energy = sim->kinetic_energy;
     measures->membrane_energy = sim->shell_energy.membrane;
     measures->bending_energy = sim->shell_energy.bending;
     measures->fibre_energy = sim->shell_energy.fibres;
-    measures->elastic_energy =
-        spring_sum + volumetric_sum + measures->membrane_energy + measures->bending_energy + measures->fibre_energy;
+    measures->elastic_energy = sim->spring_energy + sim->volumetric_energy + measures->membrane_energy +
+                               measures->bending_energy + measures->fibre_energy;
 }
 
 /* largest displacement and force, and the number of vertices in contact */

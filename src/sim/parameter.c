@@ -10,11 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* a row in one of the defs of its owner */
-typedef struct place {
-    int32_t row, element;
-} place;
-
 /* the defs that a parameter may be in */
 typedef struct defs {
     const pel_model_def *model;
@@ -80,7 +75,7 @@ static defs defs_of(const pel_sim *sim)
     return (defs){&sim->given->def, &sim->def};
 }
 
-static bool next_place(defs all, place *at)
+static bool next_place(defs all, pel_parameter_place *at)
 {
     for (at->element++;; at->row++, at->element = 0) {
         const pel_parameter_row *row = pel_parameter_row_at(at->row);
@@ -92,7 +87,7 @@ static bool next_place(defs all, place *at)
     }
 }
 
-static const place before_first = {0, -1};
+static const pel_parameter_place before_first = {0, -1};
 
 /* ---- paths ---- */
 
@@ -134,7 +129,7 @@ static path_names names_of(defs all, const pel_parameter_row *row, int32_t eleme
     return made;
 }
 
-static void write_path(defs all, place at, bool by_number, char path[PEL_PARAMETER_PATH_SIZE])
+static void write_path(defs all, pel_parameter_place at, bool by_number, char path[PEL_PARAMETER_PATH_SIZE])
 {
     const pel_parameter_row *row = pel_parameter_row_at(at.row);
     path_names names = names_of(all, row, at.element);
@@ -157,11 +152,11 @@ static void write_path(defs all, place at, bool by_number, char path[PEL_PARAMET
     path[length] = '\0';
 }
 
-static pel_status find_place(defs all, const char *path, place *found, pel_error *error)
+static pel_status find_place(defs all, const char *path, pel_parameter_place *found, pel_error *error)
 {
     char candidate[PEL_PARAMETER_PATH_SIZE], nearest[PEL_PARAMETER_PATH_SIZE] = "";
     for (int by_number = 0; by_number < 2; by_number++)
-        for (place at = before_first; next_place(all, &at);) {
+        for (pel_parameter_place at = before_first; next_place(all, &at);) {
             write_path(all, at, by_number, candidate);
             *found = at;
             if (strcmp(candidate, path) == 0)
@@ -282,7 +277,7 @@ static void read_preset(const pel_parameter_row *row, double values[3])
     read_values(row, presets[row->owner], 0, values);
 }
 
-static void fill_info(const pel_sim *sim, place at, pel_parameter_info *info)
+static void fill_info(const pel_sim *sim, pel_parameter_place at, pel_parameter_info *info)
 {
     defs all = defs_of(sim);
     const pel_parameter_row *row = pel_parameter_row_at(at.row);
@@ -316,7 +311,7 @@ int32_t pel_parameter_count(const pel_sim *sim)
     if (sim == NULL)
         return 0;
     int32_t count = 0;
-    for (place at = before_first; next_place(defs_of(sim), &at);)
+    for (pel_parameter_place at = before_first; next_place(defs_of(sim), &at);)
         count++;
     return count;
 }
@@ -325,7 +320,7 @@ void pel_parameter_at(const pel_sim *sim, int32_t index, pel_parameter_info *inf
 {
     if (info == NULL)
         return;
-    place at = before_first;
+    pel_parameter_place at = before_first;
     bool is_there = sim != NULL && next_place(defs_of(sim), &at);
     for (int32_t i = 0; is_there && i < index; i++)
         is_there = next_place(defs_of(sim), &at);
@@ -340,7 +335,7 @@ pel_status pel_parameter_find(const pel_sim *sim, const char *path, pel_paramete
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(path, error);
     PEL_REFUSE_NULL(info, error);
-    place at;
+    pel_parameter_place at;
     pel_status status = find_place(defs_of(sim), path, &at, error);
     if (status == PEL_OK)
         fill_info(sim, at, info);
@@ -484,7 +479,7 @@ static pel_status put(pel_change *change, const pel_parameter_row *row, void *de
     return PEL_OK;
 }
 
-static pel_status change_by_def(pel_sim *sim, place at, const setting *set, pel_error *error)
+static pel_status change_by_def(pel_sim *sim, pel_parameter_place at, const setting *set, pel_error *error)
 {
     const pel_parameter_row *row = pel_parameter_row_at(at.row);
     pel_change change;
@@ -503,7 +498,7 @@ static pel_status change_by_def(pel_sim *sim, place at, const setting *set, pel_
 }
 
 /* numbers that the next step reads from the copies in loads and tools */
-static pel_status change_directly(pel_sim *sim, place at, const setting *set, pel_error *error)
+static pel_status change_directly(pel_sim *sim, pel_parameter_place at, const double *values, pel_error *error)
 {
     const pel_parameter_row *row = pel_parameter_row_at(at.row);
     union {
@@ -512,17 +507,17 @@ static pel_status change_directly(pel_sim *sim, place at, const setting *set, pe
     } def;
     if (row->owner == PEL_OWNER_LOAD) {
         def.load = sim->def.loads[at.element];
-        write_values(row, &def.load, set->values);
+        write_values(row, &def.load, values);
         return pel_load_retime(sim, at.element, &def.load, error);
     }
     def.tool = sim->def.tools[at.element];
-    write_values(row, &def.tool, set->values);
+    write_values(row, &def.tool, values);
     return pel_tool_regrasp(sim, at.element, &def.tool, error);
 }
 
 static pel_status change(pel_sim *sim, const char *path, const setting *set, pel_error *error)
 {
-    place at;
+    pel_parameter_place at;
     pel_status status = find_place(defs_of(sim), path, &at, error);
     if (status != PEL_OK)
         return status;
@@ -530,7 +525,7 @@ static pel_status change(pel_sim *sim, const char *path, const setting *set, pel
     status = check_setting(path, row, set, error);
     if (status != PEL_OK || is_same(row, def_of(defs_of(sim), row->owner, at.element), set))
         return status;
-    return row->is_direct ? change_directly(sim, at, set, error) : change_by_def(sim, at, set, error);
+    return row->is_direct ? change_directly(sim, at, set->values, error) : change_by_def(sim, at, set, error);
 }
 
 pel_status pel_set_parameter(pel_sim *sim, const char *path, double value, pel_error *error)
@@ -613,7 +608,7 @@ pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const char *te
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(path, error);
     PEL_REFUSE_NULL(text, error);
-    place at;
+    pel_parameter_place at;
     double values[3];
     pel_status status = find_place(defs_of(sim), path, &at, error);
     if (status != PEL_OK)
@@ -630,4 +625,37 @@ pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const char *te
                     : row->kind == PEL_PARAMETER_SWITCH ? "true or false"
                                                         : "a number");
     return PEL_BAD_ARGUMENT;
+}
+
+/* ---- in defs, without a simulation ---- */
+
+pel_status pel_parameter_find_place(const pel_model_def *model, const pel_sim_def *sim, const char *path,
+                                    pel_parameter_place *found, pel_error *error)
+{
+    return find_place((defs){model, sim}, path, found, error);
+}
+
+bool pel_parameter_write(const pel_model_def *model, const pel_sim_def *sim, pel_parameter_place at, const char *text)
+{
+    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const defs all = {model, sim};
+    double values[3];
+    bool is_vector = row->kind == PEL_PARAMETER_VECTOR;
+    if (row->store == PEL_STORE_KEYS || !(is_vector ? parse_vector(text, values) : parse_value(row, text, values)))
+        return false;
+    for (int i = 0; i < (is_vector ? 3 : 1); i++)
+        if (isnan(values[i]) || check_number(row->path, row, values[i], NULL) != PEL_OK)
+            return false;
+    /* the caller owns the defs */
+    write_values(row, (void *)(uintptr_t)def_of(all, row->owner, at.element), values);
+    return true;
+}
+
+pel_status pel_parameter_copy(pel_sim *sim, const pel_sim_def *def, pel_parameter_place at, pel_error *error)
+{
+    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const defs all = {&sim->given->def, def};
+    double values[3];
+    read_values(row, def_of(all, row->owner, at.element), 0, values);
+    return change_directly(sim, at, values, error);
 }

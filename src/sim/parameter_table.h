@@ -44,10 +44,26 @@ typedef struct pel_parameter_row {
     const char *const *words;
     bool (*applies)(const void *def); /* null = always */
     bool is_direct;               /* is read from the def's copy in the sim at each step: nothing has to be made anew */
+    bool is_implying;             /* a scene that leaves others out takes them from it */
     const char *refusal, *remedy; /* null = it can change while running */
 } pel_parameter_row;
 
 /* null behind the last */
 const pel_parameter_row *pel_parameter_row_at(int32_t index);
+
+/* Where a parameter stands in the defs of a model and a simulation. */
+typedef struct pel_parameter_place {
+    int32_t row, element; /* of the table; of all that its owner has in these defs */
+} pel_parameter_place;
+
+/* ---- parameter.c: in defs, without a simulation ---- */
+/* The place of a path. PEL_BAD_ARGUMENT. */
+pel_status pel_parameter_find_place(const pel_model_def *model, const pel_sim_def *sim, const char *path,
+                                    pel_parameter_place *found, pel_error *error);
+/* Writes a value, as scenes have it, to defs that may be written to. False, and nothing is written, where it is no
+   value of this parameter, or one that depends on more than its text, such as auto. */
+bool pel_parameter_write(const pel_model_def *model, const pel_sim_def *sim, pel_parameter_place at, const char *text);
+/* Writes a value of defs to a simulation that was made from them, where its row is direct. PEL_BAD_ARGUMENT. */
+pel_status pel_parameter_copy(pel_sim *sim, const pel_sim_def *def, pel_parameter_place at, pel_error *error);
 
 #endif

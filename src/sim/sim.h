@@ -283,6 +283,8 @@ struct pel_sim {
     bool self_contact;            /* no body can cut itself */
     pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
     bool force_is_present;        /* it holds the forces of the present state */
+    bool energies_are_present;    /* and these its energies [J], when force_is_present */
+    double spring_energy, volumetric_energy, kinetic_energy;
     pel_tool_search *tool_search; /* null without tools */
     int32_t *near_triangles;      /* (triangle_count) scratch of the tools; null without tools */
     int32_t *plane_of_triangle;   /* (triangle_count) its place in the planes of the tool at work plus 1, 0 = none */
@@ -504,6 +506,10 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 /* ---- snapshot.c ---- */
 /* Makes the checksum of a snapshot that of its bytes, for tests of damage. */
 void pel_snapshot_seal(void *bytes, size_t size);
+/* Takes a simulation back to a snapshot that it made itself, unless its defs have changed but for numbers that it reads
+   in each step: those of loads and grasps, which have to be set again. Neither fingerprint nor checksum is looked at.
+   Errors of pel_sim_load. */
+pel_status pel_snapshot_rewind(pel_sim *sim, const void *bytes, pel_error *error);
 /* Takes the state of a simulation over to one of the same surfaces that was just made with other numbers. Tools are the
    same that have the same name; others stand at their keys. PEL_OUT_OF_MEMORY. */
 pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error);

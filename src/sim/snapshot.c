@@ -527,14 +527,11 @@ static void rest_unused_places(pel_sim *sim)
         memcpy(state->velocity_next, state->velocity, size);
 }
 
-pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
+/* a snapshot whose header fits the simulation */
+static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
 {
-    PEL_REFUSE_NULL(sim, error);
-    PEL_REFUSE_NULL(bytes, error);
     header head;
-    pel_status status = check_snapshot(sim, bytes, size, &head, error);
-    if (status != PEL_OK)
-        return status;
+    memcpy(&head, bytes, sizeof head);
     /* the bytes are only read: the cursor copies out of them */
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
     sim->force_is_present = false;
@@ -565,6 +562,23 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, damage_remedy, "the snapshot is damaged: its number of substeps is out of range");
     return PEL_OK;
+}
+
+pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(bytes, error);
+    header head;
+    pel_status status = check_snapshot(sim, bytes, size, &head, error);
+    return status == PEL_OK ? restore(sim, bytes, error) : status;
+}
+
+pel_status pel_snapshot_rewind(pel_sim *sim, const void *bytes, pel_error *error)
+{
+    header head;
+    memcpy(&head, bytes, sizeof head);
+    pel_status status = pel_sim_make_forces(sim, head.has_forces != 0, error);
+    return status == PEL_OK ? restore(sim, bytes, error) : status;
 }
 
 /* ---- from one simulation to another ---- */

@@ -27,15 +27,9 @@
 /* one that spreads over two steps looks like a steady acceleration in the second */
 enum { COLLISION_STEPS = 2 };
 
-typedef struct scheme {
-    double rate;                     /* times dt */
-    double position[2], velocity[2]; /* anchor and carried: of the begin of the step, of one step before */
-    double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
-} scheme;
-
-static const scheme euler = {1, {1, 0}, {1, 0}, 1};
-static const scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
-static const scheme midpoint = {2, {1, 0}, {1, 0}, 2};
+static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1};
+static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
+static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 2};
 
 static bool has_radial_damping(const pel_sim *sim)
 {
@@ -99,7 +93,7 @@ static bool volume_moves(const pel_sim *sim)
     return false;
 }
 
-static const scheme *choose_scheme(const pel_sim *sim)
+const pel_implicit_scheme *pel_sim_implicit_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
     if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
@@ -116,20 +110,20 @@ static double drag_of(const pel_sim *sim, int32_t v)
            sim->solver.drag * (double)sim->model->mass[v];
 }
 
-static double anchor_of(const pel_state *state, const scheme *s, int32_t v, int k)
+static double anchor_of(const pel_state *state, const pel_implicit_scheme *s, int32_t v, int k)
 {
     double older = s->position[1] != 0 ? s->position[1] * (double)state->older_position[v][k] : 0;
     return s->position[0] * (double)state->position[v][k] + older;
 }
 
-static double carried_of(const pel_state *state, const scheme *s, int32_t v, int k)
+static double carried_of(const pel_state *state, const pel_implicit_scheme *s, int32_t v, int k)
 {
     double older = s->velocity[1] != 0 ? s->velocity[1] * (double)state->older_velocity[v][k] : 0;
     return s->velocity[0] * (double)state->velocity[v][k] + older;
 }
 
 /* Damping along volumetric springs, in the direction that these have where the step begins. */
-static void set_radial(pel_sim *sim, const scheme *s)
+static void set_radial(pel_sim *sim, const pel_implicit_scheme *s)
 {
     pel_sim_newton *newton = sim->descent->newton;
     double rate = s->rate / sim->step.dt;
@@ -150,7 +144,7 @@ static void set_radial(pel_sim *sim, const scheme *s)
 }
 
 /* the springs that inertia and drag are */
-static void set_points(pel_sim *sim, const scheme *s)
+static void set_points(pel_sim *sim, const pel_implicit_scheme *s)
 {
     pel_sim_newton *newton = sim->descent->newton;
     double rate = s->rate / sim->step.dt;
@@ -165,7 +159,7 @@ static void set_points(pel_sim *sim, const scheme *s)
 }
 
 /* positions and velocities at the end of the step */
-static void finish(pel_sim *sim, const scheme *s)
+static void finish(pel_sim *sim, const pel_implicit_scheme *s)
 {
     const pel_sim_newton *newton = sim->descent->newton;
     pel_state *state = sim->state;
@@ -198,7 +192,7 @@ static pel_status create(pel_sim *sim, pel_error *error)
 
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
-    const scheme *s = choose_scheme(sim);
+    const pel_implicit_scheme *s = pel_sim_implicit_scheme(sim);
     set_points(sim, s);
     sim->descent->force_time = 1 / s->end;
     set_radial(sim, s);

@@ -11,6 +11,8 @@
 
 /* runs of a step in time without constraints end at this share of the forces that they began with */
 #define DYNAMIC_REDUCTION 1e-3
+/* and steps that derivatives are taken of at this one */
+#define EXACT_REDUCTION 1e-10
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
@@ -444,6 +446,24 @@ static void balance_groups(const pel_sim *sim, bool is_constrained)
     }
 }
 
+pel_newton_terms pel_sim_newton_terms(pel_descent_context *context)
+{
+    return (pel_newton_terms){
+        .context = context,
+        .evaluate = evaluate_constraints,
+        .add_matrix = add_constraints,
+        .list_couplings = list_couplings,
+        .add_skew = context->sim->follower_count > 0 ? add_skew : NULL,
+        .has_kinks = context->is_constrained,
+    };
+}
+
+bool pel_sim_newton_has_terms(const pel_sim *sim)
+{
+    return (sim->holds != NULL && sim->holds->spring_count > 0) || sim->descent->newton->radial != NULL ||
+           sim->follower_count > 0;
+}
+
 /* ---- a run ---- */
 
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
@@ -452,16 +472,9 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    bool has_terms = context->is_constrained || (sim->holds != NULL && sim->holds->spring_count > 0) ||
-                     newton->radial != NULL || sim->follower_count > 0;
-    const pel_newton_terms terms = {
-        .context = context,
-        .evaluate = evaluate_constraints,
-        .add_matrix = add_constraints,
-        .list_couplings = list_couplings,
-        .add_skew = sim->follower_count > 0 ? add_skew : NULL,
-        .has_kinks = context->is_constrained,
-    };
+    bool has_terms = context->is_constrained || pel_sim_newton_has_terms(sim);
+    bool is_exact = newton->is_exact;
+    const pel_newton_terms terms = pel_sim_newton_terms(context);
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
                      sizeof *newton->couplings))
         return pel_fail_memory(error);
@@ -481,11 +494,13 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .target = newton->target,
         .frames = frames,
         .terms = has_terms ? &terms : NULL,
-        .tolerance = tolerance,
-        .held_share = problem->held_share,
-        .reduction = is_dynamic && !context->is_constrained ? DYNAMIC_REDUCTION : problem->reduction,
+        .tolerance = is_exact ? EXACT_REDUCTION * tolerance : tolerance,
+        .held_share = is_exact ? 0 : problem->held_share,
+        .reduction = is_exact                                 ? EXACT_REDUCTION
+                     : is_dynamic && !context->is_constrained ? DYNAMIC_REDUCTION
+                                                              : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
-        .short_move = problem->short_move,
+        .short_move = is_exact ? EXACT_REDUCTION * problem->short_move : problem->short_move,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : automatic,
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
@@ -546,6 +561,13 @@ void pel_sim_newton_precondition(void *context, double *vector)
 }
 
 /* ---- readings ---- */
+
+void pel_sim_newton_settle_at(const pel_sim *sim)
+{
+    if (pel_newton_pattern(sim->descent->newton->newton)->edge_count > 0)
+        settle_edges(sim);
+    sim->descent->newton->goes_on = false;
+}
 
 pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unknowns)
 {

@@ -24,6 +24,7 @@ struct pel_sim_newton {
     size_t coupling_capacity;
     bool is_damped; /* drag, or damping of springs */
     bool collides;  /* velocities have jumped in the step in progress */
+    bool is_exact;  /* runs of steps in time end at rounding: derivatives are taken of them */
     bool goes_on;   /* the unknowns belong to the step in progress */
 };
 
@@ -50,8 +51,26 @@ void pel_sim_newton_precondition(void *context, double *vector);
 void pel_sim_newton_follow_surface(pel_sim *sim);
 /* the settle_edges of a stepper */
 pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unknowns);
+/* Edges as they bend least, where the vertices are that the unknowns have. */
+void pel_sim_newton_settle_at(const pel_sim *sim);
+/* Elastic supports, follower loads, damping along volumetric springs, and constraints: what is added to the energy of
+   the model. The context has to outlive it. */
+pel_newton_terms pel_sim_newton_terms(pel_descent_context *context);
+/* whether there is any without constraints */
+bool pel_sim_newton_has_terms(const pel_sim *sim);
 /* N, on a vertex that is fixed: what the bodies do to it */
 void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
+/* ---- step_implicit.c ---- */
+/* A scheme in time, with the unknown positions y: u = rate / dt (y - anchor), m rate / dt (u - carried) + c u = F(y).
+ */
+typedef struct pel_implicit_scheme {
+    double rate;
+    double position[2], velocity[2]; /* anchor and carried: of the begin of the step, of one step before */
+    double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
+} pel_implicit_scheme;
+/* that of the next step */
+const pel_implicit_scheme *pel_sim_implicit_scheme(const pel_sim *sim);
+
 /* What tools feel: loads of constraints, and what holds grasped vertices. */
 void pel_sim_newton_read_tools(pel_sim *sim);
 

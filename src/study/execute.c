@@ -19,6 +19,10 @@ enum { STUDY_COOKIE = 0x53747564 };
 /* ms between looks for Ctrl-C and for runs that take too long */
 enum { LOOK_MILLISECONDS = 50 };
 
+/* ns that rows may gather before a look where all workers have further runs in their queues: each look costs about as
+   much as ten steps of a small body */
+enum { GATHER_NANOSECONDS = 2000000 };
+
 /* s of work that a worker has in its queue, beside the run that it does: more than a round trip takes, less than
    anybody would wait for at the end */
 #define QUEUE_SECONDS 0.02
@@ -198,8 +202,19 @@ static pel_status look_at(execution *e, pel_study_worker *worker, bool is_readab
     return PEL_OK;
 }
 
+/* whether every worker that has runs left has some more behind the one that it does */
+static bool are_busy(const execution *e)
+{
+    for (int32_t w = 0; w < e->worker_count; w++)
+        if (e->workers[w].queued < PEL_STUDY_QUEUE / 2)
+            return false;
+    return true;
+}
+
 static pel_status look_at_all(execution *e, pel_error *error)
 {
+    if (are_busy(e))
+        nanosleep(&(struct timespec){.tv_nsec = GATHER_NANOSECONDS}, NULL);
     for (int32_t w = 0; w < e->worker_count; w++)
         e->channels[w] = (struct pollfd){.fd = e->workers[w].queued > 0 ? e->workers[w].channel : -1, .events = POLLIN};
     int ready = poll(e->channels, (nfds_t)e->worker_count, LOOK_MILLISECONDS);

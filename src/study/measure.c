@@ -1,5 +1,5 @@
 /* One run of a study: the scene with its values, stepped to its end without a folder, and the row of its measures. */
-#include "study/study.h"
+#include "study/kept.h"
 
 #include "base/memory.h"
 #include "base/number.h"
@@ -408,29 +408,95 @@ static void put_row(pel_json *row, const pel_study *study, int64_t run, const pe
         put_error(row, study, error);
 }
 
-static pel_status do_run(const pel_study *study, int64_t run, const char *folder, run_watch *watch,
-                         pel_run_summary *summary, pel_error *error)
+/* numbers that the series sums up begin anew */
+static void begin_watch(run_watch *watch)
+{
+    for (int32_t m = 0; m < watch->study->measure_count; m++)
+        watch->sums[m] = (column_sum){.place = -1};
+    watch->has_header = false;
+}
+
+static pel_status run_scene(const pel_study *study, const pel_scene *scene, const char *folder, pel_run_kept *parts,
+                            run_watch *watch, pel_run_summary *summary, pel_error *error)
+{
+    pel_run_def def = pel_run_def_default();
+    def.folder = folder;
+    def.thread_count = 1;
+    def.keep_seconds = 0;
+    /* a third of a small run; `warnings` counts one that it gives */
+    def.skip_intersections = !study->keep && !has_key(study, "self_intersections_final") && !has_key(study, "warnings");
+    def.wanted = watch->wanted != NULL ? is_wanted : NULL;
+    def.row = has_columns(study) ? watch_row : NULL;
+    def.user = watch;
+    begin_watch(watch);
+    summary->status = "";
+    return pel_run_with(scene, &def, parts, summary, error);
+}
+
+static pel_status run_alone(const pel_study *study, int64_t run, const char *folder, run_watch *watch,
+                            pel_run_summary *summary, pel_error *error)
 {
     pel_scene *scene;
     char path[PEL_STUDY_PATH_SIZE];
     pel_status status = pel_study_scene(study, run, &scene, error);
     if (status != PEL_OK)
         return status;
-    pel_run_def def = pel_run_def_default();
-    if (folder != NULL && study->keep) {
+    bool keeps = folder != NULL && study->keep;
+    if (keeps)
         snprintf(path, sizeof path, "%s/runs/%0*" PRId64, folder, (int)FOLDER_DIGITS, run);
-        def.folder = path;
-    }
-    def.thread_count = 1;
-    def.keep_seconds = 0;
-    /* a third of a small run; `warnings` counts one that it gives */
-    def.skip_intersections = !study->keep && !has_key(study, "self_intersections_final") && !has_key(study, "warnings");
-    def.wanted = is_wanted;
-    def.row = watch_row;
-    def.user = watch;
-    status = pel_run(scene, &def, summary, error);
+    status = run_scene(study, scene, keeps ? path : NULL, NULL, watch, summary, error);
     pel_scene_destroy(scene);
     return status;
+}
+
+/* A run that fails is done once more from a scene that was read for it: its error has a place then. */
+static pel_status run_kept(const pel_study *study, pel_study_kept *kept, int64_t run, run_watch *watch,
+                           pel_run_summary *summary, pel_error *error)
+{
+    bool patched;
+    pel_status status = pel_study_kept_take(study, kept, run, &patched, error);
+    if (status == PEL_OK)
+        status = run_scene(study, kept->scene, NULL, &kept->parts, watch, summary, error);
+    if (status == PEL_OK)
+        return status;
+    pel_study_kept_drop(kept);
+    bool is_told = !patched || status == PEL_OUT_OF_MEMORY;
+    return is_told ? status : run_alone(study, run, NULL, watch, summary, error);
+}
+
+static pel_status write_row(const pel_study *study, int64_t run, pel_status status, const pel_run_summary *summary,
+                            const column_sum *sums, pel_error *cause, char *row)
+{
+    pel_json text = {0};
+    const char *word = summary->status[0] != '\0' ? summary->status : "refused";
+    put_row(&text, study, run, status == PEL_OK ? summary : NULL, sums, word, status == PEL_OK ? NULL : cause);
+    status = text.failed ? PEL_OUT_OF_MEMORY : PEL_OK;
+    if (status == PEL_OK)
+        snprintf(row, study->row_size, "%s", text.text);
+    pel_json_free(&text);
+    return status;
+}
+
+/* kept nullable */
+static pel_status do_run(const pel_study *study, pel_study_kept *kept, int64_t run, const char *folder,
+                         run_watch *watch, char *row, pel_error *error)
+{
+    pel_error own;
+    pel_run_summary *summary = pel_allocate(1, sizeof *summary);
+    watch->sums = pel_allocate((size_t)study->measure_count, sizeof *watch->sums);
+    pel_status status = PEL_OUT_OF_MEMORY;
+    if (summary != NULL && watch->sums != NULL) {
+        summary->status = "";
+        status = kept != NULL ? run_kept(study, kept, run, watch, summary, &own)
+                              : run_alone(study, run, folder, watch, summary, &own);
+    }
+    if (status == PEL_STOPPED && error != NULL)
+        *error = own;
+    else if (status != PEL_OUT_OF_MEMORY && status != PEL_STOPPED)
+        status = write_row(study, run, status, summary, watch->sums, &own, row);
+    pel_free(watch->sums);
+    pel_free(summary);
+    return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(error) : status;
 }
 
 pel_status pel_study_run(const pel_study *study, int64_t run, const char *folder, bool (*wanted)(void *user),
@@ -442,32 +508,14 @@ pel_status pel_study_run(const pel_study *study, int64_t run, const char *folder
     if (run < 0 || run >= study->run_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the study has no run %" PRId64, run);
     run_watch watch = {.study = study, .wanted = wanted, .user = user};
-    pel_error own;
-    pel_run_summary *summary = pel_allocate(1, sizeof *summary);
-    watch.sums = pel_allocate((size_t)study->measure_count, sizeof *watch.sums);
-    pel_status status = PEL_OUT_OF_MEMORY;
-    pel_json text = {0};
-    if (summary != NULL && watch.sums != NULL) {
-        for (int32_t m = 0; m < study->measure_count; m++)
-            watch.sums[m].place = -1;
-        summary->status = "";
-        status = do_run(study, run, folder, &watch, summary, &own);
-    }
-    if (status != PEL_OUT_OF_MEMORY && status != PEL_STOPPED) {
-        const char *word = summary->status[0] != '\0' ? summary->status : "refused";
-        put_row(&text, study, run, status == PEL_OK ? summary : NULL, watch.sums, word, status == PEL_OK ? NULL : &own);
-        status = text.failed ? PEL_OUT_OF_MEMORY : PEL_OK;
-    }
-    if (status == PEL_OK)
-        snprintf(row, study->row_size, "%s", text.text);
-    pel_json_free(&text);
-    pel_free(watch.sums);
-    pel_free(summary);
-    if (status == PEL_OUT_OF_MEMORY)
-        return pel_fail_memory(error);
-    if (status == PEL_STOPPED && error != NULL)
-        *error = own;
-    return status;
+    return do_run(study, NULL, run, folder, &watch, row, error);
+}
+
+pel_status pel_study_run_kept(const pel_study *study, pel_study_kept *kept, int64_t run, char *row, pel_error *error)
+{
+    row[0] = '\0';
+    run_watch watch = {.study = study};
+    return do_run(study, kept, run, NULL, &watch, row, error);
 }
 
 pel_status pel_study_lost_run(const pel_study *study, int64_t run, const char *status, const char *what,

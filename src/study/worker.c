@@ -2,6 +2,7 @@
 #include "study/worker.h"
 
 #include "base/memory.h"
+#include "study/kept.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -29,12 +30,15 @@ static bool send_all(int channel, const char *text, size_t length)
 }
 
 /* A run that is out of memory gives an empty row: the parent, which has some, writes it. */
-static bool do_run(const pel_study *study, int64_t run, const char *folder, int channel)
+static bool do_run(const pel_study *study, pel_study_kept *kept, int64_t run, const char *folder, int channel)
 {
     char *row = pel_allocate(pel_study_row_size(study) + 1, 1);
     if (row == NULL)
         return send_all(channel, "\n", 1);
-    if (pel_study_run(study, run, folder, NULL, NULL, row, NULL) != PEL_OK)
+    /* a run with a folder writes its own scene into it */
+    pel_status status = study->keep ? pel_study_run(study, run, folder, NULL, NULL, row, NULL)
+                                    : pel_study_run_kept(study, kept, run, row, NULL);
+    if (status != PEL_OK)
         row[0] = '\0';
     size_t length = strlen(row);
     row[length++] = '\n';
@@ -46,6 +50,7 @@ static bool do_run(const pel_study *study, int64_t run, const char *folder, int 
 static _Noreturn void work(const pel_study *study, const char *folder, int channel, pid_t parent)
 {
     int64_t run;
+    pel_study_kept kept = {0};
     /* Ctrl-C reaches all processes of a terminal: what follows is the parent's decision, with which this one ends */
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_DFL);
@@ -54,7 +59,7 @@ static _Noreturn void work(const pel_study *study, const char *folder, int chann
         ssize_t got = recv(channel, &run, sizeof run, MSG_WAITALL);
         if (got < 0 && errno == EINTR)
             continue;
-        if (got != (ssize_t)sizeof run || !do_run(study, run, folder, channel))
+        if (got != (ssize_t)sizeof run || !do_run(study, &kept, run, folder, channel))
             break;
     }
     _exit(0);

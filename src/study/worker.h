@@ -7,7 +7,7 @@
 #include <sys/types.h>
 
 /* runs that are given to a worker at once, at most: short runs do not wait for the next number */
-enum { PEL_STUDY_QUEUE = 16 };
+enum { PEL_STUDY_QUEUE = 64 };
 
 typedef struct pel_study_worker {
     pid_t process;                  /* 0 = there is none */

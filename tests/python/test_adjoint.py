@@ -90,6 +90,94 @@ class Adjoint(unittest.TestCase):
             pellicle.load_scene(ball()).adjoint(np.zeros((92, 3)))
 
 
+@unittest.skipIf(is_single(), "in float paths are not known well enough for differences of 1e-5")
+class AdjointOfSteps(unittest.TestCase):
+    """A free strip that flies, bends and is pulled."""
+
+    STEPS = 12
+
+    def setUp(self):
+        self.weights = np.random.default_rng(6).standard_normal((15, 3))
+
+    def strip(self, young=1e4, force=0.1):
+        body = {
+            "name": "strip",
+            "mesh": {"shape": "grid", "nx": 4, "ny": 2, "size_x": 0.4, "size_y": 0.2},
+            "mass": {"per_vertex": 0.002},
+            "membrane": {"young": young, "poisson": 0.3, "thickness": 0.01},
+            "bending": {"model": "midedge"},
+            "angular_velocity": [1, 2, 0],
+        }
+        pull = {"name": "pull", "body": "strip", "force": [force, 0.5 * force, force], "until": 0.05, "at": {"nearest": [0.2, 0.1, 0]}}
+        solver = {"method": "implicit", "dt": 0.01}
+        return pellicle.load_scene({"bodies": [body], "loads": [pull], "solver": solver, "duration": 1})
+
+    def solve(self, sim, running):
+        """The sum of weights . x + |v|^2 / 100, and its derivatives."""
+        sums = []
+
+        def gradient(x, v, step):
+            sums.append((self.weights * x).sum() + 0.01 * (v**2).sum())
+            return self.weights, 0.02 * v
+
+        found = sim.adjoint(gradient, steps=self.STEPS, running=running)
+        self.assertEqual(len(sums), self.STEPS if running else 1)
+        return sum(sums), found
+
+    def test_against_differences(self):
+        for running in (False, True):
+            found = self.solve(self.strip(), running)[1]
+            for name, value, step in (("young", 1e4, 1e-3), ("force", 0.1, 1e-3)):
+                high, low = (self.solve(self.strip(**{name: value * (1 + side * step)}), running)[0] for side in (1, -1))
+                actual = found["materials"]["strip"]["young"] if name == "young" else found["loads"]["pull"]
+                with self.subTest(name=name, running=running):
+                    self.assertLess(abs(actual - (high - low) / (2 * step)), 1e-5 * abs(actual))
+            self.assertEqual(found["start_velocities"].shape, (15, 3))
+
+    def test_array(self):
+        """The gradient of a function that is linear needs no function."""
+        found = self.strip().adjoint(self.weights, steps=self.STEPS)
+        other = self.strip().adjoint(lambda x, v, step: self.weights, steps=self.STEPS)
+        np.testing.assert_array_equal(found["start_positions"], other["start_positions"])
+
+    def test_state(self):
+        """The steps are those of step() but for what that leaves of the forces, and further calls go on from there."""
+        sim, usual = self.strip(), self.strip()
+        sim.adjoint(self.weights, steps=5)
+        sim.adjoint(self.weights, steps=7)
+        usual.step(12)
+        self.assertAlmostEqual(sim.time, 0.12)
+        np.testing.assert_allclose(sim.positions(), usual.positions(), atol=1e-4)
+
+    def test_velocity_for_a_target(self):
+        """Gradient descent finds the velocity that takes the middle of the strip to a place."""
+        velocity, target = np.zeros(3), np.array([0.02, -0.01, 0.05])
+        for _ in range(20):
+            sim = self.strip(force=0)
+            sim.set_velocities(sim.velocities() + velocity)
+            found = sim.adjoint(lambda x, v, step: np.tile((x.mean(0) - target) / 15, (15, 1)), steps=self.STEPS)
+            velocity -= 50 * found["start_velocities"].sum(0)
+        np.testing.assert_allclose(sim.positions().mean(0), target, atol=1e-6)
+
+    def test_bad(self):
+        sim = self.strip()
+        before = sim.positions()
+        with self.assertRaisesRegex(ValueError, "steps"):
+            sim.adjoint(self.weights, steps=-1)
+        with self.assertRaisesRegex(ValueError, "needs steps"):
+            sim.adjoint(lambda x, v, step: x)
+        with self.assertRaisesRegex(ValueError, "loss_gradient"):
+            sim.adjoint(lambda x, v, step: x[1:], steps=3)
+        with self.assertRaisesRegex(ZeroDivisionError, "division"):
+            sim.adjoint(lambda x, v, step: 1 / 0, steps=3)
+        # one simulation is not asked from within
+        with self.assertRaises((RuntimeError, ValueError)):
+            sim.adjoint(lambda x, v, step: sim.step(), steps=3)
+        np.testing.assert_array_equal(sim.positions(), before)
+        with self.assertRaisesRegex(pellicle.Error, "method implicit"):
+            pellicle.load_scene(sheet()).adjoint(np.zeros((20, 3)), steps=2)
+
+
 class Hand(unittest.TestCase):
     def test_pick(self):
         sim = pellicle.load_scene(ball())

@@ -661,6 +661,10 @@ static void test_live(void **unused)
     REFUSED("sim", pel_sim_adjoint(NULL, &adjoint, &error));
     REFUSED("def", pel_sim_adjoint(sim, NULL, &error));
     FAILS(pel_sim_adjoint(sim, &adjoint, &error));
+    const pel_adjoint_steps adjoint_steps = {.step_count = 1};
+    REFUSED("sim", pel_sim_adjoint_steps(NULL, &adjoint_steps, &error));
+    REFUSED("def", pel_sim_adjoint_steps(sim, NULL, &error));
+    FAILS(pel_sim_adjoint_steps(sim, &adjoint_steps, &error));
     SURVIVES(pel_sim_load_factor(NULL));
     SURVIVES(pel_sim_path_kind(NULL));
     SURVIVES(pel_sim_get_path_end(NULL));

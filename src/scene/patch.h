@@ -1,0 +1,15 @@
+/* Other numbers in a scene that was read already, where no other value of the scene follows from them. */
+#ifndef PEL_SCENE_PATCH_H
+#define PEL_SCENE_PATCH_H
+
+#include "pellicle/scene.h"
+#include "sim/parameter_table.h"
+
+/* The place of a number that stands in the scene or in an override and may be written over. False where the scene has
+   to be read anew for another value: it is no number of the model or the simulation, or others that the scene leaves
+   out may follow from it. */
+bool pel_scene_patch_find(const pel_scene *scene, const char *path, pel_parameter_place *place);
+/* Writes it; the text of the scene stays. False where the text is no plain value of this number. */
+bool pel_scene_patch(pel_scene *scene, pel_parameter_place place, const char *text);
+
+#endif

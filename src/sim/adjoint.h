@@ -1,0 +1,25 @@
+/* One adjoint solution at the end of a step: what pel_sim_adjoint and pel_sim_adjoint_steps share. */
+#ifndef PEL_SIM_ADJOINT_H
+#define PEL_SIM_ADJOINT_H
+
+#include "sim/step_newton.h"
+
+typedef struct pel_adjoint_work {
+    pel_sim *sim;
+    const pel_adjoint *def; /* its results take sums */
+    pel_newton_problem problem;
+    double *unknowns, *gradient, *multipliers; /* (unknown_count) */
+    double *held, *rest;                       /* (unknown_count) */
+    pel_tangent_derivative *bodies;            /* (body_count) */
+} pel_adjoint_work;
+
+/* PEL_BAD_ARGUMENT for what has no derivatives, by its name. */
+pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error);
+/* Room, and results of 0; to be ended also on failure. PEL_OUT_OF_MEMORY. */
+pel_status pel_adjoint_begin(pel_adjoint_work *work, pel_sim *sim, const pel_adjoint *def, pel_error *error);
+void pel_adjoint_end(pel_adjoint_work *work);
+/* Multipliers of `gradient`, which is by the unknowns y of the last step, x_1 = end y + (1 - end) x_0, and is written
+   over; adds the derivatives by the numbers of the model. Errors of pel_newton_adjoint. */
+pel_status pel_adjoint_solve(pel_adjoint_work *work, double end, pel_error *error);
+
+#endif
