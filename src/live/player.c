@@ -14,8 +14,9 @@
 #include <string.h>
 #include <time.h>
 
-/* s between pictures, and between measures */
+/* s between pictures, between one and the next that answers a command, and between measures */
 #define PICTURE_SECONDS (1.0 / 60)
+#define ANSWER_SECONDS (1.0 / 120)
 #define MEASURE_SECONDS 0.1
 /* s that the simulation may lag behind the clock before it gives up catching up */
 #define LAG_SECONDS 0.1
@@ -36,6 +37,8 @@ struct pel_player {
     pel_session *session;
     int32_t field;
     bool playing, changed; /* since the last picture */
+    bool touched;          /* a command came after the last step */
+    bool answers;          /* the last step saw a command, and no picture shows it */
     bool has_new_parameters, has_new_surface;
     int64_t shown_revision; /* sum of those of the surfaces */
     uint32_t echo;
@@ -117,7 +120,13 @@ static void post_frame(pel_player *player, double now)
     pel_mailbox_post(player->box, PEL_POST_FRAME, bytes, size);
     player->pictured_at = now;
     player->measured_at = measures ? now : player->measured_at;
-    player->changed = false;
+    player->changed = player->answers = false;
+}
+
+/* clock of the next picture: soon after a command, so that a hand sees what it does */
+static double picture_due(const pel_player *player)
+{
+    return player->pictured_at + (player->answers ? ANSWER_SECONDS : PICTURE_SECONDS);
 }
 
 /* what pages have to know now; a picture only when one waits for it */
@@ -126,8 +135,7 @@ static void post_all(pel_player *player)
     double start = clock_now();
     if (player->has_new_parameters)
         post_parameters(player);
-    if (player->changed && start - player->pictured_at >= PICTURE_SECONDS &&
-        atomic_exchange(&player->box->wanted, false)) {
+    if (player->changed && start >= picture_due(player) && atomic_exchange(&player->box->wanted, false)) {
         if (player->has_new_surface || surface_revision(player) != player->shown_revision)
             post_surface(player);
         post_frame(player, start);
@@ -288,6 +296,8 @@ static bool do_step(pel_player *player)
     player->interval_stepping += clock_now() - start;
     player->interval_steps++;
     player->changed = true;
+    player->answers |= player->touched;
+    player->touched = false;
     if (status == PEL_OK)
         return true;
     player->has_new_parameters = player->has_new_surface = true;
@@ -296,11 +306,17 @@ static bool do_step(pel_player *player)
     return false;
 }
 
+/* A step answers a command before it is due, but the simulation is never more than one step ahead of the clock. */
+static bool is_due(const pel_player *player, double now)
+{
+    return player->due <= now || (player->touched && player->due - player->step_seconds <= now);
+}
+
 /* steps that are due, at most for as long as a picture lasts */
 static void do_steps(pel_player *player)
 {
     double start = clock_now(), now = start;
-    while (player->playing && player->due <= now && now - start < PICTURE_SECONDS) {
+    while (player->playing && is_due(player, now) && now - start < PICTURE_SECONDS) {
         if (!do_step(player))
             return;
         player->due += player->step_seconds;
@@ -379,14 +395,15 @@ static void do_line(pel_player *player, const char *line)
         player->echo = (uint32_t)strtoul(line + 5, NULL, 10);
     else
         apply(player, line);
-    player->changed = true;
+    player->changed = player->touched = true;
+    player->answers |= !player->playing;
 }
 
 double pel_player_rest(const pel_player *player)
 {
     double now = clock_now(), rest = player->playing ? player->due - now : 0.1;
     if (player->changed && atomic_load(&player->box->wanted))
-        return fmin(rest, player->pictured_at + PICTURE_SECONDS - now);
+        return fmin(rest, picture_due(player) - now);
     return player->changed ? fmin(rest, 0.004) : fmin(rest, 0.1);
 }
 

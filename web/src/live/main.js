@@ -73,8 +73,16 @@ let latestParameters = null;
 
 function takeFrame(message) {
     frame = message;
+    owed++;
+    if (!document.hidden) acknowledge();
     if (message.measures) plots.add(message);
-    needs();
+    schedule();
+}
+
+// The program sends the next frame while this one is drawn; a page that is hidden draws none.
+let owed = 0;
+function acknowledge() {
+    for (; owed > 0; owed--) send("received");
 }
 
 function showNotice({ kind, text }) {
@@ -101,34 +109,52 @@ function showConnection(why) {
 /* ---- pictures ---- */
 
 let scheduled = false;
+let changed = false; // beside a new frame: the eye, the theme, what is shown of the bodies
 let lastPicture = 0;
-function needs() {
+
+function schedule() {
     if (scheduled) return;
     scheduled = true;
-    requestAnimationFrame(draw);
+    requestAnimationFrame((now) => {
+        scheduled = false;
+        tick(now);
+    });
 }
 
-function draw(now) {
-    scheduled = false;
+// the picture has to be drawn again
+function needs() {
+    changed = true;
+    schedule();
+}
+
+// A tick without anything new draws nothing: in software a picture takes longer than a step.
+function tick(now) {
     if (!hello) return;
     const hasPad = followPad(now);
+    acknowledge();
     hand?.tick?.();
-    const fresh = frame !== shown && frame && stage.showFrame(frame, state.contacts);
-    if (fresh) {
+    if (frame !== shown) takePicture(now);
+    if (changed) draw();
+    if (hand?.tick || hasPad) schedule();
+}
+
+function takePicture(now) {
+    if (stage.showFrame(frame, state.contacts)) {
         if (shown && frame.playing) stage.adapt(now - lastPicture);
         lastPicture = now;
         showColour();
         showTexts(now);
+        changed = true;
     }
+    shown = frame;
+}
+
+function draw() {
+    changed = false;
     stage.coarsen();
     drawPicture();
     clearTimeout(rest);
     rest = setTimeout(() => stage.refine() && drawPicture(), 250);
-    if (frame !== shown) {
-        shown = frame;
-        send("drawn");
-    }
-    if (hand?.moves || hasPad) needs();
 }
 
 let rest = 0;
@@ -267,7 +293,6 @@ const modes = {
         const began = performance.now();
         return {
             kind: "press",
-            moves: true,
             last: ray,
             move(now) {
                 this.last = now;
@@ -311,7 +336,7 @@ function begin(ray) {
     hand = modes[state.mode](ray, hit);
     // after the mark, so that undo leads to where the simulation stood
     if (hand && !state.playing) send("play");
-    needs();
+    schedule();
     return true;
 }
 
@@ -338,11 +363,11 @@ function listenToPicture() {
         },
         { capture: true },
     );
-    canvas.addEventListener("pointermove", (event) => {
+    // raw moves come at once, others wait for the next picture
+    canvas.addEventListener("onpointerrawupdate" in canvas ? "pointerrawupdate" : "pointermove", (event) => {
         if (!hand || aim.acts) return;
         hand.move(rayOf(event));
         squeezeBy(event);
-        needs();
     });
     canvas.addEventListener("pointerup", end);
     canvas.addEventListener("pointercancel", end);
@@ -661,6 +686,9 @@ globalThis.pellicle = {
     plots,
     get frame() {
         return shown;
+    },
+    get newest() {
+        return frame;
     },
     get parameters() {
         return latestParameters;

@@ -2,11 +2,13 @@
 // rest, in units of half their size, as in the report.
 import {
     ArrowHelper,
+    BackSide,
     BoxGeometry,
     BufferAttribute,
     BufferGeometry,
     CapsuleGeometry,
     DoubleSide,
+    FrontSide,
     Mesh,
     Points,
     PointsMaterial,
@@ -32,8 +34,10 @@ import {
 } from "../view.js";
 
 class Body {
-    constructor(stage) {
+    constructor(stage, closed) {
         this.stage = stage;
+        this.closed = closed;
+        this.outside = null; // the side of its triangles; both where the body is open
         Object.assign(this, makeSurface(stage.uniforms));
         this.pins = this.makePoints("#1d6fd1", 5);
         this.contacts = this.makePoints("#d1341d", 4);
@@ -90,6 +94,7 @@ class Body {
         for (let i = 0; i < positions.length; i += 3)
             for (let c = 0; c < 3; c++) this.positions[i + c] = (positions[i + c] - centre[c]) / size;
         fillNormals(this.corners, this.positions, this.normals);
+        this.outside ??= this.closed ? outsideOf(this.corners, this.positions) : DoubleSide;
         if (values) this.values.set(values);
         const { position, normal, value } = this.surface.geometry.attributes;
         position.needsUpdate = normal.needsUpdate = true;
@@ -142,6 +147,17 @@ class Body {
     }
 }
 
+// where the normals of a closed surface point outward, its front
+function outsideOf(corners, positions) {
+    const [a, b, c] = Array.from({ length: 3 }, () => new Vector3());
+    let volume = 0;
+    for (let i = 0; i < corners.length; i += 3) {
+        [a, b, c].forEach((point, k) => point.fromArray(positions, 3 * corners[i + k]));
+        volume += a.dot(b.cross(c));
+    }
+    return volume < 0 ? BackSide : FrontSide;
+}
+
 function toolGeometry(tool, size) {
     const length = (value) => value / size;
     if (tool.shape === "sphere") return new SphereGeometry(length(tool.radius), 40, 24);
@@ -161,6 +177,7 @@ export class Stage {
         this.canvas = canvas;
         this.software = isSoftware();
         this.ratio = 1;
+        this.isFine = false;
         this.intervals = [];
         this.pictures = 0;
         this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, alpha: true, preserveDrawingBuffer: false });
@@ -198,7 +215,7 @@ export class Stage {
         for (const name of this.tools.keys()) this.removeTool(name);
         this.centre = low.map((x, c) => (x + high[c]) / 2);
         this.size = Math.hypot(...low.map((x, c) => high[c] - x)) / 2 || 1;
-        this.bodies = bodies.map(() => new Body(this));
+        this.bodies = bodies.map(({ closed }) => new Body(this, closed));
         for (const tool of tools) this.addTool(tool);
         this.reset();
     }
@@ -306,15 +323,17 @@ export class Stage {
         this.ratio = ratio;
     }
 
-    // A picture that stays is drawn at full resolution. False when the last one was.
+    // A picture that stays is drawn at full resolution and with the insides of closed bodies. False when the last one was.
     refine() {
-        if (!this.software || this.renderer.getPixelRatio() === 2) return false;
+        if (!this.software || this.isFine) return false;
+        this.isFine = true;
         this.renderer.setPixelRatio(2);
         return true;
     }
 
-    // back to the resolution of movement
+    // back to pictures of movement
     coarsen() {
+        this.isFine = false;
         if (this.software && this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
     }
 
@@ -325,6 +344,7 @@ export class Stage {
     draw({ surface, ink, marks }) {
         for (const body of this.bodies) {
             body.setStyle(surface, ink);
+            body.surface.material.side = this.software && !this.isFine ? body.outside : DoubleSide;
             body.pins.visible = marks;
         }
         this.renderer.render(this.scene, this.camera);
