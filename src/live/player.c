@@ -1,5 +1,6 @@
 /* Beside the commands of a session a page may send: play, pause, step, undo, reset, field NAME (or none), save,
-   open TEXT (a scene), echo NUMBER (comes back with the next frame). */
+   open TEXT (a scene), contact (from the start with contact, which meshes press by), echo NUMBER (comes back with the
+   next frame). */
 #include "live/player.h"
 
 #include "base/memory.h"
@@ -40,7 +41,8 @@ struct pel_player {
     bool touched;          /* a command came after the last step */
     bool answers;          /* the last step saw a command, and no picture shows it */
     bool has_new_parameters, has_new_surface;
-    int64_t shown_revision; /* sum of those of the surfaces */
+    int64_t shown_revision;     /* sum of those of the surfaces */
+    const pel_mesh *shown_tool; /* the mesh under the hand */
     uint32_t echo;
     double step_seconds; /* of the clock for a step */
     double due;          /* clock of the next step */
@@ -101,6 +103,7 @@ static void post_surface(pel_player *player)
     pel_mailbox_post(player->box, PEL_POST_SURFACE, bytes, size);
     player->has_new_surface = false;
     player->shown_revision = surface_revision(player);
+    player->shown_tool = pel_session_tool_mesh(player->session);
 }
 
 static void post_parameters(pel_player *player)
@@ -136,7 +139,8 @@ static void post_all(pel_player *player)
     if (player->has_new_parameters)
         post_parameters(player);
     if (player->changed && start >= picture_due(player) && atomic_exchange(&player->box->wanted, false)) {
-        if (player->has_new_surface || surface_revision(player) != player->shown_revision)
+        if (player->has_new_surface || surface_revision(player) != player->shown_revision ||
+            pel_session_tool_mesh(player->session) != player->shown_tool)
             post_surface(player);
         post_frame(player, start);
     }
@@ -197,8 +201,8 @@ static void post_scene(pel_player *player)
     post_frame(player, clock_now());
 }
 
-/* replaces the scene; a text that cannot be simulated leaves the present one */
-static void open_scene(pel_player *player, const char *text)
+/* replaces the scene; a text that cannot be simulated leaves the present one; setting is nullable */
+static void open_scene(pel_player *player, const char *text, const char *setting)
 {
     pel_player next = *player;
     pel_error error;
@@ -206,8 +210,8 @@ static void open_scene(pel_player *player, const char *text)
     next.model = NULL;
     next.sim = NULL;
     next.session = NULL;
-    pel_status status =
-        pel_scene_parse(player->def->scene->path, text, strlen(text), NULL, 0, NULL, &next.own_scene, &error);
+    pel_status status = pel_scene_parse(player->def->scene->path, text, strlen(text), &setting, setting != NULL, NULL,
+                                        &next.own_scene, &error);
     next.scene = next.own_scene;
     if (status == PEL_OK)
         status = start_scene(&next, &error);
@@ -365,7 +369,7 @@ static void apply(pel_player *player, const char *line)
         tell_error(player, "", &error);
     if (strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0 || status != PEL_OK)
         player->has_new_parameters = true;
-    if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0)
+    if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0 || strncmp(line, "press ", 6) == 0)
         player->has_new_surface = true;
     if (moves && status == PEL_OK)
         return;
@@ -390,7 +394,9 @@ static void do_line(pel_player *player, const char *line)
     else if (strncmp(line, "field ", 6) == 0)
         choose_field(player, line + 6);
     else if (strncmp(line, "open ", 5) == 0)
-        open_scene(player, line + 5);
+        open_scene(player, line + 5, NULL);
+    else if (strcmp(line, "contact") == 0)
+        open_scene(player, pel_scene_text(player->scene), "contact.self=false");
     else if (strncmp(line, "echo ", 5) == 0)
         player->echo = (uint32_t)strtoul(line + 5, NULL, 10);
     else

@@ -61,7 +61,7 @@ function start(message) {
 }
 
 function showSurface(message) {
-    stage.setSurface(message.bodies);
+    stage.setSurface(message.bodies, message.tool ?? null);
 }
 
 function showParameters(message) {
@@ -269,6 +269,7 @@ function placeRuler() {
 
 /* ---- the hand ---- */
 
+const solids = ["sphere", "capsule", "box"];
 const numbers = (values) => values.map((value) => Number(value.toPrecision(9))).join(" ");
 const rayText = ({ origin, direction }) => `${numbers(stage.outward(origin))} ${numbers(direction.toArray())}`;
 const stiffness = () => (hello?.stiffness ?? 1) * 10 ** state.grip;
@@ -486,15 +487,37 @@ function makeOptions() {
     const shape = () => {
         const label = element("label", "", "Shape");
         const select = element("select");
-        select.append(...["sphere", "capsule", "box"].map((name) => new Option(name, name)));
+        const group = (name, words) => {
+            const made = element("optgroup");
+            made.label = name;
+            made.append(...words.map((word) => new Option(word.replaceAll("%20", " "), word)));
+            return made;
+        };
+        const meshes = (hello?.presses ?? []).toSorted();
+        const [files, made] = [true, false].map((isFile) => meshes.filter((word) => word.includes(".") === isFile));
+        select.append(...solids.map((name) => new Option(name, name)), group("Meshes", made));
+        if (files.length > 0) select.append(group("Files beside the scene", files));
+        if (![...solids, ...meshes].includes(state.shape)) state.shape = "sphere";
         select.value = state.shape;
-        select.addEventListener("change", () => (state.shape = select.value));
+        select.addEventListener("change", () => {
+            state.shape = select.value;
+            makeOptions();
+        });
         label.append(select);
         return label;
     };
+    // meshes press by contact, and contact cannot begin while a simulation runs
+    const startContact = () => {
+        if (solids.includes(state.shape) || hello.contact) return [];
+        const button = element("button", "quiet", "Start again with contact");
+        button.type = "button";
+        button.title = "Meshes press only in a scene with contact";
+        button.addEventListener("click", () => send("contact"));
+        return [button];
+    };
     const made = {
         pull: () => [slider("Spring", "grip", -2, 2, () => `${formatNumber(stiffness(), 2)} N/m`), slider("Reach", "reach", 0, 0.6, metres)],
-        press: () => [shape(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
+        press: () => [shape(), ...startContact(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
         pin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
         unpin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
     };

@@ -188,6 +188,7 @@ export class Stage {
         this.size = 1;
         this.bodies = [];
         this.tools = new Map();
+        this.held = { name: "", mesh: null }; // what a hand presses with
         Object.assign(this, makeEye(canvas, changed));
         this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d1341d");
         this.arrow.line.material.depthTest = this.arrow.cone.material.depthTest = false;
@@ -238,8 +239,11 @@ export class Stage {
         this.tools.delete(name);
     }
 
-    setSurface(bodies) {
+    // tool: the mesh that a hand presses with; null = none
+    setSurface(bodies, tool) {
         bodies.forEach((body, b) => this.bodies[b].setSurface(body));
+        this.held.mesh = tool;
+        if (this.tools.has(this.held.name)) this.removeTool(this.held.name);
     }
 
     // false where a frame does not fit the surface at hand
@@ -253,8 +257,9 @@ export class Stage {
 
     showTools({ tools, hand }) {
         const held = hand.kind === "press" ? tools.at(-1).name : "";
+        this.held.name = held;
         if (held && !this.tools.has(held))
-            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius] });
+            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius], ...this.held.mesh });
         const names = new Set(tools.map((tool) => tool.name));
         for (const name of [...this.tools.keys()]) if (!names.has(name)) this.removeTool(name);
         for (const tool of tools) {
