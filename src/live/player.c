@@ -71,13 +71,14 @@ static void tell(pel_player *player, const char *kind, const char *text)
     pel_mailbox_post(player->box, PEL_POST_NOTICE, bytes, size);
 }
 
-static void tell_error(pel_player *player, const char *before, const pel_error *error)
+/* kind: "error", or "refused" for the value of a parameter */
+static void tell_error(pel_player *player, const char *kind, const char *before, const pel_error *error)
 {
     char text[1200], whole[1300];
     pel_error_text(error, text, sizeof text);
     const char *what = strncmp(text, "error: ", 7) == 0 ? text + 7 : text;
     snprintf(whole, sizeof whole, "%s%s", before, what);
-    tell(player, "error", whole);
+    tell(player, kind, whole);
     pel_log_line(player->def->log, "%s", whole);
 }
 
@@ -217,7 +218,7 @@ static void open_scene(pel_player *player, const char *text, const char *setting
         status = start_scene(&next, &error);
     if (status != PEL_OK) {
         close_scene(&next);
-        tell_error(player, "the scene was not opened. ", &error);
+        tell_error(player, "error", "the scene was not opened. ", &error);
         return;
     }
     close_scene(player);
@@ -231,7 +232,7 @@ static void save_scene(pel_player *player)
     size_t size = 0;
     pel_error error;
     if (pel_session_scene(player->session, &text, &error) != PEL_OK) {
-        tell_error(player, "", &error);
+        tell_error(player, "error", "", &error);
         return;
     }
     unsigned char *bytes = pel_message_scene(text, &size);
@@ -305,7 +306,7 @@ static bool do_step(pel_player *player)
     if (status == PEL_OK)
         return true;
     player->has_new_parameters = player->has_new_surface = true;
-    tell_error(player, status == PEL_DIVERGED ? "the last good state is back: " : "", &error);
+    tell_error(player, "error", status == PEL_DIVERGED ? "the last good state is back: " : "", &error);
     play(player, false);
     return false;
 }
@@ -351,7 +352,7 @@ static void go_back(pel_player *player, bool whole)
     pel_status status =
         whole ? pel_session_reset(player->session, &error) : pel_session_undo(player->session, &done, &error);
     if (status != PEL_OK)
-        tell_error(player, "", &error);
+        tell_error(player, "error", "", &error);
     else if (!done)
         tell(player, "note", "there is nothing to undo");
     player->has_new_surface = player->has_new_parameters = true;
@@ -365,9 +366,10 @@ static void apply(pel_player *player, const char *line)
     pel_error error;
     pel_status status = pel_session_apply(player->session, line, &error);
     bool moves = strncmp(line, "move ", 5) == 0;
+    bool sets = strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0;
     if (status != PEL_OK)
-        tell_error(player, "", &error);
-    if (strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0 || status != PEL_OK)
+        tell_error(player, sets ? "refused" : "error", "", &error);
+    if (sets || status != PEL_OK)
         player->has_new_parameters = true;
     if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0 || strncmp(line, "press ", 6) == 0)
         player->has_new_surface = true;

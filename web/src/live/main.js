@@ -50,6 +50,7 @@ function start(message) {
     ruler.length = 0;
     range.reset();
     plots.clear();
+    $("notice").hidden = true;
     stage.setScene(message);
     makeOptions();
     $("title").textContent = message.title || message.path.split("/").pop();
@@ -86,11 +87,11 @@ function acknowledge() {
 }
 
 function showNotice({ kind, text }) {
-    if (kind === "error" && parameters.refuse(text)) return;
+    if (kind === "refused" && parameters.refuse(text)) return;
     const notice = $("notice");
     // what, then the remedy: messages of the program begin both with a small letter
     notice.textContent = text.replace(/(^|\. )([a-z])/g, (_, before, letter) => before + letter.toUpperCase());
-    notice.className = kind;
+    notice.className = kind === "note" ? "note" : "error";
     notice.hidden = false;
     clearTimeout(noticeTimer);
     noticeTimer = setTimeout(() => (notice.hidden = true), 12000);
