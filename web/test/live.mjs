@@ -273,9 +273,13 @@ async function colouring(page) {
 }
 
 async function measuring(page) {
+    // on a ball of radius 1 that was let go
+    await page.click("#restart");
+    await until(page, () => globalThis.pellicle.frame.step === 0);
     await page.click("[data-mode=measure]");
     await drag(page, 0, 0, 1);
     await page.mouse.up();
+    await until(page, () => /mean curvature (1|0\.9[5-9]|1\.0[0-5])\d* \/m/.test(document.getElementById("length").textContent));
     const box = await page.locator("#view").boundingBox();
     await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2);
     await until(page, () => / m( |$)/.test(document.getElementById("length").textContent));

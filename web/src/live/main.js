@@ -259,13 +259,15 @@ function placeRuler() {
     const [a, b] = points.map((point) => stage.project(point));
     $("ruler").toggleAttribute("hidden", !b);
     if (!a) return put("length", null);
+    const bends = ruler.map(({ body, place }) => formatNumber(stage.bodies[body].curvature(place) / stage.size, 3)).join(" → ");
     const valueAt = ({ body, place }) => place.corners.reduce((sum, v, c) => sum + place.weights[c] * stage.bodies[body].values[v], 0);
     const values = stage.uniforms.coloured.value ? ruler.map((at) => formatNumber(valueAt(at), 3)).join(" → ") : "";
-    if (!b) return put("length", a, values || "to …");
+    const bent = `mean curvature ${bends} /m`;
+    if (!b) return put("length", a, [bent, values, "to …"].filter(Boolean).join("   "));
     const line = $("ruler").firstElementChild;
     for (const [name, value] of Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y })) line.setAttribute(name, value);
     const metres = points[0].distanceTo(points[1]) * stage.size;
-    put("length", { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }, `${formatNumber(metres, 4)} m${values ? `   ${values}` : ""}`);
+    put("length", { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }, [`${formatNumber(metres, 4)} m`, bent, values].filter(Boolean).join("   "));
 }
 
 /* ---- the hand ---- */

@@ -139,6 +139,35 @@ class Body {
         return best;
     }
 
+    // mean curvature at a point, by the cotangent Laplacian of its corners; positive where a sphere's would be. Corners on
+    // a boundary count as flat.
+    curvature({ corners, weights }) {
+        const [x, y, z, toY, toZ, side] = Array.from({ length: 6 }, () => new Vector3());
+        const rings = new Map(corners.map((v) => [v, { laplacian: new Vector3(), area: 0, others: new Map() }]));
+        for (let i = 0; i < this.corners.length; i++) {
+            const ring = rings.get(this.corners[i]);
+            if (!ring) continue;
+            const start = i - (i % 3);
+            const [next, last] = [this.corners[start + ((i + 1) % 3)], this.corners[start + ((i + 2) % 3)]];
+            x.fromArray(this.positions, 3 * this.corners[i]);
+            toY.subVectors(x, y.fromArray(this.positions, 3 * next));
+            toZ.subVectors(x, z.fromArray(this.positions, 3 * last));
+            side.subVectors(z, y);
+            const double = side.clone().cross(toY).length();
+            if (!(double > 0)) continue;
+            ring.area += double / 6;
+            // cotangents of the angles at z and at y
+            ring.laplacian.addScaledVector(toY, side.dot(toZ) / -double).addScaledVector(toZ, side.dot(toY) / double);
+            for (const other of [next, last]) ring.others.set(other, (ring.others.get(other) ?? 0) + 1);
+        }
+        return corners.reduce((sum, v, c) => {
+            const { laplacian, area, others } = rings.get(v);
+            const normal = side.fromArray(this.normals, 3 * v).normalize();
+            const closed = [...others.values()].every((count) => count === 2);
+            return sum + (closed && area > 0 ? (weights[c] * laplacian.dot(normal)) / (4 * area) : 0);
+        }, 0);
+    }
+
     // a point of the surface that goes along with it
     point({ corners, weights }) {
         const at = new Vector3();
