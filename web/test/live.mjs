@@ -283,6 +283,8 @@ async function measuring(page) {
     const box = await page.locator("#view").boundingBox();
     await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2);
     await until(page, () => / m( |$)/.test(document.getElementById("length").textContent));
+    const beyond = () => document.getElementById("length").getBoundingClientRect().right - document.getElementById("view").getBoundingClientRect().right;
+    assert.ok((await page.evaluate(beyond)) <= 0, "the label is inside the picture");
     await picture(page, "measure");
     await page.click("[data-mode=pull]");
 }

@@ -244,7 +244,9 @@ function put(id, at, text) {
     label.hidden = !at;
     if (!at) return;
     label.textContent = text;
-    label.style.transform = `translate(${at.x + 12}px, ${at.y - 12}px)`;
+    // inside the picture
+    const most = $("view").clientWidth - label.offsetWidth - 4;
+    label.style.transform = `translate(${Math.max(4, Math.min(at.x + 12, most))}px, ${at.y - 12}px)`;
 }
 
 function placeLabels() {
