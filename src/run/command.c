@@ -112,7 +112,7 @@ static pel_status find_shape(pel_command *command, pel_error *error)
     if (pel_word_mesh_is_one(command->name))
         return PEL_OK;
     pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is no shape to press with", command->name);
-    pel_fail_remedy(error, "use sphere, capsule, box, torus, cylinder, blend or a mesh file");
+    pel_fail_remedy(error, "use sphere, capsule, box, torus, cylinder, blend or an OBJ, PLY, STL, OFF or VTP file");
     return PEL_BAD_ARGUMENT;
 }
 

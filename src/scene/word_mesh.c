@@ -61,7 +61,7 @@ static bool is_shape(const char *word)
 
 bool pel_word_mesh_is_one(const char *word)
 {
-    return is_shape(word) || strchr(word, '.') != NULL;
+    return is_shape(word) || pel_mesh_format_of_path(word) != PEL_FORMAT_AUTO;
 }
 
 /* the folder of the scene, "." when its path has none */

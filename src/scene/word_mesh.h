@@ -5,7 +5,8 @@
 #include "pellicle/mesh.h"
 #include "pellicle/scene.h"
 
-/* Whether the word names a mesh: a closed built-in shape ("torus"), or a file by its ending. */
+/* Whether the word names a mesh: a closed built-in shape ("torus"), or a file by its ending (OBJ, PLY, STL,
+   OFF, VTP). */
 bool pel_word_mesh_is_one(const char *word);
 /* Makes the mesh: a shape with its default sizes, or the file, from the folder of the scene unless the path is
    absolute. Spaces of a path stand as %20. Writes the word that names it from everywhere, a file by its absolute path,

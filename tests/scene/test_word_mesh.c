@@ -72,6 +72,8 @@ static void test_shapes(void **unused)
     }
     assert_false(pel_word_mesh_is_one("sphere"));
     assert_false(pel_word_mesh_is_one("grid"));
+    assert_true(pel_word_mesh_is_one("../a%20spoon.stl"));
+    assert_false(pel_word_mesh_is_one("/dev/../dev/zero"));
 }
 
 static void test_files(void **unused)
