@@ -11,8 +11,10 @@
        set PATH VALUE                     a parameter as in pel_set_parameter_text
        grab OX OY OZ DX DY DZ K REACH     take hold where the ray from O along D meets a body: spring K [N/m], vertices
                                           within REACH [m]
-       press SHAPE R X Y Z QX QY QZ QW    a tool at a place [m] with a rotation; SHAPE sphere, box (half edge R) or
-                                          capsule (radius R, half length 2 R)
+       press SHAPE R X Y Z QX QY QZ QW    a tool at a place [m] with a rotation; SHAPE sphere, box (half edge R),
+                                          capsule (radius R, half length 2 R); where the scene has contact a mesh that
+                                          the sphere of radius R holds: torus, cylinder, blend, or a mesh file with
+                                          %20 for spaces, relative to the folder of the scene (absolute in the record)
        move X Y Z                         where the hand goes [m]: end of the spring, or the tool
        release                            lets go
        pin OX OY OZ DX DY DZ REACH        hold the vertices within REACH [m] of the hit where they are
@@ -69,6 +71,9 @@ PEL_API pel_status pel_session_undo(pel_session *session, bool *done, pel_error 
 PEL_API pel_status pel_session_reset(pel_session *session, pel_error *error);
 
 PEL_API void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading);
+/* The mesh of the tool that presses, about the tool's own origin [m]; null where it is none. Lives until the hand is
+   free. */
+PEL_API const pel_mesh *pel_session_tool_mesh(const pel_session *session);
 /* marks that undo can go back to */
 PEL_API int32_t pel_session_undo_count(const pel_session *session);
 /* 1 for the vertices of a body's mesh that are pinned now, else 0: (*count, the vertices of the mesh); lives until the

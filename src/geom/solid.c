@@ -79,7 +79,9 @@ static bool is_beyond_plane(const pel_solid *solid, double half, const double a[
 {
     double way[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
     way[2] -= clamp(way[2], -3 * half, 3 * half);
-    double least = fmin(pel_vec3_dot(way, a), fmin(pel_vec3_dot(way, b), pel_vec3_dot(way, c)));
+    double along[3] = {pel_vec3_dot(way, a), pel_vec3_dot(way, b), pel_vec3_dot(way, c)};
+    double least = along[0] < along[1] ? along[0] : along[1];
+    least = along[2] < least ? along[2] : least;
     double clear = 0.999999 * (least - half * fabs(way[2]));
     return clear > 0 && clear * clear > solid->radius * solid->radius * pel_vec3_squared_length(way);
 }

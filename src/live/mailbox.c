@@ -74,7 +74,7 @@ bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *c
 
 static bool is_slow(const pel_mail_reader *reader)
 {
-    return reader->sent - reader->drawn >= PEL_FRAMES_UNDER_WAY;
+    return reader->sent - reader->received >= PEL_FRAMES_UNDER_WAY;
 }
 
 /* the first kind of message that is due, PEL_POST_COUNT for none */
@@ -109,9 +109,9 @@ int pel_mailbox_take(pel_mailbox *box, pel_mail_reader *reader, size_t before, u
     return kind;
 }
 
-void pel_mailbox_drawn(pel_mail_reader *reader)
+void pel_mailbox_received(pel_mail_reader *reader)
 {
-    reader->drawn += reader->drawn != reader->sent;
+    reader->received += reader->received != reader->sent;
 }
 
 void pel_mailbox_welcome(pel_mailbox *box, pel_mail_reader *reader)

@@ -52,7 +52,7 @@ void pel_mailbox_destroy(pel_mailbox *box);
 /* What one page has received. */
 typedef struct pel_mail_reader {
     uint32_t known[PEL_POST_COUNT]; /* revisions */
-    uint32_t sent, drawn;           /* frames */
+    uint32_t sent, received;        /* frames */
 } pel_mail_reader;
 
 /* ---- the simulation's side ---- */
@@ -65,13 +65,13 @@ bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *c
 /* ---- the reader's side ---- */
 
 /* Copies the first message that is due to *bytes + before (*bytes grows; *room is its size). Returns its kind, -1 when
-   out of memory, and PEL_POST_COUNT when none is due: then it asks for a frame if the page can draw one. A page that
-   has not drawn PEL_FRAMES_UNDER_WAY frames gets no further one, so that no queue grows between the simulation and the
-   eye. */
+   out of memory, and PEL_POST_COUNT when none is due: then it asks for a frame if the page can take one. A page with
+   PEL_FRAMES_UNDER_WAY frames that it has not received gets no further one, so that no queue grows between the
+   simulation and the eye. */
 int pel_mailbox_take(pel_mailbox *box, pel_mail_reader *reader, size_t before, unsigned char **bytes, size_t *room,
                      size_t *size);
-/* The page drew a frame. */
-void pel_mailbox_drawn(pel_mail_reader *reader);
+/* The page has a frame. */
+void pel_mailbox_received(pel_mail_reader *reader);
 /* Starts a reader without the notices and saved scenes of others. */
 void pel_mailbox_welcome(pel_mailbox *box, pel_mail_reader *reader);
 

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "io/json.h"
 #include "pellicle/observe.h"
+#include "scene/word_mesh.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -95,6 +96,24 @@ static void put_tools(pel_json *json, const pel_scene *scene)
     pel_json_print(json, "]");
 }
 
+static void put_word(void *json, const char *word)
+{
+    const pel_json *before = json;
+    pel_json_print(json, before->text[before->length - 1] == '[' ? "" : ",");
+    pel_json_string(json, word);
+}
+
+/* what a hand can press with beside sphere, capsule and box, where there is contact */
+static void put_presses(pel_json *json, const pel_scene *scene)
+{
+    put_flag(json, "contact", scene->sim.contact.enabled);
+    put_key(json, "presses");
+    pel_json_print(json, "[");
+    if (!json->failed)
+        pel_word_mesh_list(scene, put_word, json);
+    pel_json_print(json, "]");
+}
+
 static void put_fields(pel_json *json)
 {
     put_key(json, "fields");
@@ -173,6 +192,7 @@ unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, size_t *s
     }
     pel_json_print(&json, "]");
     put_tools(&json, scene);
+    put_presses(&json, scene);
     put_fields(&json);
     pel_json_print(&json, "}");
     return text_message(&json, size);
@@ -427,9 +447,24 @@ unsigned char *pel_message_summary(pel_sim *sim, const pel_session *session, siz
     return text_message(&json, size);
 }
 
+/* the mesh of the tool under the hand, about its own origin */
+static unsigned char *fill_tool(const pel_mesh *mesh, unsigned char *at)
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        const double *x = mesh->positions[v];
+        const float place[3] = {(float)x[0], (float)x[1], (float)x[2]};
+        memcpy(at, place, sizeof place);
+        at += sizeof place;
+    }
+    size_t length = (size_t)mesh->triangle_count * sizeof *mesh->triangles;
+    memcpy(at, mesh->triangles, length);
+    return at + length;
+}
+
 unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *session, size_t *size)
 {
     pel_json json = {0};
+    const pel_mesh *tool = pel_session_tool_mesh(session);
     size_t tail = 0;
     pel_json_print(&json, "{");
     put_string(&json, "type", "surface");
@@ -446,7 +481,17 @@ unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *sessio
         tail += 3 * sizeof(int32_t) * (size_t)triangles + ((size_t)pins + 3) / 4 * 4;
     }
     pel_json_print(&json, "]");
+    if (tool != NULL) {
+        put_key(&json, "tool");
+        pel_json_print(&json, "{");
+        put_number(&json, "vertices", tool->vertex_count);
+        put_number(&json, "triangles", tool->triangle_count);
+        pel_json_print(&json, "}");
+        tail += (size_t)tool->vertex_count * 3 * sizeof(float) + (size_t)tool->triangle_count * sizeof *tool->triangles;
+    }
     unsigned char *at = NULL, *bytes = binary_message(&json, tail, &at, size);
+    if (bytes != NULL && tool != NULL)
+        at = fill_tool(tool, at);
     for (int32_t b = 0; bytes != NULL && b < pel_model_body_count(pel_sim_model(sim)); b++) {
         int32_t count = 0, *triangles = pel_allocate(3 * (size_t)pel_sim_triangle_count(sim, b), sizeof *triangles);
         if (triangles == NULL) {

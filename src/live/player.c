@@ -1,5 +1,6 @@
 /* Beside the commands of a session a page may send: play, pause, step, undo, reset, field NAME (or none), save,
-   open TEXT (a scene), echo NUMBER (comes back with the next frame). */
+   open TEXT (a scene), contact (from the start with contact, which meshes press by), echo NUMBER (comes back with the
+   next frame). */
 #include "live/player.h"
 
 #include "base/memory.h"
@@ -14,8 +15,9 @@
 #include <string.h>
 #include <time.h>
 
-/* s between pictures, and between measures */
+/* s between pictures, between one and the next that answers a command, and between measures */
 #define PICTURE_SECONDS (1.0 / 60)
+#define ANSWER_SECONDS (1.0 / 120)
 #define MEASURE_SECONDS 0.1
 /* s that the simulation may lag behind the clock before it gives up catching up */
 #define LAG_SECONDS 0.1
@@ -36,8 +38,11 @@ struct pel_player {
     pel_session *session;
     int32_t field;
     bool playing, changed; /* since the last picture */
+    bool touched;          /* a command came after the last step */
+    bool answers;          /* the last step saw a command, and no picture shows it */
     bool has_new_parameters, has_new_surface;
-    int64_t shown_revision; /* sum of those of the surfaces */
+    int64_t shown_revision;     /* sum of those of the surfaces */
+    const pel_mesh *shown_tool; /* the mesh under the hand */
     uint32_t echo;
     double step_seconds; /* of the clock for a step */
     double due;          /* clock of the next step */
@@ -66,13 +71,14 @@ static void tell(pel_player *player, const char *kind, const char *text)
     pel_mailbox_post(player->box, PEL_POST_NOTICE, bytes, size);
 }
 
-static void tell_error(pel_player *player, const char *before, const pel_error *error)
+/* kind: "error", or "refused" for the value of a parameter */
+static void tell_error(pel_player *player, const char *kind, const char *before, const pel_error *error)
 {
     char text[1200], whole[1300];
     pel_error_text(error, text, sizeof text);
     const char *what = strncmp(text, "error: ", 7) == 0 ? text + 7 : text;
     snprintf(whole, sizeof whole, "%s%s", before, what);
-    tell(player, "error", whole);
+    tell(player, kind, whole);
     pel_log_line(player->def->log, "%s", whole);
 }
 
@@ -98,6 +104,7 @@ static void post_surface(pel_player *player)
     pel_mailbox_post(player->box, PEL_POST_SURFACE, bytes, size);
     player->has_new_surface = false;
     player->shown_revision = surface_revision(player);
+    player->shown_tool = pel_session_tool_mesh(player->session);
 }
 
 static void post_parameters(pel_player *player)
@@ -117,7 +124,13 @@ static void post_frame(pel_player *player, double now)
     pel_mailbox_post(player->box, PEL_POST_FRAME, bytes, size);
     player->pictured_at = now;
     player->measured_at = measures ? now : player->measured_at;
-    player->changed = false;
+    player->changed = player->answers = false;
+}
+
+/* clock of the next picture: soon after a command, so that a hand sees what it does */
+static double picture_due(const pel_player *player)
+{
+    return player->pictured_at + (player->answers ? ANSWER_SECONDS : PICTURE_SECONDS);
 }
 
 /* what pages have to know now; a picture only when one waits for it */
@@ -126,9 +139,9 @@ static void post_all(pel_player *player)
     double start = clock_now();
     if (player->has_new_parameters)
         post_parameters(player);
-    if (player->changed && start - player->pictured_at >= PICTURE_SECONDS &&
-        atomic_exchange(&player->box->wanted, false)) {
-        if (player->has_new_surface || surface_revision(player) != player->shown_revision)
+    if (player->changed && start >= picture_due(player) && atomic_exchange(&player->box->wanted, false)) {
+        if (player->has_new_surface || surface_revision(player) != player->shown_revision ||
+            pel_session_tool_mesh(player->session) != player->shown_tool)
             post_surface(player);
         post_frame(player, start);
     }
@@ -189,8 +202,8 @@ static void post_scene(pel_player *player)
     post_frame(player, clock_now());
 }
 
-/* replaces the scene; a text that cannot be simulated leaves the present one */
-static void open_scene(pel_player *player, const char *text)
+/* replaces the scene; a text that cannot be simulated leaves the present one; setting is nullable */
+static void open_scene(pel_player *player, const char *text, const char *setting)
 {
     pel_player next = *player;
     pel_error error;
@@ -198,14 +211,14 @@ static void open_scene(pel_player *player, const char *text)
     next.model = NULL;
     next.sim = NULL;
     next.session = NULL;
-    pel_status status =
-        pel_scene_parse(player->def->scene->path, text, strlen(text), NULL, 0, NULL, &next.own_scene, &error);
+    pel_status status = pel_scene_parse(player->def->scene->path, text, strlen(text), &setting, setting != NULL, NULL,
+                                        &next.own_scene, &error);
     next.scene = next.own_scene;
     if (status == PEL_OK)
         status = start_scene(&next, &error);
     if (status != PEL_OK) {
         close_scene(&next);
-        tell_error(player, "the scene was not opened. ", &error);
+        tell_error(player, "error", "the scene was not opened. ", &error);
         return;
     }
     close_scene(player);
@@ -219,7 +232,7 @@ static void save_scene(pel_player *player)
     size_t size = 0;
     pel_error error;
     if (pel_session_scene(player->session, &text, &error) != PEL_OK) {
-        tell_error(player, "", &error);
+        tell_error(player, "error", "", &error);
         return;
     }
     unsigned char *bytes = pel_message_scene(text, &size);
@@ -288,19 +301,27 @@ static bool do_step(pel_player *player)
     player->interval_stepping += clock_now() - start;
     player->interval_steps++;
     player->changed = true;
+    player->answers |= player->touched;
+    player->touched = false;
     if (status == PEL_OK)
         return true;
     player->has_new_parameters = player->has_new_surface = true;
-    tell_error(player, status == PEL_DIVERGED ? "the last good state is back: " : "", &error);
+    tell_error(player, "error", status == PEL_DIVERGED ? "the last good state is back: " : "", &error);
     play(player, false);
     return false;
+}
+
+/* A step answers a command before it is due, but the simulation is never more than one step ahead of the clock. */
+static bool is_due(const pel_player *player, double now)
+{
+    return player->due <= now || (player->touched && player->due - player->step_seconds <= now);
 }
 
 /* steps that are due, at most for as long as a picture lasts */
 static void do_steps(pel_player *player)
 {
     double start = clock_now(), now = start;
-    while (player->playing && player->due <= now && now - start < PICTURE_SECONDS) {
+    while (player->playing && is_due(player, now) && now - start < PICTURE_SECONDS) {
         if (!do_step(player))
             return;
         player->due += player->step_seconds;
@@ -331,7 +352,7 @@ static void go_back(pel_player *player, bool whole)
     pel_status status =
         whole ? pel_session_reset(player->session, &error) : pel_session_undo(player->session, &done, &error);
     if (status != PEL_OK)
-        tell_error(player, "", &error);
+        tell_error(player, "error", "", &error);
     else if (!done)
         tell(player, "note", "there is nothing to undo");
     player->has_new_surface = player->has_new_parameters = true;
@@ -345,11 +366,12 @@ static void apply(pel_player *player, const char *line)
     pel_error error;
     pel_status status = pel_session_apply(player->session, line, &error);
     bool moves = strncmp(line, "move ", 5) == 0;
+    bool sets = strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0;
     if (status != PEL_OK)
-        tell_error(player, "", &error);
-    if (strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0 || status != PEL_OK)
+        tell_error(player, sets ? "refused" : "error", "", &error);
+    if (sets || status != PEL_OK)
         player->has_new_parameters = true;
-    if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0)
+    if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0 || strncmp(line, "press ", 6) == 0)
         player->has_new_surface = true;
     if (moves && status == PEL_OK)
         return;
@@ -374,19 +396,22 @@ static void do_line(pel_player *player, const char *line)
     else if (strncmp(line, "field ", 6) == 0)
         choose_field(player, line + 6);
     else if (strncmp(line, "open ", 5) == 0)
-        open_scene(player, line + 5);
+        open_scene(player, line + 5, NULL);
+    else if (strcmp(line, "contact") == 0)
+        open_scene(player, pel_scene_text(player->scene), "contact.self=false");
     else if (strncmp(line, "echo ", 5) == 0)
         player->echo = (uint32_t)strtoul(line + 5, NULL, 10);
     else
         apply(player, line);
-    player->changed = true;
+    player->changed = player->touched = true;
+    player->answers |= !player->playing;
 }
 
 double pel_player_rest(const pel_player *player)
 {
     double now = clock_now(), rest = player->playing ? player->due - now : 0.1;
     if (player->changed && atomic_load(&player->box->wanted))
-        return fmin(rest, player->pictured_at + PICTURE_SECONDS - now);
+        return fmin(rest, picture_due(player) - now);
     return player->changed ? fmin(rest, 0.004) : fmin(rest, 0.1);
 }
 

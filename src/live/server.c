@@ -105,11 +105,11 @@ static int send_post(server *s, struct lws *wsi, page *p)
 
 /* ---- messages from a page ---- */
 
-/* "drawn" is between the page and us; all other lines are for the simulation */
+/* "received" is between the page and the server; all other lines are for the simulation */
 static void take_line(server *s, struct lws *wsi, page *p)
 {
-    if (strcmp(p->line, "drawn") == 0) {
-        pel_mailbox_drawn(&p->reader);
+    if (strcmp(p->line, "received") == 0) {
+        pel_mailbox_received(&p->reader);
         lws_callback_on_writable(wsi);
         return;
     }

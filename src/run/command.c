@@ -2,6 +2,7 @@
 
 #include "base/number.h"
 #include "base/status.h"
+#include "scene/word_mesh.h"
 
 #include <math.h>
 #include <string.h>
@@ -107,8 +108,12 @@ static pel_status find_shape(pel_command *command, pel_error *error)
             command->shape = shapes[i].shape;
             return PEL_OK;
         }
-    return pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is no shape to press with: use sphere, capsule or box",
-                    command->name);
+    command->shape = PEL_TOOL_MESH;
+    if (pel_word_mesh_is_one(command->name))
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is no shape to press with", command->name);
+    pel_fail_remedy(error, "use sphere, capsule, box, torus, cylinder, blend or an OBJ, PLY, STL, OFF or VTP file");
+    return PEL_BAD_ARGUMENT;
 }
 
 pel_status pel_command_parse(const char *line, pel_command *command, pel_error *error)

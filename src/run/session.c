@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "base/status.h"
 #include "run/command.h"
+#include "scene/word_mesh.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -54,6 +55,7 @@ struct pel_session {
     pel_drag *drag;
     char tool[PEL_NAME_SIZE];
     pel_tool_shape shape;
+    pel_mesh *mesh; /* of a tool that is one, in its size; else null */
     double radius, place[3], rotation[4], target[3];
     /* what was done */
     event *events;
@@ -221,6 +223,7 @@ void pel_session_destroy(pel_session *session)
         pel_free(session->bodies[b].pins);
         pel_free(session->bodies[b].triangles);
     }
+    pel_mesh_destroy(session->mesh);
     pel_free(session->bodies);
     pel_free(session->positions);
     pel_free(session->forces);
@@ -248,8 +251,11 @@ static pel_status release(pel_session *session, pel_error *error)
     int32_t tool = session->hand == PEL_HAND_PRESS ? find_tool(session->sim, session->tool) : -1;
     if (tool >= 0)
         status = pel_sim_remove_tool(session->sim, tool, error);
-    if (status == PEL_OK || session->hand == PEL_HAND_GRAB)
+    if (status == PEL_OK || session->hand == PEL_HAND_GRAB) {
         session->hand = PEL_HAND_FREE;
+        pel_mesh_destroy(session->mesh);
+        session->mesh = NULL;
+    }
     return status;
 }
 
@@ -285,7 +291,45 @@ static pel_status grab(pel_session *session, const pel_command *command, bool *d
     return PEL_OK;
 }
 
-static pel_status press(pel_session *session, const pel_command *command, pel_error *error)
+/* moves the middle of the mesh's box to 0 and its farthest vertex to the radius */
+static void fit_mesh(pel_mesh *mesh, double radius)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, most = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int i = 0; i < 3; i++) {
+            low[i] = fmin(low[i], mesh->positions[v][i]);
+            high[i] = fmax(high[i], mesh->positions[v][i]);
+        }
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double squared = 0;
+        for (int i = 0; i < 3; i++) {
+            mesh->positions[v][i] -= low[i] / 2 + high[i] / 2;
+            squared += mesh->positions[v][i] * mesh->positions[v][i];
+        }
+        most = fmax(most, sqrt(squared));
+    }
+    for (int32_t v = 0; most > 0 && v < mesh->vertex_count; v++)
+        for (int i = 0; i < 3; i++)
+            mesh->positions[v][i] *= radius / most;
+}
+
+/* Reads the mesh of a tool. The command names it from everywhere then, so that the record can go elsewhere. */
+static pel_status read_mesh(pel_session *session, pel_command *command, pel_mesh **mesh, pel_error *error)
+{
+    char word[PEL_SESSION_LINE], rest[PEL_SESSION_LINE];
+    pel_status status = pel_word_mesh_create(session->scene, command->name, mesh, word, sizeof word, error);
+    if (status != PEL_OK)
+        return status;
+    fit_mesh(*mesh, command->numbers[0]);
+    snprintf(rest, sizeof rest, "%s", command->line + strlen("press ") + strlen(command->name));
+    if (snprintf(command->line, sizeof command->line, "press %s%s", word, rest) < (int)sizeof command->line)
+        return PEL_OK;
+    pel_mesh_destroy(*mesh);
+    *mesh = NULL;
+    return pel_fail(error, PEL_BAD_ARGUMENT, "the path of the mesh '%.150s' is too long for a command", word);
+}
+
+static pel_status press(pel_session *session, pel_command *command, pel_error *error)
 {
     const double *n = command->numbers;
     pel_status status = refuse_busy(session, error);
@@ -303,7 +347,13 @@ static pel_status press(pel_session *session, const pel_command *command, pel_er
         key.rotation[i] = n[4 + i] / length;
     pel_tool_def def = pel_tool_def_default();
     def.name = session->tool;
+    pel_mesh *mesh = NULL;
+    if (command->shape == PEL_TOOL_MESH)
+        status = read_mesh(session, command, &mesh, error);
+    if (status != PEL_OK)
+        return status;
     def.shape = command->shape;
+    def.mesh = mesh;
     def.radius = n[0];
     def.half_length = 2 * n[0];
     for (int i = 0; i < 3; i++)
@@ -311,9 +361,12 @@ static pel_status press(pel_session *session, const pel_command *command, pel_er
     def.keys = &key;
     def.key_count = 1;
     status = pel_sim_add_tool(session->sim, &def, error);
-    if (status != PEL_OK)
+    if (status != PEL_OK) {
+        pel_mesh_destroy(mesh);
         return status;
+    }
     session->hand = PEL_HAND_PRESS;
+    session->mesh = mesh;
     session->shape = command->shape;
     session->radius = n[0];
     memcpy(session->place, key.position, sizeof session->place);
@@ -370,6 +423,11 @@ void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading)
         for (int i = 0; i < 3; i++)
             reading->force[i] = 0 - tool.force[i];
     }
+}
+
+const pel_mesh *pel_session_tool_mesh(const pel_session *session)
+{
+    return session != NULL ? session->mesh : NULL;
 }
 
 /* ---- pins and pressure ---- */
@@ -567,11 +625,11 @@ int32_t pel_session_undo_count(const pel_session *session)
 
 /* ---- commands ---- */
 
-/* room for one more event, so that what is done can be recorded */
+/* room for one more event with any line, so that what is done can be recorded */
 static pel_status reserve_event(pel_session *session, const pel_command *command, char **line, pel_error *error)
 {
     void *events = session->events;
-    *line = pel_copy_string(command->line);
+    *line = pel_allocate(command->shape == PEL_TOOL_MESH ? PEL_SESSION_LINE : strlen(command->line) + 1, 1);
     if (*line == NULL || !pel_reserve(&events, &session->event_room, session->event_count + 1, sizeof(event))) {
         pel_free(*line);
         return pel_fail_memory(error);
@@ -586,6 +644,7 @@ static void add_event(pel_session *session, const pel_command *command, char *li
     event *last = session->event_count > 0 ? &session->events[session->event_count - 1] : NULL;
     int64_t step = pel_sim_step_count(session->sim);
     bool is_move = command->word == PEL_COMMAND_MOVE;
+    memcpy(line, command->line, strlen(command->line) + 1);
     if (is_move && last != NULL && last->is_move && last->step == step) {
         pel_free(last->line);
         last->line = line;
@@ -595,7 +654,7 @@ static void add_event(pel_session *session, const pel_command *command, char *li
 }
 
 /* *done false: nothing was changed, and nothing is recorded */
-static pel_status do_command(pel_session *session, const pel_command *command, bool *done, pel_error *error)
+static pel_status do_command(pel_session *session, pel_command *command, bool *done, pel_error *error)
 {
     *done = true;
     switch (command->word) {

@@ -255,13 +255,29 @@ static bool is_done(pel_sim *sim, const pel_tool *tool, int32_t v)
     return done;
 }
 
+/* whether a box keeps clear of a sphere about the tool's place, surely so; of no other tool */
+static bool is_clear_of_sphere(const pel_tool *tool, const pel_search_box *box)
+{
+    if (tool->solid.kind != PEL_SOLID_SPHERE)
+        return false;
+    double reach = 1.000001 * (tool->solid.radius + tool->press_margin), square = 0;
+    for (int i = 0; i < 3; i++) {
+        double below = (double)box->low[i] - tool->pose.position[i],
+               above = tool->pose.position[i] - (double)box->high[i];
+        double way = below > above ? below : above;
+        square += way > 0 ? way * way : 0;
+    }
+    return square > reach * reach;
+}
+
 static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t t, double tolerance,
                           bool *moved)
 {
     const int32_t *corners = sim->model->triangles[t];
     for (int c = 0; c < 3; c++) {
         const pel_record x = sim->state->position_next[corners[c]];
-        if (!is_done(sim, tool, corners[c]) && !pel_search_apart(&(pel_search_box){x, x}, box))
+        const pel_search_box at = {x, x};
+        if (!is_done(sim, tool, corners[c]) && !pel_search_apart(&at, box) && !is_clear_of_sphere(tool, &at))
             *moved |= press_corner(sim, tool, t, c, tolerance);
     }
 }
@@ -294,7 +310,7 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32
             continue;
         sim->looked_at[i] = sim->push_count;
         pel_search_box around = pel_search_triangle(sim->state->position_next, v);
-        if (pel_search_apart(&around, box))
+        if (pel_search_apart(&around, box) || is_clear_of_sphere(tool, &around))
             continue;
         moved |= press_triangle(sim, tool, t, tolerance);
     }

@@ -46,6 +46,7 @@ typedef struct pel_tool_search {
     uint8_t *is_stale;     /* (block_count) 1 = that list has to be made anew */
     int32_t block_count;
     int32_t *sorted; /* (triangle_count) scratch */
+    uint64_t *set;   /* (triangle_count / 64 + 1) scratch, 0 between searches */
     bool is_fitted;  /* to the positions of the last search */
 } pel_tool_search;
 

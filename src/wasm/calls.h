@@ -81,7 +81,7 @@ PEL_WASM void pel_wasm_live_destroy(pel_wasm_live *live);
 /* PEL_OK, or why creation failed */
 PEL_WASM int32_t pel_wasm_live_status(const pel_wasm_live *live);
 PEL_WASM const pel_wasm_text *pel_wasm_live_error(pel_wasm_live *live);
-/* A line from the page, as a server gets it: "drawn", those of src/live/player.c, and commands of a session. */
+/* A line from the page, as a server gets it: "received", those of src/live/player.c, and commands of a session. */
 PEL_WASM void pel_wasm_live_line(pel_wasm_live *live, const char *line);
 /* Does lines and steps that are due, for at most as long as a picture lasts; returns the seconds until the next turn.
  */

@@ -68,8 +68,8 @@ const pel_wasm_text *pel_wasm_live_error(pel_wasm_live *live)
 
 void pel_wasm_live_line(pel_wasm_live *live, const char *line)
 {
-    if (strcmp(line, "drawn") == 0)
-        pel_mailbox_drawn(&live->reader);
+    if (strcmp(line, "received") == 0)
+        pel_mailbox_received(&live->reader);
     else
         pel_mailbox_line(&live->box, pel_copy_string(line));
 }

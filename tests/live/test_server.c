@@ -236,7 +236,7 @@ static char *await(client *who, const char *type, const char *words)
         char *head = head_of(who);
         bool fits = strstr(head, wanted) != NULL && strstr(head, words) != NULL;
         if (strstr(head, "\"type\":\"frame\"") != NULL)
-            say(who, "drawn");
+            say(who, "received");
         if (fits)
             return head;
     }

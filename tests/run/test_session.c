@@ -2,7 +2,10 @@
 #define _XOPEN_SOURCE 700
 #include "run_fixture.h"
 
+#include "math/vec3.h"
+#include "pellicle/mesh_io.h"
 #include "pellicle/session.h"
+#include "pellicle/shape.h"
 #include "run/command.h"
 
 /* a sheet that hangs on two pins, and a ball of springs, with a tool of the scene's own */
@@ -207,6 +210,55 @@ static void test_run_repeats(void **unused)
     pel_session_free_text(repeated);
 }
 
+/* a mesh presses where there is contact, as large as asked for; what was done with a file beside the scene is repeated
+   from another folder */
+static void test_mesh_tool(void **unused)
+{
+    (void)unused;
+    static const char ball[] =
+        "version: 1\nbodies:\n"
+        "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 4 }, mass: { per_vertex: 0.1 },\n"
+        "      springs: { stiffness: 3, damping: 0.1 }, volumetric: { stiffness: 1.5, damping: 0.1 } }\n"
+        "solver: { method: quasi-static, dt: 0.02 }\ncontact: { self: false }\nduration: 1\n";
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_TORUS);
+    pel_mesh *ring = NULL;
+    pel_hand_reading hand;
+    char *repeated;
+    assert_int_equal(pel_shape_create(&shape, &ring, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_write("a ring.ply", PEL_FORMAT_AUTO, ring, NULL, NULL), PEL_OK);
+    pel_mesh_destroy(ring);
+    play made = begin(ball);
+    for (int turn = 0; turn < 2; turn++) {
+        apply(&made, turn == 0 ? "press torus 0.5 0 0 1.6 0 0 0 1" : "press a%20ring.ply 0.5 0 0 1.6 0 0 0 1");
+        const pel_mesh *mesh = pel_session_tool_mesh(made.session);
+        assert_non_null(mesh);
+        double most = 0;
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            most = fmax(most, pel_vec3_length(mesh->positions[v]));
+        assert_float_equal(most, 0.5, 1e-12);
+        apply(&made, "move 0 0 0.95");
+        steps(&made, 40);
+        pel_session_get_hand(made.session, &hand);
+        assert_true(hand.kind == PEL_HAND_PRESS && hand.shape == PEL_TOOL_MESH && hand.force[2] < -0.01);
+        apply(&made, "release");
+        assert_null(pel_session_tool_mesh(made.session));
+        steps(&made, 20);
+    }
+    uint64_t hash = pel_sim_hash(made.sim);
+    assert_int_equal(pel_session_scene(made.session, &repeated, NULL), PEL_OK);
+    assert_non_null(strstr(repeated, "/a%20ring.ply 0.5"));
+    end(&made);
+    pel_scene *scene = NULL;
+    assert_int_equal(pel_scene_parse("elsewhere/scene.yaml", repeated, strlen(repeated), NULL, 0, NULL, &scene, NULL),
+                     PEL_OK);
+    run_case test = {.run = "pressed"};
+    check_run(scene, &test, PEL_OK);
+    assert_true(test.summary.state_hash == hash);
+    pel_scene_destroy(scene);
+    pel_session_free_text(repeated);
+    remove("a ring.ply");
+}
+
 static void test_bad_lines(void **unused)
 {
     (void)unused;
@@ -230,6 +282,8 @@ static void test_bad_lines(void **unused)
                                         "grab 0 -5 0 0 1 0 -20 0.3",
                                         "grab 0 -5 0 0 1 0 20 -1",
                                         "press cone 0.2 -2 0 0 0 0 0 1",
+                                        "press torus 0.2 -2 0 0 0 0 0 1",
+                                        "press nothing.ply 0.2 -2 0 0 0 0 0 1",
                                         "press sphere 0 -2 0 0 0 0 0 1",
                                         "press sphere 0.2 -2 0 0 0 0 0 0",
                                         "press sphere 0.2 0 0 0 0 0 0 1",
@@ -377,9 +431,9 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_many_marks), cmocka_unit_test(test_run_repeats),
-        cmocka_unit_test(test_bad_lines),      cmocka_unit_test(test_bad_scenes), cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_many_marks),  cmocka_unit_test(test_run_repeats),
+        cmocka_unit_test(test_mesh_tool),      cmocka_unit_test(test_bad_lines),   cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_divergence),     cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -749,6 +749,7 @@ static void test_session(void **unused)
     GIVES(pel_session_pins(NULL, 0, &count) == NULL && pel_session_pins(session, 9, &count) == NULL);
     GIVES(pel_session_pins(session, 0, NULL) == NULL && pel_session_pins(session, 0, &count) != NULL && count > 0);
     GIVES(pel_session_pressure(NULL, 0) == 0 && pel_session_pressure(session, -1) == 0);
+    GIVES(pel_session_tool_mesh(NULL) == NULL && pel_session_tool_mesh(session) == NULL);
     pel_session_destroy(session);
     finish();
 }

@@ -185,7 +185,7 @@ static bool listen(pel_wasm_live *live, const char *words, int *frame_count)
         bool is_frame = strstr(head, "\"type\":\"frame\"") != NULL;
         *frame_count += is_frame;
         if (is_frame)
-            pel_wasm_live_line(live, "drawn");
+            pel_wasm_live_line(live, "received");
     }
 }
 

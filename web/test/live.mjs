@@ -100,6 +100,67 @@ async function pressing(page, shape) {
     await until(page, () => globalThis.pellicle.frame.hand.kind === "free");
 }
 
+// meshes press once there is contact: a shape, and a file beside the scene; a film of that; what was done is repeated
+async function pressingMeshes(page) {
+    const hold = async (shape) => {
+        await page.selectOption("#options select", shape);
+        await drag(page, 10, 10);
+    };
+    await page.click("[data-mode=press]");
+    await hold("torus");
+    await until(page, () => /is a mesh, which needs contact/.test(document.getElementById("notice").textContent));
+    await page.mouse.up();
+    await page.click("#options button");
+    await until(page, () => globalThis.pellicle.hello.contact && globalThis.pellicle.frame);
+    await page.click("#film");
+    for (const shape of ["torus", "a%20ring.ply"]) {
+        await hold(shape);
+        await until(page, () => {
+            const { frame, stage } = globalThis.pellicle;
+            return frame.hand.shape === "mesh" && Math.hypot(...frame.hand.force) > 0.01 && stage.tools.has(stage.held.name);
+        });
+        await picture(page, `press-${shape.replace(/%20|\..*/g, "")}`);
+        await page.mouse.up();
+        await until(page, () => globalThis.pellicle.frame.hand.kind === "free");
+    }
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#film")]);
+    const film = join(folder, "session.webm");
+    await download.saveAs(film);
+    assert.equal(readFileSync(film).subarray(0, 4).toString("hex"), "1a45dfa3", "a film is WebM");
+    assert.ok(readFileSync(film).length > 5000);
+    mkdirSync(join(folder, "elsewhere"));
+    await saving(page, "elsewhere");
+}
+
+// a mesh without a scene, as a shell
+async function shelling(browser) {
+    const server = await serve(join(folder, "a ring.ply"), "--shell");
+    const { page, errors } = await browser.visit(server.address);
+    await page.evaluate(() => globalThis.pellicle.send("play"));
+    await until(page, () => globalThis.pellicle.parameters.list.some(({ path }) => path === "bodies.body.membrane.young"));
+    await page.click("[data-mode=pull]");
+    const at = await page.evaluate(() => {
+        const { stage } = globalThis.pellicle;
+        const body = stage.bodies[0];
+        const seen = [...Array(body.count).keys()].map((v) => {
+            const point = body.point({ corners: [v], weights: [1] });
+            return { ...stage.project(point), depth: point.distanceTo(stage.camera.position) };
+        });
+        return seen.reduce((best, at) => (at.depth < best.depth ? at : best));
+    });
+    const box = await page.locator("#view").boundingBox();
+    await page.mouse.move(box.x + at.x, box.y + at.y);
+    await page.mouse.down();
+    for (let i = 1; i <= 12; i++) await page.mouse.move(box.x + at.x + 5 * i, box.y + at.y - 5 * i);
+    await until(page, () => globalThis.pellicle.frame.hand.kind === "grab" && Math.hypot(...globalThis.pellicle.frame.hand.force) > 0);
+    await until(page, () => globalThis.pellicle.frame.measures?.max_displacement > 0.001);
+    await picture(page, "shell");
+    await page.mouse.up();
+    assert.deepEqual(errors, []);
+    await page.close();
+    await server.stop();
+}
+
 // a gamepad and a SpaceMouse that are not there
 async function playingPads(page) {
     const pad = (axes, values, mapping = "standard") =>
@@ -212,27 +273,33 @@ async function colouring(page) {
 }
 
 async function measuring(page) {
+    // on a ball of radius 1 that was let go
+    await page.click("#restart");
+    await until(page, () => globalThis.pellicle.frame.step === 0);
     await page.click("[data-mode=measure]");
     await drag(page, 0, 0, 1);
     await page.mouse.up();
+    await until(page, () => /mean curvature (1|0\.9[5-9]|1\.0[0-5])\d* \/m/.test(document.getElementById("length").textContent));
     const box = await page.locator("#view").boundingBox();
     await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2);
     await until(page, () => / m( |$)/.test(document.getElementById("length").textContent));
+    const beyond = () => document.getElementById("length").getBoundingClientRect().right - document.getElementById("view").getBoundingClientRect().right;
+    assert.ok((await page.evaluate(beyond)) <= 0, "the label is inside the picture");
     await picture(page, "measure");
     await page.click("[data-mode=pull]");
 }
 
 // what was done since the start, saved as the user does, gives the same bits in a run
-async function saving(page) {
+async function saving(page, name = ".") {
     await pause(page);
     const { hash, step } = await frame(page);
     assert.ok(step > 10);
     const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
-    const file = join(folder, "session.yaml");
+    const file = join(folder, name, "session.yaml");
     await download.saveAs(file);
     assert.match(readFileSync(file, "utf8"), /\nsession:\n {2}- "/);
-    execFileSync(program, ["run", file, "-o", join(folder, "run"), "-q"], { stdio: ["ignore", "ignore", "inherit"] });
-    const summary = JSON.parse(readFileSync(join(folder, "run", "summary.json"), "utf8"));
+    execFileSync(program, ["run", file, "-o", join(folder, name, "run"), "-q"], { stdio: ["ignore", "ignore", "inherit"] });
+    const summary = JSON.parse(readFileSync(join(folder, name, "run", "summary.json"), "utf8"));
     assert.equal(summary.steps, step);
     assert.equal(summary.state_hash.replace(/^0x/, ""), hash, "a session repeats to the bit");
     return file;
@@ -303,6 +370,7 @@ writeFileSync(
         "      springs: { stiffness: 3, damping: 0.01 }, volumetric: { stiffness: 1.5, damping: 0.01 } }\n" +
         "solver: { method: quasi-static, dt: 0.01 }\nduration: 1\n",
 );
+execFileSync(program, ["shape", "torus", "-o", join(folder, "a ring.ply")], { stdio: "pipe" });
 if (pictures) mkdirSync(pictures, { recursive: true });
 const browser = await startBrowser();
 const server = await serve(scene);
@@ -316,6 +384,7 @@ try {
     await pinning(page);
     await colouring(page);
     await measuring(page);
+    await pressingMeshes(page);
     const { hash, step } = (await pause(page), await frame(page));
     const file = await saving(page);
     await opening(page, file, hash, step);
@@ -326,7 +395,8 @@ try {
     await looks(browser, server.address);
     await intruding(browser, server.address);
     await server.stop();
-    console.log("the live page pulls, presses, pins, slides, colours, measures, saves and repeats");
+    await shelling(browser);
+    console.log("the live page pulls, presses with shapes and meshes, films, pins, slides, colours, measures, saves and repeats");
 } finally {
     server.end();
     await browser.close();

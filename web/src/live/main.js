@@ -50,6 +50,7 @@ function start(message) {
     ruler.length = 0;
     range.reset();
     plots.clear();
+    $("notice").hidden = true;
     stage.setScene(message);
     makeOptions();
     $("title").textContent = message.title || message.path.split("/").pop();
@@ -61,7 +62,7 @@ function start(message) {
 }
 
 function showSurface(message) {
-    stage.setSurface(message.bodies);
+    stage.setSurface(message.bodies, message.tool ?? null);
 }
 
 function showParameters(message) {
@@ -73,16 +74,24 @@ let latestParameters = null;
 
 function takeFrame(message) {
     frame = message;
+    owed++;
+    if (!document.hidden) acknowledge();
     if (message.measures) plots.add(message);
-    needs();
+    schedule();
+}
+
+// The program sends the next frame while this one is drawn; a page that is hidden draws none.
+let owed = 0;
+function acknowledge() {
+    for (; owed > 0; owed--) send("received");
 }
 
 function showNotice({ kind, text }) {
-    if (kind === "error" && parameters.refuse(text)) return;
+    if (kind === "refused" && parameters.refuse(text)) return;
     const notice = $("notice");
     // what, then the remedy: messages of the program begin both with a small letter
     notice.textContent = text.replace(/(^|\. )([a-z])/g, (_, before, letter) => before + letter.toUpperCase());
-    notice.className = kind;
+    notice.className = kind === "note" ? "note" : "error";
     notice.hidden = false;
     clearTimeout(noticeTimer);
     noticeTimer = setTimeout(() => (notice.hidden = true), 12000);
@@ -101,34 +110,52 @@ function showConnection(why) {
 /* ---- pictures ---- */
 
 let scheduled = false;
+let changed = false; // beside a new frame: the eye, the theme, what is shown of the bodies
 let lastPicture = 0;
-function needs() {
+
+function schedule() {
     if (scheduled) return;
     scheduled = true;
-    requestAnimationFrame(draw);
+    requestAnimationFrame((now) => {
+        scheduled = false;
+        tick(now);
+    });
 }
 
-function draw(now) {
-    scheduled = false;
+// the picture has to be drawn again
+function needs() {
+    changed = true;
+    schedule();
+}
+
+// A tick without anything new draws nothing: in software a picture takes longer than a step.
+function tick(now) {
     if (!hello) return;
     const hasPad = followPad(now);
+    acknowledge();
     hand?.tick?.();
-    const fresh = frame !== shown && frame && stage.showFrame(frame, state.contacts);
-    if (fresh) {
+    if (frame !== shown) takePicture(now);
+    if (changed) draw();
+    if (hand?.tick || hasPad) schedule();
+}
+
+function takePicture(now) {
+    if (stage.showFrame(frame, state.contacts)) {
         if (shown && frame.playing) stage.adapt(now - lastPicture);
         lastPicture = now;
         showColour();
         showTexts(now);
+        changed = true;
     }
+    shown = frame;
+}
+
+function draw() {
+    changed = false;
     stage.coarsen();
     drawPicture();
     clearTimeout(rest);
     rest = setTimeout(() => stage.refine() && drawPicture(), 250);
-    if (frame !== shown) {
-        shown = frame;
-        send("drawn");
-    }
-    if (hand?.moves || hasPad) needs();
 }
 
 let rest = 0;
@@ -217,7 +244,9 @@ function put(id, at, text) {
     label.hidden = !at;
     if (!at) return;
     label.textContent = text;
-    label.style.transform = `translate(${at.x + 12}px, ${at.y - 12}px)`;
+    // inside the picture
+    const most = $("view").clientWidth - label.offsetWidth - 4;
+    label.style.transform = `translate(${Math.max(4, Math.min(at.x + 12, most))}px, ${at.y - 12}px)`;
 }
 
 function placeLabels() {
@@ -232,17 +261,20 @@ function placeRuler() {
     const [a, b] = points.map((point) => stage.project(point));
     $("ruler").toggleAttribute("hidden", !b);
     if (!a) return put("length", null);
+    const bends = ruler.map(({ body, place }) => formatNumber(stage.bodies[body].curvature(place) / stage.size, 3)).join(" → ");
     const valueAt = ({ body, place }) => place.corners.reduce((sum, v, c) => sum + place.weights[c] * stage.bodies[body].values[v], 0);
     const values = stage.uniforms.coloured.value ? ruler.map((at) => formatNumber(valueAt(at), 3)).join(" → ") : "";
-    if (!b) return put("length", a, values || "to …");
+    const bent = `mean curvature ${bends} /m`;
+    if (!b) return put("length", a, [bent, values, "to …"].filter(Boolean).join("   "));
     const line = $("ruler").firstElementChild;
     for (const [name, value] of Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y })) line.setAttribute(name, value);
     const metres = points[0].distanceTo(points[1]) * stage.size;
-    put("length", { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }, `${formatNumber(metres, 4)} m${values ? `   ${values}` : ""}`);
+    put("length", { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }, [`${formatNumber(metres, 4)} m`, bent, values].filter(Boolean).join("   "));
 }
 
 /* ---- the hand ---- */
 
+const solids = ["sphere", "capsule", "box"];
 const numbers = (values) => values.map((value) => Number(value.toPrecision(9))).join(" ");
 const rayText = ({ origin, direction }) => `${numbers(stage.outward(origin))} ${numbers(direction.toArray())}`;
 const stiffness = () => (hello?.stiffness ?? 1) * 10 ** state.grip;
@@ -267,7 +299,6 @@ const modes = {
         const began = performance.now();
         return {
             kind: "press",
-            moves: true,
             last: ray,
             move(now) {
                 this.last = now;
@@ -311,7 +342,7 @@ function begin(ray) {
     hand = modes[state.mode](ray, hit);
     // after the mark, so that undo leads to where the simulation stood
     if (hand && !state.playing) send("play");
-    needs();
+    schedule();
     return true;
 }
 
@@ -338,11 +369,11 @@ function listenToPicture() {
         },
         { capture: true },
     );
-    canvas.addEventListener("pointermove", (event) => {
+    // raw moves come at once, others wait for the next picture
+    canvas.addEventListener("onpointerrawupdate" in canvas ? "pointerrawupdate" : "pointermove", (event) => {
         if (!hand || aim.acts) return;
         hand.move(rayOf(event));
         squeezeBy(event);
-        needs();
     });
     canvas.addEventListener("pointerup", end);
     canvas.addEventListener("pointercancel", end);
@@ -461,15 +492,37 @@ function makeOptions() {
     const shape = () => {
         const label = element("label", "", "Shape");
         const select = element("select");
-        select.append(...["sphere", "capsule", "box"].map((name) => new Option(name, name)));
+        const group = (name, words) => {
+            const made = element("optgroup");
+            made.label = name;
+            made.append(...words.map((word) => new Option(word.replaceAll("%20", " "), word)));
+            return made;
+        };
+        const meshes = (hello?.presses ?? []).toSorted();
+        const [files, made] = [true, false].map((isFile) => meshes.filter((word) => word.includes(".") === isFile));
+        select.append(...solids.map((name) => new Option(name, name)), group("Meshes", made));
+        if (files.length > 0) select.append(group("Files beside the scene", files));
+        if (![...solids, ...meshes].includes(state.shape)) state.shape = "sphere";
         select.value = state.shape;
-        select.addEventListener("change", () => (state.shape = select.value));
+        select.addEventListener("change", () => {
+            state.shape = select.value;
+            makeOptions();
+        });
         label.append(select);
         return label;
     };
+    // meshes press by contact, and contact cannot begin while a simulation runs
+    const startContact = () => {
+        if (solids.includes(state.shape) || hello.contact) return [];
+        const button = element("button", "quiet", "Start again with contact");
+        button.type = "button";
+        button.title = "Meshes press only in a scene with contact";
+        button.addEventListener("click", () => send("contact"));
+        return [button];
+    };
     const made = {
         pull: () => [slider("Spring", "grip", -2, 2, () => `${formatNumber(stiffness(), 2)} N/m`), slider("Reach", "reach", 0, 0.6, metres)],
-        press: () => [shape(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
+        press: () => [shape(), ...startContact(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
         pin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
         unpin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
     };
@@ -661,6 +714,9 @@ globalThis.pellicle = {
     plots,
     get frame() {
         return shown;
+    },
+    get newest() {
+        return frame;
     },
     get parameters() {
         return latestParameters;

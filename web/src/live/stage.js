@@ -2,11 +2,13 @@
 // rest, in units of half their size, as in the report.
 import {
     ArrowHelper,
+    BackSide,
     BoxGeometry,
     BufferAttribute,
     BufferGeometry,
     CapsuleGeometry,
     DoubleSide,
+    FrontSide,
     Mesh,
     Points,
     PointsMaterial,
@@ -32,8 +34,10 @@ import {
 } from "../view.js";
 
 class Body {
-    constructor(stage) {
+    constructor(stage, closed) {
         this.stage = stage;
+        this.closed = closed;
+        this.outside = null; // the side of its triangles; both where the body is open
         Object.assign(this, makeSurface(stage.uniforms));
         this.pins = this.makePoints("#1d6fd1", 5);
         this.contacts = this.makePoints("#d1341d", 4);
@@ -90,6 +94,7 @@ class Body {
         for (let i = 0; i < positions.length; i += 3)
             for (let c = 0; c < 3; c++) this.positions[i + c] = (positions[i + c] - centre[c]) / size;
         fillNormals(this.corners, this.positions, this.normals);
+        this.outside ??= this.closed ? outsideOf(this.corners, this.positions) : DoubleSide;
         if (values) this.values.set(values);
         const { position, normal, value } = this.surface.geometry.attributes;
         position.needsUpdate = normal.needsUpdate = true;
@@ -134,12 +139,52 @@ class Body {
         return best;
     }
 
+    // mean curvature at a point, by the cotangent Laplacian of its corners; positive where a sphere's would be. Corners on
+    // a boundary count as flat.
+    curvature({ corners, weights }) {
+        const [x, y, z, toY, toZ, side] = Array.from({ length: 6 }, () => new Vector3());
+        const rings = new Map(corners.map((v) => [v, { laplacian: new Vector3(), area: 0, others: new Map() }]));
+        for (let i = 0; i < this.corners.length; i++) {
+            const ring = rings.get(this.corners[i]);
+            if (!ring) continue;
+            const start = i - (i % 3);
+            const [next, last] = [this.corners[start + ((i + 1) % 3)], this.corners[start + ((i + 2) % 3)]];
+            x.fromArray(this.positions, 3 * this.corners[i]);
+            toY.subVectors(x, y.fromArray(this.positions, 3 * next));
+            toZ.subVectors(x, z.fromArray(this.positions, 3 * last));
+            side.subVectors(z, y);
+            const double = side.clone().cross(toY).length();
+            if (!(double > 0)) continue;
+            ring.area += double / 6;
+            // cotangents of the angles at z and at y
+            ring.laplacian.addScaledVector(toY, side.dot(toZ) / -double).addScaledVector(toZ, side.dot(toY) / double);
+            for (const other of [next, last]) ring.others.set(other, (ring.others.get(other) ?? 0) + 1);
+        }
+        return corners.reduce((sum, v, c) => {
+            const { laplacian, area, others } = rings.get(v);
+            const normal = side.fromArray(this.normals, 3 * v).normalize();
+            const closed = [...others.values()].every((count) => count === 2);
+            return sum + (closed && area > 0 ? (weights[c] * laplacian.dot(normal)) / (4 * area) : 0);
+        }, 0);
+    }
+
     // a point of the surface that goes along with it
     point({ corners, weights }) {
         const at = new Vector3();
         corners.forEach((v, c) => at.addScaledVector(new Vector3().fromArray(this.positions, 3 * v), weights[c]));
         return at;
     }
+}
+
+// where the normals of a closed surface point outward, its front
+function outsideOf(corners, positions) {
+    const [a, b, c] = Array.from({ length: 3 }, () => new Vector3());
+    let volume = 0;
+    for (let i = 0; i < corners.length; i += 3) {
+        [a, b, c].forEach((point, k) => point.fromArray(positions, 3 * corners[i + k]));
+        volume += a.dot(b.cross(c));
+    }
+    return volume < 0 ? BackSide : FrontSide;
 }
 
 function toolGeometry(tool, size) {
@@ -161,6 +206,7 @@ export class Stage {
         this.canvas = canvas;
         this.software = isSoftware();
         this.ratio = 1;
+        this.isFine = false;
         this.intervals = [];
         this.pictures = 0;
         this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, alpha: true, preserveDrawingBuffer: false });
@@ -171,6 +217,7 @@ export class Stage {
         this.size = 1;
         this.bodies = [];
         this.tools = new Map();
+        this.held = { name: "", mesh: null }; // what a hand presses with
         Object.assign(this, makeEye(canvas, changed));
         this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d1341d");
         this.arrow.line.material.depthTest = this.arrow.cone.material.depthTest = false;
@@ -198,7 +245,7 @@ export class Stage {
         for (const name of this.tools.keys()) this.removeTool(name);
         this.centre = low.map((x, c) => (x + high[c]) / 2);
         this.size = Math.hypot(...low.map((x, c) => high[c] - x)) / 2 || 1;
-        this.bodies = bodies.map(() => new Body(this));
+        this.bodies = bodies.map(({ closed }) => new Body(this, closed));
         for (const tool of tools) this.addTool(tool);
         this.reset();
     }
@@ -221,8 +268,11 @@ export class Stage {
         this.tools.delete(name);
     }
 
-    setSurface(bodies) {
+    // tool: the mesh that a hand presses with; null = none
+    setSurface(bodies, tool) {
         bodies.forEach((body, b) => this.bodies[b].setSurface(body));
+        this.held.mesh = tool;
+        if (this.tools.has(this.held.name)) this.removeTool(this.held.name);
     }
 
     // false where a frame does not fit the surface at hand
@@ -236,8 +286,9 @@ export class Stage {
 
     showTools({ tools, hand }) {
         const held = hand.kind === "press" ? tools.at(-1).name : "";
+        this.held.name = held;
         if (held && !this.tools.has(held))
-            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius] });
+            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius], ...this.held.mesh });
         const names = new Set(tools.map((tool) => tool.name));
         for (const name of [...this.tools.keys()]) if (!names.has(name)) this.removeTool(name);
         for (const tool of tools) {
@@ -306,15 +357,17 @@ export class Stage {
         this.ratio = ratio;
     }
 
-    // A picture that stays is drawn at full resolution. False when the last one was.
+    // A picture that stays is drawn at full resolution and with the insides of closed bodies. False when the last one was.
     refine() {
-        if (!this.software || this.renderer.getPixelRatio() === 2) return false;
+        if (!this.software || this.isFine) return false;
+        this.isFine = true;
         this.renderer.setPixelRatio(2);
         return true;
     }
 
-    // back to the resolution of movement
+    // back to pictures of movement
     coarsen() {
+        this.isFine = false;
         if (this.software && this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
     }
 
@@ -325,6 +378,7 @@ export class Stage {
     draw({ surface, ink, marks }) {
         for (const body of this.bodies) {
             body.setStyle(surface, ink);
+            body.surface.material.side = this.software && !this.isFine ? body.outside : DoubleSide;
             body.pins.visible = marks;
         }
         this.renderer.render(this.scene, this.camera);

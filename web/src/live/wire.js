@@ -14,6 +14,7 @@ function readBinary(buffer) {
 }
 
 function readSurface({ head, take }) {
+    if (head.tool) head.tool = { positions: take(Float32Array, 3 * head.tool.vertices), triangles: take(Uint32Array, 3 * head.tool.triangles) };
     head.bodies = head.bodies.map(({ vertices, triangles, pins }) => ({
         vertices,
         corners: take(Uint32Array, 3 * triangles),
