@@ -199,6 +199,7 @@ static bool read_choices(const cli_call *call, pel_render_def *def)
     def->unit = cli_value(call, "unit");
     def->flat = cli_has(call, "flat");
     def->edges = cli_has(call, "edges");
+    def->outline = cli_has(call, "outline");
     def->hide_bar = cli_has(call, "no-bar");
     def->hide_labels = cli_has(call, "no-labels");
     def->hide_tools = cli_has(call, "no-tools");

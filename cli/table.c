@@ -283,10 +283,9 @@ static const cli_command commands[] = {
             "without a display. Colors show a vertex field. The camera is placed so that everything is seen in all "
             "frames, and colors have one range for all of them, so that nothing flickers. Tools are drawn where they "
             "are. Several runs stand side by side under the same camera and colors.\n\n"
-            "OUT decides what is made: FILE.png is one picture (of the last frame, or a contact sheet when --frames "
-            "or several RUNs give more), FILE.mp4 or FILE.gif a film (needs ffmpeg), anything else a folder with a "
-            "picture of each "
-            "frame.",
+            "OUT decides what is made: FILE.png is one picture (of the frame with the largest displacement, or a "
+            "contact sheet when --frames, several fields or several RUNs give more), FILE.mp4 or FILE.gif a film "
+            "(needs ffmpeg), anything else a folder with a picture of each frame.",
         .slots = {{.name = "RUN", .kind = CLI_FILE, .repeated = true}},
         .options =
             {{.name = "output",
@@ -299,7 +298,8 @@ static const cli_command commands[] = {
              {.name = "field",
               .kind = CLI_TEXT,
               .value = "NAME",
-              .doc = "color by this vertex field; left out: displacement where there is one. none: plain"},
+              .doc = "color by this vertex field, none for plain; several with commas between them stand side by "
+                     "side. default: displacement where there is one"},
              {.name = "component",
               .kind = CLI_TEXT,
               .value = "C",
@@ -308,7 +308,8 @@ static const cli_command commands[] = {
               .kind = CLI_WORD,
               .value = "MAP",
               .words = cli_color_map_names,
-              .doc = "viridis, cividis or cool-warm; left out: viridis, or cool-warm for values of both signs"},
+              .doc = "viridis, cividis, cool-warm or warm. default: warm (grey is zero) for values from 0, cool-warm "
+                     "for values of both signs, viridis for others"},
              {.name = "range",
               .kind = CLI_TEXT,
               .value = "LOW:HIGH",
@@ -320,7 +321,8 @@ static const cli_command commands[] = {
              {.name = "frames",
               .kind = CLI_TEXT,
               .value = "A:B:STEP",
-              .doc = "draw these frames: 50, 0:100, 0:100:10, or several as 0,50,-1; -1 is the last"},
+              .doc = "draw these frames: 50, 0:100, 0:100:10, or several as 0,50,-1; -1 is the last. default: all; "
+                     "for a .png the one with the largest displacement"},
              {.name = "view",
               .kind = CLI_TEXT,
               .value = "VIEW",
@@ -342,6 +344,7 @@ static const cli_command commands[] = {
               .value = "FIELD",
               .doc = "draw this vector field as arrows, such as force; those into the surface end on it"},
              {.name = "edges", .kind = CLI_FLAG, .doc = "draw the edges of the triangles"},
+             {.name = "outline", .kind = CLI_FLAG, .doc = "draw a dark line along the silhouette"},
              {.name = "flat", .kind = CLI_FLAG, .doc = "shade each triangle evenly"},
              {.name = "background",
               .kind = CLI_WORD,
