@@ -23,7 +23,7 @@ static const char magic[8] = "PELRUN4";
 
 static size_t tool_bytes(const pel_run_state *run)
 {
-    return 2 * (size_t)run->tool_count * sizeof *run->tool_force;
+    return PEL_TOOL_NUMBERS * (size_t)run->tool_count * sizeof *run->tool_force;
 }
 
 pel_status pel_run_checkpoint_prepare(pel_run_state *run, pel_error *error)
