@@ -540,7 +540,8 @@ static void draw_parts(job *j, const shown_field *shown, const parts *ends)
     view_camera_turn(&j->camera, middle, center);
     if (colored)
         view_gl_target_set_color_map(j->canvas, shown->color_map);
-    view_gl_target_load(j->canvas, &j->soup, ends->tools, center, fmax(0.6 * body_size(j), 1e-30));
+    /* colors stay readable under tools, which are transparent: only on a plain surface they cast shadows */
+    view_gl_target_load(j->canvas, &j->soup, colored ? ends->arrows : ends->tools, center, fmax(0.6 * body_size(j), 1e-30));
     view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &surface);
     if (j->def.outline)
         view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &outline);
