@@ -131,7 +131,7 @@ bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *
     }
     if (*format != PEL_FORMAT_AUTO)
         return true;
-    cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl, .off or .vtp", path);
+    cli_complain("'%s' is not a mesh format that can be written. end the name in .obj, .ply, .stl, .off or .vtp", path);
     return false;
 }
 

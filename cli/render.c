@@ -308,7 +308,7 @@ int cli_render(const cli_call *call)
         return cli_complain("there are too many options");
     if (is_other_file(def.output))
         return cli_complain(
-            "'%s' names no picture that can be written. let it end in .png, .mp4 or .gif, or name a folder",
+            "'%s' is not a picture format that can be written. end the name in .png, .mp4 or .gif, or name a folder",
             def.output);
     if (!read_choices(call, &def) || !read_frames(call, ranges, &def.frame_range_count) ||
         !read_labels(call, labels, &def))

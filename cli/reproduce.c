@@ -131,8 +131,9 @@ static pel_status write_findings(const cli_experiment *experiment)
                 cli_verdict_name(cli_claim_verdict(experiment, f->claim)));
     }
     bool whole = ferror(file) == 0;
-    return fclose(file) == 0 && whole ? PEL_OK
-                                      : pel_fail(experiment->error, PEL_BAD_FILE, "the numbers were not written whole");
+    return fclose(file) == 0 && whole
+               ? PEL_OK
+               : pel_fail(experiment->error, PEL_BAD_FILE, "the numbers could not be written completely");
 }
 
 static void write_numbers(cli_json *json, const cli_experiment *experiment)

@@ -206,7 +206,7 @@ static pel_status survey_arrows(job *j, const pel_mesh *mesh, const char *place,
     const pel_field *field;
     pel_status status = view_field_find(mesh, j->def.arrows, place, &field, error);
     if (status == PEL_OK && field->component_count != 3) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' is no vector, so it has no arrows", j->def.arrows);
+        pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' is not a vector, so it has no arrows", j->def.arrows);
         pel_fail_place(error, place, 0, 0);
         pel_fail_remedy(error, "choose a field of 3 numbers, such as force or displacement");
         return PEL_BAD_ARGUMENT;
@@ -541,7 +541,8 @@ static void draw_parts(job *j, const shown_field *shown, const parts *ends)
     if (colored)
         view_gl_target_set_color_map(j->canvas, shown->color_map);
     /* colors stay readable under tools, which are transparent: only on a plain surface they cast shadows */
-    view_gl_target_load(j->canvas, &j->soup, colored ? ends->arrows : ends->tools, center, fmax(0.6 * body_size(j), 1e-30));
+    view_gl_target_load(j->canvas, &j->soup, colored ? ends->arrows : ends->tools, center,
+                        fmax(0.6 * body_size(j), 1e-30));
     view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &surface);
     if (j->def.outline)
         view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &outline);
