@@ -74,7 +74,7 @@ pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_
                                  pel_error *error);
 void pel_run_frames_destroy(pel_run_frames *frames);
 
-/* Begins series.csv, or goes on behind the frame_count frames that are there, which are listed anew. */
+/* Starts series.csv, or appends after the existing frame_count frames and rewrites the list. */
 pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int64_t frame_count, bool resume,
                                 pel_error *error);
 

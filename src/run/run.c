@@ -52,7 +52,7 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
     return PEL_OK;
 }
 
-/* a run must not take away what it is described by */
+/* never overwrite the run's own scene or meshes */
 static pel_status check_input(const pel_run_def *def, const char *path, const char *what, pel_error *error)
 {
     if (path == NULL || def->folder == NULL || !pel_run_folder_takes(def->folder, path, def->resume != NULL))

@@ -24,10 +24,9 @@ enum {
    fastest way beyond that */
 #define REACH_SHARE 0.5
 #define MOTION_SHARE 0.5
-/* what starts this much beyond the thickness, of the shortest edge, is near for the features that it is of, and becomes
-   a contact where it starts; tried and lost: also where the closest points lie on the border of a feature (such normals
-   lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
- */
+/* pairs closer than thickness + NEAR_SHARE * shortest edge become contacts at the start, without a CCD query. Tried and
+   lost: the same where the closest points lie on the border of a feature (such normals lean and block sliding), and no
+   search for conflicts in the first round, which places many contacts */
 #define NEAR_SHARE 0.5
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2

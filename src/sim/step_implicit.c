@@ -22,7 +22,7 @@
 
 typedef struct scheme {
     double rate;                     /* times dt */
-    double position[2], velocity[2]; /* anchor and carried: of the begin of the step, of one step before */
+    double position[2], velocity[2]; /* anchor and carried: at the start of the step, one step before */
     double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
 } scheme;
 
