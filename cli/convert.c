@@ -35,7 +35,7 @@ static int output_format(const cli_call *call, const char *out)
     pel_mesh_format format = pel_mesh_format_of_path(out);
     if (name == NULL && format == PEL_FORMAT_AUTO) {
         cli_complain(
-            "'%s' names no format that can be written. let it end in .obj, .ply, .stl, .off, .vtp, .glb or, for a "
+            "'%s' is not a format that can be written. end the name in .obj, .ply, .stl, .off, .vtp, .glb or, for a "
             "run, .pc2",
             out);
         return -1;
@@ -90,7 +90,8 @@ int cli_convert(const cli_call *call)
     if (cli_is_folder(in))
         return export_run(in, out, format, quiet);
     if (format == FORMAT_PC2)
-        return cli_complain("a point cache holds the frames of a run and '%s' is no folder. name a run's folder", in);
+        return cli_complain("a point cache holds the frames of a run and '%s' is not a folder. name a run's folder",
+                            in);
     const pel_log *log = quiet ? NULL : &cli_notes;
     int status;
     pel_mesh *mesh = cli_read_mesh(in, log, NULL, &status);

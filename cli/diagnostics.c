@@ -3,6 +3,7 @@
 
 #include <pellicle/import.h>
 
+#include <dirent.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -130,7 +131,7 @@ bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *
     }
     if (*format != PEL_FORMAT_AUTO)
         return true;
-    cli_complain("'%s' names no mesh format that can be written. let it end in .obj, .ply, .stl, .off or .vtp", path);
+    cli_complain("'%s' is not a mesh format that can be written. end the name in .obj, .ply, .stl, .off or .vtp", path);
     return false;
 }
 
@@ -170,4 +171,29 @@ const char *cli_scene_path(char *path, size_t size, const char *name)
         return name;
     const char *found = cli_share_path(path, size, file);
     return found != NULL ? found : name;
+}
+
+void cli_suggest_scene(pel_error *error, const char *name)
+{
+    enum { SCENES = 64 };
+    static char names[SCENES][PEL_NAME_SIZE];
+    const char *pointers[SCENES];
+    char folder[4096];
+    size_t count = 0;
+    bool is_name = strpbrk(name, "/.") == NULL && error->status == PEL_BAD_FILE;
+    const char *found = is_name ? cli_share_path(folder, sizeof folder, "scenes") : NULL;
+    DIR *list = found != NULL ? opendir(found) : NULL;
+    for (struct dirent *entry; list != NULL && count < SCENES && (entry = readdir(list)) != NULL;) {
+        const char *dot = strrchr(entry->d_name, '.');
+        if (dot == NULL || strcmp(dot, ".yaml") != 0)
+            continue;
+        snprintf(names[count], sizeof names[count], "%.*s", (int)(dot - entry->d_name), entry->d_name);
+        pointers[count] = names[count];
+        count++;
+    }
+    if (list != NULL)
+        closedir(list);
+    const char *nearest = pel_nearest_name(name, pointers, count);
+    if (nearest != NULL)
+        snprintf(error->remedy, sizeof error->remedy, "did you mean the installed scene '%s'?", nearest);
 }

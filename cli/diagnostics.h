@@ -23,6 +23,8 @@ const char *cli_share_path(char *path, size_t size, const char *name);
 /* The scene's file: a name without slash and dot, where no such file is, means an installed scene. Returns path (size
    bytes) or name. */
 const char *cli_scene_path(char *path, size_t size, const char *name);
+/* makes the nearest installed scene the remedy of an error about a missing file, if the name can mean one */
+void cli_suggest_scene(pel_error *error, const char *name);
 
 /* seconds of a steady clock */
 double cli_clock(void);

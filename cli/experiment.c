@@ -121,10 +121,10 @@ pel_status cli_experiment_draw(cli_experiment *experiment, const cli_picture *pi
         return PEL_OK;
     for (int i = 0; i < picture->run_count; i++)
         inputs[i] = cli_experiment_path(experiment, picture->runs[i], paths[i]);
-    int last = last_common_frame(inputs, picture->run_count);
-    for (int i = 0; i < picture->frame_count; i++) {
+    int last = last_common_frame(inputs, picture->run_count), frame_count = 0;
+    for (int i = 0; i < picture->frame_count && (i == 0 || picture->frames[i - 1] < last); i++) {
         int frame = picture->frames[i] < last ? picture->frames[i] : last;
-        frames[i] = (pel_frame_range){frame, frame, 1};
+        frames[frame_count++] = (pel_frame_range){frame, frame, 1};
     }
     pel_render_def def = pel_render_def_default();
     def.inputs = inputs;
@@ -132,7 +132,7 @@ pel_status cli_experiment_draw(cli_experiment *experiment, const cli_picture *pi
     def.labels = picture->labels;
     def.output = cli_experiment_path(experiment, file, output);
     def.frames = frames;
-    def.frame_range_count = picture->frame_count;
+    def.frame_range_count = frame_count;
     def.field = picture->field;
     def.unit = picture->unit;
     def.component = picture->component - 1;
@@ -146,7 +146,7 @@ pel_status cli_experiment_draw(cli_experiment *experiment, const cli_picture *pi
     def.frame_numbers = !picture->times;
     if (picture->columns > 0) {
         def.columns = picture->columns;
-        def.rows = (picture->run_count * picture->frame_count + picture->columns - 1) / picture->columns;
+        def.rows = (picture->run_count * frame_count + picture->columns - 1) / picture->columns;
     }
     return pel_render(&def, NULL, NULL, experiment->error);
 }

@@ -164,8 +164,9 @@ pel_status cli_experiment_draw(cli_experiment *experiment, const cli_picture *pi
 
 /* ---- bodies ---- */
 
-/* The file that is given, the scans in the folder that is given, or blends: bodies (CLI_BODIES). */
-pel_status cli_bodies_find(const char *mesh, const char *data, cli_body *bodies, int *count, pel_error *error);
+/* The mesh file that is given, whose axis `up` ('x', 'y' or 'z') points up; the scans in the folder that is given; or
+   blends: bodies (CLI_BODIES). */
+pel_status cli_bodies_find(const char *mesh, char up, const char *data, cli_body *bodies, int *count, pel_error *error);
 
 /* ---- the page ---- */
 

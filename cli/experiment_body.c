@@ -14,7 +14,7 @@
 #define SIZE 2.0
 #define CAP 0.35
 
-/* rotations as a scene writes them: none, y up to z up, the same and turned to the front */
+/* rotations as a scene writes them: none, y up to z up, the same and turned to the front, x up to z up */
 static const struct {
     const char *text;
     double quaternion[4];
@@ -22,9 +22,10 @@ static const struct {
     {"", {0, 0, 0, 1}},
     {", rotate: { axis: [1, 0, 0], angle: 90 }", {0.70710678118654752, 0, 0, 0.70710678118654752}},
     {", rotate: { axis: [0, 1, 1], angle: 180 }", {0, 0.70710678118654752, 0.70710678118654752, 0}},
+    {", rotate: { axis: [0, 1, 0], angle: -90 }", {0, -0.70710678118654752, 0, 0.70710678118654752}},
 };
 
-enum { UPRIGHT, Y_UP, Y_UP_BACK };
+enum { UPRIGHT, Y_UP, Y_UP_BACK, X_UP };
 
 static const struct {
     const char *name;
@@ -268,13 +269,13 @@ static pel_status find_scans(const char *data, cli_body *bodies, int *count, pel
     return status;
 }
 
-pel_status cli_bodies_find(const char *mesh, const char *data, cli_body *bodies, int *count, pel_error *error)
+pel_status cli_bodies_find(const char *mesh, char up, const char *data, cli_body *bodies, int *count, pel_error *error)
 {
     *count = 0;
     if (mesh != NULL) {
         *count = 1;
         name_of_path(mesh, bodies[0].name, sizeof bodies[0].name);
-        return read_body(mesh, UPRIGHT, &bodies[0], error);
+        return read_body(mesh, up == 'x' ? X_UP : up == 'y' ? Y_UP : UPRIGHT, &bodies[0], error);
     }
     if (data != NULL)
         return find_scans(data, bodies, count, error);

@@ -49,8 +49,7 @@ static pel_status run_figure_1(cli_experiment *experiment)
     }
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(experiment, CLI_PAPER,
-                         "the prediction by pressure alone strains the surface in its plane too far", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "the prediction by pressure alone stretches the surface too far", NULL);
     for (int i = 0; i < 5; i++) {
         cli_shrink_label(experiment, 0, stages[i], label);
         size_t length = strlen(label);
@@ -62,7 +61,7 @@ static pel_status run_figure_1(cli_experiment *experiment)
     cli_experiment_claim(experiment, CLI_PAPER, "bending energy keeps the surface smooth", NULL);
     cli_experiment_limit(experiment, "roughness of the mean curvature, with E_B / without",
                          shapes[2].roughness / shapes[1].roughness, 1, CLI_SHRINK_PAPER ", section 6");
-    cli_experiment_claim(experiment, CLI_PAPER, "the fibres make the rounded part cave in further", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "fibres make the rounded part cave in further", NULL);
     cli_experiment_least(experiment, "depth of the cap, with E_A / without", shapes[3].cap_depth / shapes[2].cap_depth,
                          1, CLI_SHRINK_PAPER ", section 6");
     cli_experiment_claim(experiment, CLI_PAPER, "step 4 leaves no self-intersection", NULL);
@@ -176,12 +175,13 @@ static pel_status run_figure_2(cli_experiment *experiment)
     cli_experiment_claim(experiment, CLI_PAPER, "the force on a vertex is -P n times a third of its triangles' area",
                          NULL);
     for (int body = 0; body < shown(experiment); body++)
-        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "force off, of the largest", label),
+        cli_experiment_check(experiment,
+                             cli_shrink_label(experiment, body, "error of the force / largest force", label),
                              off[body][0], 0, 1e-6, CLI_SHRINK_PAPER ", equation of section 2");
     cli_experiment_claim(experiment, CLI_PAPER, "cos alpha is that of the inward normal with the vertical", NULL);
     for (int body = 0; body < shown(experiment); body++)
-        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "cos alpha off", label), off[body][1], 0,
-                             1e-6, CLI_SHRINK_PAPER ", figure 2");
+        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "error of cos alpha", label), off[body][1],
+                             0, 1e-6, CLI_SHRINK_PAPER ", figure 2");
     status = cli_experiment_draw(experiment, &force);
     cli_picture angle = force;
     angle.caption = "vertical part of the outward normal: minus the paper's cos alpha";
@@ -252,11 +252,12 @@ static pel_status run_figure_5(cli_experiment *experiment)
     if (status != PEL_OK)
         return status;
     cli_experiment_claim(experiment, CLI_PAPER,
-                         "parts like a sphere stay stable under isotropic energies and deform less than the rest",
-                         "where the wall around the roundest part gives way, that part goes along");
+                         "sphere-like parts stay stable under isotropic energies and deform less than the rest",
+                         "where the wall around the roundest part collapses, that part moves with it");
     for (int body = 0; body < shown(experiment); body++) {
         char label[96];
-        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "way of the cap / of the body", label),
+        cli_experiment_limit(experiment,
+                             cli_shrink_label(experiment, body, "displacement of the cap / of the body", label),
                              shapes[body].cap_way / shapes[body].body_way, 1, CLI_SHRINK_PAPER ", figure 5");
         cli_experiment_tell(experiment, cli_shrink_label(experiment, body, "depth of the cap [m]", label),
                             shapes[body].cap_depth, (double)NAN, "");
@@ -281,12 +282,12 @@ static pel_status run_figure_9(cli_experiment *experiment)
         status = run_sequence(experiment, fibred, true, shapes, summaries);
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(experiment, CLI_PAPER, "with the fibres the parts like a sphere cave in quickly and clearly",
-                         NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "with fibres the sphere-like parts cave in quickly and clearly", NULL);
     for (int body = 0; body < shown(experiment); body++) {
         char label[96];
         cli_experiment_least(
-            experiment, cli_shrink_label(experiment, body, "depth of the cap, frame 100, more than without [m]", label),
+            experiment,
+            cli_shrink_label(experiment, body, "depth of the cap, frame 100, minus that without fibres [m]", label),
             shapes[body].cap_depth - plain[body].cap_depth, 0.02, CLI_SHRINK_PAPER ", figure 9");
         cli_experiment_tell(experiment, cli_shrink_label(experiment, body, "depth of the cap [m]", label),
                             shapes[body].cap_depth, plain[body].cap_depth, "without fibres");
@@ -330,7 +331,7 @@ static pel_status run_figure_6(cli_experiment *experiment)
     experiment->bodies = bodies;
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(experiment, CLI_PAPER, "the region with fibres, and what is near it, caves in", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "the region with fibres and its surroundings cave in", NULL);
     cli_experiment_least(experiment, "depth of the cap, with fibres / without", caved.cap_depth / plain.cap_depth, 1.5,
                          CLI_SHRINK_PAPER ", figure 6");
     cli_experiment_limit(experiment, "mean curvature of the cap, with fibres / without",
@@ -417,16 +418,15 @@ static pel_status run_figure_8(cli_experiment *experiment)
     cli_experiment_claim(experiment, CLI_PAPER, "with k_B 0.01 it shrinks", NULL);
     cli_experiment_limit(experiment, "volume in frame 100, k_B 0.01", volumes[SOFT], 0.85,
                          CLI_SHRINK_PAPER ", figure 8");
-    cli_experiment_claim(experiment, CLI_PAPER, "without E_B the surface is rougher and parts are stretched too far",
-                         NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "without E_B the surface is rougher and partly overstretched", NULL);
     cli_experiment_limit(experiment, "roughness of the mean curvature, k_B 0.01 / without E_B",
                          shapes[SOFT].roughness / shapes[STRETCH].roughness, 1, CLI_SHRINK_PAPER ", figure 8");
     cli_experiment_limit(experiment, "membrane energy, k_B 0.01 / without E_B",
                          shapes[SOFT].energy / shapes[STRETCH].energy, 1, CLI_SHRINK_PAPER ", figure 8");
     cli_experiment_claim(experiment, CLI_PAPER, "with E_A the roundest part caves in and its curvature vanishes", NULL);
-    cli_experiment_least(experiment, "depth of the cap, more than without E_A [m]",
+    cli_experiment_least(experiment, "depth of the cap minus that without E_A [m]",
                          shapes[FIBRES].cap_depth - shapes[SOFT].cap_depth, 0.02, CLI_SHRINK_PAPER ", figure 8");
-    cli_experiment_limit(experiment, "mean curvature of the cap, less than without E_A [1/m]",
+    cli_experiment_limit(experiment, "mean curvature of the cap minus that without E_A [1/m]",
                          shapes[FIBRES].cap_curvature - shapes[SOFT].cap_curvature, 0, CLI_SHRINK_PAPER ", figure 8");
     return draw_figure_8(experiment, names);
 }
@@ -445,10 +445,10 @@ static pel_status draw_figure_10(cli_experiment *experiment, char names[CLI_BODI
     static const struct {
         const char *field, *caption;
         double range;
-    } maps[4] = {{"pressure", "pressure on the vertices, at rest and in the end", 0},
-                 {"none", "shape, at rest and in the end", 0},
-                 {"mean_curvature", "mean curvature, at rest and in the end", 15},
-                 {"gaussian_curvature", "Gaussian curvature, at rest and in the end", 60}};
+    } maps[4] = {{"pressure", "pressure on the vertices, at rest and at the end", 0},
+                 {"none", "shape, at rest and at the end", 0},
+                 {"mean_curvature", "mean curvature, at rest and at the end", 15},
+                 {"gaussian_curvature", "Gaussian curvature, at rest and at the end", 60}};
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < 4; i++) {
         cli_picture picture = {.caption = maps[i].caption,
@@ -488,7 +488,7 @@ static pel_status run_figure_10(cli_experiment *experiment)
     }
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(experiment, CLI_PAPER, "the curvature of the parts like a sphere falls: they cave in", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "the curvature of sphere-like parts decreases: they cave in", NULL);
     for (int body = 0; body < experiment->body_count; body++) {
         char label[96];
         cli_experiment_limit(experiment,

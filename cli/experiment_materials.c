@@ -176,10 +176,10 @@ static pel_status run_figure_12(cli_experiment *experiment)
     pel_mesh_destroy(shell);
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(
-        experiment, CLI_PAPER, "the elastic energy is more even than with the method of Bender and others 2014",
-        "our solid of tetrahedra hardly deforms, and evenly; paper B does not say how its tetrahedra and "
-        "masses were chosen");
+    cli_experiment_claim(experiment, CLI_PAPER,
+                         "the elastic energy is more even than with the method of Bender and others 2014",
+                         "our tetrahedral solid deforms little and evenly; paper B does not say how its tetrahedra and "
+                         "masses were chosen");
     cli_experiment_limit(experiment, "spread of the energy on the surface, shell / solid",
                          shapes[0].energy_spread / shapes[1].energy_spread, 1, CLI_SHRINK_PAPER ", figure 12");
     cli_experiment_tell(experiment, "spread of the energy, shell", shapes[0].energy_spread, (double)NAN, "");
@@ -201,7 +201,7 @@ static pel_status run_figure_12(cli_experiment *experiment)
 
 const cli_experiment_case cli_b_figure_12 = {
     .name = "b-figure12",
-    .doc = "energy of a shell in frame 50 beside that of a solid (Bender and others 2014)",
+    .doc = "energy of a shell in frame 50 compared with a solid (Bender and others 2014)",
     .group = "paper B",
     .run = run_figure_12,
 };
@@ -298,7 +298,7 @@ static pel_status run_figure_13(cli_experiment *experiment)
     }
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(experiment, CLI_PAPER, "materials differ very little at each size", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "materials differ little at each size", NULL);
     for (int size = 0; size < SIZES; size++) {
         double most = 0;
         char name[96];
@@ -310,12 +310,12 @@ static pel_status run_figure_13(cli_experiment *experiment)
     }
     cli_experiment_claim(
         experiment, CLI_PAPER, "the size of the body has little influence",
-        "pbd does not feel stiffness: the acceleration p / (rho h) is the same at all sizes, so a small "
-        "body is crushed sooner; with a pressure that goes with the size the claim holds exactly");
+        "pbd ignores the stiffness: the acceleration p / (rho h) is the same at all sizes, so that a small body is "
+        "crushed sooner; with a pressure proportional to the size the claim holds exactly");
     cli_experiment_limit(experiment, "one pressure: largest difference over sizes, stvk",
                          largest_difference(volumes, 1), 0.1, CLI_SHRINK_PAPER ", figure 13; 0.1 is ours");
     cli_experiment_claim(experiment, CLI_THEORY,
-                         "pbd is scale covariant: a pressure that goes with the size gives one curve", NULL);
+                         "pbd is scale covariant: a pressure proportional to the size gives one curve", NULL);
     double off = 0;
     for (int size = 1; size < SIZES; size++)
         for (int frame = 0; frame <= 40; frame++)
@@ -323,7 +323,7 @@ static pel_status run_figure_13(cli_experiment *experiment)
     cli_experiment_limit(experiment, "pressure with size: largest difference of volume to frame 40", off, 1e-3,
                          "theory.md, section 9; meshes scale to 9 digits");
     cli_experiment_claim(experiment, CLI_PAPER, "the method of Bender and others depends on the size more",
-                         "our solid keeps its volume at all three sizes: five sweeps over its tetrahedra hold it");
+                         "our solid keeps its volume at all three sizes: five sweeps over its tetrahedra suffice");
     double ours = largest_difference(volumes, 1), theirs = largest_difference(volumes, BARS - 1);
     cli_experiment_least(experiment, "largest difference over sizes, solid / shell", theirs / ours, 1,
                          CLI_SHRINK_PAPER ", figure 13");
@@ -370,12 +370,14 @@ static pel_status run_figure_14(cli_experiment *experiment)
         return status;
     char label[96];
     cli_experiment_claim(experiment, CLI_PAPER, "in frame 50 energies and distances do not differ clearly",
-                         "distances resist nothing but the lengths of edges, and have given way by then");
+                         "distance constraints resist only changes of edge lengths, and have collapsed by then");
     for (int body = 0; body < shown(experiment); body++)
         cli_experiment_check(
-            experiment, cli_shrink_label(experiment, body, "way of the body, distances / energies, frame 50", label),
+            experiment,
+            cli_shrink_label(experiment, body, "displacement of the body, distances / energies, frame 50", label),
             early[body][1].body_way / early[body][0].body_way, 1, 0.25, CLI_SHRINK_PAPER ", figure 14; 0.25 is ours");
-    cli_experiment_claim(experiment, CLI_PAPER, "in frame 100 distances have stretched the surface too far", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "by frame 100 distance constraints have overstretched the surface",
+                         NULL);
     for (int body = 0; body < shown(experiment); body++) {
         cli_experiment_limit(experiment,
                              cli_shrink_label(experiment, body, "stretch energy, energies / distances", label),
@@ -400,7 +402,7 @@ static pel_status run_figure_14(cli_experiment *experiment)
 
 const cli_experiment_case cli_b_figure_14 = {
     .name = "b-figure14",
-    .doc = "energies as constraints beside distances of edges",
+    .doc = "energy constraints and distance constraints",
     .group = "paper B",
     .run = run_figure_14,
 };
@@ -478,8 +480,8 @@ static pel_status run_figure_15(cli_experiment *experiment)
         cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "time, distances / pbd", label),
                              times[body][1] / times[body][0], 1, CLI_SHRINK_PAPER ", table 1");
     cli_experiment_claim(
-        experiment, CLI_PAPER, "the two shapes are alike, that of gradient descent is rougher",
-        "50 steps of gradient descent a frame leave less noise from edge to edge than five sweeps of pbd do");
+        experiment, CLI_PAPER, "the two shapes are similar, and that of gradient descent is rougher",
+        "50 steps of gradient descent per frame leave less edge-to-edge noise than five sweeps of pbd");
     for (int body = 0; body < count; body++)
         cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "roughness, pbd / gradient descent", label),
                              shapes[body][0].roughness / shapes[body][2].roughness, 1, CLI_SHRINK_PAPER ", figure 15");
@@ -500,7 +502,7 @@ static pel_status run_figure_15(cli_experiment *experiment)
 
 const cli_experiment_case cli_b_figure_15 = {
     .name = "b-figure15",
-    .doc = "position-based dynamics beside minimisation of the energy; times of table 1",
+    .doc = "position-based dynamics and minimisation of the energy; times of table 1",
     .group = "paper B",
     .run = run_figure_15,
 };

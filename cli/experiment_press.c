@@ -86,8 +86,8 @@ static pel_status run_figure_4(cli_experiment *experiment)
                                  (double)levels[i]->triangle_count / levels[i - 1]->triangle_count, 4, 0,
                                  "paper A, section 3.1");
         cli_experiment_claim(experiment, CLI_PAPER, "the scheme interpolates: vertices stay where they are", NULL);
-        cli_experiment_limit(experiment, "largest move of a vertex of level 0 [m]", most_moved(levels[0], levels[2]), 0,
-                             "paper A, section 3.1");
+        cli_experiment_limit(experiment, "largest displacement of a vertex of level 0 [m]",
+                             most_moved(levels[0], levels[2]), 0, "paper A, section 3.1");
         cli_experiment_claim(experiment, CLI_REGRESSION, "the levels lie near the outline that the base was made from",
                              NULL);
         cli_experiment_limit(experiment, "level 1: largest distance from the outline / radius",
@@ -176,10 +176,10 @@ static pel_status check_euler(cli_experiment *experiment)
         status = cli_experiment_run(experiment, "limit-explicit", sphere, stiff, &limit[1]);
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(experiment, CLI_PAPER, "explicit Euler swings, the quasi-static update does not", NULL);
-    cli_experiment_least(experiment, "explicit: turns of the displacement after release", swings, 3,
+    cli_experiment_claim(experiment, CLI_PAPER, "explicit Euler oscillates, the quasi-static update does not", NULL);
+    cli_experiment_least(experiment, "explicit: reversals of the displacement after release", swings, 3,
                          "paper A, section 1");
-    cli_experiment_limit(experiment, "quasi-static: turns of the displacement after release", still, 0,
+    cli_experiment_limit(experiment, "quasi-static: reversals of the displacement after release", still, 0,
                          "paper A, section 2");
     cli_experiment_claim(experiment, CLI_PAPER, "stiffness 20 and damping 2 still work at dt 0.01", NULL);
     cli_experiment_limit(experiment, "quasi-static, alpha 50: largest displacement [m]", limit[0].max_displacement, 1,
@@ -201,21 +201,22 @@ static pel_status run_figure_6_7(cli_experiment *experiment)
     if (status != PEL_OK)
         return status;
     cli_experiment_claim(experiment, CLI_PAPER, "without volumetric springs the ball does not come back", NULL);
-    cli_experiment_least(experiment, "hollow: left / depth", hollow.residual_displacement / hollow.max_displacement,
+    cli_experiment_least(experiment, "hollow: residual / depth", hollow.residual_displacement / hollow.max_displacement,
                          0.3, "paper A, figure 6; 0.3 is ours");
     cli_experiment_claim(experiment, CLI_PAPER, "with them it is almost completely restored", NULL);
-    cli_experiment_limit(experiment, "filled: left / depth", full.residual_displacement / full.max_displacement, 0.05,
-                         "paper A, section 4; 0.05 is ours");
-    cli_experiment_claim(experiment, CLI_REFERENCE, "depths and what is left after 5 s", NULL);
+    cli_experiment_limit(experiment, "filled: residual / depth", full.residual_displacement / full.max_displacement,
+                         0.05, "paper A, section 4; 0.05 is ours");
+    cli_experiment_claim(experiment, CLI_REFERENCE, "depths and residual displacements after 5 s", NULL);
     cli_experiment_check(experiment, "hollow: depth [m]", hollow.max_displacement, 0.518, 0.001, reference);
-    cli_experiment_check(experiment, "hollow: left after 5 s [m]", hollow.residual_displacement, 0.336, 0.002,
+    cli_experiment_check(experiment, "hollow: residual after 5 s [m]", hollow.residual_displacement, 0.336, 0.002,
                          reference);
     cli_experiment_check(experiment, "filled: depth [m]", full.max_displacement, 0.283, 0.001, reference);
-    cli_experiment_check(experiment, "filled: left after 5 s [m]", full.residual_displacement, 0.005, 0.001, reference);
+    cli_experiment_check(experiment, "filled: residual after 5 s [m]", full.residual_displacement, 0.005, 0.001,
+                         reference);
     status = check_euler(experiment);
     if (status != PEL_OK)
         return status;
-    status = plot_two(experiment, "a ball pressed for 5 s and let go", runs, names);
+    status = plot_two(experiment, "a ball pressed for 5 s and released", runs, names);
     const cli_picture picture = {.caption = "pressed for 5 s, and 5 s after",
                                  .times = true,
                                  .runs = {"hollow", "filled"},
@@ -231,7 +232,7 @@ static pel_status run_figure_6_7(cli_experiment *experiment)
 
 const cli_experiment_case cli_figure_6_7 = {
     .name = "figure6-7",
-    .doc = "a ball pressed and let go, without and with volumetric springs",
+    .doc = "a ball pressed and released, without and with volumetric springs",
     .group = "paper A",
     .run = run_figure_6_7,
 };
@@ -339,15 +340,18 @@ static pel_status run_figure_9(cli_experiment *experiment)
         return status;
     /* the probe's lowest point goes from 2.18 mm, the front pole, to 1.18 mm */
     cli_experiment_claim(experiment, CLI_THEORY,
-                         "the capsule follows the probe: it is pressed as deep as the probe goes", NULL);
-    cli_experiment_check(experiment, "base: depth [m]", base.max_displacement, 0.001, 3e-5, "the way of the probe");
-    cli_experiment_check(experiment, "local: depth [m]", local.max_displacement, 0.001, 3e-5, "the way of the probe");
+                         "the capsule follows the probe: it is pressed in as far as the probe moves", NULL);
+    cli_experiment_check(experiment, "base: depth [m]", base.max_displacement, 0.001, 3e-5,
+                         "the displacement of the probe");
+    cli_experiment_check(experiment, "local: depth [m]", local.max_displacement, 0.001, 3e-5,
+                         "the displacement of the probe");
     cli_experiment_claim(experiment, CLI_PAPER, "it is almost completely restored", NULL);
-    cli_experiment_limit(experiment, "base: left / depth", base.residual_displacement / base.max_displacement, 0.01,
+    cli_experiment_limit(experiment, "base: residual / depth", base.residual_displacement / base.max_displacement, 0.01,
                          "paper A, section 4; 0.01 is ours");
-    cli_experiment_limit(experiment, "local: left / depth", local.residual_displacement / local.max_displacement, 0.01,
-                         "paper A, section 4; 0.01 is ours");
-    cli_experiment_claim(experiment, CLI_THEORY, "what was refined near the probe is coarse again in the end", NULL);
+    cli_experiment_limit(experiment, "local: residual / depth", local.residual_displacement / local.max_displacement,
+                         0.01, "paper A, section 4; 0.01 is ours");
+    cli_experiment_claim(experiment, CLI_THEORY, "triangles refined near the probe are coarsened again at the end",
+                         NULL);
     cli_experiment_check(experiment, "base: triangles at the end", (double)base.triangles_final, 5120, 0, "the mesh");
     cli_experiment_check(experiment, "local: triangles at the end", (double)local.triangles_final, 5120, 0,
                          "the mesh: all refinement given back");

@@ -127,7 +127,8 @@ static pel_status compare(cli_experiment *experiment, const pressed_ball *ball, 
         return status;
     cli_experiment_limit(experiment, "xpbd: error with 128 / with 64 substeps", errors[4] / errors[3], 0.55,
                          "first order or better");
-    const cli_plot plot = {.title = "xpbd beside the leapfrog: a sphere on the way to half its buckling pressure",
+    const cli_plot plot = {.title =
+                               "xpbd compared with the leapfrog: a sphere on the way to half its buckling pressure",
                            .x_name = "substeps in a frame of 1/60 s",
                            .y_name = "distance / way",
                            .log_x = true,
@@ -166,7 +167,7 @@ static pel_status run_shell_checks(cli_experiment *experiment)
 
 const cli_experiment_case cli_shell_checks = {
     .name = "shells",
-    .doc = "a sphere under pressure, and xpbd beside the leapfrog (some minutes)",
+    .doc = "a sphere under pressure, and xpbd compared with the leapfrog (some minutes)",
     .group = "own",
     .origin = CLI_THEORY,
     .run = run_shell_checks,

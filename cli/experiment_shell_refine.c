@@ -299,7 +299,7 @@ static pel_status run_shell_refinement(cli_experiment *experiment)
 
 const cli_experiment_case cli_shell_refinement = {
     .name = "b-refinement",
-    .doc = "shells refined where they bend or are strained, beside coarse and fine ones",
+    .doc = "shells refined by curvature or strain, compared with coarse and fine ones",
     .group = "own",
     .origin = CLI_REGRESSION,
     .run = run_shell_refinement,

@@ -48,9 +48,9 @@ static void judge_weights(cli_experiment *experiment, const weighed *made)
 {
     char label[96];
     int count = experiment->body_count;
-    cli_experiment_claim(experiment, CLI_PAPER, "with k_B 1 and 0.1 the volume changes little in 100 frames",
-                         "how far a body with k_B 0.1 shrinks depends on pressure, time step and mesh, which the paper "
-                         "does not give");
+    cli_experiment_claim(
+        experiment, CLI_PAPER, "with k_B 1 and 0.1 the volume changes little in 100 frames",
+        "the shrinkage with k_B 0.1 depends on pressure, time step and mesh, which the paper does not give");
     for (int body = 0; body < count; body++)
         for (int i = 0; i < 2; i++) {
             char text[48];
@@ -58,12 +58,12 @@ static void judge_weights(cli_experiment *experiment, const weighed *made)
             cli_experiment_check(experiment, cli_shrink_label(experiment, body, text, label), made[body].volumes[i], 1,
                                  0.15, CLI_SHRINK_PAPER ", figure 17; 0.15 is ours");
         }
-    cli_experiment_claim(experiment, CLI_PAPER, "with k_B 1 the volume goes up and down", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "with k_B 1 the volume oscillates", NULL);
     for (int body = 0; body < count; body++)
         cli_experiment_least(experiment, cli_shrink_label(experiment, body, "rises in 100 frames, k_B 1", label),
                              made[body].rises[W_1], 10, CLI_SHRINK_PAPER ", figure 18; 10 is ours");
-    cli_experiment_claim(experiment, CLI_PAPER, "with k_B 0.01 the volume falls clearly and without a rise",
-                         "rises of less than 1e-4 of the volume where thin limbs hold");
+    cli_experiment_claim(experiment, CLI_PAPER, "with k_B 0.01 the volume decreases clearly and monotonically",
+                         "rises below 1e-4 of the volume where thin limbs resist");
     for (int body = 0; body < count; body++) {
         cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "volume in frame 100, k_B 0.01", label),
                              made[body].volumes[W_001], 0.85, CLI_SHRINK_PAPER ", figure 18; 0.85 is ours");
@@ -72,9 +72,9 @@ static void judge_weights(cli_experiment *experiment, const weighed *made)
     }
     cli_experiment_claim(experiment, CLI_PAPER, "with k_B 0.001 the volume is near that without bending energy", NULL);
     for (int body = 0; body < count; body++)
-        cli_experiment_check(
-            experiment, cli_shrink_label(experiment, body, "volume, k_B 0.001 less that of k_B 0", label),
-            made[body].volumes[W_0001] - made[body].volumes[W_0], 0, 0.1, CLI_SHRINK_PAPER ", figure 17; 0.1 is ours");
+        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "volume, k_B 0.001 minus k_B 0", label),
+                             made[body].volumes[W_0001] - made[body].volumes[W_0], 0, 0.1,
+                             CLI_SHRINK_PAPER ", figure 17; 0.1 is ours");
     cli_experiment_claim(experiment, CLI_PAPER, "k_B 0.001 and 0 are rougher than 0.01", NULL);
     for (int body = 0; body < count; body++)
         for (int i = W_0001; i <= W_0; i++) {
@@ -85,13 +85,12 @@ static void judge_weights(cli_experiment *experiment, const weighed *made)
                                  CLI_SHRINK_PAPER ", figure 16");
         }
     cli_experiment_claim(experiment, CLI_PAPER,
-                         "wished for in section 7: a k_B chosen by itself shrinks bodies further, without jitter",
-                         NULL);
+                         "future work of section 7: an automatic k_B shrinks bodies further, without jitter", NULL);
     for (int body = 0; body < count; body++) {
         cli_experiment_limit(experiment,
                              cli_shrink_label(experiment, body, "volume in frame 100, auto / k_B 0.01", label),
                              made[body].further, 0.97, CLI_SHRINK_PAPER ", section 7");
-        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "rises, auto less those of 0.01", label),
+        cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "rises, auto minus those of 0.01", label),
                              made[body].rises[W_AUTO] - made[body].rises[W_001], 0, CLI_SHRINK_PAPER ", section 7");
     }
     cli_experiment_claim(experiment, CLI_PAPER, "step 4 leaves no self-intersection", NULL);
@@ -146,7 +145,7 @@ static pel_status run_figure_16_18(cli_experiment *experiment)
 
 const cli_experiment_case cli_b_figure_16_18 = {
     .name = "b-figure16-18",
-    .doc = "the weight k_B of bending, and the one that is chosen by itself",
+    .doc = "the bending weight k_B, fixed and automatic",
     .group = "paper B",
     .run = run_figure_16_18,
 };
@@ -193,13 +192,13 @@ static void judge_fibres(cli_experiment *experiment, const caved *made)
     for (int body = 0; body < experiment->body_count; body++)
         for (int i = 1; i < FIBRES; i++) {
             char text[56];
-            snprintf(text, sizeof text, "depth of the cap, %s, more than none [m]", fibres[i]);
+            snprintf(text, sizeof text, "depth of the cap, %s, minus that without fibres [m]", fibres[i]);
             cli_experiment_least(experiment, cli_shrink_label(experiment, body, text, label),
                                  made[body].shapes[i].cap_depth - made[body].shapes[0].cap_depth, 0.02,
                                  CLI_SHRINK_PAPER ", figure 19; 0.02 is ours");
         }
     cli_experiment_claim(
-        experiment, CLI_PAPER, "with fibres the volume falls faster and ends smaller",
+        experiment, CLI_PAPER, "with fibres the volume decreases faster and ends smaller",
         "the cap caves in, but its share of the volume is small, and where it holds the wall behind it "
         "the rest falls together more slowly");
     for (int body = 0; body < experiment->body_count; body++)
@@ -207,7 +206,7 @@ static void judge_fibres(cli_experiment *experiment, const caved *made)
                              made[body].further, 0.99, CLI_SHRINK_PAPER ", figure 20");
     cli_experiment_claim(experiment, CLI_THEORY, "on a surface arap and sqrt are one energy", NULL);
     for (int body = 0; body < experiment->body_count; body++)
-        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "volume, arap less sqrt", label),
+        cli_experiment_check(experiment, cli_shrink_label(experiment, body, "volume, arap minus sqrt", label),
                              made[body].volumes[1] - made[body].volumes[2], 0, 1e-9, "theory.md, section 4: I4 > 0");
     cli_experiment_claim(experiment, CLI_PAPER, "step 4 leaves no self-intersection", NULL);
     for (int body = 0; body < experiment->body_count; body++)
@@ -381,7 +380,7 @@ static pel_status run_table_2(cli_experiment *experiment)
                             cli_shrink_label(experiment, body, "cubics a frame, method conservative", label), one->ours,
                             (double)NAN, "");
     }
-    cli_experiment_claim(experiment, CLI_REGRESSION, "few pairs of boxes are left for the cubic", NULL);
+    cli_experiment_claim(experiment, CLI_REGRESSION, "few pairs of boxes need the cubic", NULL);
     for (int body = 0; body < experiment->body_count; body++)
         cli_experiment_limit(experiment, cli_shrink_label(experiment, body, "cubics / pairs of boxes", label),
                              made[body].cubics / fmax(made[body].candidates, 1), 0.4, "our own runs");

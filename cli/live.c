@@ -108,6 +108,8 @@ static int load(const cli_call *call, const char *const *settings, int setting_c
     if (cli_has(call, "shell"))
         return cli_complain("--shell is for a mesh, and '%s' is a scene: give its body a membrane", path);
     bool done = pel_scene_load(path, settings, setting_count, &cli_notes, scene, &error) == PEL_OK;
+    if (!done)
+        cli_suggest_scene(&error, path);
     return done ? CLI_DONE : cli_report(&error);
 }
 

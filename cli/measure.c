@@ -158,7 +158,7 @@ int cli_measure(const cli_call *call)
     const char *out = cli_value(call, "output");
     pel_mesh_format format = out != NULL ? pel_mesh_format_of_path(out) : PEL_FORMAT_VTP;
     if (format != PEL_FORMAT_VTP && format != PEL_FORMAT_PLY)
-        return cli_complain("'%s' cannot hold vertex fields. let it end in .vtp or .ply", out);
+        return cli_complain("'%s' cannot hold vertex fields. end the name in .vtp or .ply", out);
     if (out == NULL && cli_has(call, "pressure"))
         return cli_complain("option '--pressure' is about the file that is written. add '-o OUT.vtp'");
     measured m = {0};

@@ -199,6 +199,7 @@ static bool read_choices(const cli_call *call, pel_render_def *def)
     def->unit = cli_value(call, "unit");
     def->flat = cli_has(call, "flat");
     def->edges = cli_has(call, "edges");
+    def->outline = cli_has(call, "outline");
     def->hide_bar = cli_has(call, "no-bar");
     def->hide_labels = cli_has(call, "no-labels");
     def->hide_tools = cli_has(call, "no-tools");
@@ -307,7 +308,7 @@ int cli_render(const cli_call *call)
         return cli_complain("there are too many options");
     if (is_other_file(def.output))
         return cli_complain(
-            "'%s' names no picture that can be written. let it end in .png, .mp4 or .gif, or name a folder",
+            "'%s' is not a picture format that can be written. end the name in .png, .mp4 or .gif, or name a folder",
             def.output);
     if (!read_choices(call, &def) || !read_frames(call, ranges, &def.frame_range_count) ||
         !read_labels(call, labels, &def))

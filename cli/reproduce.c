@@ -131,8 +131,9 @@ static pel_status write_findings(const cli_experiment *experiment)
                 cli_verdict_name(cli_claim_verdict(experiment, f->claim)));
     }
     bool whole = ferror(file) == 0;
-    return fclose(file) == 0 && whole ? PEL_OK
-                                      : pel_fail(experiment->error, PEL_BAD_FILE, "the numbers were not written whole");
+    return fclose(file) == 0 && whole
+               ? PEL_OK
+               : pel_fail(experiment->error, PEL_BAD_FILE, "the numbers could not be written completely");
 }
 
 static void write_numbers(cli_json *json, const cli_experiment *experiment)
@@ -249,9 +250,10 @@ static int run_cases(const cli_call *call, job *work)
     at.count = 0;
     for (int i = 0; i < CASE_COUNT; i++)
         at.count += is_wanted(call, cases[i]->name);
-    const char *data = cli_value(call, "data");
-    pel_status status = cli_bodies_find(cli_value(call, "mesh"), data != NULL ? data : getenv("PELLICLE_DATA"),
-                                        work->bodies, &work->body_count, &error);
+    const char *data = cli_value(call, "data"), *up = cli_value(call, "up");
+    pel_status status =
+        cli_bodies_find(cli_value(call, "mesh"), up != NULL ? up[0] : 'z',
+                        data != NULL ? data : getenv("PELLICLE_DATA"), work->bodies, &work->body_count, &error);
     if (status != PEL_OK) {
         cli_report(&error);
         return CLI_BAD_INPUT;

@@ -49,17 +49,14 @@ static void measured(const cli_experiment *experiment, int claim, char *text, si
 /* ---- HTML ---- */
 
 static const char head[] =
-    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-    "<title>Pellicle: both papers</title>\n<style>\n"
-    "body { font: 15px/1.45 sans-serif; max-width: 1100px; margin: 2em auto; padding: 0 1em; color: #222; }\n"
-    "table { border-collapse: collapse; width: 100%; } td, th { border-bottom: 1px solid #ddd; padding: 4px 8px;"
-    " text-align: left; vertical-align: top; }\n"
-    "td.number { text-align: right; font-variant-numeric: tabular-nums; } img { max-width: 100%; }\n"
-    ".holds { color: #00703c; } .differs { color: #b35900; } .fails { color: #b00020; font-weight: bold; }"
-    " .told { color: #666; }\n"
-    "figure { margin: 1em 0; } figcaption { color: #555; } summary { cursor: pointer; }\n"
-    "</style>\n</head>\n<body>\n<h1>Both papers, made anew</h1>\n";
+    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+    "content=\"width=device-width, initial-scale=1\">\n<title>Pellicle: both papers</title>\n<style>\nbody { font: "
+    "15px/1.45 sans-serif; max-width: 1100px; margin: 2em auto; padding: 0 1em; color: #222; }\ntable { "
+    "border-collapse: collapse; width: 100%; } td, th { border-bottom: 1px solid #ddd; padding: 4px 8px; text-align: "
+    "left; vertical-align: top; }\ntd.number { text-align: right; font-variant-numeric: tabular-nums; } img { "
+    "max-width: 100%; }\n.holds { color: #00703c; } .differs { color: #b35900; } .fails { color: #b00020; font-weight: "
+    "bold; } .told { color: #666; }\nfigure { margin: 1em 0; } figcaption { color: #555; } summary { cursor: pointer; "
+    "}\n</style>\n</head>\n<body>\n<h1>Reproduction of both papers</h1>\n";
 
 static void put_verdict(FILE *file, const cli_experiment *experiment, int claim)
 {
@@ -159,8 +156,8 @@ static void write_html(FILE *file, const cli_experiment *const *experiments, int
 static void write_markdown(FILE *file, const cli_experiment *const *experiments, int count)
 {
     char text[2048];
-    fputs("# Both papers, made anew\n\n| experiment | from | what it says | measured (wanted) | verdict |\n"
-          "|---|---|---|---|---|\n",
+    fputs("# Reproduction of both papers\n\n| experiment | from | what it says | measured (wanted) | verdict "
+          "|\n|---|---|---|---|---|\n",
           file);
     for (int i = 0; i < count; i++)
         for (int claim = 0; claim < experiments[i]->claim_count; claim++) {

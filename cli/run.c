@@ -154,7 +154,7 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
         /* the scene as it was with --set */
         char resolved[PEL_RUN_PATH_SIZE + 16];
         snprintf(resolved, sizeof resolved, "%s/%s", folder, pel_run_file_name(PEL_RUN_SCENE));
-        printf("go on with: pellicle run %s --resume %s\n", cli_has(call, "set") ? resolved : call->arguments[0],
+        printf("continue with: pellicle run %s --resume %s\n", cli_has(call, "set") ? resolved : call->arguments[0],
                s->checkpoint);
     }
 }
@@ -229,6 +229,7 @@ static int load_and_run(const cli_call *call, const char *const *settings, int s
         PEL_OK) {
         status = run_scene(call, scene, folder);
     } else {
+        cli_suggest_scene(&error, call->arguments[0]);
         status = cli_report(&error);
         if (as_json)
             write_refusal(&error);

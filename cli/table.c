@@ -13,14 +13,14 @@
     {                                                                                                                  \
         .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_format_names,                              \
         .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, "      \
-               "off or vtp (VTK PolyData); left out, the file's ending decides"                                        \
+               "off or vtp (VTK PolyData); default: by the file's ending"                                              \
     }
 
 #define EXPORT_OPTION                                                                                                  \
     {                                                                                                                  \
         .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_export_names,                              \
         .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, off, " \
-               "vtp (VTK PolyData), glb or, of a run, pc2; left out, the file's ending decides"                        \
+               "vtp (VTK PolyData), glb or, of a run, pc2; default: by the file's ending"                              \
     }
 
 const cli_option cli_help_option = {.name = "help", .letter = 'h', .kind = CLI_FLAG, .doc = "print this page"};
@@ -29,24 +29,23 @@ static const cli_command commands[] = {
     {
         .name = "run",
         .summary = "simulate a scene and write its results",
-        .text = "Reads the scene file SCENE (YAML or JSON; a name such as balloon means an installed scene), simulates "
-                "it and leaves a folder of results: frames.pvd "
-                "with frames/*.vtp for ParaView, series.csv with the measures over time, summary.json, final.ply and "
-                "scene.yaml, the scene with every default filled in.\n\n"
-                "Ctrl-C (SIGINT), SIGTERM and SIGHUP stop after the current step with everything written so far whole, "
-                "and leave a checkpoint from which --resume continues with the same bits. A second one ends at once; "
-                "what is in the folder "
-                "is whole then too, and so is the state that a run keeps every 10 s in its file `checkpoint`. A run "
-                "that diverges says where, keeps its last good checkpoint and exits with status 1.\n\n"
-                "What makes the numbers doubtful is a line 'warning: ...' on standard error, and stands with its code "
-                "in summary.json: a method that is softer than the material, steps that did not converge, energy that "
-                "appears, contact that jams, a mesh that is too coarse. docs/results.md lists the codes.",
+        .text =
+            "Reads the scene file SCENE (YAML or JSON; a name such as balloon means an installed scene), simulates it "
+            "and leaves a folder of results: frames.pvd with frames/*.vtp for ParaView, series.csv with the measures "
+            "over time, summary.json, final.ply and scene.yaml, the scene with every default filled in.\n\nCtrl-C "
+            "(SIGINT), SIGTERM and SIGHUP stop the run within 0.5 s, finish all files and leave a checkpoint from "
+            "which --resume continues with the same bits. A second signal ends the run at once; files in the folder "
+            "are complete then too, including the state kept every 10 s in `checkpoint`. A run that diverges names the "
+            "place, keeps its last good checkpoint and exits with status 1.\n\nAnything that makes the numbers "
+            "doubtful is printed as 'warning: ...' on standard error and listed with its code in summary.json: a "
+            "method softer than the material, steps that did not converge, energy that appears, contact that jams, a "
+            "mesh that is too coarse, a run that ends before it settles. docs/results.md lists the codes.",
         .slots = {{.name = "SCENE", .kind = CLI_SCENE}},
         .options = {{.name = "output",
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder of the results; left out: results/ and the scene's name, or with --resume the "
+                     .doc = "folder of the results; default: results/ and the scene's name, or with --resume the "
                             "folder of the checkpoint"},
                     {.name = "set",
                      .kind = CLI_SETTING,
@@ -63,7 +62,7 @@ static const cli_command commands[] = {
                     {.name = "threads",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "use N threads; left out: all of the machine. The results do not depend on it"},
+                     .doc = "use N threads; default: all of the machine. The results do not depend on it"},
                     {.name = "resume",
                      .kind = CLI_FILE,
                      .value = "FILE",
@@ -73,10 +72,10 @@ static const cli_command commands[] = {
                      .value = "FORM",
                      .words = cli_progress_names,
                      .doc = "show progress on standard error: bar (one line that is written over), plain (a line a "
-                            "second, for logs and pipes) or none; left out: bar on a terminal, else none"},
+                            "second, for logs and pipes) or none; default: bar on a terminal, else none"},
                     {.name = "strict",
                      .kind = CLI_FLAG,
-                     .doc = "exit with status 1 when the run ends with any warning; the results stay"},
+                     .doc = "exit with status 1 if the run ends with any warning; the results are kept"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors and warnings only"},
                     JSON_OPTION},
         .examples = "pellicle run scenes/sphere-press.yaml\n"
@@ -87,23 +86,21 @@ static const cli_command commands[] = {
     {
         .name = "live",
         .summary = "touch a simulation in a browser",
-        .text =
-            "Simulates SCENE at its own pace and serves a page that shows it: pull the surface by a spring, press it "
-            "with a tool, pin, inflate, change parameters, undo, and save what was done as a scene that 'pellicle run' "
-            "repeats to the bit. A mesh is filled with tissue, or is a shell of rubber. Without SCENE: the balloon.\n\n"
-            "Prints 'live at http://127.0.0.1:PORT/?token=TOKEN', opens the address and serves until it is "
-            "interrupted. Only this machine can reach it, unless --host names another address, and only with the "
-            "token.\n\n"
-            "--html writes one HTML file instead, which simulates in any browser, without this program: scene, meshes "
-            "and the library as WebAssembly are inside.",
+        .text = "Simulates SCENE and serves a page that shows it: pull the surface by a spring, press it with a tool, "
+                "pin, inflate, change parameters, undo, and save what was done as a scene that 'pellicle run' repeats "
+                "to the bit. A mesh is filled with tissue, or is a shell of rubber. Without SCENE: the "
+                "balloon.\n\nPrints 'live at http://127.0.0.1:PORT/?token=TOKEN', opens the address and serves until "
+                "it is interrupted. Only this machine can reach it, unless --host names another address, and only with "
+                "the token.\n\n--html writes one HTML file instead, which simulates in any browser, without this "
+                "program: scene, meshes and the library as WebAssembly are inside.",
         .slots = {{.name = "SCENE|MESH", .kind = CLI_SCENE, .optional = true}},
         .options = {{.name = "shell", .kind = CLI_FLAG, .doc = "make a mesh a shell, not tissue"},
                     {.name = "no-open", .kind = CLI_FLAG, .doc = "open no browser"},
-                    {.name = "port", .kind = CLI_COUNT, .value = "N", .doc = "port; left out: one that is free"},
+                    {.name = "port", .kind = CLI_COUNT, .value = "N", .doc = "port; default: one that is free"},
                     {.name = "host",
                      .kind = CLI_TEXT,
                      .value = "ADDRESS",
-                     .doc = "serve on this address of the machine; left out: 127.0.0.1"},
+                     .doc = "serve on this address of the machine; default: 127.0.0.1"},
                     {.name = "html",
                      .kind = CLI_FILE,
                      .value = "OUT",
@@ -118,11 +115,11 @@ static const cli_command commands[] = {
                     {.name = "threads",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "threads of a step; left out: what the scene says"},
+                     .doc = "threads of a step; default: what the scene says"},
                     {.name = "page",
                      .kind = CLI_FILE,
                      .value = "FILE",
-                     .doc = "the page; left out: the one that 'make web' built, with --html 'make wasm'"},
+                     .doc = "the page; default: the one that 'make web' built, with --html 'make wasm'"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print the address and errors only"}},
         .examples = "pellicle live balloon\n"
                     "pellicle live balloon --html balloon.html\n"
@@ -133,33 +130,30 @@ static const cli_command commands[] = {
     {
         .name = "check",
         .summary = "find what is wrong with a mesh or a scene; repair a mesh",
-        .text =
-            "Says every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
-            "checked as a scene, with the meshes it names; anything else as a mesh. Elements are numbered from 0.\n\n"
-            "Exit status 0: fine (notes may be printed), or repaired and written; 2: there are errors (cannot be "
-            "simulated) or warnings (can be, but is probably not what was meant).\n\n"
-            "--fix welds vertices at one place; drops broken, duplicate and flat triangles and vertices that nothing "
-            "uses, where a flat triangle has a corner on the edge of its neighbour the neighbour is divided there, so "
-            "that no slit stays; cuts pieces apart that hang together in a vertex or in an edge of more than two "
-            "triangles, by vertices of their own at the same place (a later check warns of these; write .obj, .ply or "
-            ".off, as reading .stl welds them again); and turns triangles the same way and outward. Nothing moves "
-            "but what is welded. Holes stay, unless --fill-holes closes them.",
+        .text = "Lists every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
+                "checked as a scene, with the meshes it names; anything else as a mesh. Elements are numbered from "
+                "0.\n\nExit status 0: fine (notes may be printed), or repaired and written; 2: there are errors "
+                "(cannot be simulated) or warnings (can be, but is probably not what was meant).\n\n--fix welds "
+                "vertices at the same place; drops broken, duplicate and flat triangles and unused vertices; divides "
+                "the neighbour of a flat triangle where needed, so that no slit remains; splits non-manifold edges and "
+                "vertices by duplicating vertices (a later check warns of these; write .obj, .ply or .off, as reading "
+                ".stl welds them again); and orients triangles consistently and outward. Only welded vertices move. "
+                "Holes remain unless --fill-holes closes them.",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .kind = CLI_FILE,
                      .value = "OUT",
-                     .doc = "write the repaired mesh. Nothing is written when the result still could not be "
-                            "simulated"},
+                     .doc = "write the repaired mesh. Nothing is written if the result still cannot be simulated"},
                     {.name = "tolerance",
                      .kind = CLI_LENGTH,
                      .value = "LENGTH",
-                     .doc = "with --fix: weld vertices up to this far apart [units of the file]; left out: 0, only "
+                     .doc = "with --fix: weld vertices up to this far apart [units of the file]; default: 0, only "
                             "those at exactly the same place"},
                     {.name = "fill-holes",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "with --fix: close holes of at most N edges with triangles between their edges, bent as "
-                            "little as can be; says the quality of the worst one. 'pellicle info' tells the holes"},
+                     .doc = "with --fix: close holes of at most N edges with as little bending as possible, and print "
+                            "the quality of the worst new triangle. 'pellicle info' lists the holes"},
                     {.name = "no-intersections",
                      .doc = "do not look for triangles that cut each other: saves time on huge meshes"},
                     FORMAT_OPTION,
@@ -184,9 +178,9 @@ static const cli_command commands[] = {
         .summary = "measure area, volume, mean and Gaussian curvature of a mesh",
         .text = "Prints the area, the volume, and of both curvatures the least, the mean by area and the greatest. The "
                 "mean curvature is that of the cotangent Laplacian over mixed areas, positive on a sphere; the "
-                "Gaussian curvature is the angle defect over the same areas, and its total is compared with 2 pi times "
-                "the Euler number, which it has to be. Numbers are in the units of the file.\n\n"
-                "Vertices on a boundary are left out, but for the total, where their turning counts.",
+                "Gaussian curvature is the angle defect over the same areas; its total is compared with 2 pi times the "
+                "Euler number, which it must equal. Numbers are in the units of the file.\n\nBoundary vertices are "
+                "excluded, except from the total, which includes their geodesic curvature.",
         .slots = {{.name = "MESH", .kind = CLI_FILE}},
         .options =
             {{.name = "output",
@@ -250,7 +244,7 @@ static const cli_command commands[] = {
                     {.name = "no-clamp",
                      .kind = CLI_FLAG,
                      .doc =
-                         "let fields go beyond their least and greatest values; left out: a thickness stays positive"},
+                         "let fields go beyond their least and greatest values; default: a thickness stays positive"},
                     FORMAT_OPTION,
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle subdivide liver.obj -n 1 -o liver-fine.ply",
@@ -283,44 +277,45 @@ static const cli_command commands[] = {
             "without a display. Colors show a vertex field. The camera is placed so that everything is seen in all "
             "frames, and colors have one range for all of them, so that nothing flickers. Tools are drawn where they "
             "are. Several runs stand side by side under the same camera and colors.\n\n"
-            "OUT decides what is made: FILE.png is one picture (of the last frame, or a contact sheet when --frames "
-            "or several RUNs give more), FILE.mp4 or FILE.gif a film (needs ffmpeg), anything else a folder with a "
-            "picture of each "
-            "frame.",
+            "OUT decides what is made: FILE.png is one picture (of the frame with the largest displacement, or a "
+            "contact sheet when --frames, several fields or several RUNs give more), FILE.mp4 or FILE.gif a film "
+            "(needs ffmpeg), anything else a folder with a picture of each frame.",
         .slots = {{.name = "RUN", .kind = CLI_FILE, .repeated = true}},
         .options =
             {{.name = "output",
               .letter = 'o',
               .kind = CLI_FILE,
               .value = "OUT",
-              .doc =
-                  "a folder, FILE.png, FILE.mp4 or FILE.gif; left out: the folder pictures in the run, or a .png named "
-                  "after the mesh"},
+              .doc = "a folder, FILE.png, FILE.mp4 or FILE.gif; default: the folder pictures in the run, or a .png "
+                     "named after the mesh"},
              {.name = "field",
               .kind = CLI_TEXT,
               .value = "NAME",
-              .doc = "color by this vertex field; left out: displacement where there is one. none: plain"},
+              .doc = "color by this vertex field, none for plain; several with commas between them stand side by "
+                     "side. default: displacement where there is one"},
              {.name = "component",
               .kind = CLI_TEXT,
               .value = "C",
-              .doc = "show x, y, z or a number from 0 of a vector field; left out: its magnitude"},
+              .doc = "show x, y, z or a number from 0 of a vector field; default: its magnitude"},
              {.name = "colors",
               .kind = CLI_WORD,
               .value = "MAP",
               .words = cli_color_map_names,
-              .doc = "viridis, cividis or cool-warm; left out: viridis, or cool-warm for values of both signs"},
+              .doc = "viridis, cividis, cool-warm or warm. default: warm (grey is zero) for values from 0, cool-warm "
+                     "for values of both signs, viridis for others"},
              {.name = "range",
               .kind = CLI_TEXT,
               .value = "LOW:HIGH",
-              .doc = "range of the colors; left out: what all frames drawn need"},
+              .doc = "range of the colors; default: that of all frames drawn"},
              {.name = "unit",
               .kind = CLI_TEXT,
               .value = "TEXT",
-              .doc = "unit of the field; left out: the SI unit of known quantities"},
+              .doc = "unit of the field; default: the SI unit of known quantities"},
              {.name = "frames",
               .kind = CLI_TEXT,
               .value = "A:B:STEP",
-              .doc = "draw these frames: 50, 0:100, 0:100:10, or several as 0,50,-1; -1 is the last"},
+              .doc = "draw these frames: 50, 0:100, 0:100:10, or several as 0,50,-1; -1 is the last. default: all; "
+                     "for a .png the one with the largest displacement"},
              {.name = "view",
               .kind = CLI_TEXT,
               .value = "VIEW",
@@ -330,47 +325,47 @@ static const cli_command commands[] = {
               .kind = CLI_WORD,
               .value = "AXIS",
               .words = cli_axis_names,
-              .doc = "axis that points up: x, y or z; left out: z"},
+              .doc = "axis that points up: x, y or z; default: z"},
              {.name = "size", .kind = CLI_TEXT, .value = "WxH", .doc = "pixels of the whole picture"},
              {.name = "sheet",
               .kind = CLI_TEXT,
               .value = "COLSxROWS",
-              .doc = "lay pictures out in columns and rows, without --frames as many of a run as fit; left out: "
-                     "a row for each run"},
+              .doc = "lay pictures out in columns and rows; without --frames, as many of each run as fit; default: a "
+                     "row for each run and field"},
              {.name = "arrows",
               .kind = CLI_TEXT,
               .value = "FIELD",
               .doc = "draw this vector field as arrows, such as force; those into the surface end on it"},
              {.name = "edges", .kind = CLI_FLAG, .doc = "draw the edges of the triangles"},
+             {.name = "outline", .kind = CLI_FLAG, .doc = "draw a dark line along the silhouette"},
              {.name = "flat", .kind = CLI_FLAG, .doc = "shade each triangle evenly"},
              {.name = "background",
               .kind = CLI_WORD,
               .value = "COLOR",
               .words = cli_background_names,
-              .doc = "white, dark or transparent; left out: white"},
+              .doc = "white, dark or transparent; default: white"},
              {.name = "title", .kind = CLI_TEXT, .value = "TEXT", .doc = "write this above the picture"},
              {.name = "label",
               .kind = CLI_TEXT,
               .repeated = true,
               .value = "TEXT",
-              .doc = "call a run this, in the order of the runs; left out: names of the folders"},
-             {.name = "no-labels", .kind = CLI_FLAG, .doc = "leave times and names out"},
+              .doc = "labels of the runs, in their order; default: names of the folders"},
+             {.name = "no-labels", .kind = CLI_FLAG, .doc = "omit times and names"},
              {.name = "frame-numbers",
               .kind = CLI_FLAG,
               .doc = "label pictures with the number of the frame, not its time"},
-             {.name = "no-bar", .kind = CLI_FLAG, .doc = "leave the color bar out"},
-             {.name = "no-tools", .kind = CLI_FLAG, .doc = "leave tools out"},
-             {.name = "no-ground", .kind = CLI_FLAG, .doc = "leave out the shadow on the ground"},
+             {.name = "no-bar", .kind = CLI_FLAG, .doc = "omit color bars"},
+             {.name = "no-tools", .kind = CLI_FLAG, .doc = "omit tools"},
+             {.name = "no-ground", .kind = CLI_FLAG, .doc = "omit the shadow on the ground"},
              {.name = "fps",
               .kind = CLI_LENGTH,
               .value = "N",
-              .doc = "pictures per second of a film; left out: real time, between 10 and 60"},
+              .doc = "pictures per second of a film; default: real time, between 10 and 60"},
              {.name = "turn",
               .kind = CLI_LENGTH,
               .value = "DEGREES",
-              .doc =
-                  "go around the body by so many degrees during a film; a mesh, or a single frame, becomes a turntable "
-                  "of 72 pictures"},
+              .doc = "rotate the camera around the body by this angle during a film; a mesh or a single frame becomes "
+                     "a turntable of 72 pictures"},
              {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
              JSON_OPTION},
         .examples = "pellicle render results/sphere-press -o press.png --edges --frames 50\n"
@@ -383,28 +378,27 @@ static const cli_command commands[] = {
     {
         .name = "report",
         .summary = "make one HTML page of one or several runs",
-        .text =
-            "Writes one file that any browser opens, without a network: the body to turn in the hand, play, scrub and "
-            "colour by any field, a vertex to pick and read, plots linked to the frame, and the scene. Several runs "
-            "stand side by side under the same camera. Numbers are rounded to 1/65535 of their range; a run "
-            "that is too long is thinned, and the page says how.",
+        .text = "Writes one HTML file that any browser opens without a network: rotate the body, play and scrub the "
+                "frames, color by any field, pick a vertex to read its values, and see plots linked to the frame, and "
+                "the scene. Several runs stand side by side under the same camera. Numbers are rounded to 1/65535 of "
+                "their range; a run that is too long is thinned, and the page says how.",
         .slots = {{.name = "DIR", .kind = CLI_FOLDER, .repeated = true}},
         .options =
             {{.name = "output",
               .letter = 'o',
               .kind = CLI_FILE,
               .value = "FILE",
-              .doc = "the page to write; left out: report.html in the first folder"},
+              .doc = "the page to write; default: report.html in the first folder"},
              {.name = "field",
               .kind = CLI_TEXT,
               .repeated = true,
               .value = "NAME",
-              .doc = "take only this field along, the first is shown first; left out: all of the run"},
-             {.name = "limit", .kind = CLI_COUNT, .value = "MB", .doc = "thin what is larger than this; left out: 25"},
+              .doc = "include only this field (repeatable); the first is shown first; default: all of the run"},
+             {.name = "limit", .kind = CLI_COUNT, .value = "MB", .doc = "thin a larger page to this size; default: 25"},
              {.name = "page",
               .kind = CLI_FILE,
               .value = "FILE",
-              .doc = "the empty page that is filled; left out: the one that 'make web' built"},
+              .doc = "the page template; default: the one that 'make web' built"},
              {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle report results/sphere-press\n"
                     "pellicle report results/sphere-press results/sphere-press-hollow -o compare.html\n"
@@ -413,19 +407,16 @@ static const cli_command commands[] = {
     },
     {
         .name = "reproduce",
-        .summary = "repeat the experiments of the paper",
-        .text =
-            "Runs the experiments NAME, or all of them. Each leaves a folder: its runs with their scenes, plots, "
-            "pictures in a program with pictures, and numbers.csv. Several leave index.html and index.md with a "
-            "table of verdicts and all pictures.\n\n"
-            "An experiment makes claims: what a paper, the theory or a reference says, or what this program gave "
-            "before (regression). Each claim has its numbers, each number what it is compared with, a tolerance and "
-            "a source. The verdict is 'holds', 'differs' with a reason where a paper's claim does not hold here, or "
-            "'fails'.\n\n"
-            "The experiments of paper B shrink bodies that the program makes itself, the scans that it finds in a "
-            "folder (goat-head.obj, koala.obj, spot.obj, cat.obj, liver-coarse.obj), or a mesh of yours, on which "
-            "what a paper claims need not hold.\n\n"
-            "Exit status 0: no claim fails; 1: one does.",
+        .summary = "repeat the experiments of both papers",
+        .text = "Runs the experiments NAME, or all of them. Each writes a folder with its runs and their scenes, "
+                "plots, pictures (unless the program was built without) and numbers.csv. Several experiments also "
+                "write index.html and index.md with a table of verdicts and all pictures.\n\nAn experiment checks "
+                "claims of a paper, of the theory or of a reference, and earlier results of this program (regression). "
+                "Each claim has numbers, and each number has an expected value, a tolerance and a source. The verdict "
+                "is 'holds'; 'differs' with a reason if a paper's claim does not hold here; or 'fails'.\n\nThe "
+                "experiments of paper B shrink bodies that the program makes itself, the scans that it finds in a "
+                "folder (goat-head.obj, koala.obj, spot.obj, cat.obj, liver-coarse.obj), or a mesh of yours, on which "
+                "the papers' claims need not hold.\n\nExit status 0: no claim fails; 1: one does.",
         .slots = {{.name = "NAME",
                    .kind = CLI_WORD,
                    .optional = true,
@@ -438,12 +429,17 @@ static const cli_command commands[] = {
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder of the results; left out: results/reproduce"},
+                     .doc = "folder of the results; default: results/reproduce"},
                     {.name = "data",
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder with scans; left out: that of the environment variable PELLICLE_DATA"},
-                    {.name = "mesh", .kind = CLI_FILE, .value = "FILE", .doc = "shrink this closed mesh, z up"},
+                     .doc = "folder with scans; default: that of the environment variable PELLICLE_DATA"},
+                    {.name = "mesh", .kind = CLI_FILE, .value = "FILE", .doc = "shrink this closed mesh"},
+                    {.name = "up",
+                     .kind = CLI_WORD,
+                     .value = "AXIS",
+                     .words = cli_axis_names,
+                     .doc = "with --mesh: axis that points up: x, y or z; default: z"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
                     JSON_OPTION},
         .more_help = cli_reproduce_help,
@@ -454,25 +450,24 @@ static const cli_command commands[] = {
     {
         .name = "sweep",
         .summary = "run a study: one scene with many parameters, one table",
-        .text = "Reads the study STUDY (YAML or JSON): a scene, 'vary' with the values of its keys, and 'measure' with "
-                "the numbers to keep. Does all runs on all cores and leaves runs.csv, one row for each run, and "
-                "report.html. docs/sweeps.md explains the keys.\n\n"
-                "Each row is kept as soon as its run ends: after Ctrl-C or a kill the same command continues and does "
-                "no run again. A run that fails, crashes or is killed is a row with its status and error. The table "
-                "has the same bits with "
-                "any --jobs, in chunks and on other machines.\n\n"
-                "Exit status 0: all rows of the chunk are there; 1: stopped; 2: the study is refused.",
+        .text =
+            "Reads the study STUDY (YAML or JSON): a scene, 'vary' with the values of its keys, and 'measure' with the "
+            "numbers to keep. Does all runs on all cores and writes runs.csv, one row per run, and report.html. "
+            "docs/sweeps.md explains the keys.\n\nEach row is stored as soon as its run ends: after Ctrl-C or a kill "
+            "the same command continues without repeating runs. A run that fails, crashes or is killed is a row with "
+            "its status and error. The table has the same bits with any --jobs, in chunks and on other "
+            "machines.\n\nExit status 0: all rows of the chunk are there; 1: stopped; 2: the study is refused.",
         .slots = {{.name = "STUDY", .kind = CLI_SCENE}},
         .options = {{.name = "output",
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder of the results; left out: results/ and the study's name"},
+                     .doc = "folder of the results; default: results/ and the study's name"},
                     {.name = "jobs",
                      .letter = 'j',
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "do N runs at a time; left out: one for each core"},
+                     .doc = "do N runs at a time; default: one for each core"},
                     {.name = "chunk",
                      .kind = CLI_TEXT,
                      .value = "K/N",
@@ -483,12 +478,12 @@ static const cli_command commands[] = {
                     {.name = "chunks",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "with --slurm: tasks of the array; left out: 16"},
+                     .doc = "with --slurm: tasks of the array; default: 16"},
                     {.name = "timeout",
                      .kind = CLI_LENGTH,
                      .value = "SECONDS",
-                     .doc = "end runs that take longer; left out: none"},
-                    {.name = "retry", .kind = CLI_FLAG, .doc = "do runs again that failed before"},
+                     .doc = "end runs that take longer; default: none"},
+                    {.name = "retry", .kind = CLI_FLAG, .doc = "repeat runs that failed before"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
                     JSON_OPTION},
         .examples = "pellicle sweep examples/studies/indent.yaml\n"
@@ -499,16 +494,16 @@ static const cli_command commands[] = {
     {
         .name = "calibrate",
         .summary = "fit parameters of a scene to measured curves",
-        .text = "Reads the fit FIT (YAML or JSON): a scene, the parameters with start and bounds, and measured curves "
-                "(CSV). Finds the parameters whose runs meet the curves best (bounded least squares), and leaves "
-                "fit.json with the values and their confidence intervals, curves.csv, and fit.svg. "
-                "It runs the Python package, which needs scipy. docs/sweeps.md explains the keys.",
+        .text = "Reads the fit FIT (YAML or JSON): a scene, the parameters with start values and bounds, and measured "
+                "curves (CSV). Finds the parameters whose runs fit the curves best (bounded least squares) and writes "
+                "fit.json with the values and their confidence intervals, curves.csv, and fit.svg. It runs the Python "
+                "package, which needs scipy. docs/sweeps.md explains the keys.",
         .slots = {{.name = "FIT", .kind = CLI_SCENE}},
         .options = {{.name = "output",
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder of the results; left out: results/ and the fit's name"},
+                     .doc = "folder of the results; default: results/ and the fit's name"},
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
                     JSON_OPTION},
         .examples = "pellicle calibrate examples/fits/balloon.yaml -o results/balloon-fit",
@@ -517,14 +512,14 @@ static const cli_command commands[] = {
     {
         .name = "bench",
         .summary = "measure the speed of this machine on known jobs",
-        .text = "Runs one benchmark, or all of them, and prints the least and the median time of its repeats beside "
-                "the time it is compared with.",
+        .text = "Runs one benchmark or all of them, and prints the least and median time of its repeats beside the "
+                "reference time.",
         .slots = {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "benchmark", .words = cli_bench_names}},
         .options = {{.name = "list", .kind = CLI_FLAG, .doc = "print the benchmarks"},
                     {.name = "repeats",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "time each N times; left out: what suits the benchmark"},
+                     .doc = "time each N times; default: chosen by the benchmark"},
                     JSON_OPTION},
         .more_help = cli_bench_help,
         .examples = "pellicle bench\npellicle bench read-ply --repeats 20\npellicle bench --json > bench.json",
@@ -533,8 +528,8 @@ static const cli_command commands[] = {
     {
         .name = "presets",
         .summary = "print the materials that scenes may name, with their sources",
-        .text = "Prints name, law and numbers of each material that 'membrane: { preset: NAME }' takes in a scene, and "
-                "where the numbers come from. Keys beside 'preset' override them.",
+        .text = "Prints the name, law, numbers and source of each material that 'membrane: { preset: NAME }' takes in "
+                "a scene. Keys beside 'preset' override them.",
         .options = {JSON_OPTION},
         .examples = "pellicle presets\npellicle presets --json | jq '.presets[].name'",
         .run = cli_presets,

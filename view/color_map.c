@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const names[PEL_COLORS_COUNT] = {"viridis", "cividis", "cool-warm"};
+static const char *const names[PEL_COLORS_COUNT] = {"viridis", "cividis", "cool-warm", "warm"};
 
 const char *pel_color_map_name(int index)
 {
@@ -105,8 +105,8 @@ void pel_color_map_sample(pel_color_map map, double at, uint8_t rgb[3])
     at = at < 0 ? 0 : at > 1 ? 1 : at;
     if (isnan(at))
         ;
-    else if (map == PEL_COLORS_COOL_WARM)
-        sample_cool_warm(at, color);
+    else if (map == PEL_COLORS_COOL_WARM || map == PEL_COLORS_WARM)
+        sample_cool_warm(map == PEL_COLORS_WARM ? 0.5 + 0.5 * at : at, color);
     else
         sample_polynomial(map == PEL_COLORS_CIVIDIS ? cividis : viridis, at, color);
     for (int i = 0; i < 3; ++i) {

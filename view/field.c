@@ -70,7 +70,7 @@ pel_status view_field_take(const pel_mesh *mesh, const char *name, int32_t compo
         if (!isfinite(value)) {
             pel_fail(error, PEL_BAD_FORMAT, "field '%s' is %s", name, isnan(value) ? "not a number (NaN)" : "infinite");
             pel_fail_place(error, place, 0, 0);
-            pel_fail_remedy(error, "look for what makes it so, or draw another field");
+            pel_fail_remedy(error, "find the cause in the scene, or draw another field");
             if (error != NULL) {
                 error->element = v;
                 snprintf(error->element_kind, sizeof error->element_kind, "vertex");

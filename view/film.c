@@ -66,7 +66,7 @@ static pel_status start(view_film *film, int32_t width, int32_t height, double f
     memcpy(arguments + sizeof head / sizeof *head, gif ? loop : mp4, gif ? sizeof loop : sizeof mp4);
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) {
         pel_fail(error, PEL_BAD_FILE, "cannot make a pipe: %s", strerror(errno));
-        pel_fail_remedy(error, "close other programs, or let the output end in .png");
+        pel_fail_remedy(error, "close other programs, or end the output name in .png");
         pel_fail_place(error, film->path, 0, 0);
         return PEL_BAD_FILE;
     }
@@ -80,7 +80,7 @@ static pel_status start(view_film *film, int32_t width, int32_t height, double f
     pel_fail(error, PEL_BAD_ARGUMENT, "cannot make a film: %s does not start: %s", program != NULL ? program : name,
              strerror(number));
     pel_fail_place(error, film->path, 0, 0);
-    pel_fail_remedy(error, "install the Debian package ffmpeg, or let the output end in .png or name a folder");
+    pel_fail_remedy(error, "install the Debian package ffmpeg, or end the output's name in .png or name a folder");
     return PEL_BAD_ARGUMENT;
 }
 

@@ -72,31 +72,34 @@ static pel_status walk_ranges(const view_run *run, const pel_frame_range *ranges
     return PEL_OK;
 }
 
-/* as many frames as a run has cells on the sheet, evenly spaced from the first to the last */
-static pel_status spread_frames(frame_list *list, const view_run *run, const pel_render_def *def, pel_error *error)
+/* as many frames as a run has cells for each field on the sheet, evenly spaced from the first to the last */
+static pel_status spread_frames(frame_list *list, const view_run *run, const pel_render_def *def, int32_t field_count,
+                                pel_error *error)
 {
-    int32_t cells = def->columns * def->rows / def->input_count, frame_count = view_run_frame_count(run);
+    int32_t cells = def->columns * def->rows / (def->input_count * field_count);
+    int32_t frame_count = view_run_frame_count(run);
     int32_t count = cells < frame_count ? cells : frame_count;
     list->count = count > 1 ? count : 1;
     list->frames = view_allocate((size_t)list->count, sizeof *list->frames);
     if (list->frames == NULL)
         return pel_fail_memory(error);
-    list->frames[0] = list->count > 1 ? 0 : frame_count - 1;
+    list->frames[0] = list->count > 1 ? 0 : run->peak;
     for (int32_t i = 1; i < list->count; ++i)
         list->frames[i] = (int32_t)lround((double)i * (frame_count - 1) / (list->count - 1));
     return PEL_OK;
 }
 
-static pel_status list_frames(frame_list *list, const view_run *run, const pel_render_def *def, pel_error *error)
+static pel_status list_frames(frame_list *list, const view_run *run, const pel_render_def *def, int32_t field_count,
+                              pel_error *error)
 {
-    const pel_frame_range last = {-1, -1, 1}, all = {0, -1, 1};
+    const pel_frame_range peak = {run->peak, run->peak, 1}, all = {0, -1, 1};
     const pel_frame_range *ranges = def->frames;
     int32_t range_count = def->frame_range_count;
     bool is_picture = view_output_kind(def->output) == VIEW_PICTURE;
     if (range_count == 0 && is_picture && def->columns > 0)
-        return spread_frames(list, run, def, error);
+        return spread_frames(list, run, def, field_count, error);
     if (range_count == 0) {
-        ranges = is_picture ? &last : &all;
+        ranges = is_picture ? &peak : &all;
         range_count = 1;
     }
     pel_status status = walk_ranges(run, ranges, range_count, NULL, &list->count, error);
@@ -129,62 +132,65 @@ static pel_status choose_layout(view_frame_selection *shots, const pel_render_de
     return PEL_OK;
 }
 
-/* one page with all frames: those of a run one after the other, each run in a new row when nothing else is asked */
-static pel_status fill_sheet(view_frame_selection *shots, const pel_render_def *def, const frame_list *lists,
-                             pel_error *error)
+/* one page with all frames: those of a run and field one after the other, each in a new row when nothing else is asked
+ */
+static pel_status fill_sheet(view_frame_selection *shots, const pel_render_def *def, int32_t field_count,
+                             const frame_list *lists, pel_error *error)
 {
     int64_t used = 0;
-    int32_t longest = 0;
+    int32_t longest = 0, sequence_count = def->input_count * field_count;
     for (int32_t r = 0; r < def->input_count; ++r) {
-        used += lists[r].count;
+        used += (int64_t)lists[r].count * field_count;
         longest = lists[r].count > longest ? lists[r].count : longest;
     }
-    bool in_rows = def->input_count > 1 && longest > 1 && def->columns == 0;
-    int64_t cells = in_rows ? (int64_t)longest * def->input_count : used;
+    bool in_rows = sequence_count > 1 && longest > 1 && def->columns == 0;
+    int64_t cells = in_rows ? (int64_t)longest * sequence_count : used;
     int32_t wide = in_rows ? longest : used <= 4 ? (int32_t)used : (int32_t)ceil(sqrt(1.4 * (double)used));
     shots->page_count = 1;
     pel_status status = choose_layout(shots, def, cells > INT32_MAX ? INT32_MAX : (int32_t)cells, wide, error);
     int32_t cell = 0;
-    for (int32_t r = 0; status == PEL_OK && r < def->input_count; ++r) {
-        for (int32_t i = 0; i < lists[r].count; ++i)
-            shots->shots[cell++] = (view_shot){r, lists[r].frames[i]};
-        cell += in_rows ? longest - lists[r].count : 0;
+    for (int32_t s = 0; status == PEL_OK && s < sequence_count; ++s) {
+        const frame_list *list = &lists[s / field_count];
+        for (int32_t i = 0; i < list->count; ++i)
+            shots->shots[cell++] = (view_shot){s / field_count, list->frames[i], s % field_count};
+        cell += in_rows ? longest - list->count : 0;
     }
     return status;
 }
 
-/* one page per frame with all runs side by side; a shorter run stays at its last frame */
-static pel_status fill_pages(view_frame_selection *shots, const pel_render_def *def, const frame_list *lists,
-                             pel_error *error)
+/* one page per frame with all runs and fields side by side; a shorter run stays at its last frame */
+static pel_status fill_pages(view_frame_selection *shots, const pel_render_def *def, int32_t field_count,
+                             const frame_list *lists, pel_error *error)
 {
     for (int32_t r = 0; r < def->input_count; ++r)
         shots->page_count = lists[r].count > shots->page_count ? lists[r].count : shots->page_count;
     /* what stands still is seen from all sides */
     if (def->turn != 0 && shots->page_count == 1)
         shots->page_count = TURNTABLE_PICTURES;
-    int32_t used = def->input_count;
+    int32_t used = def->input_count * field_count;
     pel_status status = choose_layout(shots, def, used, used <= 3 ? used : (int32_t)ceil(sqrt(used)), error);
     for (int32_t p = 0; status == PEL_OK && p < shots->page_count; ++p) {
-        for (int32_t r = 0; r < used; ++r) {
-            int32_t i = p < lists[r].count ? p : lists[r].count - 1;
-            shots->shots[(size_t)p * (size_t)shots->cell_count + (size_t)r] = (view_shot){r, lists[r].frames[i]};
+        for (int32_t s = 0; s < used; ++s) {
+            const frame_list *list = &lists[s / field_count];
+            shots->shots[(size_t)p * (size_t)shots->cell_count + (size_t)s] =
+                (view_shot){s / field_count, list->frames[p < list->count ? p : list->count - 1], s % field_count};
         }
     }
     return status;
 }
 
-pel_status view_frame_selection_create(view_frame_selection *shots, const pel_render_def *def, const view_run *runs,
-                                       pel_error *error)
+pel_status view_frame_selection_create(view_frame_selection *shots, const pel_render_def *def, int32_t field_count,
+                                       const view_run *runs, pel_error *error)
 {
     *shots = (view_frame_selection){0};
     frame_list *lists = view_allocate((size_t)def->input_count, sizeof *lists);
     pel_status status = lists != NULL ? PEL_OK : pel_fail_memory(error);
     for (int32_t r = 0; status == PEL_OK && r < def->input_count; ++r)
-        status = list_frames(&lists[r], &runs[r], def, error);
+        status = list_frames(&lists[r], &runs[r], def, field_count, error);
     if (status == PEL_OK && view_output_kind(def->output) == VIEW_PICTURE)
-        status = fill_sheet(shots, def, lists, error);
+        status = fill_sheet(shots, def, field_count, lists, error);
     else if (status == PEL_OK)
-        status = fill_pages(shots, def, lists, error);
+        status = fill_pages(shots, def, field_count, lists, error);
     for (int32_t r = 0; lists != NULL && r < def->input_count; ++r)
         free(lists[r].frames);
     free(lists);

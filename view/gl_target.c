@@ -18,13 +18,13 @@
 enum { SAMPLES = 4, COLOR_STEPS = 256, SKY = 24, SKY_SIZE = 192, KEY_SIZE = 1024 };
 
 /* one for surfaces without edges, one with: software runs both sides of a branch, and edges cost as much as the light;
-   one for shadows on the ground; one for depth maps */
-enum { PROGRAM_PLAIN, PROGRAM_EDGES, PROGRAM_GROUND, PROGRAM_DEPTH, PROGRAM_COUNT };
+   one for shadows on the ground; one for outlines; one for depth maps */
+enum { PROGRAM_PLAIN, PROGRAM_EDGES, PROGRAM_GROUND, PROGRAM_OUTLINE, PROGRAM_DEPTH, PROGRAM_COUNT };
 
 typedef struct program {
     GLuint id;
     GLint projection, plain, colored, highlight, edge_width, edge_strength, occlusion;
-    GLint key_space, ground_space, sky_spaces, sky_weights, offset, size;
+    GLint key_space, ground_space, sky_spaces, sky_weights, offset, size, outline_width;
 } program;
 
 /* from the axes of the camera to a depth map: column by column, x, y and depth in -1 .. 1 */
@@ -51,7 +51,8 @@ struct view_gl_target {
 
 /* ---- programs ---- */
 
-/* the directions of the sky lie on a Fibonacci spiral, those below the horizon count half */
+/* the directions of the sky lie on a Fibonacci spiral, those below the horizon count half; an outline is the far side
+   of the surface, pushed outward along its normals by some pixels */
 static const char vertex_source[] =
     "layout(location = 0) in vec3 position;\n"
     "layout(location = 1) in vec3 normal;\n"
@@ -59,6 +60,14 @@ static const char vertex_source[] =
     "uniform mat4 projection;\n"
     "#ifdef DEPTH\n"
     "void main() { gl_Position = projection * vec4(position, 1.0); }\n"
+    "#elif defined(OUTLINE)\n"
+    "uniform vec2 size;\n" /* pixels of the picture */
+    "uniform float outline_width;\n"
+    "void main() {\n"
+    "    gl_Position = projection * vec4(position, 1.0);\n"
+    "    vec2 outward = normal.xy / max(length(normal.xy), 1e-20);\n"
+    "    gl_Position.xy += 2.0 * outline_width * gl_Position.w * outward / size;\n"
+    "}\n"
     "#else\n"
     "const int SKY = 24;\n"
     "uniform mat4 key_space, ground_space, sky_spaces[SKY];\n"
@@ -98,6 +107,10 @@ static const char vertex_source[] =
 static const char fragment_source[] =
     "#ifdef DEPTH\n"
     "void main() {}\n"
+    "#elif defined(OUTLINE)\n"
+    "uniform vec4 plain;\n"
+    "out vec4 color;\n"
+    "void main() { color = plain; }\n"
     "#else\n"
     "in vec3 direction, key_place, under;\n"
     "in vec2 open;\n"
@@ -205,6 +218,7 @@ static pel_status make_program(program *p, const char *head, pel_error *error)
     p->occlusion = glGetUniformLocation(p->id, "occlusion");
     p->offset = glGetUniformLocation(p->id, "offset");
     p->size = glGetUniformLocation(p->id, "size");
+    p->outline_width = glGetUniformLocation(p->id, "outline_width");
     p->key_space = glGetUniformLocation(p->id, "key_space");
     p->ground_space = glGetUniformLocation(p->id, "ground_space");
     p->sky_spaces = glGetUniformLocation(p->id, "sky_spaces");
@@ -218,9 +232,9 @@ static pel_status make_program(program *p, const char *head, pel_error *error)
 
 static pel_status make_programs(view_gl_target *canvas, pel_error *error)
 {
-    static const char *const heads[PROGRAM_COUNT] = {"#version 330 core\n", "#version 330 core\n#define EDGES\n",
-                                                     "#version 330 core\n#define GROUND\n",
-                                                     "#version 330 core\n#define DEPTH\n"};
+    static const char *const heads[PROGRAM_COUNT] = {
+        "#version 330 core\n", "#version 330 core\n#define EDGES\n", "#version 330 core\n#define GROUND\n",
+        "#version 330 core\n#define OUTLINE\n", "#version 330 core\n#define DEPTH\n"};
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < PROGRAM_COUNT; ++i)
         status = make_program(&canvas->programs[i], heads[i], error);
@@ -523,7 +537,7 @@ void view_gl_target_load(view_gl_target *canvas, const view_triangle_list *soup,
 
 /* ---- triangles ---- */
 
-/* grows the part that was drawn on by two pixels around each corner */
+/* grows the part that was drawn on by four pixels around each corner, which is more than an outline takes */
 static void note_part(view_gl_target *canvas, const view_corner *corners, size_t count)
 {
     const float *m = canvas->projection, size[2] = {(float)canvas->width, (float)canvas->height};
@@ -542,8 +556,8 @@ static void note_part(view_gl_target *canvas, const view_corner *corners, size_t
     }
     for (int k = 0; k < 2; ++k) {
         /* something beside or behind the camera may be anywhere */
-        int32_t first = before && low[k] > 2 ? (int32_t)low[k] - 2 : 0;
-        int32_t end = before && high[k] < size[k] - 3 ? (int32_t)high[k] + 3 : (int32_t)size[k];
+        int32_t first = before && low[k] > 4 ? (int32_t)low[k] - 4 : 0;
+        int32_t end = before && high[k] < size[k] - 5 ? (int32_t)high[k] + 5 : (int32_t)size[k];
         canvas->low[k] = first < canvas->low[k] ? first : canvas->low[k];
         canvas->high[k] = end > canvas->high[k] ? end : canvas->high[k];
     }
@@ -555,9 +569,10 @@ void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup,
     if (count == 0)
         return;
     note_part(canvas, soup->corners + first, count);
-    const program *p = &canvas->programs[look->ground           ? PROGRAM_GROUND
-                                         : look->edge_width > 0 ? PROGRAM_EDGES
-                                                                : PROGRAM_PLAIN];
+    const program *p = &canvas->programs[look->ground              ? PROGRAM_GROUND
+                                         : look->outline_width > 0 ? PROGRAM_OUTLINE
+                                         : look->edge_width > 0    ? PROGRAM_EDGES
+                                                                   : PROGRAM_PLAIN];
     float plain[4];
     for (int i = 0; i < 4; ++i)
         plain[i] = (float)look->plain.rgba[i] / 255;
@@ -568,13 +583,18 @@ void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup,
     glUniform1f(p->edge_width, (float)look->edge_width);
     glUniform1f(p->edge_strength, (float)look->edge_strength);
     glUniform1f(p->occlusion, (float)look->occlusion);
+    glUniform1f(p->outline_width, (float)look->outline_width);
+    glCullFace(look->outline_width > 0 ? GL_FRONT : GL_BACK);
     if (look->ground || look->plain.rgba[3] < 255) {
         glEnable(GL_BLEND);
         glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
         glEnable(GL_CULL_FACE);
     } else {
         glDisable(GL_BLEND);
-        glDisable(GL_CULL_FACE);
+        if (look->outline_width > 0)
+            glEnable(GL_CULL_FACE);
+        else
+            glDisable(GL_CULL_FACE);
     }
     glDrawArrays(GL_TRIANGLES, (GLint)first, (GLsizei)count);
 }

@@ -14,6 +14,7 @@ typedef struct view_look {
     view_color plain;     /* with alpha below 255 drawn see-through, nearest side only */
     double edge_width;    /* pixels; 0 = no edges */
     double edge_strength; /* 0 .. 1 */
+    double outline_width; /* pixels beyond the silhouette, drawn instead of the surface; 0 = the surface itself */
     double highlight;     /* strength of the gloss */
     double occlusion;     /* strength of shadows, 0 .. 1 */
     bool ground;          /* draw shadows only, faded by the value of the corners */

@@ -14,6 +14,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +22,15 @@
 
 enum { PATH_SIZE = 4096, MOST_INPUTS = 64, MOST_ARROWS = 1500 };
 static const uint32_t cookie = 0x52454e44;
+
+/* a field that colors the surface, with the scale of its color bar */
+typedef struct shown_field {
+    char name[PEL_NAME_SIZE]; /* "" = plain */
+    int32_t component_count;
+    double range[2];
+    pel_color_map color_map;
+    view_scale scale;
+} shown_field;
 
 typedef struct job {
     pel_render_def def;
@@ -31,16 +41,12 @@ typedef struct job {
     view_gl_target *canvas;
     view_camera camera;
     view_image image;
-    view_scale scale;
     view_triangle_list soup;
-    const char *field; /* null = plain */
-    char field_name[PEL_NAME_SIZE];
-    int32_t component_count;
-    double range[2];
-    pel_color_map color_map;
-    double bounds[2][3]; /* of the surfaces of all frames */
-    double around;       /* radius of a ball about their middle with them and small tools in it */
-    double longest;      /* arrow, in the unit of its field */
+    shown_field fields[PEL_RENDER_FIELD_LIMIT]; /* (field_count) */
+    int32_t field_count, colored_count;         /* all; those that color the surface */
+    double bounds[2][3];                        /* of the surfaces of all frames */
+    double around;  /* radius of a ball about their middle with them and small tools in it */
+    double longest; /* arrow, in the unit of its field */
     int time_decimals;
     double *values; /* (value_count) numbers of one frame */
     int32_t value_count;
@@ -145,24 +151,48 @@ static pel_status open_runs(job *j, pel_error *error)
     return status;
 }
 
-/* the field that is asked for, or displacement where there is one */
-static pel_status choose_field(job *j, pel_error *error)
+/* splits the names that are asked for; displacement unless any are */
+static pel_status name_fields(job *j, pel_error *error)
 {
-    if (j->def.field != NULL && strcmp(j->def.field, "none") == 0)
-        return PEL_OK;
-    const char *name = j->def.field != NULL ? j->def.field : "displacement";
+    const char *at = j->def.field != NULL ? j->def.field : "displacement";
+    for (bool is_last = false; !is_last; at += strcspn(at, ",") + 1) {
+        size_t length = strcspn(at, ",");
+        is_last = at[length] == '\0';
+        if (j->field_count == PEL_RENDER_FIELD_LIMIT)
+            return refuse("there are more than 8 fields", "name up to 8 with commas between them", error);
+        shown_field *shown = &j->fields[j->field_count++];
+        *shown = (shown_field){.range = {HUGE_VAL, -HUGE_VAL}};
+        if (length == 4 && strncmp(at, "none", 4) == 0)
+            continue;
+        if (length == 0 || length >= sizeof shown->name)
+            return refuse("the name of a field is empty or too long", "write names such as displacement,force", error);
+        snprintf(shown->name, sizeof shown->name, "%.*s", (int)length, at);
+        ++j->colored_count;
+    }
+    if (j->colored_count > 1 && (j->def.fixed_range || j->def.unit != NULL))
+        return refuse("range and unit are those of a single field, but there are several",
+                      "leave them out, or name one field beside none", error);
+    return PEL_OK;
+}
+
+/* the names of name_fields in the first mesh; only displacement that nobody asked for may be missing */
+static pel_status find_fields(job *j, pel_error *error)
+{
     pel_mesh *mesh;
     const pel_field *field;
     pel_status status = read_shot(j, j->shots.shots[0], &mesh, error);
-    if (status != PEL_OK)
-        return status;
-    status = view_field_find(mesh, name, frame_path(j, j->shots.shots[0]), &field, error);
-    if (status == PEL_OK) {
-        snprintf(j->field_name, sizeof j->field_name, "%s", name);
-        j->field = j->field_name;
-        j->component_count = field->component_count;
-    } else if (j->def.field == NULL) {
-        status = PEL_OK;
+    for (int32_t f = 0; status == PEL_OK && f < j->field_count; ++f) {
+        shown_field *shown = &j->fields[f];
+        if (shown->name[0] == '\0')
+            continue;
+        status = view_field_find(mesh, shown->name, frame_path(j, j->shots.shots[0]), &field, error);
+        if (status == PEL_OK) {
+            shown->component_count = field->component_count;
+        } else if (j->def.field == NULL) {
+            shown->name[0] = '\0';
+            j->colored_count = 0;
+            status = PEL_OK;
+        }
     }
     pel_mesh_destroy(mesh);
     return status;
@@ -176,7 +206,7 @@ static pel_status survey_arrows(job *j, const pel_mesh *mesh, const char *place,
     const pel_field *field;
     pel_status status = view_field_find(mesh, j->def.arrows, place, &field, error);
     if (status == PEL_OK && field->component_count != 3) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' is no vector, so it has no arrows", j->def.arrows);
+        pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' is not a vector, so it has no arrows", j->def.arrows);
         pel_fail_place(error, place, 0, 0);
         pel_fail_remedy(error, "choose a field of 3 numbers, such as force or displacement");
         return PEL_BAD_ARGUMENT;
@@ -248,8 +278,9 @@ static pel_status survey_shot(job *j, view_shot shot, pel_error *error)
     pel_status status = read_shot(j, shot, &mesh, error);
     if (status != PEL_OK)
         return status;
-    if (j->field != NULL)
-        status = view_field_take(mesh, j->field, j->def.component, place, j->values, j->range, error);
+    shown_field *shown = &j->fields[shot.field];
+    if (shown->name[0] != '\0')
+        status = view_field_take(mesh, shown->name, j->def.component, place, j->values, shown->range, error);
     if (status == PEL_OK && j->def.arrows != NULL)
         status = survey_arrows(j, mesh, place, error);
     if (status == PEL_OK)
@@ -332,22 +363,37 @@ static pel_status survey_arrow_ends(job *j, view_shot shot, pel_error *error)
     return status;
 }
 
-/* makes the range fit for a color bar: not empty, from 0 where that is near, symmetric for two colors */
-static void settle_range(job *j)
+/* a range whose low end is 0 or, compared with its high end, near it */
+static bool is_from_zero(const double range[2])
 {
-    double *range = j->range;
+    return range[0] >= 0 && range[0] < 0.1 * range[1];
+}
+
+/* grey stands for zero where zero is in the middle or at the low end of the range */
+static pel_color_map choose_color_map(const pel_render_def *def, const double range[2])
+{
     bool both = range[0] < 0 && range[1] > 0;
-    j->color_map = j->def.color_map != PEL_COLORS_AUTO                                  ? j->def.color_map
-                   : both && -range[0] > 0.05 * range[1] && range[1] > -0.05 * range[0] ? PEL_COLORS_COOL_WARM
-                                                                                        : PEL_COLORS_VIRIDIS;
-    if (j->def.fixed_range) {
-        memcpy(range, j->def.range, sizeof j->range);
+    if (def->color_map != PEL_COLORS_AUTO)
+        return def->color_map;
+    if (both && -range[0] > 0.05 * range[1] && range[1] > -0.05 * range[0])
+        return PEL_COLORS_COOL_WARM;
+    return is_from_zero(def->fixed_range ? def->range : range) ? PEL_COLORS_WARM : PEL_COLORS_VIRIDIS;
+}
+
+/* makes the range fit for a color bar: not empty, from 0 where that is near, symmetric for two colors */
+static void settle_range(const pel_render_def *def, shown_field *shown)
+{
+    double *range = shown->range;
+    bool both = range[0] < 0 && range[1] > 0;
+    shown->color_map = choose_color_map(def, range);
+    if (def->fixed_range) {
+        memcpy(range, def->range, sizeof shown->range);
         return;
     }
-    if (both && j->color_map == PEL_COLORS_COOL_WARM) {
+    if (both && shown->color_map == PEL_COLORS_COOL_WARM) {
         range[1] = fmax(range[1], -range[0]);
         range[0] = -range[1];
-    } else if (range[0] > 0 && range[0] < 0.1 * range[1]) {
+    } else if (is_from_zero(range)) {
         range[0] = 0;
     }
     double size = fmax(fabs(range[0]), fabs(range[1]));
@@ -377,9 +423,8 @@ static int count_decimals(const job *j)
 static pel_status survey(job *j, pel_error *error)
 {
     for (int i = 0; i < 2; ++i) {
-        j->range[i] = i == 0 ? HUGE_VAL : -HUGE_VAL;
         for (int k = 0; k < 3; ++k)
-            j->bounds[i][k] = j->range[i];
+            j->bounds[i][k] = i == 0 ? HUGE_VAL : -HUGE_VAL;
     }
     int32_t count = j->shots.page_count * j->shots.cell_count;
     view_camera_begin(&j->camera, &j->def.angle, j->def.up, j->page.cell_width, j->page.cell_height);
@@ -401,9 +446,13 @@ static pel_status survey(job *j, pel_error *error)
     }
     view_camera_fit(&j->camera, j->def.angle.zoom);
     j->time_decimals = count_decimals(j);
-    if (j->field != NULL) {
-        settle_range(j);
-        view_scale_make(&j->scale, j->field, j->def.component, j->component_count, j->def.unit, j->range);
+    for (int32_t f = 0; f < j->field_count; ++f) {
+        shown_field *shown = &j->fields[f];
+        if (shown->name[0] == '\0')
+            continue;
+        settle_range(&j->def, shown);
+        view_scale_make(&shown->scale, shown->name, j->def.component, shown->component_count, j->def.unit,
+                        shown->range);
     }
     return PEL_OK;
 }
@@ -415,18 +464,20 @@ typedef struct parts {
     size_t surface, arrows, tools, ground; /* where each ends */
 } parts;
 
-static pel_status add_surface(job *j, const pel_mesh *mesh, const char *place, pel_error *error)
+static pel_status add_surface(job *j, const pel_mesh *mesh, view_shot shot, pel_error *error)
 {
-    double unused[2] = {0, 0};
-    if (j->field != NULL) {
-        pel_status status = view_field_take(mesh, j->field, j->def.component, place, j->values, unused, error);
+    const shown_field *shown = &j->fields[shot.field];
+    double unused[2] = {0, 0}, low = shown->range[0], high = shown->range[1];
+    bool colored = shown->name[0] != '\0';
+    if (colored) {
+        pel_status status =
+            view_field_take(mesh, shown->name, j->def.component, frame_path(j, shot), j->values, unused, error);
         if (status != PEL_OK)
             return status;
         for (int32_t v = 0; v < mesh->vertex_count; ++v)
-            j->values[v] = fmin(fmax((j->values[v] - j->range[0]) / (j->range[1] - j->range[0]), 0), 1);
+            j->values[v] = fmin(fmax((j->values[v] - low) / (high - low), 0), 1);
     }
-    return view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, j->field != NULL ? j->values : NULL, j->def.flat,
-                                       error);
+    return view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, colored ? j->values : NULL, j->def.flat, error);
 }
 
 static pel_status add_tools(job *j, view_shot shot, pel_error *error)
@@ -456,7 +507,7 @@ static pel_status add_ground(job *j, pel_error *error)
 static pel_status add_parts(job *j, const pel_mesh *mesh, view_shot shot, parts *ends, pel_error *error)
 {
     j->soup.count = 0;
-    pel_status status = add_surface(j, mesh, frame_path(j, shot), error);
+    pel_status status = add_surface(j, mesh, shot, error);
     ends->surface = j->soup.count;
     if (status == PEL_OK && j->def.arrows != NULL)
         status = walk_arrows(j, mesh, add_arrow, error);
@@ -471,35 +522,54 @@ static pel_status add_parts(job *j, const pel_mesh *mesh, view_shot shot, parts 
 }
 
 /* fields keep their colors: shadows on them are weaker */
-static void draw_parts(job *j, const parts *ends)
+static void draw_parts(job *j, const shown_field *shown, const parts *ends)
 {
-    const view_look surface = {.colored = j->field != NULL,
+    bool colored = shown->name[0] != '\0';
+    const view_look surface = {.colored = colored,
                                .plain = {{217, 180, 160, 255}},
                                .edge_width = j->def.edges ? fmax(0.9, j->page.text_size / 18.0) : 0,
                                .edge_strength = 0.4,
-                               .highlight = j->field != NULL ? 0.015 : 0.05,
-                               .occlusion = j->field != NULL ? 0.6 : 1};
+                               .highlight = colored ? 0.015 : 0.05,
+                               .occlusion = colored ? 0.6 : 1};
+    const view_look outline = {.plain = {{40, 34, 34, 255}}, .outline_width = fmax(1.2, j->page.text_size / 14.0)};
     const view_look arrows = {.plain = {{196, 44, 56, 255}}, .highlight = 0.1, .occlusion = 0.4};
-    const view_look tools = {.plain = {{120, 132, 148, 165}}, .highlight = 0.25};
+    const view_look tools = {.plain = {{120, 132, 148, 110}}, .highlight = 0.25};
     const view_look ground = {.ground = true, .occlusion = j->def.background == PEL_BACKGROUND_DARK ? 1 : 0.8};
     double middle[3], center[3];
     find_middle(j, middle);
     view_camera_turn(&j->camera, middle, center);
-    view_gl_target_load(j->canvas, &j->soup, ends->tools, center, fmax(0.6 * body_size(j), 1e-30));
+    if (colored)
+        view_gl_target_set_color_map(j->canvas, shown->color_map);
+    /* colors stay readable under tools, which are transparent: only on a plain surface they cast shadows */
+    view_gl_target_load(j->canvas, &j->soup, colored ? ends->arrows : ends->tools, center,
+                        fmax(0.6 * body_size(j), 1e-30));
     view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &surface);
+    if (j->def.outline)
+        view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &outline);
     view_gl_target_draw(j->canvas, &j->soup, ends->surface, ends->arrows - ends->surface, &arrows);
     view_gl_target_draw(j->canvas, &j->soup, ends->tools, ends->ground - ends->tools, &ground);
     view_gl_target_draw(j->canvas, &j->soup, ends->arrows, ends->tools - ends->arrows, &tools);
 }
 
-/* "soft, t = 0.50 s", or "soft, frame 50" */
+/* adds to a text of `size` bytes, after a comma unless it is the first part */
+__attribute__((format(printf, 3, 4))) static void add_part(char *text, size_t size, const char *format, ...)
+{
+    size_t length = strlen(text);
+    if (length > 0 && length + 2 < size)
+        length += (size_t)snprintf(text + length, size - length, ", ");
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text + length, size - length, format, values);
+    va_end(values);
+}
+
+/* "soft, force, t = 0.50 s", or "soft, frame 50" */
 static void draw_label(job *j, view_shot shot, int32_t cell)
 {
     const view_run *run = &j->runs[shot.run];
     char text[512] = "";
-    size_t length = 0;
     if (j->def.labels != NULL && j->def.labels[shot.run] != NULL) {
-        length = (size_t)snprintf(text, sizeof text, "%s", j->def.labels[shot.run]);
+        add_part(text, sizeof text, "%s", j->def.labels[shot.run]);
     } else if (j->def.input_count > 1) {
         /* the last part of the path, slashes behind it left out */
         const char *end = run->path + strlen(run->path);
@@ -508,13 +578,14 @@ static void draw_label(job *j, view_shot shot, int32_t cell)
         const char *begin = end;
         while (begin > run->path && begin[-1] != '/')
             --begin;
-        length = (size_t)snprintf(text, sizeof text, "%.*s", (int)(end - begin), begin);
+        add_part(text, sizeof text, "%.*s", (int)(end - begin), begin);
     }
-    if (run->has_times && j->def.frame_numbers && length < sizeof text)
-        snprintf(text + length, sizeof text - length, "%sframe %d", length > 0 ? ", " : "", (int)shot.frame);
-    else if (run->has_times && length < sizeof text)
-        snprintf(text + length, sizeof text - length, "%st = %.*f s", length > 0 ? ", " : "", j->time_decimals,
-                 view_run_time(run, shot.frame));
+    if (j->colored_count > 1 && j->fields[shot.field].name[0] != '\0')
+        add_part(text, sizeof text, "%s", j->fields[shot.field].scale.title);
+    if (run->has_times && j->def.frame_numbers)
+        add_part(text, sizeof text, "frame %d", (int)shot.frame);
+    else if (run->has_times)
+        add_part(text, sizeof text, "t = %.*f s", j->time_decimals, view_run_time(run, shot.frame));
     view_sheet_label(&j->page, &j->image, cell, text);
 }
 
@@ -531,7 +602,7 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     view_gl_target_begin(j->canvas, &j->camera, j->page.background);
     status = add_parts(j, mesh, shot, &ends, error);
     if (status == PEL_OK) {
-        draw_parts(j, &ends);
+        draw_parts(j, &j->fields[shot.field], &ends);
         status = view_gl_target_read(j->canvas, &j->image, x, y, error);
     }
     if (status == PEL_OK && !j->def.hide_labels)
@@ -562,8 +633,10 @@ static pel_status draw_page(job *j, int32_t page, pel_error *error)
     if (j->def.turn != 0)
         turn_camera(j, page);
     view_sheet_begin(&j->page, &j->image);
-    if (j->field != NULL && !j->def.hide_bar)
-        view_sheet_bar(&j->page, &j->image, j->color_map, &j->scale);
+    for (int32_t f = 0, bar = 0; !j->def.hide_bar && f < j->field_count; ++f) {
+        if (j->fields[f].name[0] != '\0')
+            view_sheet_bar(&j->page, &j->image, bar++, j->fields[f].color_map, &j->fields[f].scale);
+    }
     j->summary.draw_s += view_clock() - start;
     pel_status status = PEL_OK;
     for (int32_t cell = 0; status == PEL_OK && cell < j->shots.cell_count; ++cell) {
@@ -651,29 +724,38 @@ static pel_status write_film(job *j, pel_error *error)
 
 static pel_status make_page(job *j, pel_error *error)
 {
-    view_scale scale = {.count = 0};
+    const char *bar_titles[PEL_RENDER_FIELD_LIMIT];
     const double some[2] = {0, 1};
-    if (j->field != NULL)
-        view_scale_make(&scale, j->field, j->def.component, j->component_count, j->def.unit, some);
-    bool labels = j->def.labels != NULL || j->def.input_count > 1 || j->runs[0].has_times;
+    int32_t bar_count = 0;
+    for (int32_t f = 0; f < j->field_count; ++f) {
+        shown_field *shown = &j->fields[f];
+        if (shown->name[0] == '\0')
+            continue;
+        view_scale_make(&shown->scale, shown->name, j->def.component, shown->component_count, j->def.unit, some);
+        bar_titles[bar_count++] = shown->scale.title;
+    }
+    bool labels = j->def.labels != NULL || j->def.input_count > 1 || j->runs[0].has_times || j->colored_count > 1;
     view_sheet_def def = {.columns = j->shots.columns,
                           .rows = j->shots.rows,
                           .width = j->def.width,
                           .height = j->def.height,
                           .background = j->def.background,
                           .title = j->def.title,
-                          .bar_title = j->field != NULL && !j->def.hide_bar ? scale.title : NULL,
+                          .bar_titles = bar_titles,
+                          .bar_count = j->def.hide_bar ? 0 : bar_count,
                           .labels = labels && !j->def.hide_labels};
     return view_sheet_create(&j->page, &def, error);
 }
 
 static pel_status prepare(job *j, pel_error *error)
 {
-    pel_status status = open_runs(j, error);
+    pel_status status = name_fields(j, error);
     if (status == PEL_OK)
-        status = view_frame_selection_create(&j->shots, &j->def, j->runs, error);
+        status = open_runs(j, error);
     if (status == PEL_OK)
-        status = choose_field(j, error);
+        status = view_frame_selection_create(&j->shots, &j->def, j->field_count, j->runs, error);
+    if (status == PEL_OK)
+        status = find_fields(j, error);
     if (status == PEL_OK)
         status = make_page(j, error);
     if (status == PEL_OK)
@@ -682,8 +764,6 @@ static pel_status prepare(job *j, pel_error *error)
         status = view_image_create(&j->image, j->page.width, j->page.height, error);
     if (status == PEL_OK)
         status = view_gl_target_create(j->page.cell_width, j->page.cell_height, &j->canvas, error);
-    if (status == PEL_OK)
-        view_gl_target_set_color_map(j->canvas, j->color_map);
     return status;
 }
 
@@ -692,8 +772,10 @@ static void summarize(job *j)
     pel_render_summary *summary = &j->summary;
     summary->width = j->page.width;
     summary->height = j->page.height;
-    snprintf(summary->field, sizeof summary->field, "%s", j->field_name);
-    memcpy(summary->range, j->range, sizeof summary->range);
+    for (int32_t f = 0; summary->field[0] == '\0' && f < j->field_count; ++f) {
+        memcpy(summary->field, j->fields[f].name, sizeof summary->field);
+        memcpy(summary->range, j->fields[f].range, sizeof summary->range);
+    }
     snprintf(summary->renderer, sizeof summary->renderer, "%s", view_gl_target_renderer(j->canvas));
 }
 

@@ -98,6 +98,29 @@ const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t fra
 
 /* ---- frames ---- */
 
+static pel_status find_peak(view_run *run, pel_error *error)
+{
+    static const char *const name = "max_displacement";
+    char path[PATH_SIZE];
+    pel_series *series;
+    double largest = 0;
+    run->peak = run->frames->frame_count - 1;
+    snprintf(path, sizeof path, "%s/%s", run->frames->folder, pel_run_file_name(PEL_RUN_SERIES));
+    if (!is_file(path))
+        return PEL_OK;
+    pel_status status = pel_series_read(path, &name, 1, &series, error);
+    if (status != PEL_OK)
+        return status == PEL_OUT_OF_MEMORY ? status : PEL_OK;
+    for (int32_t frame = 0; frame < run->frames->frame_count; ++frame) {
+        if (pel_series_value(series, 0, frame) > largest) {
+            largest = pel_series_value(series, 0, frame);
+            run->peak = frame;
+        }
+    }
+    pel_series_destroy(series);
+    return PEL_OK;
+}
+
 /* the folder of a run, which may be named by its frames.pvd; false for anything else */
 static bool find_folder(const char *path, char folder[PATH_SIZE])
 {
@@ -125,6 +148,8 @@ pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_
     if (!find_folder(path, folder))
         return PEL_OK;
     pel_status status = pel_frames_open(folder, &run->frames, error);
+    if (status == PEL_OK)
+        status = find_peak(run, error);
     if (status == PEL_OK && tools)
         status = open_tools(run, log, error);
     if (status != PEL_OK)

@@ -11,6 +11,7 @@ typedef struct view_run {
     pel_frames *frames;         /* null for a single mesh */
     pel_scene *scene;           /* of scene.yaml; null = no tools */
     pel_series *tool_positions; /* (tools x 3) columns of series.csv; null = the keys of the scene say all */
+    int32_t peak;               /* frame with the largest displacement; the last one if series.csv does not tell */
 } view_run;
 
 /* Opens a run; tools tells whether those are wanted, and why they cannot be had goes to log. Errors: PEL_BAD_FILE,

@@ -30,16 +30,19 @@ static void lay_out(view_sheet *page, const view_sheet_def *def)
 {
     page->top = page->title != NULL ? ems(page, 240) : ems(page, 40);
     page->label_height = def->labels ? ems(page, 190) : 0;
-    page->bar_width = 0;
-    if (def->bar_title != NULL) {
-        int32_t title = view_font_width(page->font, def->bar_title) + ems(page, 100), least = ems(page, 560);
-        page->bar_width = title > least ? title : least;
+    page->bar_rows = clamp(def->bar_count, 1, page->rows);
+    page->bar_columns = (def->bar_count + page->bar_rows - 1) / page->bar_rows;
+    page->bar_width = ems(page, 560);
+    for (int32_t bar = 0; bar < def->bar_count; ++bar) {
+        int32_t title = view_font_width(page->font, def->bar_titles[bar]) + ems(page, 100);
+        page->bar_width = title > page->bar_width ? title : page->bar_width;
     }
+    int32_t bars_width = page->bar_columns * page->bar_width;
     if (def->width == 0 && page->columns * page->rows > 1)
-        page->width = page->columns * page->cell_width + page->bar_width;
+        page->width = page->columns * page->cell_width + bars_width;
     if (def->height == 0 && page->columns * page->rows > 1)
         page->height = page->rows * page->cell_height + page->top;
-    page->cell_width = (page->width - page->bar_width) / page->columns;
+    page->cell_width = (page->width - bars_width) / page->columns;
     page->cell_height = (page->height - page->top) / page->rows - page->label_height;
 }
 
@@ -119,13 +122,14 @@ static void draw_frame(const view_sheet *page, view_image *image, int32_t x, int
     }
 }
 
-void view_sheet_bar(const view_sheet *page, view_image *image, pel_color_map map, const view_scale *scale)
+void view_sheet_bar(const view_sheet *page, view_image *image, int32_t bar, pel_color_map map, const view_scale *scale)
 {
-    int32_t area = page->height - page->top, title_lines = scale->unit[0] != '\0' ? 2 : 1;
+    int32_t area = (page->height - page->top) / page->bar_rows, title_lines = scale->unit[0] != '\0' ? 2 : 1;
+    int32_t column = bar % page->bar_columns, top = page->top + bar / page->bar_columns * area;
     int32_t head = ems(page, 60 + 130 * title_lines), tall = area - head - ems(page, 150);
     int32_t height = clamp(tall, 2, ems(page, 1700)), width = ems(page, 90);
-    int32_t x = page->width - page->bar_width + ems(page, 40);
-    int32_t y = page->top + head + (tall > height ? (tall - height) / 2 : 0);
+    int32_t x = page->width - (page->bar_columns - column) * page->bar_width + ems(page, 40);
+    int32_t y = top + head + (tall > height ? (tall - height) / 2 : 0);
     for (int32_t row = 0; row < height; ++row) {
         view_color color = {{0, 0, 0, 255}};
         pel_color_map_sample(map, (height - 1 - row) / (double)(height > 1 ? height - 1 : 1), color.rgba);

@@ -120,9 +120,8 @@ typedef struct pel_repair_options {
     bool drop_duplicates;  /* all but the first of the triangles with the same three vertices */
     bool close_slits;      /* with drop_degenerate: a triangle without area whose third corner lies on its longest edge
                               goes into its neighbour there, which is divided at that corner. Nothing moves */
-    bool cut;              /* fans of triangles that hang together in one vertex, or in an edge of more than two
-                              triangles, get vertices of their own at the same place. Of several triangles at an edge
-                              those stay together that face each other through a body; others get a rim there */
+    bool cut;              /* split non-manifold vertices and edges by duplicating vertices. Of several triangles at an
+                              edge those stay connected that face each other through a body; others get a boundary */
     bool drop_isolated;    /* vertices in no triangle (those that are not finite go in any case) */
     bool orient;           /* one winding per component: that of most of its triangles */
     bool outward;          /* turn closed components outward; also the inner walls of hollow bodies */

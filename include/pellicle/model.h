@@ -34,10 +34,10 @@ typedef enum pel_refine_springs {
 typedef struct pel_refine_def {
     int32_t levels;  /* finest level; each one halves the edges. 0 (default) = no refinement */
     bool everywhere; /* all of the body on the finest level from the start; no criterion is used */
-    /* Criteria, any number of them; none = only what pel_sim_refine asks for. A vertex at which one of them is above
-       its threshold refines what is around it; one at which all stay below for `dwell` steps gives that up. None of the
-       measures changes with the level where the deformation is smooth, so that refinement does not take away its own
-       reason. */
+    /* Criteria, any number of them; none = only what pel_sim_refine asks for. A vertex above one of the
+       thresholds refines the triangles around it; a vertex that stays below all of them for `dwell` steps coarsens. No
+       measure depends on the level where the deformation is smooth, so that refinement does not remove its own cause.
+     */
     double above, below; /* N/m2: elastic force of a vertex over its share of the area (paper A, section 3.2); below <
                             above, above 0 = not used */
     double curvature_above, curvature_below; /* 1/m: change of the mean curvature since rest, whatever the sign: where

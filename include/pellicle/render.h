@@ -23,11 +23,13 @@ typedef enum pel_color_map {
     PEL_COLORS_VIRIDIS,   /* S. van der Walt, N. Smith 2015: even steps for the eye, dark to bright */
     PEL_COLORS_CIVIDIS,   /* Nunez, Anderton, Renslow 2018: the same also for the colour-blind */
     PEL_COLORS_COOL_WARM, /* Moreland 2009: blue below, red above the middle */
+    PEL_COLORS_WARM,      /* the upper half of cool-warm: grey at 0, red above */
     PEL_COLORS_COUNT,
-    PEL_COLORS_AUTO = PEL_COLORS_COUNT /* viridis, or cool-warm for values of both signs */
+    /* grey is zero: cool-warm for values of both signs, warm for values from 0; viridis for all others */
+    PEL_COLORS_AUTO = PEL_COLORS_COUNT
 } pel_color_map;
 
-/* "viridis", "cividis", "cool-warm"; null past the last. Lives forever. */
+/* "viridis", "cividis", "cool-warm", "warm"; null past the last. Lives forever. */
 PEL_API const char *pel_color_map_name(int index);
 /* Looks a name up; false when there is none. */
 PEL_API bool pel_color_map_find(const char *name, pel_color_map *map);
@@ -53,6 +55,8 @@ typedef struct pel_frame_range {
     int32_t first, last, step; /* step >= 1 */
 } pel_frame_range;
 
+enum { PEL_RENDER_FIELD_LIMIT = 8 };
+
 typedef struct pel_render_def {
     const char *const *inputs; /* (input_count) run folders, .vtp or mesh files */
     int32_t input_count;
@@ -60,16 +64,18 @@ typedef struct pel_render_def {
     /* a folder (one picture for each frame), FILE.png (one picture; a contact sheet when there are several frames or
        inputs) or FILE.mp4 or FILE.gif (a film) */
     const char *output;
-    const pel_frame_range *frames; /* (frame_range_count); null = all; for a .png the last, or as many as
-                                      columns x rows hold, evenly spaced */
+    const pel_frame_range *frames; /* (frame_range_count); null = all; for a .png the frame with the largest
+                                      displacement of each run (the last frame if series.csv does not tell), or as many
+                                      as columns x rows hold, evenly spaced */
     int32_t frame_range_count;
 
-    const char *field;       /* vertex field that colours the surface; null = displacement where there is one, "none" */
-    int32_t component;       /* of a vector field, from 0; -1 = magnitude */
+    const char *field; /* vertex field that colours the surface, "none" = plain; up to PEL_RENDER_FIELD_LIMIT names
+                          with commas between them stand side by side; null = displacement where there is one */
+    int32_t component; /* of a vector field, from 0; -1 = magnitude */
     pel_color_map color_map; /* PEL_COLORS_AUTO */
-    bool fixed_range;        /* false: least to largest value of all frames drawn */
+    bool fixed_range;        /* false: least to largest value of all frames drawn; true: of the only coloured field */
     double range[2];         /* low < high, in the unit of the field */
-    const char *unit;        /* of the field; null = SI unit of the known quantities, "" = none */
+    const char *unit;        /* of the only coloured field; null = SI unit of the known quantities, "" = none */
     const char *arrows;      /* vector field drawn as arrows, the longest value the longest arrow; null = none */
 
     pel_camera_angle angle;
@@ -78,6 +84,7 @@ typedef struct pel_render_def {
     int32_t columns, rows;     /* of a contact sheet; 0 = one row for each input */
     bool flat;                 /* one normal per triangle */
     bool edges;                /* draw the edges of the triangles */
+    bool outline;              /* draw a dark line along the silhouette of the surface */
     bool hide_tools, hide_bar; /* leave out tools, the colour bar */
     bool hide_labels;          /* leave out times and names */
     bool hide_ground;          /* leave out the shadow on the ground */
@@ -97,14 +104,14 @@ PEL_API pel_render_def pel_render_def_default(void);
 
 /* What was drawn. */
 typedef struct pel_render_summary {
-    int32_t picture_count; /* files, or pictures of the film */
-    int32_t width, height; /* pixels */
-    char field[PEL_NAME_SIZE];
-    double range[2]; /* of the colours */
-    double read_s;   /* wall time of reading frames, */
-    double draw_s;   /* of drawing them, */
-    double least_s;  /* of drawing the quickest picture, and */
-    double write_s;  /* of packing and writing pictures */
+    int32_t picture_count;     /* files, or pictures of the film */
+    int32_t width, height;     /* pixels */
+    char field[PEL_NAME_SIZE]; /* the first that colours the surface; "" = none */
+    double range[2];           /* of its colours */
+    double read_s;             /* wall time of reading frames, */
+    double draw_s;             /* of drawing them, */
+    double least_s;            /* of drawing the quickest picture, and */
+    double write_s;            /* of packing and writing pictures */
     char renderer[128];
 } pel_render_summary;
 

@@ -68,7 +68,7 @@ typedef struct pel_run_def {
 PEL_API pel_run_def pel_run_def_default(void);
 
 /* Warnings of a run at most: one of each code. */
-enum { PEL_RUN_WARNING_LIMIT = 14 };
+enum { PEL_RUN_WARNING_LIMIT = 16 };
 
 /* Modes of an analysis that a summary tells, and summary.json with it. */
 enum { PEL_RUN_MODE_LIMIT = 1000 };

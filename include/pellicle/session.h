@@ -52,7 +52,7 @@ typedef struct pel_hand_reading {
 } pel_hand_reading;
 
 /* A session over a simulation that was made from the scene and has done no step; both must outlive it. Takes the
-   snapshot that reset goes back to. PEL_BAD_SCENE where the scene has a `session` with a line that is no command;
+   snapshot that reset goes back to. PEL_BAD_SCENE where the scene has a `session` with a line that is not a command;
    PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session **session, pel_error *error);
 PEL_API void pel_session_destroy(pel_session *session);

@@ -551,6 +551,8 @@ typedef struct pel_sim_measures {
     double membrane_energy, bending_energy, fibre_energy; /* J, of shells */
     double max_displacement;                              /* m, from the rest position */
     double max_force;                                     /* N, largest vertex force as in pel_sim_get_forces */
+    double unbalanced_force; /* N, sum of the magnitudes of these on vertices that are free: neither pinned, held nor
+                                touched */
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
 PEL_API void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);

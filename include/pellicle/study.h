@@ -82,7 +82,7 @@ PEL_API bool pel_study_store_needs(const pel_study_store *store, int64_t run);
 PEL_API bool pel_study_store_failed(const pel_study_store *store, int64_t run);
 
 /* Adds a row of pel_study_run. Of several rows of one run the one that is done counts, else the last. One thread at a
- * time. PEL_BAD_FILE; PEL_BAD_ARGUMENT when the text is no row. */
+ * time. PEL_BAD_FILE; PEL_BAD_ARGUMENT when the text is not a row. */
 PEL_API pel_status pel_study_store_add(pel_study_store *store, const char *row, pel_error *error);
 
 /* Reads the rows of all chunks; writes runs.csv and report.html when none is missing. *missing and *failed (nullable)

@@ -9,9 +9,8 @@
 #include "base/wide.h"
 #include "law/membrane.h"
 
-/* The ways of the points of so many blocks of a colour are found before any is gone. A processor looks ahead of what
-   waits for a division by some hundred operations only: this gives it the next blocks to work at (8 and 16: no better).
- */
+/* Compute the displacements of up to 4 blocks of one colour before applying any. A processor looks only some hundred
+   operations beyond a pending division: this gives it the next blocks to work on (8 and 16: no better). */
 enum { PEL_BATCH_GROUP = 4 };
 
 /* What a batch consists of, with its numbers per element. A softness is 1 / stiffness, the one of a membrane

@@ -38,7 +38,7 @@ static void set_law(pel_shell_body *own)
 /* ---- elements at a place ---- */
 
 /* Lists by owner: counts stand two places after their owner's number, sums make them begins one place after; filling
-   moves each up to the begin of the next owner, so that begin[owner] .. begin[owner + 1] is right in the end. */
+   moves each up to the start of the next owner, so that begin[owner] .. begin[owner + 1] is right at the end. */
 static void visit_elements(pel_shell_body *own, bool list)
 {
     const pel_shell *shell = own->shell;

@@ -174,7 +174,7 @@ static bool allocate_lists(pel_tangent *tangent)
 /* ---- shells ---- */
 
 /* Lists by owner: counts stand two places after their owner's number, sums make them begins one place after; filling
-   moves each up to the begin of the next owner, so that begin[owner] .. begin[owner + 1] is right in the end. */
+   moves each up to the start of the next owner, so that begin[owner] .. begin[owner + 1] is right at the end. */
 static void sum_counts(int32_t *begin, int32_t owner_count)
 {
     for (int32_t i = 0; i < owner_count; i++)

@@ -11,7 +11,7 @@
    The axis tried is the vector between the closest points at mid-time, which is the best axis for pairs that do not
    turn, whatever feature is closest. Pairs that slide and turn close to each other would need as many intervals as
    their gap is small; after a few intervals an axis that turns with them is tried as well, from the vector between the
-   closest points at the begin to that at the end, which leaves an error of second order in the interval. The directions
+   closest points at the start to that at the end, which leaves an error of second order in the interval. The directions
    carry no obligation: the proofs bound their own errors. */
 #include "geom/ccd.h"
 

@@ -312,7 +312,7 @@ pel_status pel_haptic_update(pel_haptic *haptic, const double position[3], const
     memcpy(turned, rotation != NULL ? rotation : haptic->rotation, sizeof turned);
     if (!update(haptic, position, turned, NULL)) {
         pel_fail(error, PEL_BAD_ARGUMENT,
-                 "the position of the device is not finite or its rotation is no unit "
+                 "the position of the device is not finite or its rotation is not a unit "
                  "quaternion");
         pel_fail_remedy(error, "leave the force at 0 until the device has a pose");
         return PEL_BAD_ARGUMENT;

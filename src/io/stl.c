@@ -59,7 +59,7 @@ static pel_status check_binary_size(const pel_text_cursor *scan, const pel_log *
                                     "neither 'solid' nor the %d bytes that a binary STL begins with", (int)START_SIZE);
     if (claimed > size)
         return pel_text_cursor_fail(scan, scan->begin + HEADER_SIZE, error,
-                                    "the file seems to be cut off or is no STL: copy or export it again",
+                                    "the file seems to be cut off or is not STL: copy or export it again",
                                     "%llu facets take %llu bytes but the file has %llu",
                                     (unsigned long long)binary_facet_count(scan), (unsigned long long)claimed,
                                     (unsigned long long)size);

@@ -99,7 +99,7 @@ static pel_status read_file_tag(vtp_reader *reader, const pel_xml_tag *tag)
 {
     char text[64];
     if (!pel_xml_attribute(tag, "type", text, sizeof text) || strcmp(text, "PolyData") != 0)
-        return fail_with(reader, tag->start, "this is no VTK PolyData file",
+        return fail_with(reader, tag->start, "this is not a VTK PolyData file",
                          "extract the surface in ParaView (Extract Surface) and save it as .vtp");
     reader->swapped = pel_xml_attribute(tag, "byte_order", text, sizeof text) && strcmp(text, PEL_BYTE_ORDER_NAME) != 0;
     reader->packed = pel_xml_attribute(tag, "compressor", text, sizeof text);
@@ -273,7 +273,7 @@ static pel_status read_head(vtp_reader *reader)
     if (status != PEL_OK)
         return status;
     if (reader->word_size == 0)
-        return fail_at(reader, at, "this is no VTK file");
+        return fail_at(reader, at, "this is not a VTK file");
     return fail_with(reader, at, "the file is cut off", "copy or write the file again");
 }
 

@@ -160,7 +160,7 @@ static pel_status read_template(const char *path, char **text, size_t *size, con
         return PEL_OK;
     pel_fail(error, PEL_BAD_FORMAT, "%s",
              strstr(*text, mark_start) != NULL ? "the page is of another version of pellicle"
-                                               : "this is no page that simulates");
+                                               : "this is not a page that simulates");
     pel_fail_remedy(error, "build the page again with 'make wasm'");
     pel_fail_place(error, path, 0, 0);
     return PEL_BAD_FORMAT;

@@ -185,7 +185,7 @@ pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pe
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         transform_point(matrix, transform->translation, mesh->positions[v], moved);
         if (!isfinite(moved[0]) || !isfinite(moved[1]) || !isfinite(moved[2])) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "the transform moves this vertex beyond all numbers");
+            pel_fail(error, PEL_BAD_ARGUMENT, "the transform moves this vertex to infinity");
             pel_fail_element(error, "vertex", v);
             return PEL_BAD_ARGUMENT;
         }

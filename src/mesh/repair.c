@@ -300,7 +300,7 @@ static pel_status drop_flat_triangles(work *w)
     return status == PEL_OK ? drop_duplicate_triangles(w) : status;
 }
 
-/* fans that hang together in vertices or edges only come apart */
+/* split non-manifold vertices and edges */
 static pel_status cut_apart(work *w)
 {
     if (!w->options.cut)

@@ -477,7 +477,8 @@ static pel_status count_body_vertices(pel_common_mesh *common, const frame_view 
         for (int i = 0; i < 3; i++) {
             double corner = view->corners[3 * (size_t)row + (size_t)i];
             if (!(corner >= 0 && corner < (1 << 24)))
-                return fail_frame(view, "the field mesh_vertices holds something that is no number of a vertex", error);
+                return fail_frame(view, "the field mesh_vertices holds something that is not a number of a vertex",
+                                  error);
             int32_t *count = &common->body_begin[(int32_t)body + 1];
             *count = (int32_t)corner + 1 > *count ? (int32_t)corner + 1 : *count;
         }

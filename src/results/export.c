@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* what more would be is no number of a body */
+/* what more would be is not a number of a body */
 #define MOST_PARTS 65536.0
 
 /* ---- parts ---- */

@@ -33,7 +33,7 @@ pel_status pel_export_sequence(const char *path, pel_mesh_format format, const p
     PEL_REFUSE_NULL(frames, error);
     pel_export_source source;
     if (strlen(path) + 16 > PEL_EXPORT_PATH_SIZE)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "the path has %zu characters, more than can be numbered",
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the path has %zu characters, too many for numbered files",
                         strlen(path));
     pel_status status = pel_export_open(&source, frames, error);
     int32_t frame = 0;

@@ -73,7 +73,7 @@ static pel_status make_buffers(glb *g, pel_error *error)
 
 /* ---- parts ---- */
 
-/* the part of a vertex; what is no number of one counts to the first */
+/* the part of a vertex; what is not a number of one counts to the first */
 static int32_t part_of(const glb *g, const pel_field *body, int32_t v)
 {
     double number = body != NULL && body->component_count == 1 ? body->values[v] : 0;

@@ -53,7 +53,7 @@ static pel_status read_page(const char *path, char **page, size_t *size, const c
         return PEL_OK;
     pel_fail(error, PEL_BAD_FORMAT, "%s",
              strstr(*page, mark_start) != NULL ? "the page is of another version of pellicle"
-                                               : "this is no report page");
+                                               : "this is not a report page");
     pel_fail_remedy(error, "build the page again with 'make web'");
     pel_fail_place(error, path, 0, 0);
     return PEL_BAD_FORMAT;

@@ -23,7 +23,7 @@ static const char magic[8] = "PELRUN4";
 
 static size_t tool_bytes(const pel_run_state *run)
 {
-    return 2 * (size_t)run->tool_count * sizeof *run->tool_force;
+    return PEL_TOOL_NUMBERS * (size_t)run->tool_count * sizeof *run->tool_force;
 }
 
 pel_status pel_run_checkpoint_prepare(pel_run_state *run, pel_error *error)
@@ -124,7 +124,7 @@ static pel_status check(const pel_run_state *run, const char *path, const char *
 {
     uint64_t hash;
     if (size < sizeof magic || memcmp(bytes, magic, sizeof magic - 2) != 0)
-        return refuse(path, "this is no checkpoint of a run", "give the file `checkpoint` of a run's folder", error);
+        return refuse(path, "this is not a checkpoint of a run", "give the file `checkpoint` of a run's folder", error);
     if (memcmp(bytes, magic, sizeof magic) != 0)
         return refuse_version(path, error);
     if (size < sizeof *header + sizeof hash)

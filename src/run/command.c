@@ -80,7 +80,7 @@ static pel_status find_word(const char *word, pel_command *command, pel_error *e
             command->word = (pel_command_word)i;
             return PEL_OK;
         }
-    pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is no command", word);
+    pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is not a command", word);
     pel_fail_remedy(error, "use set, grab, press, move, release, pin, unpin, inflate or mark");
     return PEL_BAD_ARGUMENT;
 }
@@ -95,7 +95,7 @@ static pel_status take_numbers(const char **at, const grammar *rule, pel_command
         if (word[0] == '\0')
             return fail_usage(rule, error);
         if (pel_number_parse(word, end, number) != end || !isfinite(*number))
-            return pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is no number; '%s' takes %s", word, rule->word,
+            return pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is not a number; '%s' takes %s", word, rule->word,
                             rule->values);
     }
     return **at == '\0' ? PEL_OK : fail_usage(rule, error);
@@ -111,7 +111,7 @@ static pel_status find_shape(pel_command *command, pel_error *error)
     command->shape = PEL_TOOL_MESH;
     if (pel_word_mesh_is_one(command->name))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is no shape to press with", command->name);
+    pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is not a shape to press with", command->name);
     pel_fail_remedy(error, "use sphere, capsule, box, torus, cylinder, blend or an OBJ, PLY, STL, OFF or VTP file");
     return PEL_BAD_ARGUMENT;
 }

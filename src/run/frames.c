@@ -118,6 +118,7 @@ static pel_status write_frame(pel_run_frames *frames, pel_error *error)
     frames->frame_count = row->frame + 1;
     frames->last_time = frames->frame.time;
     frames->max_displacement = fmax(frames->max_displacement, row->measures.max_displacement);
+    frames->unbalanced_force = fmax(frames->unbalanced_force, row->measures.unbalanced_force);
     pel_warnings_check_frame(&frames->warnings, row->frame, &row->measures, &row->ledger);
     atomic_store(&frames->max_force, row->measures.max_force);
     return list_is_due(frames) ? pel_run_frames_list(frames, error) : PEL_OK;
@@ -139,7 +140,7 @@ static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_e
     pel_run_frame *frame = &frames->frame;
     frames->snapshot_size = pel_sim_save_size(sim);
     frame->snapshot = pel_allocate(frames->snapshot_size, 1);
-    frame->tool_force = pel_allocate(2 * (size_t)frames->tool_count, sizeof *frame->tool_force);
+    frame->tool_force = pel_allocate(PEL_TOOL_NUMBERS * (size_t)frames->tool_count, sizeof *frame->tool_force);
     if (frame->snapshot == NULL || frame->tool_force == NULL)
         return pel_fail_memory(error);
     return pel_worker_create(1, write_job, frames, &frames->worker, error);
@@ -215,7 +216,7 @@ static void keep_state(pel_run_frames *frames, const pel_sim *sim, const pel_run
                        const double *tool_force)
 {
     frames->frame.totals = *totals;
-    memcpy(frames->frame.tool_force, tool_force, 2 * (size_t)frames->tool_count * sizeof *tool_force);
+    memcpy(frames->frame.tool_force, tool_force, PEL_TOOL_NUMBERS * (size_t)frames->tool_count * sizeof *tool_force);
     pel_sim_save(sim, frames->frame.snapshot);
 }
 
@@ -259,12 +260,13 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
         status = error->status;
         pel_sim_load(sim, frame->snapshot, frames->snapshot_size, NULL);
         *totals = frame->totals;
-        memcpy(tool_force, frame->tool_force, 2 * (size_t)frames->tool_count * sizeof *tool_force);
+        memcpy(tool_force, frame->tool_force, PEL_TOOL_NUMBERS * (size_t)frames->tool_count * sizeof *tool_force);
         /* the frame may be there and only the list not */
         if (frames->frame_count > totals->frame_count)
             begin_interval(totals, sim, tool_force, frames->tool_count);
     }
     totals->max_displacement = fmax(totals->max_displacement, frames->max_displacement);
+    totals->unbalanced_force = fmax(totals->unbalanced_force, frames->unbalanced_force);
     /* after a failure the totals are set back each time, and what was counted before the failure is added again */
     pel_warning_tallies counted = frames->warnings;
     pel_warnings_merge(&totals->warnings, &counted);

@@ -12,6 +12,9 @@
 #include "run/plan.h"
 #include "run/warnings.h"
 
+/* numbers that are kept of each tool */
+enum { PEL_TOOL_NUMBERS = 3 };
+
 /* What is summed up on the way; goes into checkpoints as it stands. */
 typedef struct pel_run_totals {
     int64_t frame_count;       /* frames written */
@@ -20,6 +23,7 @@ typedef struct pel_run_totals {
     double step_seconds;       /* wall time of all steps */
     double wall_seconds;       /* of the calls of pel_run before this one */
     double max_displacement;   /* m, over the frames */
+    double unbalanced_force;   /* N, largest over the frames */
     double volume_ratio;       /* of the last frame */
     int64_t rise_count;        /* frames whose volume is more than that of the frame before */
     double rise_sum, rise_max; /* of the volume ratio in these */
@@ -34,7 +38,7 @@ typedef struct pel_run_frame {
     double time;           /* s */
     pel_run_totals totals; /* before it; frame_count is its number */
     /* null when one thread does everything */
-    double *tool_force; /* (2 x tool count) as in pel_run_state */
+    double *tool_force; /* (PEL_TOOL_NUMBERS x tool count) as in pel_run_state */
     void *snapshot;     /* (snapshot_size) of the simulation */
 } pel_run_frame;
 
@@ -54,6 +58,7 @@ typedef struct pel_run_frames {
     int64_t listed_count;         /* of them in frames.pvd */
     double listed_at;             /* wall clock when it was written */
     double max_displacement;      /* m, over the frames of this call */
+    double unbalanced_force;      /* N, largest over them */
     pel_warning_tallies warnings; /* of the frames since the last settlement */
     double last_time;             /* s, of the last frame written; 0 = none by this call */
     _Atomic(double) max_force;    /* N, at the last frame written; may be read at any time */
@@ -70,7 +75,7 @@ pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_
                                  pel_error *error);
 void pel_run_frames_destroy(pel_run_frames *frames);
 
-/* Begins series.csv, or goes on behind the frame_count frames that are there, which are listed anew. */
+/* Starts series.csv, or appends after the existing frame_count frames and rewrites the list. */
 pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int64_t frame_count, bool resume,
                                 pel_error *error);
 

@@ -53,7 +53,7 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
     return PEL_OK;
 }
 
-/* a run must not take away what it is described by */
+/* never overwrite the run's own scene or meshes */
 static pel_status check_input(const pel_run_def *def, const char *path, const char *what, pel_error *error)
 {
     if (path == NULL || def->folder == NULL || !pel_run_folder_takes(def->folder, path, def->resume != NULL))
@@ -226,7 +226,7 @@ static pel_status prepare(pel_run_state *run, pel_error *error)
         status = pel_warnings_check_scene(run, error);
     if (status != PEL_OK)
         return status;
-    run->tool_force = pel_allocate(2 * (size_t)run->tool_count, sizeof *run->tool_force);
+    run->tool_force = pel_allocate(PEL_TOOL_NUMBERS * (size_t)run->tool_count, sizeof *run->tool_force);
     if (run->tool_force == NULL)
         return pel_fail_memory(error);
     if (run->def->folder != NULL) {
@@ -308,7 +308,10 @@ static void note_tools(pel_run_state *run)
         const double *f = reading.force;
         double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
         run->tool_force[t] = fmax(run->tool_force[t], force);
-        run->tool_force[count + t] = fmax(run->tool_force[count + t], force);
+        if (force > run->tool_force[count + t]) {
+            run->tool_force[count + t] = force;
+            run->tool_force[2 * count + t] = reading.contact_count;
+        }
     }
 }
 
@@ -577,6 +580,8 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
         name_checkpoint(run, error);
     if (uncounted)
         pel_warn(&run->totals.warnings, PEL_WARN_UNCOUNTED, run->totals.frame_count - 1, 0);
+    if (over && status == PEL_OK)
+        pel_warnings_check_end(run);
     pel_run_summary_fill(run, status, summary);
     pel_warnings_tell(run, true);
     later = has_folder

@@ -20,7 +20,8 @@ typedef struct pel_run_state {
     pel_run_plan plan;
     pel_run_frames frames;
     pel_run_totals totals;
-    double *tool_force;        /* (2 x tool count) N, largest since the last frame, then largest over the run */
+    double *tool_force; /* (PEL_TOOL_NUMBERS x tool count) N, largest since the last frame, then largest over the run;
+                           then the number of vertices that the tool touched at the latter */
     unsigned char *checkpoint; /* (checkpoint_size) a checkpoint as it is written */
     size_t checkpoint_size;
     char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */

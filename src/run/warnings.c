@@ -5,6 +5,7 @@
 #include "pellicle/topology.h"
 #include "run/state.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -29,6 +30,13 @@ enum { JAM_STEPS = 10 };
 #define LAYER_SHARE 0.1
 #define LEAST_ENERGY 1e-6
 
+/* vertices that a tool has to touch, or its force depends on the mesh: a disc with a radius of three edges has 33.
+   Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
+   (docs/scenes.md) */
+enum { LEAST_CONTACTS = 30 };
+/* of the largest force that acted: what is left of the forces on free vertices where a quasi-static run is at rest */
+#define SETTLED_SHARE 0.05
+
 static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
     [PEL_WARN_MILLIMETRES] = "millimetres",         [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
@@ -37,6 +45,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
     [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
+    [PEL_WARN_COARSE_CONTACT] = "coarse-contact",   [PEL_WARN_UNSETTLED] = "unsettled",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -275,6 +284,45 @@ void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const
         pel_warn(tallies, PEL_WARN_ENERGY, frame, ledger->energy_error);
 }
 
+/* ---- the end ---- */
+
+/* vertices that a tool touched when its force was largest; 0 = it pressed nothing. Grasps hold vertices one by one. */
+static int32_t pressed_count(const pel_run_state *run, int32_t t)
+{
+    const pel_tool_def *tool = &run->scene->sim.tools[t];
+    bool presses = !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
+    return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
+}
+
+/* N, of tools and of what was out of balance at a frame, such as a load that had just begun */
+static double largest_force(const pel_run_state *run)
+{
+    double largest = run->totals.unbalanced_force;
+    for (int32_t t = 0; t < run->tool_count; t++)
+        largest = fmax(largest, run->tool_force[run->tool_count + t]);
+    return largest;
+}
+
+/* forces of contact between surfaces are not among those of the measures */
+static void check_rest(pel_run_state *run, int64_t frame)
+{
+    const pel_sim_def *sim = &run->scene->sim;
+    double share = run->measures.unbalanced_force / fmax(largest_force(run), DBL_MIN);
+    if (sim->solver.method == PEL_METHOD_QUASI_STATIC && !sim->contact.enabled && share > SETTLED_SHARE)
+        pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
+}
+
+void pel_warnings_check_end(pel_run_state *run)
+{
+    int64_t frame = run->totals.frame_count - 1;
+    for (int32_t t = 0; t < run->tool_count && knows_material(run->scene->sim.solver.method); t++) {
+        int32_t count = pressed_count(run, t);
+        if (count > 0 && count < LEAST_CONTACTS)
+            pel_warn(&run->totals.warnings, PEL_WARN_COARSE_CONTACT, frame, 0);
+    }
+    check_rest(run, frame);
+}
+
 /* ---- texts ---- */
 
 typedef struct text_context {
@@ -506,6 +554,68 @@ static void tell_uncounted(const text_context *at)
              "thousands of triangles. divide the triangles around it in a mesh editor");
 }
 
+/* the tool that touched the fewest vertices */
+static int32_t find_coarsest(const pel_run_state *run)
+{
+    int32_t coarsest = 0, least = INT32_MAX;
+    for (int32_t t = 0; t < run->tool_count; t++) {
+        int32_t count = pressed_count(run, t);
+        if (count > 0 && count < least) {
+            least = count;
+            coarsest = t;
+        }
+    }
+    return coarsest;
+}
+
+static double mean_edge(const pel_mesh *mesh)
+{
+    double sum = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        for (int i = 0; i < 3; i++)
+            sum += pel_vec3_distance(mesh->positions[mesh->triangles[t][i]],
+                                     mesh->positions[mesh->triangles[t][(i + 1) % 3]]);
+    return sum / (3.0 * mesh->triangle_count);
+}
+
+/* a level has four times the vertices. Methods with few large steps look at all vertices in each of them. */
+static void write_refinement(const pel_run_state *run, int32_t contacts, char *text, size_t size)
+{
+    const pel_body_def *body = &run->scene->model.bodies[0];
+    pel_method method = run->scene->sim.solver.method;
+    int levels = contacts > 0 ? (int)ceil(log2(2.0 * LEAST_CONTACTS / contacts) / 2) : 1;
+    if (run->scene->model.body_count > 1)
+        snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
+    else if (body->refine.levels > 0)
+        snprintf(text, size, "use bodies.%s.refine.levels=%d, with near_tools", body->name,
+                 (int)body->refine.levels + levels);
+    else
+        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g%s }', or a finer mesh", body->name,
+                 levels, 2.5 * mean_edge(body->mesh),
+                 method == PEL_METHOD_STATIC || method == PEL_METHOD_DESCENT ? ", interval: 1" : "");
+}
+
+static void tell_coarse_contact(const text_context *at)
+{
+    char remedy[200];
+    int32_t t = find_coarsest(at->run), contacts = at->run->tool_count > 0 ? pressed_count(at->run, t) : 0;
+    write_refinement(at->run, contacts, remedy, sizeof remedy);
+    snprintf(at->text, at->size,
+             "tool '%s' touches %d vertices where its force is largest; with fewer than %d the force depends on the "
+             "mesh. %s",
+             at->run->tool_count > 0 ? at->run->scene->sim.tools[t].name : "", (int)contacts, (int)LEAST_CONTACTS,
+             remedy);
+}
+
+static void tell_unsettled(const text_context *at)
+{
+    snprintf(
+        at->text, at->size,
+        "the run ended before it settled: %.3g N are out of balance, %.0f %% of the largest force that acted. use a "
+        "longer duration, or method static",
+        at->run->measures.unbalanced_force, 100 * at->tally->worst);
+}
+
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
@@ -521,6 +631,8 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_GRASP_LOST] = tell_grasp,
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
     [PEL_WARN_UNCOUNTED] = tell_uncounted,
+    [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
+    [PEL_WARN_UNSETTLED] = tell_unsettled,
 };
 
 /* energy that appears is measured against all that the run supplied in the end */

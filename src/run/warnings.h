@@ -19,6 +19,8 @@ typedef enum pel_warning_kind {
     PEL_WARN_GRASP_LOST,
     PEL_WARN_GRASP_EMPTY,
     PEL_WARN_UNCOUNTED,
+    PEL_WARN_COARSE_CONTACT,
+    PEL_WARN_UNSETTLED,
     PEL_WARN_COUNT
 } pel_warning_kind;
 
@@ -52,6 +54,9 @@ void pel_warnings_check_step(struct pel_run_state *run);
 /* At each frame, by the thread that writes it. */
 void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
                               const pel_sim_ledger *ledger);
+
+/* When a run has come to its end, with its measures: contacts and forces that are left. */
+void pel_warnings_check_end(struct pel_run_state *run);
 
 /* Writes the warnings that hold at present to `warnings` (PEL_RUN_WARNING_LIMIT); returns their number. */
 int32_t pel_warnings_list(const struct pel_run_state *run, pel_run_warning *warnings);

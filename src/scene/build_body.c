@@ -156,7 +156,7 @@ static pel_status check_refine(const pel_scene_body_source *source, const pel_sc
         pel_scene_fail(source->reader, &found->key_place, "'everywhere' and '%s' exclude each other", found->key);
         pel_fail_remedy(source->reader->error, "remove one of them");
     } else {
-        pel_scene_fail(source->reader, &value->place, "refine does not say where");
+        pel_scene_fail(source->reader, &value->place, "refine has no criterion");
         pel_fail_remedy(source->reader->error,
                         "add 'above', 'curvature', 'near_tools' or 'region', or 'everywhere: true'");
     }

@@ -14,7 +14,7 @@ static pel_status read_relative(pel_scene_reader *reader, const pel_scene_value 
     bool fine = strncmp(text, word, strlen(word)) == 0;
     if (fine && pel_number_parse(number, end, relative) == end && *relative > 0 && isfinite(*relative))
         return PEL_OK;
-    pel_scene_fail(reader, &value->place, "`thickness` '%.80s' is no thickness", text);
+    pel_scene_fail(reader, &value->place, "`thickness` '%.80s' is not a thickness", text);
     pel_fail_remedy(reader->error, "give a number of metres, or `relative` and a number, such as relative 1e-4");
     return PEL_BAD_SCENE;
 }

@@ -207,7 +207,7 @@ pel_status pel_scene_override(pel_scene_reader *reader, pel_scene_value *root, c
     const char *equals = strchr(text, '=');
     override_walk walk = {reader, {source, 0, 0}, text, equals, root, NULL};
     if (equals == NULL || equals == text) {
-        pel_scene_fail(reader, &walk.place, "this is no key=value");
+        pel_scene_fail(reader, &walk.place, "this is not a key=value");
         pel_fail_remedy(reader->error, "write it as solver.dt=0.005");
         return PEL_BAD_SCENE;
     }

@@ -46,16 +46,16 @@ static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
 
 static const pel_scene_row rows[] = {
     {"version", INTEGER, BETWEEN(1, 1), REQUIRED, .doc = "version of the scene format"},
-    {"title", TEXT, .doc = "what the scene shows, for reports"},
+    {"title", TEXT, .doc = "description of the scene, for reports"},
 
     {"bodies", LIST, COUNT_FROM(1), REQUIRED, .doc = "the surfaces that deform"},
     {"bodies[]", MAP, .doc = "one body"},
     {"bodies[].name", NAME, .preset = "body#", .doc = "name in outputs, loads and tools"},
     {"bodies[].mesh", MAP, REQUIRED, .like = "<mesh>", .doc = "the surface at rest"},
     {"bodies[].preset", WORD("tissue", "paper-a"), .preset = "tissue",
-     .doc = "masses and springs that are left out: tissue: by density and Young's modulus, for meshes of any size and "
-            "fineness; paper-a: the numbers of paper A: 1 kg on each vertex, k 3, d 0.5, k' 1.5, d' 0.5. Springs of "
-            "bodies with a membrane are left out under both"},
+     .doc = "defaults of `mass`, `springs` and `volumetric`. tissue: density and Young's modulus, for meshes of any "
+            "size and fineness; paper-a: paper A's 1 kg per vertex, k 3, d 0.5, k' 1.5, d' 0.5. Bodies with a membrane "
+            "have no springs unless `springs` is given"},
     {"bodies[].mass", MAP, .preset = "{}", .doc = "mass of the vertices, given in one of three ways"},
     {"bodies[].mass.per_vertex", NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE,
      .doc = "mass of each vertex (paper A: 1)"},
@@ -69,33 +69,31 @@ static const pel_scene_row rows[] = {
             "filled; of an open surface a tenth of the radius of a ball with its area"},
     {"bodies[].springs", MAP, .preset = "{}", .doc = "structural springs on the edges (paper A, eq. A-3)"},
     {"bodies[].springs.young", QUANTITY, .unit = "Pa", AT_LEAST(0), ALTERNATIVE, .preset = "5000",
-     .doc = "Young's modulus of the skin: an edge has it times `thickness` times the area of its triangles over its "
-            "squared length, so that finer meshes behave alike"},
+     .doc = "Young's modulus E of the skin. An edge of length L between triangles of area A has the stiffness E "
+            "`thickness` A / L^2, so that the response does not depend on the fineness of the mesh"},
     {"bodies[].springs.thickness", NUMBER_OR("auto"), .unit = "m", POSITIVE, .needs = "young", .preset = "auto",
      .doc = "thickness of the skin; auto: a tenth of the body's radius, 3 times its volume over its area, or that of a "
             "ball with the area of an open surface"},
     {"bodies[].springs.drag", QUANTITY, .unit = "1/s", AT_LEAST(0), .needs = "young", .preset = "0.5",
-     .doc = "damping of each vertex over its mass"},
+     .doc = "damping of each vertex per unit of its mass"},
     {"bodies[].springs.stiffness", QUANTITY, .unit = "N/m", AT_LEAST(0), ALTERNATIVE,
      .doc = "stiffness k of each edge, whatever its length (paper A: 3); finer meshes are stiffer"},
     {"bodies[].springs.damping", QUANTITY, .unit = "N s/m", AT_LEAST(0), .needs = "stiffness", .preset = "0.5",
      .doc = "damping d of each vertex (eq. A-2)"},
-    {"bodies[].contact", MAP, .doc = "surface of this body in contact; leave out for what `contact` says"},
+    {"bodies[].contact", MAP, .doc = "contact parameters of this body; default: those of `contact`"},
     {"bodies[].contact.friction", NUMBER, AT_LEAST(0), .doc = "Coulomb's coefficient of the body"},
     {"bodies[].contact.thickness", NUMBER, .unit = "m", POSITIVE,
      .doc = "thickness of the body; two surfaces keep half the thickness of each as distance"},
-    {"bodies[].contact.restitution", NUMBER, BETWEEN(0, 1),
-     .doc = "share of the normal velocity that its collisions give back"},
+    {"bodies[].contact.restitution", NUMBER, BETWEEN(0, 1), .doc = "coefficient of restitution of the body"},
     {"bodies[].volumetric", MAP,
-     .doc = "virtual volumetric springs that pull each vertex back to its rest position (paper A, eq. A-4); leave out "
-            "for none"},
+     .doc = "virtual volumetric springs that pull each vertex back to its rest position (paper A, eq. A-4); optional"},
     {"bodies[].volumetric.young", QUANTITY, .unit = "Pa", AT_LEAST(0), ALTERNATIVE, .preset = "5000",
-     .doc =
-         "Young's modulus of the filling: a vertex has it times its area over `depth`; left out: that of the springs"},
+     .doc = "Young's modulus E of the filling. A vertex with area A has the stiffness E A / `depth`; default: that of "
+            "the springs"},
     {"bodies[].volumetric.depth", NUMBER_OR("auto"), .unit = "m", POSITIVE, .needs = "young", .preset = "auto",
      .doc = "depth of the filling under the surface; auto: the body's radius, see springs.thickness"},
     {"bodies[].volumetric.drag", QUANTITY, .unit = "1/s", AT_LEAST(0), .needs = "young", .preset = "20",
-     .doc = "damping of each vertex along its displacement, over its mass"},
+     .doc = "damping of each vertex along its displacement, per unit of its mass"},
     {"bodies[].volumetric.stiffness", QUANTITY, .unit = "N/m", AT_LEAST(0), ALTERNATIVE,
      .doc = "stiffness k' of each vertex (paper A: 1.5)"},
     {"bodies[].volumetric.damping", QUANTITY, .unit = "N s/m", AT_LEAST(0), .needs = "stiffness", .preset = "0.5",
@@ -104,60 +102,61 @@ static const pel_scene_row rows[] = {
      .doc = "volumetric stiffness k' and the dampings d, d' grow with the area of a vertex"},
     {"bodies[].reference_count", INTEGER, COUNT_FROM(1), .preset = "252",
      .doc = "with scale_with_area: the numbers are those of a vertex with this fraction of the area (paper A: 252)"},
-    {"bodies[].pinned", REGION, .doc = "vertices that never move, or move with `support`; leave out for none"},
+    {"bodies[].pinned", REGION, .doc = "vertices that never move, or move with `support`; optional"},
     {"bodies[].velocity", VECTOR, .unit = "m/s", .preset = "[0, 0, 0]",
      .doc = "velocity of the body at the start; for methods that have velocities"},
     {"bodies[].angular_velocity", VECTOR, .unit = "rad/s", .preset = "[0, 0, 0]",
      .doc = "angular velocity at the start, about the centre of mass; added to `velocity`"},
     {"bodies[].support", MAP, .needs = "pinned",
-     .doc = "moves the pinned vertices as a rigid support; leave out to keep them still"},
-    {"bodies[].support.center", VECTOR, .unit = "m", .preset = "[0, 0, 0]",
-     .doc = "point at rest that rotations are about"},
+     .doc = "rigid motion of the pinned vertices; default: they stay still"},
+    {"bodies[].support.center", VECTOR, .unit = "m", .preset = "[0, 0, 0]", .doc = "center of rotation at rest"},
     {"bodies[].support.motion", LIST, COUNT_FROM(1), REQUIRED,
-     .doc = "poses over time, linear between the keys in position and angle; before the first and after the last it "
-            "stands still"},
+     .doc = "poses over time; position and angle are linear between keys and constant before the first and after the "
+            "last"},
     {"bodies[].support.motion[]", MAP, .doc = "one pose"},
     {"bodies[].support.motion[].time", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "time of the pose"},
     {"bodies[].support.motion[].position", VECTOR, .unit = "m", .preset = "[0, 0, 0]",
-     .doc = "displacement of the center from where it is at rest"},
-    {"bodies[].support.motion[].rotation", MAP, .doc = "turns the support about its center; leave out for none"},
+     .doc = "displacement of the center from its rest position"},
+    {"bodies[].support.motion[].rotation", MAP, .doc = "turns the support about its center; optional"},
     {"bodies[].support.motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
     {"bodies[].support.motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
      .doc = "angle, counter-clockwise; 720 is two turns from 0"},
 
     {"bodies[].supports", LIST, .preset = "[]",
-     .doc = "supports of single components, for the methods static and implicit; each reports its reaction"},
+     .doc = "supports of single displacement components, for the methods static and implicit; each reports its "
+            "reaction force"},
     {"bodies[].supports[]", MAP, .doc = "one support"},
     {"bodies[].supports[].name", NAME, .preset = "support#", .doc = "name in outputs, after that of the body"},
-    {"bodies[].supports[].at", REGION, REQUIRED, .doc = "the vertices that it holds"},
+    {"bodies[].supports[].at", REGION, REQUIRED, .doc = "supported vertices"},
     {"bodies[].supports[].fix", LIST, COUNT_FROM(0), ALTERNATIVE, .preset = "[\"x\", \"y\", \"z\"]",
-     .doc = "components that are held, along the axes of `frame`; [] for a rotation alone"},
+     .doc = "fixed displacement components, along the axes of `frame`; [] fixes rotation only"},
     {"bodies[].supports[].fix[]", WORD("x", "y", "z"), .doc = "one component"},
     {"bodies[].supports[].symmetry", .forms = PEL_FORM_WORD | PEL_FORM_VECTOR, WORDS("x", "y", "z"), ALTERNATIVE,
-     .doc = "plane of symmetry with this normal: holds the component along it and the rotation of the edges in it"},
-    {"bodies[].supports[].frame", MAP, .needs = "fix", .doc = "axes of the components; leave out for x, y, z"},
+     .doc = "plane of symmetry with this normal: fixes the displacement along the normal and the rotation of edges in "
+            "the plane"},
+    {"bodies[].supports[].frame", MAP, .needs = "fix", .doc = "axes of the components; default: x, y, z"},
     {"bodies[].supports[].frame.x", VECTOR, REQUIRED, .doc = "direction of x, of any length but 0"},
     {"bodies[].supports[].frame.y", VECTOR,
-     .doc = "direction of y, made orthogonal to x; left out: some direction across x"},
+     .doc = "direction of y, made orthogonal to x; default: any direction orthogonal to x"},
     {"bodies[].supports[].displacement", VECTOR, .unit = "m", .needs = "fix", .preset = "[0, 0, 0]",
-     .doc = "displacement from the place at rest, along the axes of `frame`; of components that are held"},
+     .doc = "prescribed displacement of the fixed components, along the axes of `frame`"},
     {"bodies[].supports[].keys", LIST, COUNT_FROM(1), .needs = "displacement",
      .doc = "factor on the displacement over time, linear between the keys"},
     {"bodies[].supports[].keys[]", .forms = PEL_FORM_KEY, .doc = "time [s] and factor"},
     {"bodies[].supports[].rotation", WORD("free", "fixed"), .needs = "fix", .preset = "free",
-     .doc = "fixed: edges with both ends in the region keep their normals, which clamps them (bending model midedge)"},
+     .doc = "fixed: clamps edges with both ends in the region, whose normals then keep their direction (bending model "
+            "midedge)"},
     {"bodies[].supports[].stiffness", NUMBER, .unit = "N/m", POSITIVE, .needs = "fix",
-     .doc = "stiffness of the support of each vertex; leave out for a rigid one"},
+     .doc = "spring stiffness of the support at each vertex; default: rigid"},
     {"bodies[].supports[].foundation", NUMBER, .unit = "N/m3", POSITIVE, .needs = "fix",
-     .doc = "elastic (Winkler) foundation under the triangles of the region: stiffness per area at rest; leave out for "
-            "none"},
+     .doc = "elastic (Winkler) foundation under the triangles of the region: stiffness per area at rest; optional"},
 
     {"bodies[].membrane", MAP,
-     .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); leave out for none"},
+     .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); optional"},
     {"bodies[].membrane.preset", .forms = PEL_FORM_WORD,
-     .doc = "a material of `pellicle presets`; keys that stand beside it override its numbers"},
+     .doc = "a material of `pellicle presets`; other keys of `membrane` override its numbers"},
     {"bodies[].membrane.material", .forms = PEL_FORM_WORD, .words = law_names, .preset = "stvk",
-     .doc = "law of the material"},
+     .doc = "constitutive law"},
     {"bodies[].membrane.young", FIELD, .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset",
      .doc = "Young's modulus"},
     {"bodies[].membrane.poisson", NUMBER, .range = {true, true, -1, 1}, .preset = "0.3",
@@ -165,95 +164,97 @@ static const pel_scene_row rows[] = {
          "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and do not "
          "read it"},
     {"bodies[].membrane.thickness", FIELD, .unit = "m", POSITIVE, REQUIRED, .supplied = "",
-     .doc = "thickness of the sheet; left out: that of the mass"},
+     .doc = "thickness of the sheet; default: that of `mass`"},
     {"bodies[].membrane.mooney_ratio", NUMBER, AT_LEAST(0), .preset = "0.2", .doc = "mooney-rivlin: c2 over c1"},
     {"bodies[].membrane.extension_limit", NUMBER, POSITIVE, .preset = "50",
-     .doc = "gent: I1 - 3 at which the chains are stretched to their end; rubber has 30 to 100"},
+     .doc = "gent: limit of I1 - 3, where the polymer chains are fully extended; 30 to 100 for rubber"},
     {"bodies[].membrane.stiffening", NUMBER, POSITIVE, .preset = "10",
-     .doc = "fung: b of the stiffness that grows as exp(b e^2 / 2) with the strain e of a pull"},
+     .doc = "fung: b in the tangent stiffness, which grows as exp(b e^2 / 2) with the uniaxial strain e"},
     {"bodies[].membrane.strain_limit", NUMBER, .range = {true, true, 0, 0.99},
-     .doc = "pbd and xpbd, for cloth: principal stretches stay within 1 - strain_limit and 1 + strain_limit; leave out "
-            "for no limit"},
-    {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); leave out for none"},
+     .doc = "pbd and xpbd, for cloth: keeps principal stretches between 1 - strain_limit and 1 + strain_limit; "
+            "default: no limit"},
+    {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); optional"},
     {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
-     .doc = "isometric: paper B's, pulls a curved rest shape flat; isometric-rest: the same less the energy at rest; "
-            "hinge: angle between neighbours against that at rest; midedge: a plate's bending on every mesh, for the "
-            "methods static and implicit, which take it where the model is left out"},
+     .doc = "isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the same with the rest "
+            "shape as minimum; hinge: change of the dihedral angles; midedge: plate bending that does not depend on "
+            "the mesh, for the methods static and implicit (their default)"},
     {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
-     .doc = "pbd: factor on the correction of positions (paper B, k_B); auto starts at 0.01 and falls while the "
-            "volume changes, by half where it turns round, to 0.001"},
+     .doc = "pbd: factor on the position corrections (paper B, k_B); auto starts at 0.01, decreases while the volume "
+            "changes, is halved where the volume turns round, and stays above 0.001"},
     {"bodies[].bending.stiffness", .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP, WORDS("auto"),
      .like = "<field>", .unit = "N m", AT_LEAST(0), .preset = "auto",
-     .doc = "stiffness D of a plate, for the methods that feel it; auto is that of the membrane's numbers"},
+     .doc = "flexural rigidity D, for methods that follow the material; auto: E h^3 / (12 (1 - nu^2)) of the membrane"},
     {"bodies[].anisotropy", .forms = PEL_FORM_MAP | PEL_FORM_LIST, COUNT_FROM(1), .like = "<anisotropy>",
-     .doc = "regions with fibres (paper B, section 3): one map or a list of them; leave out for none"},
+     .doc = "regions with fibres (paper B, section 3): one map or a list of them; optional"},
     {"bodies[].anisotropy[]", MAP, .like = "<anisotropy>", .doc = "one region with fibres"},
-    {"bodies[].pressure", MAP, .doc = "pressure on the surface; leave out for none"},
+    {"bodies[].pressure", MAP, .doc = "pressure on the surface; optional"},
     {"bodies[].pressure.outside", QUANTITY, .unit = "Pa", ALTERNATIVE,
-     .doc = "pressure outside over that inside: presses inward (paper B)"},
-    {"bodies[].pressure.inside", QUANTITY, .unit = "Pa", ALTERNATIVE,
-     .doc = "pressure inside over that outside: inflates"},
-    {"bodies[].pressure.gas", MAP, ALTERNATIVE, .doc = "an enclosed gas, p V^gamma stays; in balance at rest"},
+     .doc = "excess of the outside pressure: presses inward (paper B)"},
+    {"bodies[].pressure.inside", QUANTITY, .unit = "Pa", ALTERNATIVE, .doc = "excess of the inside pressure: inflates"},
+    {"bodies[].pressure.gas", MAP, ALTERNATIVE,
+     .doc = "an enclosed gas with constant p V^gamma, in equilibrium at rest"},
     {"bodies[].pressure.gas.pressure", NUMBER, .unit = "Pa", POSITIVE, .preset = "101325",
-     .doc = "pressure of the gas at rest, and of the air outside"},
+     .doc = "pressure of the gas at rest and of the surrounding air"},
     {"bodies[].pressure.gas.gamma", NUMBER, BETWEEN(1, 10), .preset = "1.4",
-     .doc = "1 keeps the temperature, 1.4 keeps the heat of air"},
+     .doc = "adiabatic index: 1 for isothermal, 1.4 for adiabatic changes of air"},
     {"bodies[].pressure.gas.outside", QUANTITY, .unit = "Pa", .preset = "0",
-     .doc = "pressure outside beyond that of the air: presses inward, below 0 it inflates; may be keyed"},
+     .doc = "additional outside pressure; negative inflates; may be keyed"},
     {"bodies[].pressure.volume", MAP, ALTERNATIVE, .doc = "drives the enclosed volume to a target"},
-    {"bodies[].pressure.volume.target", QUANTITY, AT_LEAST(0), REQUIRED, .doc = "volume over that at rest"},
+    {"bodies[].pressure.volume.target", QUANTITY, AT_LEAST(0), REQUIRED,
+     .doc = "ratio of the target volume to the rest volume"},
     {"bodies[].pressure.volume.bulk", NUMBER, .unit = "Pa", POSITIVE, REQUIRED,
-     .doc = "pressure for each relative difference of volume"},
+     .doc = "bulk modulus: pressure per relative difference of volume"},
     {"bodies[].pressure.volume.outside", QUANTITY, .unit = "Pa", .preset = "0",
-     .doc = "pressure outside: presses inward, below 0 it inflates; may be keyed"},
+     .doc = "outside pressure; negative inflates; may be keyed"},
     {"bodies[].pressure.form", WORD("consistent", "vertex-normal"), .preset = "consistent",
      .doc = "consistent: minus pressure times the gradient of the volume; vertex-normal: as paper B writes it"},
     {"bodies[].pressure.region", REGION, .preset = "all", .doc = "where it acts"},
 
-    {"bodies[].refine", MAP, .doc = "dynamic local refinement (paper A, section 3); leave out for none"},
+    {"bodies[].refine", MAP, .doc = "dynamic local refinement (paper A, section 3); optional"},
     {"bodies[].refine.levels", INTEGER, .range = {true, false, 1, 6}, .preset = "1",
      .doc = "finest level of detail; each one halves the edges"},
     {"bodies[].refine.everywhere", BOOLEAN, .preset = "false",
-     .doc = "true: all of the body is on the finest level; goes with none of the criteria below"},
+     .doc = "true: refines the whole body to the finest level; excludes the criteria below"},
     {"bodies[].refine.above", NUMBER, .unit = "N/m2", POSITIVE,
-     .doc = "refines around a vertex whose elastic force over its share of the area is larger"},
+     .doc = "refines around vertices whose elastic force per area is larger"},
     {"bodies[].refine.below", NUMBER_OR("auto"), .unit = "N/m2", AT_LEAST(0), .needs = "above", .preset = "auto",
-     .doc = "gives that up where it stays smaller; auto is half of `above`"},
-    {"bodies[].refine.curvature", MAP, .doc = "refines where the surface bends or folds; leave out for not"},
+     .doc = "coarsens again below this value; auto: half of `above`"},
+    {"bodies[].refine.curvature", MAP, .doc = "refines where the surface bends or folds; optional"},
     {"bodies[].refine.curvature.above", NUMBER, .unit = "1/m", POSITIVE, REQUIRED,
-     .doc = "refines around a vertex whose mean curvature has changed by more since rest"},
+     .doc = "refines around vertices whose mean curvature has changed by more since rest"},
     {"bodies[].refine.curvature.below", NUMBER_OR("auto"), .unit = "1/m", AT_LEAST(0), .preset = "auto",
-     .doc = "gives that up where the change stays smaller; auto is half of `above`"},
+     .doc = "coarsens again below this value; auto: half of `above`"},
     {"bodies[].refine.near_tools", NUMBER, .unit = "m", POSITIVE,
-     .doc = "refines triangles that are this near to a tool, before it touches; gives them up beyond 1.25 times that"},
-    {"bodies[].refine.region", REGION, .doc = "the triangles at these vertices are always refined"},
+     .doc = "refines triangles within this distance of a tool, before it touches; coarsens beyond 1.25 times the "
+            "distance"},
+    {"bodies[].refine.region", REGION, .doc = "always refines the triangles at these vertices"},
     {"bodies[].refine.region_levels", INTEGER, .range = {true, false, 0, 6}, .needs = "region", .preset = "0",
-     .doc = "to this level at least; 0 for the finest"},
+     .doc = "least level in the region; 0: the finest"},
     {"bodies[].refine.rings", INTEGER, .range = {true, false, 1, 3}, .preset = "2",
      .doc = "rings of triangles around the vertex, on each level"},
     {"bodies[].refine.dwell", INTEGER, COUNT_FROM(0), .needs = "above, curvature, near_tools", .preset = "50",
-     .doc = "steps for which a vertex has to stay below what refined it"},
+     .doc = "steps that a vertex must stay below `below` before it coarsens"},
     {"bodies[].refine.interval", INTEGER, COUNT_FROM(1), .needs = "above, curvature, near_tools", .preset = "10",
-     .doc = "steps in which every vertex is looked at once"},
+     .doc = "steps in which every vertex is tested once; use 1 with few large steps, as under static"},
     {"bodies[].refine.budget", INTEGER, COUNT_FROM(0), .preset = "0",
-     .doc = "the body never has more triangles than this, the strongest candidates win; 0 for no limit"},
+     .doc = "largest number of triangles of the body; the strongest candidates are refined first. 0: no limit"},
     {"bodies[].refine.springs", WORD("van-gelder", "unchanged"), .preset = "van-gelder",
-     .doc = "stiffness on finer levels: by area over squared length, scaled to the given one, or unchanged"},
+     .doc = "stiffness on finer levels: van-gelder scales it by area over squared length; unchanged keeps it"},
 
     {"gravity", VECTOR, .unit = "m/s2", .preset = "[0, 0, 0]", .doc = "acceleration of all bodies"},
 
     {"loads", LIST, .preset = "[]", .doc = "forces on vertices during some time"},
     {"loads[]", MAP, .doc = "one load"},
     {"loads[].name", NAME, .preset = "load#", .doc = "name in messages and setters"},
-    {"loads[].body", TEXT, .doc = "name of the body; may be left out when there is one"},
-    {"loads[].force", VECTOR, .unit = "N", REQUIRED, .doc = "the force, or what `per` makes of it"},
-    {"loads[].at", REGION, .preset = "all", .doc = "the vertices that it acts on"},
+    {"loads[].body", TEXT, .doc = "name of the body; optional if there is one"},
+    {"loads[].force", VECTOR, .unit = "N", REQUIRED, .doc = "the force; `per` says of what"},
+    {"loads[].at", REGION, .preset = "all", .doc = "loaded vertices"},
     {"loads[].per", WORD("total", "vertex", "length", "moment"), .preset = "total",
-     .doc = "total: the force is shared out over the vertices; vertex: each of them feels it; length: it acts on each "
-            "metre of boundary edges with both ends in the region; moment: N m per metre of these edges, the part "
-            "along an edge turns the surface about it (bending model midedge)"},
+     .doc = "total: the force is distributed over the vertices; vertex: it acts on each vertex; length: it acts per "
+            "metre of boundary edges with both ends in the region; moment: N m per metre of these edges, whose "
+            "component along an edge turns the surface about it (bending model midedge)"},
     {"loads[].follower", BOOLEAN, .needs = "per", .needs_word = "length", .preset = "false",
-     .doc = "true: the force turns with the edge and its triangle, as it is seen from them at rest"},
+     .doc = "true: the force rotates with the edge and its triangle"},
     {"loads[].from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "acts from this time on"},
     {"loads[].until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "acts up to this time"},
     {"loads[].keys", LIST, COUNT_FROM(1), .doc = "factor on the force over time, linear between the keys"},
@@ -262,7 +263,8 @@ static const pel_scene_row rows[] = {
     {"tools", LIST, .preset = "[]", .doc = "rigid instruments that press and grasp; each reports the force it feels"},
     {"tools[]", MAP, .doc = "one tool"},
     {"tools[].name", NAME, .preset = "tool#", .doc = "name in outputs"},
-    {"tools[].shape", WORD("sphere", "capsule", "box"), ALTERNATIVE, .doc = "form of the tool; its sizes stand beside"},
+    {"tools[].shape", WORD("sphere", "capsule", "box"), ALTERNATIVE,
+     .doc = "shape of the tool; its dimensions are keys beside it"},
     {"tools[].mesh", MAP, ALTERNATIVE, .like = "<mesh>",
      .doc = "the tool's surface about its centre, open or closed; needs `contact`"},
     {"tools[].radius", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "sphere", REQUIRED,
@@ -273,40 +275,36 @@ static const pel_scene_row rows[] = {
      .doc = "distance of the centres of the caps, along the tool's z axis"},
     {"tools[].size", VECTOR, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "box", REQUIRED,
      .doc = "full lengths of the box along the tool's axes"},
-    {"tools[].body", TEXT, .doc = "name of the only body that it acts on; leave out for all"},
-    {"tools[].friction", NUMBER, AT_LEAST(0),
-     .doc = "Coulomb's coefficient of the tool; leave out for that of contact"},
+    {"tools[].body", TEXT, .doc = "the only body that the tool acts on; default: all"},
+    {"tools[].friction", NUMBER, AT_LEAST(0), .doc = "Coulomb's coefficient of the tool; default: that of `contact`"},
     {"tools[].thickness", NUMBER, .unit = "m", POSITIVE,
-     .doc = "thickness about the tool: half of it and of that of the body is kept as distance; leave out for that of "
-            "contact"},
+     .doc =
+         "thickness of the tool: half of it plus half of the body's is kept as distance; default: that of `contact`"},
     {"tools[].restitution", NUMBER, BETWEEN(0, 1),
-     .doc = "share of the normal velocity that its collisions give back; leave out for that of contact"},
+     .doc = "coefficient of restitution of the tool; default: that of `contact`"},
     {"tools[].press", BOOLEAN, .preset = "true", .doc = "keeps the body out of the tool"},
-    {"tools[].grasp", MAP, .doc = "holds the vertices in it and near its surface for a while; leave out for never"},
+    {"tools[].grasp", MAP, .doc = "holds the vertices inside the tool and near its surface; optional"},
     {"tools[].grasp.from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "closes at this time"},
     {"tools[].grasp.until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "opens at this time"},
     {"tools[].grasp.reach", NUMBER, .unit = "m", POSITIVE, REQUIRED,
-     .doc = "when it closes it holds the vertices inside it (of a mesh: if it is closed) and those this near to its "
-            "surface"},
+     .doc = "grasps vertices inside the tool (a mesh must be closed) and within this distance of its surface"},
     {"tools[].grasp.max_force", NUMBER, .unit = "N", POSITIVE,
-     .doc = "largest sum of the magnitudes of the forces on the held vertices; above it the vertices with the largest "
-            "forces tear out first; leave out for no limit"},
+     .doc = "largest sum of the magnitudes of the forces on grasped vertices; above it the vertices with the largest "
+            "forces are released first; default: no limit"},
     {"tools[].motion", LIST, COUNT_FROM(1), REQUIRED,
-     .doc = "poses over time, linear between the keys in position and angle; one key for a tool that stands still"},
+     .doc = "poses over time, linear between the keys in position and angle; one key for a fixed tool"},
     {"tools[].motion[]", MAP, .doc = "one pose"},
     {"tools[].motion[].time", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "time of the pose"},
     {"tools[].motion[].position", VECTOR, .unit = "m", REQUIRED, .doc = "centre of the tool"},
     {"tools[].motion[].rotation", MAP,
-     .doc = "turns the tool about its centre; leave out for none. Keys about one axis are linear in the angle as "
-            "written: 0 "
-            "and 360 are a full turn. Between different axes whole turns are linear and the rest is interpolated "
-            "spherically"},
+     .doc =
+         "turns the tool about its centre; optional. Keys about one axis are linear in the angle as written: 0 and 360 "
+         "are a full turn. Between different axes whole turns are linear and the rest is interpolated spherically"},
     {"tools[].motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
     {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
      .doc = "angle, counter-clockwise; 720 is two turns from 0"},
 
-    {"contact", MAP,
-     .doc = "surfaces touch and never pass through each other (paper B, section 4); leave out for none"},
+    {"contact", MAP, .doc = "contact without interpenetration (paper B, section 4); optional"},
     {"contact.self", BOOLEAN, .preset = "true", .doc = "parts of one body touch each other"},
     {"contact.between", BOOLEAN, .preset = "true", .doc = "different bodies touch each other"},
     {"contact.thickness", .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE, .preset = "relative 1e-4",
@@ -317,109 +315,104 @@ static const pel_scene_row rows[] = {
      .doc = "Coulomb's coefficient of bodies and tools that have none of their own; a pair has the geometric mean of "
             "both"},
     {"contact.restitution", NUMBER, BETWEEN(0, 1),
-     .doc = "share of the normal velocity with which bodies and tools part after a collision, of those that have none "
-            "of their own; a pair has the larger one. Methods with velocities only; leave out for what the elasticity "
-            "of the bodies gives back"},
+     .doc = "coefficient of restitution of bodies and tools without their own; a pair takes the larger one. Only for "
+            "methods with velocities; default: the rebound of the bodies' own elasticity"},
     {"contact.method", WORD("conservative", "bridson"), .preset = "conservative",
-     .doc = "how contacts are found: with a test that misses none, or with the cubic as in paper B; what guards the "
-            "end of a step is always the former"},
+     .doc = "how contacts are found: by a conservative test that misses none, or by the cubic of paper B; the check at "
+            "the end of a step always uses the former"},
     {"contact.response", WORD("in-loop", "after"), .preset = "in-loop",
-     .doc = "in-loop: in every sweep of pbd and xpbd, in the minimisation of descent, and after the step until nothing "
-            "is too near; after: one "
-            "correction after the step, as in paper B"},
+     .doc = "in-loop: resolves contacts in every sweep of pbd and xpbd, in the minimisation of descent, and after the "
+            "step until no pair is too close; after: one correction after the step, as in paper B"},
     {"contact.start", WORD("refuse", "tangled"), .preset = "refuse",
-     .doc = "bodies that intersect at the start: an error, or those pairs are left alone until they are apart"},
+     .doc = "bodies that intersect at the start: refuse is an error; tangled ignores those pairs until they have "
+            "separated"},
     {"contact.sweeps", INTEGER, COUNT_FROM(1), .preset = "10", .doc = "sweeps over the contacts after a step, at most"},
     {"contact.limit", INTEGER, COUNT_FROM(0), .preset = "0",
-     .doc = "the most contacts, 0 for 64 per vertex; what does not fit is stepped back instead"},
+     .doc = "largest number of contacts; 0: 64 per vertex. Vertices of further contacts are stepped back"},
     {"contact.memory_limit", NUMBER_OR("auto"), .unit = "bytes", POSITIVE, .preset = "auto",
-     .doc =
-         "memory for pairs that come near each other in a step. The search keeps fewer pairs for later steps as this "
-         "fills; a step whose own pairs exceed it ends the run: use a smaller dt then. auto: 1 GiB, or 4 KiB per "
-         "triangle if that is more"},
+     .doc = "memory for candidate pairs of a step. As it fills, the search keeps fewer pairs for later steps; a step "
+            "whose own pairs exceed it ends the run: use a smaller dt. auto: 1 GiB, or 4 KiB per triangle if that is "
+            "more"},
 
-    {"solver", MAP, .preset = "{}", .doc = "how the equations are stepped"},
+    {"solver", MAP, .preset = "{}", .doc = "time integration"},
     {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"),
      .preset = "quasi-static",
-     .doc =
-         "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper B; "
-         "pbd-distance: position-based dynamics on edges; xpbd: position-based dynamics that feels stiffness; "
-         "descent: minimises the energy under tools and contacts; static: states of rest by Newton's method; implicit: "
-         "m a = F at the end of a step by Newton's method. Default: xpbd if a body has a membrane or springs by young"},
+     .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper "
+            "B; pbd-distance: position-based dynamics on edges; xpbd: position-based dynamics that follows the "
+            "stiffness; descent: minimises the energy under tools and contacts; static: equilibria by Newton's method; "
+            "implicit: implicit Euler by Newton's method. Default: xpbd if a body has a membrane or springs by "
+            "`young`, as tissue has; implicit if xpbd would be too soft; quasi-static for springs by stiffness"},
     {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
     {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
-     .doc = "quasi-static: how far a step goes; auto takes a value that is safe for the mesh"},
+     .doc = "quasi-static: step size; auto takes a value that is stable on the mesh"},
     {"solver.velocity", WORD("ignore", "keep"), .preset = "ignore",
-     .doc = "quasi-static: ignore takes F(x, 0), damping has no effect; keep takes F(x, v) with the last step's v"},
+     .doc = "quasi-static: ignore takes F(x, 0), so that damping has no effect; keep takes F(x, v) with the v of the "
+            "last step"},
     {"solver.integrator", WORD("symplectic", "forward"), .preset = "symplectic",
      .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
     {"solver.iterations", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
-     .doc = "pbd, xpbd: sweeps in a substep; descent: iterations in a step, with tools or contact in each "
-            "of up to 12 rounds; auto is 5, 1 and 500 (50 in a round)"},
+     .doc = "pbd, xpbd: sweeps per substep; descent: iterations per step or, with tools or contact, in each of up to "
+            "12 rounds; auto: 5, 1 and 500 (50 in a round)"},
     {"solver.substeps", INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto",
-     .doc = "pbd, xpbd: parts of a step; auto is 1 for pbd and, for xpbd, as many as keep stretch within 5 % of the "
-            "material's, chosen anew while running"},
+     .doc = "pbd, xpbd: parts of a step; auto: 1 for pbd and, for xpbd, as many as keep the stretch within 5 % of the "
+            "material's, adapted during the run"},
     {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
-     .doc = "xpbd: automatic substeps, at most; a scene without `method` that needs more, or for which implicit is "
-            "cheaper (with this left out), is run by implicit, or where "
-            "the surface refines by descent if it has a state of rest"},
+     .doc = "xpbd: largest number of automatic substeps. A scene without `method` that needs more, or (without "
+            "`max_substeps`) for which implicit is cheaper, is run by implicit; if its surface refines and it has an "
+            "equilibrium, by descent"},
     {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
-     .doc = "xpbd: second order in time (BDF2) instead of first, not for bodies that touch; auto: on without tools, "
-            "contact, gas and target volumes"},
+     .doc = "xpbd: second order in time (BDF2), not for bodies that touch; auto: on without tools, contact, gas and "
+            "target volumes"},
     {"solver.drag", NUMBER, .unit = "1/s", AT_LEAST(0), .preset = "0",
      .doc = "explicit, pbd, xpbd: velocities fall by exp(-drag t)"},
     {"solver.descent", WORD("lbfgs", "gradient"), .preset = "lbfgs",
      .doc = "descent: L-BFGS, or plain gradient descent (paper B's comparison)"},
     {"solver.steps", INTEGER, COUNT_FROM(1),
-     .doc =
-         "static without `duration`: steps to the last key; left out: one for each key. With path arc-length: the most "
-         "steps, 100 if left out"},
+     .doc = "static without `duration`: steps to the last key; default: one per key. With path arc-length: largest "
+            "number of steps; default: 100"},
     {"solver.path", WORD("time", "arc-length"), .preset = "time",
      .doc = "static: arc-length multiplies all loads, gravity and given pressures by one factor that starts at 0, and "
-            "follows the balances through limit points (snapping, a balloon beyond its largest pressure) to the factor "
-            "1. A step and a frame for each length, which adapts itself; the factor is a column of series.csv"},
+            "follows the equilibria through limit points (snapping, a balloon beyond its largest pressure) to the "
+            "factor 1. Each arc length is a step and a frame, and adapts itself; the factor is a column of series.csv"},
     {"solver.analysis", WORD("none", "modal", "buckling"), .preset = "none",
      .doc = "static: modal finds the lowest frequencies and modes of the body under its loads; buckling the lowest "
             "factors of all loads, gravity and pressure together, under which it buckles by linear theory. A frame "
             "for each mode; the numbers are in summary.json"},
     {"solver.modes", INTEGER, BETWEEN(1, 1000), .preset = "6", .doc = "modes that an analysis finds"},
     {"solver.budget", NUMBER, .unit = "ms", AT_LEAST(0), .preset = "0",
-     .doc = "static, implicit: time for a step, 0 for none. A step ends after the linear solve that is at work then, "
-            "at the "
-            "best state by then; `solver_residual` in series.csv tells what is left. Results depend on the machine"},
+     .doc = "static, implicit: wall time for a step; 0: no limit. A step ends after the linear solve in progress, at "
+            "the best state so far; `solver_residual` in series.csv is its residual. Results depend on the machine"},
     {"solver.threads", INTEGER, COUNT_FROM(0), .preset = "0",
      .doc =
          "threads of a step, 0 for as many as the machine has; unless it is 1, a further thread writes the frames; the "
          "results do not depend on it"},
 
     {"duration", NUMBER, .unit = "s", POSITIVE, REQUIRED, .supplied = "",
-     .doc =
-         "simulated time; left out: that of stop.time or stop.frames; method static needs none: the time of the last "
-         "key, with steps and frames at the keys, or one step"},
-    {"stop", MAP, .doc = "what ends a run before its duration; leave out for nothing"},
+     .doc = "simulated time; optional if stop.time or stop.frames is set. Method static needs none: it goes to the "
+            "last key, with steps and frames at the keys, or does one step"},
+    {"stop", MAP, .doc = "conditions that end a run before its duration; optional"},
     {"stop.at_rest", NUMBER, .unit = "m/s", POSITIVE,
-     .doc = "ends the run once loads and tools are done and no vertex is faster"},
+     .doc = "ends the run when loads and tools are done and no vertex is faster"},
     {"stop.volume_ratio_below", NUMBER, POSITIVE,
-     .doc = "ends the run when the volume over that at rest is less; needs a closed body"},
+     .doc = "ends the run when the ratio of the volume to the rest volume is less; needs a closed body"},
     {"stop.frames", INTEGER, COUNT_FROM(1), .doc = "ends the run after so many steps of dt (paper B's frames)"},
     {"stop.time", NUMBER, .unit = "s", POSITIVE, .doc = "ends the run at this simulated time"},
     {"stop.self_contact", BOOLEAN, .preset = "false", .doc = "ends the run when a body touches itself or another"},
 
-    {"session", LIST,
-     .doc = "commands of a hand that `pellicle live` recorded, to be repeated to the bit; leave out for none"},
+    {"session", LIST, .doc = "commands that `pellicle live` recorded, replayed bit for bit; optional"},
     {"session[]", TEXT,
-     .doc = "step before which it is done, and a command of pellicle/session.h, such as "
-            "120 set solver.drag 2; steps do not decrease"},
+     .doc = "step before which the command is done and a command of pellicle/session.h, such as 120 set solver.drag 2; "
+            "in the order of steps"},
 
-    {"output", MAP, .preset = "{}", .doc = "what the run leaves in its folder"},
+    {"output", MAP, .preset = "{}", .doc = "results in the run's folder"},
     {"output.every", NUMBER, .unit = "s", POSITIVE, ALTERNATIVE, .preset = "0.1",
      .doc = "simulated time between frames"},
     {"output.every_frame", INTEGER, COUNT_FROM(1), ALTERNATIVE, .doc = "steps between frames"},
     {"output.fields", LIST, .preset = "[\"displacement\", \"force\"]",
-     .doc = "vertex fields of the frames: those of the list of fields and those of the meshes"},
+     .doc = "vertex fields of the frames: fields of the list below and those of the meshes"},
     {"output.fields[]", NAME, .doc = "name of a field"},
     {"output.compress", BOOLEAN, .preset = "false",
-     .doc = "packs the .vtp files (zlib): less than half the size, several times the work"},
+     .doc = "compresses the .vtp files (zlib): less than half the size, several times the work"},
     {"output.precision", WORD("single", "double"), .preset = "single", .doc = "precision of the .vtp files"},
     {"output.checkpoint", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
      .doc = "simulated time between checkpoints; 0 keeps only the last good one of a run that fails, is stopped or "
@@ -440,7 +433,7 @@ static const pel_scene_row rows[] = {
     {"<quantity>", MAP, .doc = "a number that varies over the body or over time"},
     {"<quantity>.field", TEXT, ALTERNATIVE, .doc = "vertex field of the mesh that gives the number at each vertex"},
     {"<quantity>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field",
-     .doc = "numbers at the field values 0 and 1, linear between and beyond; left out: the field's own values"},
+     .doc = "numbers at the field values 0 and 1, linear between and beyond; default: the field's own values"},
     {"<quantity>.keys", LIST, COUNT_FROM(1), ALTERNATIVE, .scoped = true,
      .doc = "numbers over time, linear between the keys"},
     {"<quantity>.keys[]", .forms = PEL_FORM_KEY, .scoped = true, .doc = "time [s] and number"},
@@ -448,30 +441,29 @@ static const pel_scene_row rows[] = {
     {"<field>", MAP, .doc = "a number that varies over the body"},
     {"<field>.field", TEXT, ALTERNATIVE, .doc = "vertex field of the mesh that gives the number at each vertex"},
     {"<field>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field",
-     .doc = "numbers at the field values 0 and 1, linear between and beyond; left out: the field's own values"},
+     .doc = "numbers at the field values 0 and 1, linear between and beyond; default: the field's own values"},
 
     {"<anisotropy>", MAP, .doc = "a region with fibres"},
     {"<anisotropy>.mode", WORD("cave", "strain", "active", "curl"), ALTERNATIVE, .preset = "cave",
-     .doc = "cave: paper B's, triangles go inward where fibres are shorter than at rest (pbd, xpbd); strain: fibres "
-            "resist strain; active: "
-            "they shrink like a muscle; curl: the region wants another curvature"},
+     .doc = "cave: paper B's, moves triangles inward where fibres are shorter than at rest (pbd, xpbd); strain: fibres "
+            "resist strain; active: fibres contract like a muscle; curl: the region has another rest curvature"},
     {"<anisotropy>.energy", WORD("arap", "stvk", "sqrt"), .preset = "arap",
      .doc = "cave, strain: energy of the fibres"},
     {"<anisotropy>.stiffness", NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
      .doc = "of the fibres; auto is young times thickness of the membrane"},
     {"<anisotropy>.strength", NUMBER, .unit = "m", POSITIVE, .needs = "mode", .needs_word = "cave", REQUIRED,
-     .doc =
-         "how far a step moves a triangle inward where its fibre is shorter than at rest by 5 %; in proportion to the "
-         "square"},
+     .doc = "inward motion of a triangle per step where its fibre is 5 % shorter than at rest; proportional to the "
+            "square of the shortening"},
     {"<anisotropy>.max_step", NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave", .preset = "0.05",
-     .doc = "share of its edge that a triangle may go inward in a step, whatever the iterations and substeps"},
+     .doc =
+         "largest inward motion of a triangle per step, as a share of its edge, whatever the iterations and substeps"},
     {"<anisotropy>.rest_length", QUANTITY, AT_LEAST(0), .needs = "mode", .needs_word = "active", REQUIRED,
-     .doc = "length at which the fibres are at rest, over that of the rest shape"},
+     .doc = "rest length of the fibres, relative to the rest shape"},
     {"<anisotropy>.curvature", NUMBER, .needs = "mode", .needs_word = "curl", .preset = "-1",
-     .doc = "factor on the angles of hinges at rest: below 0 the region wants to cave in"},
+     .doc = "factor on the rest angles of hinges; below 0 the region bends inward"},
     {"<anisotropy>.direction", .forms = PEL_FORM_WORD | PEL_FORM_VECTOR, WORDS("center", "principal"),
      .preset = "center",
-     .doc = "of the fibres: towards the centre of the region, that of the largest stretch, or along a vector"},
+     .doc = "direction of the fibres: towards the center of the region, along the largest stretch, or along a vector"},
     {"<anisotropy>.region", REGION, .preset = "all", .doc = "where the fibres are"},
 
     {"<region>", MAP, .doc = "some vertices of a body at rest; `all` is all of them"},

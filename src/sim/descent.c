@@ -1,7 +1,7 @@
 /* The method `descent`: each step minimises the energy of springs, shells, pressure and loads at the step's end, from
    where the bodies are, by L-BFGS: of bodies that are held and touch nothing with the factored second derivatives as
-   preconditioner. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) acts as it
-   is at the begin of the step: the steps together find the balance.
+   preconditioner. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) is held at
+   its value from the start of the step: equilibrium is reached over the steps.
 
    With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, bring the
    loads of the constraints, look for what touches now. Where something ran into something else on its way, the next
@@ -53,8 +53,8 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 /* of half the thickness of a tool, that it goes in one part of a step; of the way up to an impact, that is gone */
 #define PART_SHARE 0.5
 #define SAFE_SHARE 0.9
-/* of the mean edge: what is so near takes part from the begin (of that on the finest level); what went so far beyond an
-   impact begins anew there */
+/* shares of the mean edge (on the finest level): pairs closer than this are constraints from the start; vertices that
+   moved farther than this beyond an impact restart there */
 #define NEAR_SHARE 0.2
 #define BEYOND_SHARE 0.1
 

@@ -251,7 +251,7 @@ void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
                                measures->bending_energy + measures->fibre_energy;
 }
 
-/* largest displacement and force, and the number of vertices in contact */
+/* largest displacement and force, the sum of those on free vertices, and the number of vertices in contact */
 static void measure_vertices(const pel_sim *sim, pel_sim_measures *measures)
 {
     const pel_model *model = sim->model;
@@ -267,6 +267,9 @@ static void measure_vertices(const pel_sim *sim, pel_sim_measures *measures)
         largest_offset = fmax(largest_offset, pel_vec3_squared_length(offset));
         largest_force = fmax(largest_force, pel_vec3_squared_length(force));
         measures->contact_count += sim->state->contact[i];
+        bool is_held = sim->state->contact[i] || (sim->held != NULL && sim->held[i]);
+        if (!is_held && model->inverse_mass[i] > 0)
+            measures->unbalanced_force += pel_vec3_length(force);
     }
     measures->max_displacement = sqrt(largest_offset);
     measures->max_force = sqrt(largest_force);

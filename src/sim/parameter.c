@@ -165,7 +165,7 @@ static pel_status find_place(defs all, const char *path, pel_parameter_place *fo
             if (pel_nearest_name(path, names, 2) == candidate)
                 memcpy(nearest, candidate, sizeof nearest);
         }
-    pel_fail(error, PEL_BAD_ARGUMENT, "'%.150s' is no parameter of this simulation", path);
+    pel_fail(error, PEL_BAD_ARGUMENT, "'%.150s' is not a parameter of this simulation", path);
     if (nearest[0] != '\0')
         pel_fail_remedy(error, "did you mean '%s'?", nearest);
     else

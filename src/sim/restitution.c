@@ -351,7 +351,7 @@ pel_status pel_restitution_create(pel_sim *sim, pel_error *error)
     for (int32_t g = 0; g < sim->contact_forces.group_count; g++)
         if (restitution_of(sim, g) > 1 || !isfinite(restitution_of(sim, g))) {
             pel_fail(error, PEL_BAD_ARGUMENT, "restitution of contact is %g", restitution_of(sim, g));
-            pel_fail_remedy(error, "give a number from 0 to 1, or leave it out for what the material gives back");
+            pel_fail_remedy(error, "give a number from 0 to 1, or omit it for the rebound of the material itself");
             return PEL_BAD_ARGUMENT;
         }
     if (!pel_sim_has_velocity(sim)) {

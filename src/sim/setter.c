@@ -107,8 +107,8 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
     for (int i = 0; i < 4; i++)
         square += rotation[i] * rotation[i];
     if (!isfinite(position[0]) || !isfinite(position[1]) || !isfinite(position[2]) || !(fabs(square - 1) < 1e-6)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "position of tool '%s' is not finite or its rotation is no unit quaternion",
-                 sim->tools[tool].name);
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "position of tool '%s' is not finite or its rotation is not a unit quaternion", sim->tools[tool].name);
         return PEL_BAD_ARGUMENT;
     }
     /* a pose that is set turns the tool by the shorter arc */

@@ -85,7 +85,7 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
         if (!pel_tool_is_key(key))
             return refuse(
                 error, tool,
-                "a key has a position that is not finite, turns too often, or its rotation is no unit quaternion",
+                "a key has a position that is not finite, turns too often, or its rotation is not a unit quaternion",
                 "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns");
         if (k > 0 && !(key->time > key[-1].time))
             return refuse(error, tool, "keys are not in order", "give keys with increasing times");

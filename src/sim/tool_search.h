@@ -3,8 +3,8 @@
    Each triangle of the surfaces is owned by its corner that stands last in the model's order, so that an event of
    refinement moves only what it changed. Vertices stand in blocks in that order; a block has a box about all triangles
    of its vertices, the union of boxes about the vertices of the few blocks to which these triangles reach. Only
-   triangles of blocks near the box are looked at: after one pass over the vertices in a step a search takes time by
-   what is near. */
+   triangles of blocks near the box are tested: after one pass over the vertices in a step, the time of a search grows
+   with the number of triangles near the tool. */
 #ifndef PEL_SIM_TOOL_SEARCH_H
 #define PEL_SIM_TOOL_SEARCH_H
 

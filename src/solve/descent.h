@@ -24,7 +24,7 @@ typedef struct pel_descent_problem {
     double longest_move;  /* m, no vertex goes farther in one iteration */
     double tolerance;     /* N, root of the sum of squares of all forces at which it has converged */
     double held_share;    /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
-    double reduction;     /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double reduction;     /* also converged at this share of the initial residual; 0 = off */
     double enough;        /* N, when it is no more than this */
     double short_move;    /* m, preconditioned: it has converged where no vertex would go farther than this */
     int32_t iterations;   /* at most */

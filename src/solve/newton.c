@@ -15,8 +15,8 @@ enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6, PART_ITERATIONS = 30 };
 enum { SHORT_STEPS = 4 };
 /* evaluations along a step: for its slope to be zero, for its energy to fall */
 enum { SEARCHES = 12, CUTS = 12 };
-/* A slope of so much of that at the begin counts as zero; one steeper than FLAT of it pays to go on, up to MOST_SHARE
-   times the step. Of a step that went too far, what is cut at least and at most. */
+/* Line search: a slope below STEEP of the initial one counts as zero; a slope steeper than FLAT of it extends the step,
+   up to MOST_SHARE times. A step that is too long is reduced to between LEAST_CUT and MOST_CUT of it. */
 #define STEEP 0.2
 #define LEAST_CUT 0.1
 #define MOST_CUT 0.5
@@ -402,8 +402,8 @@ static energy_point find_point(step_walk *walk, double share, const energy_point
     return point;
 }
 
-/* A step as far as the energy falls enough (Armijo 1966; Nocedal, Wright 2006, section 3.1): constraints begin and
-   cease to act along it. False, at the begin, where no share of it does. */
+/* A step as far as the energy falls enough (Armijo 1966; Nocedal, Wright 2006, section 3.1): constraints become
+   active and inactive along it. False, at the start, if no share of it lowers the energy. */
 static bool go_by_energy(newton_run *run, double share)
 {
     step_walk walk = {.run = run};

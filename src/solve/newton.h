@@ -61,7 +61,7 @@ typedef struct pel_newton_problem {
     const pel_newton_terms *terms; /* null = none */
     double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
     double held_share;     /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
-    double reduction;      /* it has converged as well at this share of what there was at the begin; 0 = no such end */
+    double reduction;      /* also converged at this share of the initial residual; 0 = off */
     double enough;         /* N, when it is no more than this */
     double short_move;     /* m, and after a full step in which no vertex goes farther than this */
     int32_t iterations;    /* of full steps, and as many of steps of least energy after them */

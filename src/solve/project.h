@@ -1,7 +1,7 @@
 /* Position-based dynamics: pbd as in paper B (energies as constraints), pbd-distance (edge lengths) and xpbd.
 
-   A substep of length h predicts from velocity, forces and springs to the rest places, projects, and takes the velocity
-   from the way that was gone. With the base y and the time tau, first order y = x, tau = h; second order (BDF2)
+   A substep of length h predicts from velocity, forces and springs to the rest positions, projects, and derives the
+   velocity from the displacement. With the base y and the time tau, first order y = x, tau = h; second order (BDF2)
    y = (4 x - x') / 3, tau = 2 h / 3 with x' one substep before and velocities alike:
 
        x* = y + tau u + tau^2 w f,      u = v or (4 v - v') / 3

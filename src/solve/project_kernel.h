@@ -28,8 +28,8 @@
    Guards have no scale of their own: steps of the pbd membrane are bounded by the size of the triangle at rest, a
    triangle squeezed to less than half has the gradient of half its size, quotients by zero are zero.
 
-   A kernel finds the ways of the points of one block; the sweep moves them, after those of up to PEL_BATCH_GROUP blocks
-   are found. Tried and lost: transposes by 128-bit halves (as many cycles), two blocks side by side in one loop (3 to
+   A kernel computes the displacements of the points of one block; the sweep applies them after up to PEL_BATCH_GROUP
+   blocks. Tried and lost: transposes by 128-bit halves (as many cycles), two blocks side by side in one loop (3 to
    14 %), lanes of 512 bits as two vectors (GCC 12: five times slower).  */
 #ifndef PEL_SOLVE_PROJECT_KERNEL_H
 #define PEL_SOLVE_PROJECT_KERNEL_H

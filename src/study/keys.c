@@ -71,7 +71,7 @@ pel_status pel_study_need_number(pel_scene_reader *reader, const pel_scene_value
     if (value->kind == PEL_SCENE_SCALAR && !value->quoted && pel_scene_parse_number(value->text, number) &&
         isfinite(*number))
         return PEL_OK;
-    pel_scene_fail(reader, &value->place, "'%.60s' is no finite number", value->text);
+    pel_scene_fail(reader, &value->place, "'%.60s' is not a finite number", value->text);
     pel_fail_remedy(reader->error, "write a number such as 0.5 or 1.5e3");
     return PEL_BAD_SCENE;
 }
@@ -85,7 +85,8 @@ pel_status pel_study_need_integer(pel_scene_reader *reader, const pel_scene_valu
         *number = (int64_t)wide;
         return PEL_OK;
     }
-    pel_scene_fail(reader, &value->place, "'%.60s' is no whole number within %.0f .. %.0f", value->text, least, most);
+    pel_scene_fail(reader, &value->place, "'%.60s' is not a whole number within %.0f .. %.0f", value->text, least,
+                   most);
     pel_fail_remedy(reader->error, "write a whole number in this range");
     return PEL_BAD_SCENE;
 }

@@ -115,7 +115,7 @@ static pel_status find_key(pel_scene_reader *reader, const pel_scene_value *valu
         }
     }
     const char *nearest = pel_nearest_name(text, names, SUMMARY_KEY_COUNT);
-    pel_scene_fail(reader, &value->place, "'%.100s' is no number of the summary that a study can keep", text);
+    pel_scene_fail(reader, &value->place, "'%.100s' is not a number of the summary that a study can keep", text);
     if (nearest != NULL)
         pel_fail_remedy(reader->error, "did you mean '%s'?", nearest);
     else
@@ -152,7 +152,7 @@ static pel_status read_measure(pel_scene_reader *reader, const pel_scene_value *
         return read_column(reader, value, measure);
     if (value->kind == PEL_SCENE_SCALAR)
         return find_key(reader, value, measure);
-    pel_scene_fail(reader, &value->place, "this is no measure");
+    pel_scene_fail(reader, &value->place, "this is not a measure");
     pel_fail_remedy(reader->error, "write NAME: max_displacement or NAME: { column: max_force, at: max }");
     return PEL_BAD_SCENE;
 }
@@ -530,7 +530,7 @@ pel_status pel_study_lost_run(const pel_study *study, int64_t run, const char *s
         return pel_fail(error, PEL_BAD_ARGUMENT, "the study has no run %" PRId64, run);
     if (status[0] == '\0' || status[strspn(status, "abcdefghijklmnopqrstuvwxyz")] != '\0' ||
         strlen(status) >= PEL_NAME_SIZE || strcmp(status, "done") == 0)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "'%.60s' is no status of a run that was lost", status);
+        return pel_fail(error, PEL_BAD_ARGUMENT, "'%.60s' is not a status of a lost run", status);
     pel_error own = {0};
     pel_json text = {0};
     pel_fail(&own, PEL_STOPPED, "%s", what);

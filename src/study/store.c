@@ -319,7 +319,7 @@ pel_status pel_study_store_add(pel_study_store *store, const char *row, pel_erro
     char hash[HASH_DIGITS + 2];
     size_t length = strlen(row), size = HASH_DIGITS + 1 + length + 1;
     if (row_run(store->study, row) < 0 || strchr(row, '\n') != NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "the text is no row of this study");
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the text is not a row of this study");
     char *line = pel_allocate(size + 1, 1);
     if (line == NULL)
         return pel_fail_memory(error);

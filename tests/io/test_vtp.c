@@ -263,10 +263,10 @@ static void test_bad_heads(void **unused)
     static const struct {
         const char *word, *other, *what;
     } cases[] = {
-        {"type=\"PolyData\"", "type=\"ImageData\"", "no VTK PolyData file"},
+        {"type=\"PolyData\"", "type=\"ImageData\"", "not a VTK PolyData file"},
         {"LittleEndian", "BigEndian", "an array has not the size that its head tells"},
         {"vtkZLibDataCompressor", "vtkLZ4DataCompressor", "not packed by zlib"},
-        {"<VTKFile", "<VTKfile", "no VTK file"},
+        {"<VTKFile", "<VTKfile", "not a VTK file"},
         {"NumberOfPoints=\"", "NumberOfPoints=\"-", "the number of points or polygons is missing or out of range"},
         {"NumberOfPoints=\"", "NumberOfPoints=\"99", "an array "},
         {"NumberOfPolys=\"", "NumberOfPolys=\"99", "an array has not the size that its head tells"},

@@ -393,7 +393,7 @@ static void test_refuses(void **unused)
     assert_string_equal(error.what, "the page is of another version of pellicle");
     folder_write_text(folder, "page.html", "<html>");
     assert_int_equal(pel_report_write(out, &def, NULL, &error), PEL_BAD_FORMAT);
-    assert_string_equal(error.what, "this is no report page");
+    assert_string_equal(error.what, "this is not a report page");
     remove(page);
     assert_int_equal(pel_report_write(out, &def, NULL, &error), PEL_BAD_FILE);
     assert_non_null(strstr(error.remedy, "make web"));

@@ -331,7 +331,7 @@ static void test_bad_scenes(void **unused)
     static const char *const bad[][2] = {
         {"session: [\"now release\"]\n", "no step from 0 on"},
         {"session: [\"5 release\", \"4 release\"]\n", "no step from 5 on"},
-        {"session:\n  - \"0 release\"\n  - \"3 fly\"\n", "'fly' is no command"},
+        {"session:\n  - \"0 release\"\n  - \"3 fly\"\n", "'fly' is not a command"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         pel_scene *scene = NULL;

@@ -299,6 +299,49 @@ static void test_grasp_empty(void **unused)
     assert_null(find_warning(&summary, "grasp-empty"));
 }
 
+/* a ball that touches too few vertices is told with the refinement under it that helps */
+static void test_coarse_contact(void **unused)
+{
+    (void)unused;
+    static const char pressed[] =
+        "version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 10, radius: 0.05 }, "
+        "volumetric: {} }]\n"
+        "tools: [{ name: tip, shape: sphere, radius: 0.02, motion: [{ position: [0, 0, 0.071] }, "
+        "{ time: 0.5, position: [0, 0, 0.06] }] }]\nduration: 0.5\n";
+    pel_run_summary summary;
+    run_scene(pressed, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "coarse-contact");
+    assert_true(warning != NULL && warning->count == 1);
+    assert_non_null(strstr(warning->text, "tool 'tip' touches "));
+    /* the remedy of the text */
+    char remedy[120];
+    const char *begin = strstr(warning->text, "bodies.ball.refine='{");
+    assert_non_null(begin);
+    const char *end = strchr(begin, '}');
+    snprintf(remedy, sizeof remedy, "bodies.ball.refine=%.*s", (int)(end + 1 - strchr(begin, '{')), strchr(begin, '{'));
+    const char *overrides[] = {remedy};
+    run_scene(pressed, overrides, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "coarse-contact"));
+}
+
+/* the hollow ball of paper A creeps; with volumetric springs, or long after the force ended, it is at rest */
+static void test_unsettled(void **unused)
+{
+    (void)unused;
+    static const char pushed[] =
+        "version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 5 }, preset: paper-a, "
+        "volumetric: { stiffness: 0.01 } }]\n"
+        "loads: [{ body: ball, force: [0, 0, -1], at: { nearest: [0, 0, 1] }, until: 1 }]\n"
+        "solver: { method: quasi-static, alpha: 50, dt: 0.01, velocity: ignore }\nduration: 2\n";
+    const char *overrides[] = {"bodies.ball.volumetric.stiffness=1.5", "duration=6"};
+    pel_run_summary summary;
+    run_scene(pushed, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unsettled");
+    assert_true(warning != NULL && warning->first_frame == summary.frames - 1);
+    run_scene(pushed, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "unsettled"));
+}
+
 /* ---- without a run ---- */
 
 static void test_tallies(void **unused)
@@ -390,7 +433,8 @@ int main(void)
         cmocka_unit_test(test_lost_grasp),     cmocka_unit_test(test_millimetres),
         cmocka_unit_test(test_coarse_mesh),    cmocka_unit_test(test_inverted_mesh),
         cmocka_unit_test(test_energy_appears), cmocka_unit_test(test_energy_of_rest),
-        cmocka_unit_test(test_grasp_empty),    cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_grasp_empty),    cmocka_unit_test(test_coarse_contact),
+        cmocka_unit_test(test_unsettled),      cmocka_unit_test(test_tallies),
         cmocka_unit_test(test_frames),         cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);

@@ -132,7 +132,7 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:12: error: the name 'body1' is in use. give each"},
 
     /* refinement */
-    {BALL "    refine: {levels: 2}\n", NULL, "a.yaml:5:13: error: refine does not say where. add 'above'"},
+    {BALL "    refine: {levels: 2}\n", NULL, "a.yaml:5:13: error: refine has no criterion. add 'above'"},
     {BALL "    refine: {above: 1, below: 1}\n", NULL,
      "a.yaml:5:31: error: below (1) is not less than above (1). give a smaller one"},
     {BALL "    refine: {curvature: {above: 1, below: 2}}\n", NULL,
@@ -193,8 +193,8 @@ static const bad_scene bad_scenes[] = {
     {"title: \"a\\0b\"\n", NULL, "a.yaml:1:8: error: the text has a zero byte"},
 
     /* overrides */
-    {BALL, "solver.dt", "--set solver.dt: error: this is no key=value. write it as solver.dt=0.005"},
-    {BALL, "=3", "--set =3: error: this is no key=value"},
+    {BALL, "solver.dt", "--set solver.dt: error: this is not a key=value. write it as solver.dt=0.005"},
+    {BALL, "=3", "--set =3: error: this is not a key=value"},
     {BALL, "solver..dt=3", "--set solver..dt=3: error: the path has an empty or very long part"},
     {BALL, "solver.dt.=3", "--set solver.dt.=3: error: the path has an empty or very long part"},
     {BALL, "solver.td=3", "--set solver.td=3: error: unknown key 'td'. did you mean 'dt'?"},

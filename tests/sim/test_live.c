@@ -155,7 +155,7 @@ static void test_refusals(void **unused)
     refuse(b.sim, "bodies.ball.membrane.young", -1, "cannot be -1", "> 0 Pa");
     refuse(b.sim, "bodies.ball.membrane.young", (double)NAN, "cannot be nan", "> 0 Pa");
     refuse(b.sim, "bodies.ball.membrane.poisson", 1.5, "cannot be 1.5", "above -1 to 1");
-    refuse(b.sim, "bodies.ball.membrane.jung", 1, "is no parameter", "bodies.ball.membrane.young");
+    refuse(b.sim, "bodies.ball.membrane.jung", 1, "is not a parameter", "bodies.ball.membrane.young");
     refuse(b.sim, "solver.dt", 0.1, "cannot change while", "substeps");
     refuse(b.sim, "solver.method", 0, "cannot change while", "make a simulation");
     refuse(b.sim, "gravity", 1, "kind of value", "three numbers");

@@ -26,6 +26,8 @@ static void test_known_colors(void **unused)
     check_color(PEL_COLORS_COOL_WARM, 0, 59, 76, 192);
     check_color(PEL_COLORS_COOL_WARM, 0.5, 221, 221, 221);
     check_color(PEL_COLORS_COOL_WARM, 1, 180, 4, 38);
+    check_color(PEL_COLORS_WARM, 0, 221, 221, 221);
+    check_color(PEL_COLORS_WARM, 1, 180, 4, 38);
 }
 
 static double brightness(pel_color_map map, double at)
@@ -35,7 +37,8 @@ static double brightness(pel_color_map map, double at)
     return 0.2126 * pow(rgb[0] / 255.0, 2.2) + 0.7152 * pow(rgb[1] / 255.0, 2.2) + 0.0722 * pow(rgb[2] / 255.0, 2.2);
 }
 
-/* viridis and cividis grow brighter all the way, cool-warm up to the middle and darker from there */
+/* viridis and cividis grow brighter all the way, cool-warm up to the middle and darker from there, warm
+   darker all the way */
 static void test_brightness(void **unused)
 {
     (void)unused;
@@ -46,6 +49,7 @@ static void test_brightness(void **unused)
         assert_true(brightness(PEL_COLORS_CIVIDIS, next) > brightness(PEL_COLORS_CIVIDIS, at) - rounding);
         double rise = brightness(PEL_COLORS_COOL_WARM, next) - brightness(PEL_COLORS_COOL_WARM, at);
         assert_true((at < 0.5 ? rise : -rise) > -rounding);
+        assert_true(brightness(PEL_COLORS_WARM, next) < brightness(PEL_COLORS_WARM, at) + rounding);
     }
 }
 

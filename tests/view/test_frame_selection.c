@@ -9,12 +9,14 @@ typedef struct fixture {
     pel_frames frames[2];
     view_run runs[2];
     pel_render_def def;
+    int32_t field_count;
 } fixture;
 
 static fixture make_fixture(const char *output, int32_t input_count)
 {
     static double times[FRAMES];
     fixture f = {.frames = {{.frame_count = FRAMES, .times = times}, {.frame_count = 3, .times = times}}};
+    f.field_count = 1;
     f.def = pel_render_def_default();
     f.def.output = output;
     f.def.input_count = input_count;
@@ -24,8 +26,9 @@ static fixture make_fixture(const char *output, int32_t input_count)
 static pel_status create(view_frame_selection *shots, fixture *f, pel_error *error)
 {
     for (int r = 0; r < 2; ++r)
-        f->runs[r] = (view_run){.path = r == 0 ? "soft" : "stiff", .has_times = true, .frames = &f->frames[r]};
-    return view_frame_selection_create(shots, &f->def, f->runs, error);
+        f->runs[r] =
+            (view_run){.path = r == 0 ? "soft" : "stiff", .has_times = true, .frames = &f->frames[r], .peak = 2 - r};
+    return view_frame_selection_create(shots, &f->def, f->field_count, f->runs, error);
 }
 
 static void check_shots(fixture f, int32_t pages, int32_t columns, int32_t rows, const int32_t (*expected)[2])
@@ -63,14 +66,45 @@ static void test_turn(void **unused)
     view_frame_selection_destroy(&shots);
 }
 
+/* every run and field has a row of its own; with one frame of each all stand in one row */
+static void test_fields(void **unused)
+{
+    (void)unused;
+    const pel_frame_range early = {0, 1, 1};
+    const view_shot rows[] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 0}, {1, 1, 0}, {1, 0, 1}, {1, 1, 1}};
+    fixture f = make_fixture("a.png", 2);
+    view_frame_selection shots;
+    f.field_count = 2;
+    for (int several = 0; several < 2; several++) {
+        f.def.frames = several ? &early : NULL;
+        f.def.frame_range_count = several;
+        assert_int_equal(create(&shots, &f, NULL), PEL_OK);
+        assert_int_equal(shots.columns, several ? 2 : 4);
+        assert_int_equal(shots.rows, several ? 4 : 1);
+        for (int i = 0; i < shots.cell_count; i++) {
+            const view_shot one = {i / 2, i / 2 == 0 ? 2 : 1, i % 2}, expected = several ? rows[i] : one;
+            assert_memory_equal(&shots.shots[i], &expected, sizeof expected);
+        }
+        view_frame_selection_destroy(&shots);
+    }
+    f = make_fixture("a.gif", 1);
+    f.field_count = 3;
+    assert_int_equal(create(&shots, &f, NULL), PEL_OK);
+    assert_int_equal(shots.page_count, FRAMES);
+    assert_int_equal(shots.cell_count, 3);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(shots.shots[3 * 7 + i].field, i);
+    view_frame_selection_destroy(&shots);
+}
+
 static void test_layouts(void **unused)
 {
     (void)unused;
     const pel_frame_range steps[] = {{0, -1, 4}, {-2, -2, 1}}, early[] = {{0, 2, 2}};
     fixture f = make_fixture("a.png", 1);
-    check_shots(f, 1, 1, 1, (const int32_t[][2]){{0, 10}});
+    check_shots(f, 1, 1, 1, (const int32_t[][2]){{0, 2}});
     f = make_fixture("a.png", 2);
-    check_shots(f, 1, 2, 1, (const int32_t[][2]){{0, 10}, {1, 2}});
+    check_shots(f, 1, 2, 1, (const int32_t[][2]){{0, 2}, {1, 1}});
     f.def.frames = early;
     f.def.frame_range_count = 1;
     check_shots(f, 1, 2, 2, (const int32_t[][2]){{0, 0}, {0, 2}, {1, 0}, {1, 2}});
@@ -87,7 +121,7 @@ static void test_layouts(void **unused)
     check_shots(f, 1, 8, 1, (const int32_t[][2]){{0, 0}, {0, 3}, {0, 7}, {0, 10}, {1, 0}, {1, 1}, {1, 2}, {-1, 0}});
     f.def.columns = f.def.rows = 1;
     f.def.input_count = 1;
-    check_shots(f, 1, 1, 1, (const int32_t[][2]){{0, 10}});
+    check_shots(f, 1, 1, 1, (const int32_t[][2]){{0, 2}});
     f = make_fixture("a.png", 1);
     f.def.frames = steps;
     f.def.frame_range_count = 2;
@@ -149,6 +183,7 @@ static void test_out_of_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_layouts), cmocka_unit_test(test_turn),
-                                       cmocka_unit_test(test_refuses), cmocka_unit_test(test_out_of_memory)};
+                                       cmocka_unit_test(test_fields), cmocka_unit_test(test_refuses),
+                                       cmocka_unit_test(test_out_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,7 +66,8 @@ static void make_run(void)
     fputs(scene, file);
     fclose(file);
     file = fopen("render-run/series.csv", "w");
-    fputs("frame,time,probe_x,probe_y,probe_z\n0,0,0,0,1.5\n1,0.5,0,0,1.3\n2,1,0,0,1.1\n", file);
+    fputs("frame,time,max_displacement,probe_x,probe_y,probe_z\n0,0,0,0,0,1.5\n1,0.5,0.2,0,0,1.3\n2,1,0.4,0,0,1.1\n",
+          file);
     fclose(file);
     assert_int_equal(pel_mesh_write("render-ball.ply", PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
     free(move);
@@ -160,6 +161,81 @@ static void test_golden(void **unused)
     check_golden("render-sheet.png", "sheet");
 }
 
+/* two fields and a plain surface side by side, each with a scale of its own */
+static void test_fields(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *path = "render-fields.vtp", *both = "low,none,height";
+    const double positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, low[4] = {0, 1, 2, 3}, high[4] = {7, 8, 9, 10};
+    const int32_t triangles[6] = {0, 1, 2, 1, 3, 2};
+    const pel_vtp_field fields[2] = {{"low", 1, low}, {"height", 1, high}};
+    const pel_vtp vtp = {.vertex_count = 4,
+                         .triangle_count = 2,
+                         .positions = positions,
+                         .triangles = triangles,
+                         .fields = fields,
+                         .field_count = 2};
+    assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
+    pel_render_summary summary;
+    pel_render_def def = make_def(&path, 1, "render-fields.png");
+    def.width = 5 * WIDTH;
+    def.field = both;
+    def.angle = (pel_camera_angle){0, 90, 1};
+    assert_int_equal(pel_render(&def, NULL, &summary, NULL), PEL_OK);
+    assert_string_equal(summary.field, "low");
+    assert_near(summary.range[1], 3, 0);
+    check_golden("render-fields.png", "fields");
+    /* the outline adds dark pixels around the surface */
+    int dark[2] = {0};
+    for (int outlined = 0; outlined < 2; ++outlined) {
+        size_t size = 0;
+        def = make_def((const char *[]){"render-ball.ply"}, 1, "render-outline.png");
+        def.hide_ground = true;
+        def.outline = outlined != 0;
+        draw(&def);
+        uint8_t *pixels = read_png("render-outline.png", &size);
+        for (size_t i = 0; i < size; i += 4)
+            dark[outlined] += pixels[i] < 80;
+        free(pixels);
+    }
+    assert_int_equal(dark[0], 0);
+    assert_true(dark[1] > 50);
+}
+
+/* a picture of a run shows the frame with the largest displacement, the last one where series.csv does not tell */
+static void test_peak(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    static const char *const tables[2] = {"frame,time,max_displacement\n0,0,0\n1,0.5,0.2\n2,1,0.1\n",
+                                          "frame,time\n0,0\n1,0.5\n2,1\n"};
+    const char *run = "render-peak";
+    pel_render_def def = make_def(&run, 1, "render-peak.png");
+    assert_int_equal(system("rm -rf render-peak && cp -r render-run render-peak && rm render-peak/scene.yaml"), 0);
+    for (int i = 0; i < 2; ++i) {
+        size_t sizes[2];
+        const pel_frame_range named = {1 + i, 1 + i, 1};
+        FILE *file = fopen("render-peak/series.csv", "w");
+        fputs(tables[i], file);
+        fclose(file);
+        def.frames = NULL;
+        def.frame_range_count = 0;
+        draw(&def);
+        uint8_t *drawn = read_png("render-peak.png", &sizes[0]);
+        def.frames = &named;
+        def.frame_range_count = 1;
+        draw(&def);
+        uint8_t *expected = read_png("render-peak.png", &sizes[1]);
+        assert_int_equal(sizes[0], sizes[1]);
+        assert_memory_equal(drawn, expected, sizes[0]);
+        free(drawn);
+        free(expected);
+    }
+}
+
 /* the same bits again, whatever the number of threads that draw */
 static void test_deterministic(void **unused)
 {
@@ -246,6 +322,13 @@ static void test_bad_defs(void **unused)
     bad = def;
     bad.field = "displacment";
     check_refused(&bad, PEL_BAD_ARGUMENT, "there is no field");
+    bad.field = "displacement,,none";
+    check_refused(&bad, PEL_BAD_ARGUMENT, "empty or too long");
+    bad.field = "a,b,c,d,e,f,g,h,i";
+    check_refused(&bad, PEL_BAD_ARGUMENT, "more than 8 fields");
+    bad.field = "displacement,force";
+    bad.unit = "mm";
+    check_refused(&bad, PEL_BAD_ARGUMENT, "range and unit");
     bad = def;
     bad.turn = 360;
     check_refused(&bad, PEL_BAD_ARGUMENT, "turns in films alone");
@@ -360,7 +443,8 @@ static void test_ground(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),     cmocka_unit_test(test_deterministic),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),     cmocka_unit_test(test_fields),
+                                       cmocka_unit_test(test_peak),       cmocka_unit_test(test_deterministic),
                                        cmocka_unit_test(test_folder),     cmocka_unit_test(test_bad_defs),
                                        cmocka_unit_test(test_film),       cmocka_unit_test(test_ground),
                                        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_out_of_memory)};
