@@ -94,7 +94,7 @@ static void test_hashes(void **unused)
         skip(); /* the constants are those of double */
     int wrong = 0;
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
-        for (int threads = 1; threads <= (IS_SLOW ? 2 : 4); threads *= 2) {
+        for (int threads = ROUNDS(1, 2); threads <= ROUNDS(4, 2); threads *= 2) {
             uint64_t hash = run_case(&cases[c], threads);
             if (hash != cases[c].hash)
                 print_error("case %d, %d threads: hash 0x%016llx\n", (int)c, threads, (unsigned long long)hash);

@@ -135,6 +135,7 @@ static void test_limit(void **unused)
 static void test_lost_are_free(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
         pull_scene scene;
         pel_sim *sim = create(&scene, methods[m], 1e-3);

@@ -436,7 +436,7 @@ static void test_damaged_snapshot(void **unused)
     uint64_t hash = pel_sim_hash(s.sim);
     int refused = 0;
     const uint32_t words[4] = {UINT32_MAX, INT32_MAX, 0x01010101, 100000};
-    for (size_t at = 0; at + 4 <= size; at += 12)
+    for (size_t at = 0; at + 4 <= size; at += ROUNDS(12, 60))
         for (int w = 0; w < 4; w++) {
             pel_error error;
             memcpy(bad, good, size);
