@@ -258,9 +258,77 @@ static void test_catches_up(void **unused)
     end(&scene, sim);
 }
 
+/* what is let go at the end of a grasp is as free as before, and comes back */
+static void test_released_are_free(void **unused)
+{
+    (void)unused;
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+        pull_scene scene;
+        pel_tool_reading reading;
+        pel_sim *sim = create(&scene, methods[m], 0);
+        pel_sim_destroy(sim);
+        scene.tool.grasp_until = 1;
+        sim = make_sim(&scene.def);
+        int32_t top = nearest_vertex(scene.mesh, 0, 0, 1);
+        run_steps(sim, 90);
+        pel_sim_get_tool(sim, 0, &reading);
+        assert_true(reading.held_count > 3 && height_of(sim, top) > 1.2);
+        run_steps(sim, 15);
+        pel_sim_get_tool(sim, 0, &reading);
+        assert_int_equal(reading.held_count, 0);
+        for (int32_t v = 0; v < scene.model->vertex_count; v++) {
+            assert_int_equal(sim->held[v], 0);
+            assert_true(sim->state->position[v][3] == scene.model->inverse_mass[v]);
+        }
+        run_steps(sim, ROUNDS(300, 30));
+        assert_true(IS_SLOW || height_of(sim, top) < 1.2);
+        end(&scene, sim);
+    }
+}
+
+/* what a grasp holds at once */
+static int32_t count_held(pel_tool_shape shape, const pel_mesh *mesh, double reach)
+{
+    pull_scene scene;
+    pel_sim *sim = create(&scene, PEL_METHOD_QUASI_STATIC, 0);
+    pel_sim_destroy(sim);
+    scene.tool.shape = shape;
+    scene.tool.mesh = mesh;
+    scene.def.contact.enabled = shape == PEL_TOOL_MESH;
+    scene.tool.reach = reach;
+    scene.tool.grasp_from = 0;
+    sim = make_sim(&scene.def);
+    run_steps(sim, 1);
+    int32_t count = sim->tools[0].held_count;
+    end(&scene, sim);
+    return count;
+}
+
+/* a ball as a mesh reaches as far as a ball, but for what the flat triangles lie below it */
+static void test_mesh_reaches(void **unused)
+{
+    (void)unused;
+    const double flat = 0.005;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_mesh *mesh;
+    shape.radius = 0.4;
+    shape.frequency = 10;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    int32_t before = 0;
+    for (double reach = 0.01; reach < 0.5; reach += 0.12) {
+        int32_t count = count_held(PEL_TOOL_MESH, mesh, reach);
+        assert_in_range(count, count_held(PEL_TOOL_SPHERE, NULL, reach - flat),
+                        count_held(PEL_TOOL_SPHERE, NULL, reach));
+        assert_true(count > before);
+        before = count;
+    }
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_mesh_reaches),    cmocka_unit_test(test_released_are_free),
         cmocka_unit_test(test_limit),           cmocka_unit_test(test_lost_are_free),
         cmocka_unit_test(test_largest_first),   cmocka_unit_test(test_resumes),
         cmocka_unit_test(test_refusals),        cmocka_unit_test(test_catches_up),
