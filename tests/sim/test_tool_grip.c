@@ -286,49 +286,38 @@ static void test_released_are_free(void **unused)
     }
 }
 
-/* what a grasp holds at once */
-static int32_t count_held(pel_tool_shape shape, const pel_mesh *mesh, double reach)
-{
-    pull_scene scene;
-    pel_sim *sim = create(&scene, PEL_METHOD_QUASI_STATIC, 0);
-    pel_sim_destroy(sim);
-    scene.tool.shape = shape;
-    scene.tool.mesh = mesh;
-    scene.def.contact.enabled = shape == PEL_TOOL_MESH;
-    scene.tool.reach = reach;
-    scene.tool.grasp_from = 0;
-    sim = make_sim(&scene.def);
-    run_steps(sim, 1);
-    int32_t count = sim->tools[0].held_count;
-    end(&scene, sim);
-    return count;
-}
-
-/* a ball as a mesh reaches as far as a ball, but for what the flat triangles lie below it */
-static void test_mesh_reaches(void **unused)
+/* a snapshot has the readings of its step */
+static void test_readings_return(void **unused)
 {
     (void)unused;
-    const double flat = 0.005;
-    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    pel_mesh *mesh;
-    shape.radius = 0.4;
-    shape.frequency = 10;
-    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
-    int32_t before = 0;
-    for (double reach = 0.01; reach < 0.5; reach += 0.12) {
-        int32_t count = count_held(PEL_TOOL_MESH, mesh, reach);
-        assert_in_range(count, count_held(PEL_TOOL_SPHERE, NULL, reach - flat),
-                        count_held(PEL_TOOL_SPHERE, NULL, reach));
-        assert_true(count > before);
-        before = count;
-    }
-    pel_mesh_destroy(mesh);
+    pull_scene scene;
+    pel_sim *sim = create(&scene, PEL_METHOD_EXPLICIT, 0);
+    pel_sim_destroy(sim);
+    scene.keys[1].rotation_vector[2] = 2;
+    sim = make_sim(&scene.def);
+    run_steps(sim, 60);
+    pel_tool_reading saved, later, loaded;
+    size_t size = pel_sim_save_size(sim);
+    void *snapshot = malloc(size);
+    pel_sim_save(sim, snapshot);
+    pel_sim_get_tool(sim, 0, &saved);
+    run_steps(sim, 30);
+    pel_sim_get_tool(sim, 0, &later);
+    assert_int_equal(pel_sim_load(sim, snapshot, size, NULL), PEL_OK);
+    pel_sim_get_tool(sim, 0, &loaded);
+    assert_true(saved.torque[2] != later.torque[2] && saved.force[2] != later.force[2]);
+    assert_memory_equal(loaded.force, saved.force, sizeof saved.force);
+    assert_memory_equal(loaded.torque, saved.torque, sizeof saved.torque);
+    assert_int_equal(loaded.held_count, saved.held_count);
+    assert_int_equal(loaded.lost_count, saved.lost_count);
+    free(snapshot);
+    end(&scene, sim);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_mesh_reaches),    cmocka_unit_test(test_released_are_free),
+        cmocka_unit_test(test_readings_return), cmocka_unit_test(test_released_are_free),
         cmocka_unit_test(test_limit),           cmocka_unit_test(test_lost_are_free),
         cmocka_unit_test(test_largest_first),   cmocka_unit_test(test_resumes),
         cmocka_unit_test(test_refusals),        cmocka_unit_test(test_catches_up),
