@@ -400,7 +400,7 @@ static void test_stops(void **unused)
     free(whole);
     free(portions);
     unlink("render-stopped.png");
-    for (int most = 0; most < all.asked; most += ROUNDS(9, 23)) {
+    for (int most = 0; most < all.asked; most += ROUNDS(9, 40)) {
         pel_error error;
         patience some = {0, most};
         def.user = &some;
