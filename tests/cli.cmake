@@ -26,7 +26,7 @@ if(TARGET pellicle_program)
         set(PROPERTIES --count 12 --sanitized)
     endif()
     if(PELLICLE_SINGLE)
-        list(APPEND PROPERTIES --single)
+        set(PROPERTIES --count 24 --single)
     endif()
     add_test(NAME cli/properties COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/properties.py
                                          $<TARGET_FILE:pellicle_program> ${PROPERTIES} --keep ${PROJECT_BINARY_DIR}/broken)

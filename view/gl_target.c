@@ -16,6 +16,8 @@
 #include <string.h>
 
 enum { SAMPLES = 4, COLOR_STEPS = 256, SKY = 24, SKY_SIZE = 192, KEY_SIZE = 1024 };
+/* corners that are drawn at once: some tenths of a second of software */
+enum { PORTION = 3 * 50000 };
 
 /* one for surfaces without edges, one with: software runs both sides of a branch, and edges cost as much as the light;
    one for shadows on the ground; one for outlines; one for depth maps */
@@ -45,7 +47,10 @@ struct view_gl_target {
     uint8_t *pixels;                          /* (height x width x 4) as OpenGL gives them, bottom row first */
     float projection[16];
     view_color background;
-    int32_t low[2], high[2]; /* the part that was drawn on, from the lower left corner; empty when low >= high */
+    int32_t low[2], high[2];    /* the part that was drawn on, from the lower left corner; empty when low >= high */
+    bool (*wanted)(void *user); /* null = always */
+    void *user;
+    bool is_stopped; /* nothing more is drawn */
     char renderer[128];
 };
 
@@ -419,6 +424,26 @@ void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map)
 
 /* ---- drawing ---- */
 
+void view_gl_target_watch(view_gl_target *canvas, bool (*wanted)(void *user), void *user)
+{
+    canvas->wanted = wanted;
+    canvas->user = user;
+}
+
+/* Draws triangles in portions. OpenGL only queues what it is told to draw: between two portions it has to finish before
+   anybody is asked. */
+static void draw_corners(view_gl_target *canvas, size_t first, size_t count)
+{
+    for (size_t end = first + count; first < end && !canvas->is_stopped; first += PORTION) {
+        size_t size = end - first < PORTION ? end - first : PORTION;
+        glDrawArrays(GL_TRIANGLES, (GLint)first, (GLsizei)size);
+        if (count <= PORTION || canvas->wanted == NULL)
+            continue;
+        glFinish();
+        canvas->is_stopped = !canvas->wanted(canvas->user);
+    }
+}
+
 void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, view_color background)
 {
     float part[4];
@@ -470,14 +495,14 @@ static light_space sampled(light_space space)
     return space;
 }
 
-static void draw_depth(const view_gl_target *canvas, const light_space *space, int32_t size, size_t count)
+static void draw_depth(view_gl_target *canvas, const light_space *space, int32_t size, size_t count)
 {
     const program *p = &canvas->programs[PROGRAM_DEPTH];
     glViewport(0, 0, size, size);
     glClear(GL_DEPTH_BUFFER_BIT);
     glUseProgram(p->id);
     glUniformMatrix4fv(p->projection, 1, GL_FALSE, space->matrix);
-    glDrawArrays(GL_TRIANGLES, 0, (GLsizei)count);
+    draw_corners(canvas, 0, count);
 }
 
 /* weights: directions of the sky along the axes of the camera and how bright they are */
@@ -596,7 +621,7 @@ void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup,
         else
             glDisable(GL_CULL_FACE);
     }
-    glDrawArrays(GL_TRIANGLES, (GLint)first, (GLsizei)count);
+    draw_corners(canvas, first, count);
 }
 
 /* a row of pixels with its alpha divided out again */
@@ -633,6 +658,8 @@ static void fill_around(const view_gl_target *canvas, view_image *image, int32_t
 
 pel_status view_gl_target_read(view_gl_target *canvas, view_image *image, int32_t x, int32_t y, pel_error *error)
 {
+    if (canvas->is_stopped)
+        return pel_fail(error, PEL_STOPPED, "stopped while drawing");
     /* software takes as long for a pixel of the background as for any other: leave those out */
     const int32_t *low = canvas->low, *high = canvas->high;
     const view_color nothing = {{0, 0, 0, 0}};

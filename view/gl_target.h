@@ -27,6 +27,9 @@ void view_gl_target_destroy(view_gl_target *canvas);
 
 const char *view_gl_target_renderer(const view_gl_target *canvas);
 void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map);
+/* Asks `wanted` while many triangles are drawn; null asks nobody. From its first no on nothing is drawn, and
+   view_gl_target_read gives PEL_STOPPED. */
+void view_gl_target_watch(view_gl_target *canvas, bool (*wanted)(void *user), void *user);
 
 /* Empties the canvas and sets the camera for what is drawn until view_gl_target_read. */
 void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, view_color background);
@@ -37,7 +40,8 @@ void view_gl_target_load(view_gl_target *canvas, const view_triangle_list *soup,
 /* Draws `count` corners from `first` of the list that was loaded. */
 void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup, size_t first, size_t count,
                          const view_look *look);
-/* Copies the canvas into the image with its upper left corner at x, y; it must fit in. */
+/* Copies the canvas into the image with its upper left corner at x, y; it must fit in. Errors: PEL_STOPPED,
+   PEL_OUT_OF_MEMORY. */
 pel_status view_gl_target_read(view_gl_target *canvas, view_image *image, int32_t x, int32_t y, pel_error *error);
 
 #endif

@@ -764,6 +764,8 @@ static pel_status prepare(job *j, pel_error *error)
         status = view_image_create(&j->image, j->page.width, j->page.height, error);
     if (status == PEL_OK)
         status = view_gl_target_create(j->page.cell_width, j->page.cell_height, &j->canvas, error);
+    if (status == PEL_OK)
+        view_gl_target_watch(j->canvas, j->def.progress, j->def.user);
     return status;
 }
 

@@ -95,7 +95,8 @@ typedef struct pel_render_def {
     double turn; /* degrees by which the camera goes around the body in a film, counter-clockwise; a single frame is
                     shown in 72 pictures: 360 makes a turntable that can be repeated. 0 = it stands still */
     const char *program;          /* the ffmpeg to use; null = the one of the search path */
-    bool (*progress)(void *user); /* asked before each frame is read; false stops with PEL_STOPPED; nullable */
+    bool (*progress)(void *user); /* asked before each frame is read and while it is drawn; false stops with
+                                     PEL_STOPPED; nullable */
     void *user;
     uint32_t cookie; /* set by pel_render_def_default */
 } pel_render_def;

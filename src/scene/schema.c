@@ -2,15 +2,13 @@
    alternative that brings keys of its own, so that an editor offers exactly the keys that go together. */
 #include "scene/schema_api.h"
 
-#include "base/number.h"
 #include "scene/value.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
 
 typedef struct schema_writer {
-    FILE *file;
+    pel_json *json;
     const pel_scene_table *table;
 } schema_writer;
 
@@ -23,76 +21,69 @@ typedef struct schema_variant {
 
 static void write_value(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits, const char *word);
 
-static void write_escaped(schema_writer *out, const char *text)
+static void write(const schema_writer *out, const char *text)
 {
-    for (; *text != '\0'; text++) {
-        if (*text == '"' || *text == '\\')
-            fputc('\\', out->file);
-        fputc(*text, out->file);
-    }
+    pel_json_print(out->json, "%s", text);
 }
 
-static void write_text(schema_writer *out, const char *text)
+static void write_text(const schema_writer *out, const char *text)
 {
-    fputc('"', out->file);
-    write_escaped(out, text);
-    fputc('"', out->file);
+    pel_json_string(out->json, text);
 }
 
 static void write_limit(schema_writer *out, const char *key, double limit)
 {
-    char text[PEL_NUMBER_SIZE];
     if (!isfinite(limit))
         return;
-    pel_number_print(text, limit);
-    fprintf(out->file, ",\"%s\":%s", key, text);
+    pel_json_print(out->json, ",\"%s\":", key);
+    pel_json_number(out->json, limit);
 }
 
 static void write_number(schema_writer *out, pel_scene_form form, pel_scene_range range)
 {
-    fprintf(out->file, "{\"type\":\"%s\"", form == PEL_FORM_INTEGER ? "integer" : "number");
+    pel_json_print(out->json, "{\"type\":\"%s\"", form == PEL_FORM_INTEGER ? "integer" : "number");
     if (range.given) {
         write_limit(out, range.open ? "exclusiveMinimum" : "minimum", range.least);
         write_limit(out, "maximum", range.most);
     }
-    fputc('}', out->file);
+    write(out, "}");
 }
 
 static void write_words(schema_writer *out, const char *const *words, const char *only)
 {
     if (only != NULL) {
-        fputs("{\"const\":", out->file);
+        write(out, "{\"const\":");
         write_text(out, only);
-        fputc('}', out->file);
+        write(out, "}");
         return;
     }
-    fputs("{\"enum\":[", out->file);
+    write(out, "{\"enum\":[");
     for (size_t i = 0; words[i] != NULL; i++) {
-        fputs(i > 0 ? "," : "", out->file);
+        write(out, i > 0 ? "," : "");
         write_text(out, words[i]);
     }
-    fputs("]}", out->file);
+    write(out, "]}");
 }
 
 static void write_tuple(schema_writer *out, int count, pel_scene_range first, pel_scene_range others)
 {
-    fprintf(out->file, "{\"type\":\"array\",\"minItems\":%d,\"maxItems\":%d,\"items\":[", count, count);
+    pel_json_print(out->json, "{\"type\":\"array\",\"minItems\":%d,\"maxItems\":%d,\"items\":[", count, count);
     for (int i = 0; i < count; i++) {
-        fputs(i > 0 ? "," : "", out->file);
+        write(out, i > 0 ? "," : "");
         write_number(out, PEL_FORM_NUMBER, i == 0 ? first : others);
     }
-    fputs("]}", out->file);
+    write(out, "]}");
 }
 
 static void write_list(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits)
 {
     const pel_scene_row *element = pel_scene_row_find(out->table, row->path, "[]");
-    fputs("{\"type\":\"array\",", out->file);
+    write(out, "{\"type\":\"array\",");
     if (row->range.given)
-        fprintf(out->file, "\"minItems\":%d,", (int)row->range.least);
-    fputs("\"items\":", out->file);
+        pel_json_print(out->json, "\"minItems\":%d,", (int)row->range.least);
+    write(out, "\"items\":");
     write_value(out, element, element->scoped ? limits : element, NULL);
-    fputc('}', out->file);
+    write(out, "}");
 }
 
 /* whether one of the keys that a row needs is an alternative: then the object that has it has the row too */
@@ -122,16 +113,16 @@ static void write_dependency(schema_writer *out, const char *prefix, const pel_s
 {
     const char *comma = "";
     write_text(out, pel_scene_row_name(row, prefix));
-    fputs(":{\"anyOf\":[", out->file);
+    write(out, ":{\"anyOf\":[");
     for (const pel_scene_row *other = NULL; (other = pel_scene_row_next(out->table, prefix, other)) != NULL;) {
         if (!pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
             continue;
-        fprintf(out->file, "%s{\"required\":[", comma);
+        pel_json_print(out->json, "%s{\"required\":[", comma);
         write_text(out, pel_scene_row_name(other, prefix));
-        fputs("]}", out->file);
+        write(out, "]}");
         comma = ",";
     }
-    fputs("]}", out->file);
+    write(out, "]}");
 }
 
 static void write_dependencies(schema_writer *out, const char *prefix)
@@ -140,12 +131,12 @@ static void write_dependencies(schema_writer *out, const char *prefix)
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (row->needs == NULL || needs_alternative(out, prefix, row))
             continue;
-        fputs(before, out->file);
+        write(out, before);
         write_dependency(out, prefix, row);
         before = ",\n";
         after = "}";
     }
-    fputs(after, out->file);
+    write(out, after);
 }
 
 /* keys that are required, or another one that fills them in */
@@ -155,45 +146,45 @@ static void write_supplied(schema_writer *out, const char *prefix, const schema_
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (row->supplied == NULL || row->supplied[0] == '\0' || !belongs(out, row, prefix, variant))
             continue;
-        fprintf(out->file, "%s{\"anyOf\":[{\"required\":[", before);
+        pel_json_print(out->json, "%s{\"anyOf\":[{\"required\":[", before);
         write_text(out, pel_scene_row_name(row, prefix));
-        fputs("]},{\"required\":[", out->file);
+        write(out, "]},{\"required\":[");
         write_text(out, row->supplied);
-        fputs("]}]}", out->file);
+        write(out, "]}]}");
         before = ",";
         after = "]";
     }
-    fputs(after, out->file);
+    write(out, after);
 }
 
 static void write_object(schema_writer *out, const char *prefix, const pel_scene_row *limits,
                          const schema_variant *variant)
 {
     const char *comma = "";
-    fputs("{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{", out->file);
+    write(out, "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{");
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!belongs(out, row, prefix, variant))
             continue;
-        fputs(comma, out->file);
+        write(out, comma);
         write_text(out, pel_scene_row_name(row, prefix));
-        fputc(':', out->file);
+        write(out, ":");
         write_value(out, row, row->scoped ? limits : row, row->alternative ? variant->word : NULL);
         comma = ",\n";
     }
     comma = "";
-    fputs("},\"required\":[", out->file);
+    write(out, "},\"required\":[");
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         bool is_needed = (row->required && row->supplied == NULL) || (row->alternative && !variant->implied);
         if (!belongs(out, row, prefix, variant) || !is_needed)
             continue;
-        fputs(comma, out->file);
+        write(out, comma);
         write_text(out, pel_scene_row_name(row, prefix));
         comma = ",";
     }
-    fputs("]", out->file);
+    write(out, "]");
     write_supplied(out, prefix, variant);
     write_dependencies(out, prefix);
-    fputs("}", out->file);
+    write(out, "}");
 }
 
 /* whether some key stands only beside this word */
@@ -215,7 +206,7 @@ static void write_alternative(schema_writer *out, const char *prefix, const pel_
         return;
     }
     for (size_t i = 0; row->words[i] != NULL; i++) {
-        fputs(i > 0 ? ",\n" : "", out->file);
+        write(out, i > 0 ? ",\n" : "");
         write_object(out, prefix, limits, &(schema_variant){row, row->words[i], false});
     }
 }
@@ -225,7 +216,7 @@ static void write_map(schema_writer *out, const char *prefix, const pel_scene_ro
     bool may_lack = true;
     const char *comma = "";
     schema_variant implied = {NULL, NULL, true};
-    fputs("{\"anyOf\":[", out->file);
+    write(out, "{\"anyOf\":[");
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!row->alternative)
             continue;
@@ -233,15 +224,15 @@ static void write_map(schema_writer *out, const char *prefix, const pel_scene_ro
         may_lack = (may_lack && comma[0] != '\0') || row->preset != NULL;
         if (row->preset != NULL)
             implied = (schema_variant){row, (row->forms & PEL_FORM_WORD) != 0 ? row->preset : NULL, true};
-        fputs(comma, out->file);
+        write(out, comma);
         write_alternative(out, prefix, limits, row);
         comma = ",\n";
     }
     if (may_lack) {
-        fputs(comma, out->file);
+        write(out, comma);
         write_object(out, prefix, limits, &implied);
     }
-    fputs("]}", out->file);
+    write(out, "]}");
 }
 
 /* a default as JSON: numbers, booleans and lists as they are, words in quotes */
@@ -250,12 +241,12 @@ static void write_preset(schema_writer *out, const pel_scene_row *row)
     double number;
     if (row->preset == NULL || strchr(row->preset, '#') != NULL || row->preset[0] == '{')
         return;
-    fputs("\"default\":", out->file);
+    write(out, "\"default\":");
     if (row->preset[0] == '[' || row->forms == PEL_FORM_BOOLEAN || pel_scene_parse_number(row->preset, &number))
-        fputs(row->preset, out->file);
+        write(out, row->preset);
     else
         write_text(out, row->preset);
-    fputc(',', out->file);
+    write(out, ",");
 }
 
 static void write_form(schema_writer *out, pel_scene_form form, const pel_scene_row *row, const pel_scene_row *limits,
@@ -265,11 +256,11 @@ static void write_form(schema_writer *out, pel_scene_form form, const pel_scene_
     if (form == PEL_FORM_NUMBER || form == PEL_FORM_INTEGER)
         write_number(out, form, limits->range);
     else if (form == PEL_FORM_BOOLEAN)
-        fputs("{\"type\":\"boolean\"}", out->file);
+        write(out, "{\"type\":\"boolean\"}");
     else if (form == PEL_FORM_WORD)
         write_words(out, row->words, word);
     else if (form == PEL_FORM_TEXT)
-        fputs("{\"type\":\"string\",\"minLength\":1}", out->file);
+        write(out, "{\"type\":\"string\",\"minLength\":1}");
     else if (form == PEL_FORM_PAIR)
         write_tuple(out, 2, limits->range, limits->range);
     else if (form == PEL_FORM_KEY)
@@ -282,31 +273,41 @@ static void write_form(schema_writer *out, pel_scene_form form, const pel_scene_
         write_map(out, pel_scene_row_prefix(row), limits);
 }
 
+static void write_description(const schema_writer *out, const char *doc, const char *unit)
+{
+    pel_json text = {0};
+    pel_json_print(&text, "%s", doc);
+    if (unit != NULL)
+        pel_json_print(&text, " [%s]", unit);
+    if (!text.failed)
+        write_text(out, text.text);
+    out->json->failed |= text.failed;
+    pel_json_free(&text);
+}
+
 static void write_value(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits, const char *word)
 {
     const char *comma = "";
-    fputs("{\"description\":\"", out->file);
-    write_escaped(out, row->doc);
-    if (limits->unit != NULL)
-        fprintf(out->file, " [%s]", limits->unit);
-    fputs("\",", out->file);
+    write(out, "{\"description\":");
+    write_description(out, row->doc, limits->unit);
+    write(out, ",");
     write_preset(out, row);
-    fputs("\"anyOf\":[", out->file);
+    write(out, "\"anyOf\":[");
     for (unsigned form = 1; form <= PEL_FORM_MAP; form *= 2) {
         if ((row->forms & form) == 0)
             continue;
-        fputs(comma, out->file);
+        write(out, comma);
         write_form(out, (pel_scene_form)form, row, limits, word);
         comma = ",";
     }
-    fputs("]}", out->file);
+    write(out, "]}");
 }
 
-void pel_scene_put_schema(FILE *file, const pel_scene_table *table)
+void pel_scene_put_schema(pel_json *json, const pel_scene_table *table)
 {
-    schema_writer out = {file, table};
-    fputs("{\"$schema\":\"http://json-schema.org/draft-07/schema#\",\"title\":\"scene of pellicle\",\"allOf\":[\n",
-          file);
+    schema_writer out = {json, table};
+    write(&out,
+          "{\"$schema\":\"http://json-schema.org/draft-07/schema#\",\"title\":\"scene of pellicle\",\"allOf\":[\n");
     write_object(&out, "", NULL, &(schema_variant){NULL, NULL, false});
-    fputs("\n]}\n", file);
+    write(&out, "\n]}\n");
 }

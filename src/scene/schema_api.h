@@ -2,12 +2,13 @@
 #ifndef PEL_SCENE_SCHEMA_API_H
 #define PEL_SCENE_SCHEMA_API_H
 
+#include "io/json.h"
 #include "scene/table.h"
 
 #include <stdio.h>
 
 /* JSON Schema, draft 7 */
-void pel_scene_put_schema(FILE *file, const pel_scene_table *table);
+void pel_scene_put_schema(pel_json *json, const pel_scene_table *table);
 /* reference page in Markdown */
 void pel_scene_put_reference(FILE *file, const pel_scene_table *table);
 /* one path a line */

@@ -37,7 +37,7 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
                       "give counts of the arrays");
     if (!is_finite3(def->force))
         return refuse(error, load, "force is not finite", "give three finite numbers");
-    if (isnan(def->from) || isnan(def->until) || !(def->until > def->from))
+    if (!(def->until > def->from))
         return refuse(error, load, "load ends before it begins: from is not less than until",
                       "give `from` less than `until`");
     const pel_body *body = &sim->model->bodies[def->body];

@@ -279,11 +279,11 @@ struct pel_sim {
     int32_t tool_count;
     pel_contact_set *contacts; /* (contact.h) null = none */
     pel_sim_contact contact;
-    bool contact_in_loop;         /* the solver sweeps over them too */
-    bool self_contact;            /* no body can cut itself */
-    pel_record *force;            /* (vertex_count) scratch: forces, and loads on touched vertices */
-    bool force_is_present;        /* it holds the forces of the present state */
-    bool energies_are_present;    /* and these its energies [J], when force_is_present */
+    bool contact_in_loop;      /* the solver sweeps over them too */
+    bool self_contact;         /* no body can cut itself */
+    pel_record *force;         /* (vertex_count) scratch: forces, and loads on touched vertices */
+    bool force_is_present;     /* it holds the forces of the present state */
+    bool energies_are_present; /* and these its energies [J], when force_is_present */
     double spring_energy, volumetric_energy, kinetic_energy;
     pel_tool_search *tool_search; /* null without tools */
     int32_t *near_triangles;      /* (triangle_count) scratch of the tools; null without tools */

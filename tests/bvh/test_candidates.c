@@ -126,7 +126,7 @@ static void test_motion(void **unused)
 static void test_extension(void **unused)
 {
     (void)unused;
-    for (int threads = 1; threads <= 3; threads += 2) {
+    for (int threads = ROUNDS(1, 3); threads <= 3; threads += 2) {
         surface s = make_sphere(8, 0);
         pel_pool *pool;
         double(*rest)[3] = malloc((size_t)s.vertex_count * sizeof *rest);

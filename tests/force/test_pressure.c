@@ -30,6 +30,11 @@ static void test_potentials(void **unused)
     check(&target, 0, 0.1, 3);
     assert_near(pel_pressure_difference(&target, 0, 1, 0.6 * rest_volume, rest_volume), 0, 1e-12);
     assert_true(pel_pressure_difference(&target, 0, 1, 0.5 * rest_volume, rest_volume) > 0);
+    /* a target that grows: 1.2 of the volume at rest by then */
+    pel_shell keyed = {.pressure = target.pressure, .target = {.keys = keys, .key_count = 2}};
+    check(&keyed, 0.5, 0.1, 3);
+    assert_near(pel_pressure_difference(&keyed, 0.5, 1, 1.2 * rest_volume, rest_volume), 0, 1e-12);
+    assert_near(pel_pressure_difference(&keyed, 0.5, 1, rest_volume, rest_volume), 40 * 0.2, 1e-12);
     /* isothermal, and down to where a gas is not squeezed any more */
     const double gammas[3] = {1, 1.4, 2};
     for (int i = 0; i < 3; i++) {

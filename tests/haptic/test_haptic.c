@@ -106,6 +106,7 @@ static void slow_hand(double time, double position[3])
 static void test_force_error(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     stage s = make_press(0.01), fast = make_press(0.001);
     pel_haptic_def def = pel_haptic_def_default();
     def.sim = s.sim;

@@ -5,6 +5,7 @@
 #include "failing_malloc.h"
 #include "io/file.h"
 #include "pellicle/export.h"
+#include "results/export.h"
 #include "run_folder.h"
 
 static char folder[FOLDER_SIZE];
@@ -356,6 +357,37 @@ static void test_allocation_failures(void **unused)
     assert_true(for_every_allocation_failure(export_sequence, folder_path(path, folder, "d.obj")) > 10);
 }
 
+/* parts are numbered by a field of one number each; what no body can have is no number of one */
+static void test_parts(void **unused)
+{
+    (void)unused;
+    char first[] = "probe", second[] = "clamp", *names[2] = {first, second};
+    const pel_frames two = {.tool_count = 2, .tool_names = names};
+    const pel_export_source source = {.frames = &two, .body_count = 3};
+    assert_null(pel_export_tool_name(NULL, 0));
+    assert_null(pel_export_tool_name(&source, 2));
+    assert_string_equal(pel_export_tool_name(&source, 3), "probe");
+    assert_string_equal(pel_export_tool_name(&source, 4), "clamp");
+    static const double x[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const int32_t corners[3] = {0, 1, 2};
+    const double bodies[4][3] = {{0, 0, 0}, {0, 4, 1}, {0, 65535, 0}, {0, 65536, 0}};
+    const int32_t counts[4] = {1, 5, 65536, 1};
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_create(x, 3, corners, 1, &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_export_part_count(mesh), 1);
+    assert_int_equal(pel_mesh_add_field(mesh, "body", 1, NULL, NULL), PEL_OK);
+    for (int i = 0; i < 4; i++) {
+        memcpy(pel_mesh_field(mesh, "body")->values, bodies[i], sizeof bodies[i]);
+        assert_int_equal(pel_export_part_count(mesh), counts[i]);
+    }
+    pel_mesh_destroy(mesh);
+    const double vectors[9] = {7, 7, 7, 7, 7, 7, 7, 7, 7};
+    assert_int_equal(pel_mesh_create(x, 3, corners, 1, &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_add_field(mesh, "body", 3, vectors, NULL), PEL_OK);
+    assert_int_equal(pel_export_part_count(mesh), 1);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -367,6 +399,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_sequence, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_nothing_half_written, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_allocation_failures, set_up, tear_down),
+        cmocka_unit_test(test_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

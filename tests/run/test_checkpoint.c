@@ -153,23 +153,24 @@ static void test_resume_leaks_nothing(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* another mesh file under the same name is another scene, also when its fields alone have changed */
-static void test_changed_mesh(void **unused)
+/* another mesh file under the same name is another scene, of a body or a tool, also when its fields alone have changed
+ */
+static void check_changed_mesh(const char *scene_text, const char *run)
 {
-    (void)unused;
-    static const char *const changes[4] = {"0.25", "0.75", "0.25", "0.25"},
-                             *const names[4] = {"stiff", "stiff", "soft", "stiff"},
-                             *const tips[4] = {"1", "1", "1", "2"};
+    static const char *const changes[5] = {"0.25", "0.75", "0.25", "0.25", "0.25"},
+                             *const names[5] = {"stiff", "stiff", "soft", "stiff", "stiff"},
+                             *const tips[5] = {"1", "1", "1", "2", "1"},
+                             *const faces[5] = {"0 2 1", "0 2 1", "0 2 1", "0 2 1", "2 1 0"};
     char path[256], text[1000], mesh[400];
     in_folder(path, "changed.ply", "");
-    snprintf(text, sizeof text, "version: 1\nduration: 0.1\nbodies: [{ mesh: { file: %s } }]\n", path);
-    run_case test = {.run = "changed", .stop_at = 3};
-    for (int i = 0; i < 4; i++) {
+    snprintf(text, sizeof text, scene_text, path);
+    run_case test = {.run = run, .stop_at = 3};
+    for (int i = 0; i < 5; i++) {
         snprintf(mesh, sizeof mesh,
                  "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
                  "property double %s\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
-                 "0 0 0 0.5\n1 0 0 0.5\n0 1 0 0.5\n0 0 %s %s\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n",
-                 names[i], tips[i], changes[i]);
+                 "0 0 0 0.5\n1 0 0 0.5\n0 1 0 0.5\n0 0 %s %s\n3 %s\n3 0 1 3\n3 1 2 3\n3 2 0 3\n",
+                 names[i], tips[i], changes[i], faces[i]);
         FILE *stream = fopen(path, "w");
         assert_non_null(stream);
         fputs(mesh, stream);
@@ -177,9 +178,19 @@ static void test_changed_mesh(void **unused)
         pel_scene *scene = load_scene(text, NULL, 0);
         check_run(scene, &test, i == 0 ? PEL_STOPPED : PEL_BAD_FORMAT);
         assert_true(i == 0 || strstr(test.error.what, "another scene") != NULL);
-        test = (run_case){.run = "changed", .resume = "checkpoint"};
+        test = (run_case){.run = run, .resume = "checkpoint"};
         pel_scene_destroy(scene);
     }
+}
+
+static void test_changed_mesh(void **unused)
+{
+    (void)unused;
+    check_changed_mesh("version: 1\nduration: 0.1\nbodies: [{ mesh: { file: %s } }]\n", "changed");
+    check_changed_mesh("version: 1\nduration: 0.1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 2 } }]\n"
+                       "tools: [{ name: probe, mesh: { file: %s }, motion: [{ position: [5, 0, 0] }] }]\n"
+                       "contact: { friction: 0 }\n",
+                       "changed-tool");
 }
 
 /* a run that is over stays as it is */

@@ -76,7 +76,8 @@ static void test_shipped_scenes(void **unused)
         snprintf(path, sizeof path, PEL_SOURCE_DIR "/scenes/%.200s", entry->d_name);
         snprintf(name, sizeof name, "%.*s", (int)(end - entry->d_name), entry->d_name);
         assert_int_equal(pel_scene_load(path, NULL, 0, NULL, &scene, NULL), PEL_OK);
-        check_stops(scene, name, frames_of(name));
+        if (count % ROUNDS(1, 2) == 0)
+            check_stops(scene, name, frames_of(name));
         pel_scene_destroy(scene);
         count++;
     }
@@ -133,7 +134,7 @@ static const char shell[] =
 
 static void check_methods(const char *text, const char *name, const char *const *overrides, int32_t count)
 {
-    for (int32_t i = 0; i < count; i++) {
+    for (int32_t i = 0; i < count; i += ROUNDS(1, 2)) {
         char run[64];
         const char *pair[2];
         snprintf(run, sizeof run, "%s-%d", name, (int)i);

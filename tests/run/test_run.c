@@ -514,6 +514,34 @@ static void test_supports(void **unused)
     check_contains("supported", "summary.json", "{\"name\": \"flag_support\", ");
 }
 
+/* two balls that fly into each other: the run ends when they touch, if it is told to */
+static void test_stops_at_contact(void **unused)
+{
+    (void)unused;
+    static const char balls[] =
+        "version: 1\nbodies:\n"
+        "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { per_vertex: 1 }, velocity: [1, 0, 0] "
+        "}\n"
+        "  - { name: b, mesh: { shape: geodesic-sphere, frequency: 3, translate: [2.2, 0, 0] },\n"
+        "      mass: { per_vertex: 1 }, velocity: [-1, 0, 0] }\n"
+        "contact: { friction: 0 }\nsolver: { method: explicit, dt: 0.001 }\nduration: 0.2\n";
+    static const char *const stop = "stop.self_contact=true";
+    for (int is_told = 0; is_told < 2; is_told++) {
+        pel_scene *scene = load_scene(balls, &stop, is_told);
+        run_case test = {.run = is_told ? "touching" : "passing"};
+        check_run(scene, &test, PEL_OK);
+        if (is_told) {
+            assert_string_equal(test.summary.stop_reason, "self_contact");
+            /* 0.2 m between the spheres, up to 0.25 m between their triangles, at 2 m/s */
+            assert_in_range(test.summary.steps, 95, 130);
+        } else {
+            assert_string_equal(test.summary.stop_reason, "duration");
+            assert_int_equal(test.summary.steps, 200);
+        }
+        pel_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -534,6 +562,7 @@ int main(void)
         cmocka_unit_test(test_full_disk_at_frame),
         cmocka_unit_test(test_frame_fails_before_divergence),
         cmocka_unit_test(test_at_rest),
+        cmocka_unit_test(test_stops_at_contact),
         cmocka_unit_test(test_allocation_failures),
     };
     int failed = 0;

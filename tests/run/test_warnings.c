@@ -88,6 +88,10 @@ static void test_softness(void **unused)
     const pel_run_warning *warning = find_warning(&summary, "softer-than-material");
     assert_non_null(warning);
     assert_int_equal(warning->first_frame, 0);
+    const char *factor = strstr(warning->text, "stretches up to ");
+    assert_non_null(factor);
+    double softness = strtod(factor + strlen("stretches up to "), NULL) - 1;
+    assert_near(softness, summary.solver.most_softness, 0.02 * (1 + softness));
     const char *remedy = strstr(warning->text, "use substeps >= ");
     assert_non_null(remedy);
     int needed = (int)strtol(remedy + strlen("use substeps >= "), NULL, 10);

@@ -415,12 +415,16 @@ static void test_file_mesh(void **unused)
     fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", file);
     fclose(file);
     file = fopen(path, "w");
-    fputs("version: 1\nduration: 1\nbodies: [{mesh: {file: tetra.obj, scale: 0.5}}]\n", file);
+    fputs("version: 1\nduration: 1\nbodies: [{mesh: {file: tetra.obj, scale: 0.5}}]\n"
+          "tools: [{name: a, mesh: {file: tetra.obj}, motion: [{position: [3, 0, 0]}]}]\ncontact: {friction: 0}\n",
+          file);
     fclose(file);
     pel_scene *scene, *again;
     assert_int_equal(pel_scene_load(path, NULL, 0, NULL, &scene, NULL), PEL_OK);
     assert_int_equal(scene->model.bodies->mesh->vertex_count, 4);
     assert_true(scene->model.bodies->mesh->positions[1][0] == 0.5);
+    assert_int_equal(scene->sim.tools[0].shape, PEL_TOOL_MESH);
+    assert_int_equal(scene->sim.tools[0].mesh->vertex_count, 4);
     const char *text = pel_scene_text(scene);
     assert_int_equal(pel_scene_parse("elsewhere/a.yaml", text, strlen(text), NULL, 0, NULL, &again, NULL), PEL_OK);
     assert_string_equal(text, pel_scene_text(again));

@@ -192,6 +192,7 @@ static const press_case presses[] = {
 static void test_balance(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     for (size_t c = 0; c < sizeof presses / sizeof *presses; c++) {
         contact_scene scene;
         make_press(&scene, presses[c].method, presses[c].dt);

@@ -427,6 +427,7 @@ static void check_bits(pel_method method, double drag)
 static void test_bits(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     check_bits(PEL_METHOD_IMPLICIT, 1);
     check_bits(PEL_METHOD_STATIC, 0);
 }
@@ -574,6 +575,7 @@ static void test_refined(void **unused)
 {
     (void)unused;
     check_refined(PEL_METHOD_IMPLICIT);
+    skip_if_slow();
     check_refined(PEL_METHOD_STATIC);
 }
 

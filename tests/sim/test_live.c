@@ -370,7 +370,7 @@ static void test_drag(void **unused)
         assert_int_equal(pel_drag_begin(s.sim, &hit, 20, 0.1, &drag, NULL), PEL_OK);
         double target[3] = {hit.point[0] + 0.2, hit.point[1], hit.point[2]};
         double hardest = 0;
-        int steps = methods[m] == PEL_METHOD_STATIC || methods[m] == PEL_METHOD_DESCENT ? 30 : 1500;
+        int steps = methods[m] == PEL_METHOD_STATIC || methods[m] == PEL_METHOD_DESCENT ? 30 : ROUNDS(1500, 40);
         for (int i = 0; i < steps; i++) {
             assert_int_equal(pel_drag_move(drag, target, NULL), PEL_OK);
             run_steps(s.sim, 1);
@@ -381,7 +381,7 @@ static void test_drag(void **unused)
         /* the hand does not shake: nothing is much harder than the spring when it begins, 4 N */
         assert_true(hardest < 7);
         assert_true(reading.point[0] > hit.point[0] + 0.001 && reading.point[0] < target[0] + 1e-9);
-        if (methods[m] != PEL_METHOD_PBD) {
+        if (methods[m] != PEL_METHOD_PBD && !IS_SLOW) {
             assert_true(reading.force[0] > 0);
             assert_near(reading.reaction[0], -reading.force[0], 0.02 * fabs(reading.force[0]));
             /* that of the states of rest */

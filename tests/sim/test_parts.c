@@ -61,6 +61,7 @@ static void test_bullet(void **unused)
 static void test_bullet_implicit(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     check_bullet(PEL_METHOD_IMPLICIT);
 }
 

@@ -330,6 +330,169 @@ static void test_stronger_displaces(void **unused)
     }
 }
 
+typedef struct pushed_ball {
+    pel_body_def body;
+    pel_load_def loads[3];
+    int32_t places[3];
+    bench made;
+} pushed_ball;
+
+/* a ball that refines by one level where it is pushed outward, by up to three forces, the last one from time `late` */
+static void begin_pushed(pushed_ball *b, const double forces[3], double late, double above, int32_t budget)
+{
+    pel_mesh *mesh = make_sphere(8);
+    b->body = ball(mesh, 1);
+    b->body.refine.above = above;
+    b->body.refine.below = above / 2;
+    b->body.refine.rings = 1;
+    b->body.refine.dwell = 1000;
+    b->body.refine.interval = late > 0 ? 20 : 1;
+    b->body.refine.budget = budget;
+    for (int i = 0; i < 3; i++) {
+        const double axis[3] = {i == 0, i == 1, i == 2};
+        b->places[i] = nearest_vertex(mesh, axis[0], axis[1], axis[2]);
+        b->loads[i] = pel_load_def_default();
+        for (int k = 0; k < 3; k++)
+            b->loads[i].force[k] = forces[i] * axis[k];
+        b->loads[i].vertices = &b->places[i];
+        b->loads[i].vertex_count = 1;
+        b->loads[i].from = i < 2 ? 0 : late;
+    }
+    pel_sim_def def = pel_sim_def_default();
+    def.loads = b->loads;
+    def.load_count = 3;
+    b->made = begin(mesh, &b->body, &def);
+}
+
+static bool is_hot(const pushed_ball *b, int place)
+{
+    return b->made.sim->refine[0].requests[b->places[place]] == PEL_REQUEST_MADE;
+}
+
+/* of candidates of one round the strongest gets the room, wherever it stands in the list */
+static void test_strongest_first(void **unused)
+{
+    (void)unused;
+    for (int strong = 0; strong < 3; strong++) {
+        pushed_ball b;
+        double forces[3] = {0.3, 0.3, 0.3};
+        forces[strong] = 0.5;
+        begin_pushed(&b, forces, 0, 1e-3, 20 * 64 + 40);
+        int steps = 0;
+        while (b.made.sim->refine[0].hot_count == 0 && steps++ < 10)
+            run_steps(b.made.sim, 1);
+        for (int i = 0; i < 3; i++)
+            assert_int_equal(is_hot(&b, i), i == strong);
+        end(&b.made);
+    }
+}
+
+/* the third force comes at 1 s, when the two others have taken all the room */
+static void begin_late(pushed_ball *b, const double forces[3])
+{
+    const double early[3] = {forces[0], forces[1], 0};
+    begin_pushed(b, early, 1, 10, 0);
+    run_steps(b->made.sim, 95);
+    int32_t both = pel_sim_triangle_count(b->made.sim, 0);
+    assert_true(both > 20 * 64);
+    end(&b->made);
+    begin_pushed(b, forces, 1, 10, both + 8);
+    run_steps(b->made.sim, 95);
+    assert_true(is_hot(b, 0) && !is_hot(b, 2));
+    assert_true(forces[1] == 0 || is_hot(b, 1));
+}
+
+/* what comes late and is more than twice as strong takes the room of the weakest */
+static void test_weakest_goes(void **unused)
+{
+    (void)unused;
+    pushed_ball b;
+    begin_late(&b, (const double[3]){0.3, 0.6, 6});
+    int steps = 0;
+    while (!is_hot(&b, 2) && steps++ < 50)
+        run_steps(b.made.sim, 1);
+    assert_true(is_hot(&b, 2) && is_hot(&b, 1) && !is_hot(&b, 0));
+    end(&b.made);
+}
+
+/* what is stronger, but not twice as strong, has to wait */
+static void test_little_stronger_waits(void **unused)
+{
+    (void)unused;
+    pushed_ball b;
+    begin_late(&b, (const double[3]){0.3, 0, 0.45});
+    run_steps(b.made.sim, 100);
+    assert_true(is_hot(&b, 0) && !is_hot(&b, 2));
+    end(&b.made);
+}
+
+/* ---- time ---- */
+
+/* a ball and a tool that is near it from time `from` to `until`, and touches nothing */
+static bench beside_visitor(int32_t interval, double from, double until)
+{
+    const double step = 0.001;
+    pel_mesh *mesh = make_sphere(8);
+    pel_pose_key keys[4] = {{from - step, {0, 0, 5}, {0, 0, 0, 1}, {0}},
+                            {from, {0, 0, 1.3}, {0, 0, 0, 1}, {0}},
+                            {until, {0, 0, 1.3}, {0, 0, 0, 1}, {0}},
+                            {until + step, {0, 0, 5}, {0, 0, 0, 1}, {0}}};
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "visitor";
+    tool.radius = 0.2;
+    tool.keys = keys;
+    tool.key_count = 4;
+    pel_body_def body = ball(mesh, 1);
+    body.refine.near_tools = 0.25;
+    body.refine.interval = interval;
+    body.refine.dwell = 30;
+    pel_sim_def def = pel_sim_def_default();
+    def.tools = &tool;
+    def.tool_count = 1;
+    return begin(mesh, &body, &def);
+}
+
+/* steps until the number of triangles is another one */
+static int steps_until_change(bench *made)
+{
+    int32_t before = pel_sim_triangle_count(made->sim, 0);
+    for (int n = 1; n <= 200; n++) {
+        run_steps(made->sim, 1);
+        if (pel_sim_triangle_count(made->sim, 0) != before)
+            return n;
+    }
+    return 0;
+}
+
+/* the clock of the dwell time starts when it has become cold, however long it was warm */
+static void test_dwell(void **unused)
+{
+    (void)unused;
+    bench made = beside_visitor(1, -1, 0.605);
+    assert_in_range(steps_until_change(&made), 1, 3);
+    run_steps(made.sim, 62 - (int)pel_sim_step_count(made.sim));
+    assert_true(pel_sim_triangle_count(made.sim, 0) > made.mesh->triangle_count);
+    assert_in_range(steps_until_change(&made), 27, 30);
+    end(&made);
+}
+
+/* a round takes `interval` steps, in each of which its share of the vertices is looked at */
+static void test_interval(void **unused)
+{
+    (void)unused;
+    bench made = beside_visitor(20, -1, 10), brief = beside_visitor(20, 0.055, 0.135);
+    run_steps(made.sim, 19);
+    run_steps(brief.sim, 19);
+    int32_t all = made.sim->refine[0].candidate_count, some = brief.sim->refine[0].candidate_count, waiting = 0;
+    assert_true(all >= 10 && some > 0 && some < 3 * all / 4);
+    for (int32_t i = 0; i < some; i++)
+        waiting += brief.sim->refine[0].strengths[brief.sim->refine[0].candidates[i]] > 1;
+    assert_int_equal(waiting, some);
+    assert_int_equal(steps_until_change(&made), 1);
+    end(&made);
+    end(&brief);
+}
+
 /* a wide load makes many candidates at once: they come in portions, and all of them come */
 static void test_portions(void **unused)
 {
@@ -479,11 +642,21 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_curvature_measure),  cmocka_unit_test(test_fold),
-        cmocka_unit_test(test_box_of_tool),        cmocka_unit_test(test_near_tools),
-        cmocka_unit_test(test_small_tool),         cmocka_unit_test(test_region),
-        cmocka_unit_test(test_stronger_displaces), cmocka_unit_test(test_portions),
-        cmocka_unit_test(test_snapshot),           cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_curvature_measure),
+        cmocka_unit_test(test_fold),
+        cmocka_unit_test(test_box_of_tool),
+        cmocka_unit_test(test_near_tools),
+        cmocka_unit_test(test_small_tool),
+        cmocka_unit_test(test_region),
+        cmocka_unit_test(test_stronger_displaces),
+        cmocka_unit_test(test_strongest_first),
+        cmocka_unit_test(test_weakest_goes),
+        cmocka_unit_test(test_little_stronger_waits),
+        cmocka_unit_test(test_dwell),
+        cmocka_unit_test(test_interval),
+        cmocka_unit_test(test_portions),
+        cmocka_unit_test(test_snapshot),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -87,6 +87,7 @@ static double largest_change(pel_mesh *mesh, tissue what, deformation how)
 static void test_closed(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     for (int what = 0; what < TISSUES; what++)
         for (int how = 0; how < DEFORMATIONS; how++) {
             double change = largest_change(make_sphere(8), (tissue)what, (deformation)how);

@@ -231,6 +231,7 @@ static uint64_t stirred_hash(const pel_model *model, const pel_mesh *mesh, pel_m
 static void test_bits(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     pel_mesh *mesh = make_sphere(16);
     pel_body_def body = refined_body(mesh, 2);
     body.spring_stiffness.value = 1;

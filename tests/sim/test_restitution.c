@@ -105,6 +105,7 @@ static double rebound(pel_method method, double dt, double young, bool is_ball, 
 static void test_drop(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     if (sizeof(pel_real) == sizeof(float))
         skip(); /* momentum and energy of contacts in float are not good enough to tell */
     static const double e[] = {0, 0.5, 0.8, 1};

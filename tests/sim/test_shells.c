@@ -612,6 +612,7 @@ static void check_bits(pel_method method)
 static void test_bits(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     check_bits(PEL_METHOD_EXPLICIT);
     check_bits(PEL_METHOD_DESCENT);
     check_bits(PEL_METHOD_QUASI_STATIC);

@@ -135,6 +135,7 @@ static void test_limit(void **unused)
 static void test_lost_are_free(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
         pull_scene scene;
         pel_sim *sim = create(&scene, methods[m], 1e-3);
@@ -257,9 +258,66 @@ static void test_catches_up(void **unused)
     end(&scene, sim);
 }
 
+/* what is let go at the end of a grasp is as free as before, and comes back */
+static void test_released_are_free(void **unused)
+{
+    (void)unused;
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+        pull_scene scene;
+        pel_tool_reading reading;
+        pel_sim *sim = create(&scene, methods[m], 0);
+        pel_sim_destroy(sim);
+        scene.tool.grasp_until = 1;
+        sim = make_sim(&scene.def);
+        int32_t top = nearest_vertex(scene.mesh, 0, 0, 1);
+        run_steps(sim, 90);
+        pel_sim_get_tool(sim, 0, &reading);
+        assert_true(reading.held_count > 3 && height_of(sim, top) > 1.2);
+        run_steps(sim, 15);
+        pel_sim_get_tool(sim, 0, &reading);
+        assert_int_equal(reading.held_count, 0);
+        for (int32_t v = 0; v < scene.model->vertex_count; v++) {
+            assert_int_equal(sim->held[v], 0);
+            assert_true(sim->state->position[v][3] == scene.model->inverse_mass[v]);
+        }
+        run_steps(sim, ROUNDS(300, 30));
+        assert_true(IS_SLOW || height_of(sim, top) < 1.2);
+        end(&scene, sim);
+    }
+}
+
+/* a snapshot has the readings of its step */
+static void test_readings_return(void **unused)
+{
+    (void)unused;
+    pull_scene scene;
+    pel_sim *sim = create(&scene, PEL_METHOD_EXPLICIT, 0);
+    pel_sim_destroy(sim);
+    scene.keys[1].rotation_vector[2] = 2;
+    sim = make_sim(&scene.def);
+    run_steps(sim, 60);
+    pel_tool_reading saved, later, loaded;
+    size_t size = pel_sim_save_size(sim);
+    void *snapshot = malloc(size);
+    pel_sim_save(sim, snapshot);
+    pel_sim_get_tool(sim, 0, &saved);
+    run_steps(sim, 30);
+    pel_sim_get_tool(sim, 0, &later);
+    assert_int_equal(pel_sim_load(sim, snapshot, size, NULL), PEL_OK);
+    pel_sim_get_tool(sim, 0, &loaded);
+    assert_true(saved.torque[2] != later.torque[2] && saved.force[2] != later.force[2]);
+    assert_memory_equal(loaded.force, saved.force, sizeof saved.force);
+    assert_memory_equal(loaded.torque, saved.torque, sizeof saved.torque);
+    assert_int_equal(loaded.held_count, saved.held_count);
+    assert_int_equal(loaded.lost_count, saved.lost_count);
+    free(snapshot);
+    end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_readings_return), cmocka_unit_test(test_released_are_free),
         cmocka_unit_test(test_limit),           cmocka_unit_test(test_lost_are_free),
         cmocka_unit_test(test_largest_first),   cmocka_unit_test(test_resumes),
         cmocka_unit_test(test_refusals),        cmocka_unit_test(test_catches_up),

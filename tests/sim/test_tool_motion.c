@@ -249,12 +249,51 @@ static void test_mesh_grasps_as_solid(void **unused)
         }
 }
 
+/* what lags a little behind goes at twice the speed of its keys, what lags far behind by an eighth of that */
+static void test_speed_of_catching_up(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(2);
+    pel_body_def body = ball_body(mesh);
+    const pel_pose_key keys[2] = {key_of(0, 0, 0, 1, 0), key_of(10, 0, 0, 1, 0)};
+    pel_pose_key moved[2] = {keys[0], keys[1]};
+    pel_tool_def def = pel_tool_def_default();
+    moved[0].position[0] = 5;
+    moved[1].position[0] = 15;
+    def.name = "late";
+    def.radius = 0.1;
+    def.keys = moved;
+    def.key_count = 2;
+    pel_sim_def sim_def = pel_sim_def_default();
+    sim_def.model = make_model(&body);
+    sim_def.solver.dt = 0.01;
+    sim_def.tools = &def;
+    sim_def.tool_count = 1;
+    pel_sim *sim = make_sim(&sim_def);
+    pel_tool *tool = &sim->tools[0];
+    const double lags[3] = {0.05, 0.005, 1}, strides[3] = {0.02, 0.005, 0.125};
+    for (int i = 0; i < 3; i++) {
+        tool->blocked = true;
+        tool->pose = pel_tool_pose_at(tool, 2);
+        tool->pose.position[0] -= lags[i];
+        pel_pose next = pel_tool_next_pose(sim, tool, 2);
+        assert_near(next.position[0] - tool->pose.position[0], strides[i], 1e-9);
+    }
+    pel_sim_destroy(sim);
+    pel_model_destroy((pel_model *)(uintptr_t)sim_def.model);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_angles_as_written), cmocka_unit_test(test_different_axes),
-        cmocka_unit_test(test_velocity),          cmocka_unit_test(test_held_back),
-        cmocka_unit_test(test_set_pose),          cmocka_unit_test(test_mesh_grasps_as_solid),
+        cmocka_unit_test(test_angles_as_written),
+        cmocka_unit_test(test_different_axes),
+        cmocka_unit_test(test_velocity),
+        cmocka_unit_test(test_held_back),
+        cmocka_unit_test(test_set_pose),
+        cmocka_unit_test(test_mesh_grasps_as_solid),
+        cmocka_unit_test(test_speed_of_catching_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

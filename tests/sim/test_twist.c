@@ -109,11 +109,12 @@ static void test_torque(void **unused)
 static void test_energy(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     twist t;
     pel_sim *sim = begin(&t, PEL_METHOD_XPBD, 0, false);
     bool was_divided = false;
     double worst = 0, sums[2] = {0, 0}, torques[2] = {0, 0};
-    for (int n = 0; n < ROUNDS(t.steps, 92); n++) {
+    for (int n = 0; n < t.steps; n++) {
         pel_sim_ledger ledger;
         pel_tool_reading rims[2];
         step(sim, n);

@@ -155,7 +155,7 @@ static void disturb(const pel_model *model, pel_state *state, double size)
 static void test_wide_is_plain(void **unused)
 {
     (void)unused;
-    pel_mesh *mesh = make_sphere(24);
+    pel_mesh *mesh = make_sphere(ROUNDS(24, 9));
     double *weights = calloc((size_t)mesh->vertex_count, sizeof *weights);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         weights[v] = fmax(0, mesh->positions[v][2]);

@@ -160,6 +160,26 @@ static void test_explicit_limits(void **unused)
     pel_model_destroy(model);
 }
 
+/* Euler's method on one overdamped spring, x'' = -k x - c x': decays below the limit, grows above it */
+static void test_overdamped_limit(void **unused)
+{
+    (void)unused;
+    const double stiffness = 4, drags[3] = {4.1, 10, 300};
+    for (int i = 0; i < 3; i++) {
+        const pel_stability stability = {.drag = drags[i], .radial_drag = drags[i]};
+        double limit = pel_stability_dt(&stability, stiffness, false);
+        for (int side = -1; side <= 1; side += 2) {
+            double dt = (1 + 0.01 * side) * limit, x = 1, v = -1;
+            for (int n = 0; n < 20000 && fabs(x) < 1e6; n++) {
+                double force = -stiffness * x - drags[i] * v;
+                x += dt * v;
+                v += dt * force;
+            }
+            assert_true(side < 0 ? fabs(x) < 1 : fabs(x) >= 1e6);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -168,6 +188,7 @@ int main(void)
         cmocka_unit_test(test_alpha_is_refused_at_the_limit_and_stable_below),
         cmocka_unit_test(test_kept_velocity_limit_is_real),
         cmocka_unit_test(test_explicit_limits),
+        cmocka_unit_test(test_overdamped_limit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -441,13 +441,65 @@ static void test_ground(void **unused)
     assert_int_equal(dark[1], 0);
 }
 
+/* ---- stops ---- */
+
+typedef struct patience {
+    int asked, most;
+} patience;
+
+static bool is_patient(void *user)
+{
+    patience *p = user;
+    return p->asked++ < p->most;
+}
+
+/* many triangles are drawn in portions, between which a stop is heard; nothing is written then, and the portions are
+   the same picture */
+static void test_stops(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *ball = "render-many.ply";
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_mesh *mesh;
+    size_t sizes[2];
+    shape.frequency = 54;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_write(ball, PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
+    pel_mesh_destroy(mesh);
+    pel_render_def def = make_def(&ball, 1, "render-whole.png");
+    draw(&def);
+    patience all = {0, INT32_MAX};
+    def.output = "render-stopped.png";
+    def.progress = is_patient;
+    def.user = &all;
+    draw(&def);
+    /* some 25 maps of shadows and the surface, in two portions each */
+    assert_true(all.asked > 50);
+    uint8_t *whole = read_png("render-whole.png", &sizes[0]), *portions = read_png("render-stopped.png", &sizes[1]);
+    assert_int_equal(sizes[0], sizes[1]);
+    assert_memory_equal(whole, portions, sizes[0]);
+    free(whole);
+    free(portions);
+    unlink("render-stopped.png");
+    for (int most = 0; most < all.asked; most += ROUNDS(9, 40)) {
+        pel_error error;
+        patience some = {0, most};
+        def.user = &some;
+        assert_int_equal(pel_render(&def, NULL, NULL, &error), PEL_STOPPED);
+        assert_int_equal(some.asked, most + 1);
+        assert_int_equal(access("render-stopped.png", F_OK), -1);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),     cmocka_unit_test(test_fields),
-                                       cmocka_unit_test(test_peak),       cmocka_unit_test(test_deterministic),
-                                       cmocka_unit_test(test_folder),     cmocka_unit_test(test_bad_defs),
-                                       cmocka_unit_test(test_film),       cmocka_unit_test(test_ground),
-                                       cmocka_unit_test(test_not_finite), cmocka_unit_test(test_out_of_memory)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_golden),        cmocka_unit_test(test_fields), cmocka_unit_test(test_peak),
+        cmocka_unit_test(test_deterministic), cmocka_unit_test(test_folder), cmocka_unit_test(test_bad_defs),
+        cmocka_unit_test(test_film),          cmocka_unit_test(test_ground), cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_stops)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");
