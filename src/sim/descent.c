@@ -429,7 +429,7 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
             return status;
     }
     sim->descent->result.energy = plain_energy(context, sim->force);
-    sim->descent->tool_way += way;
+    sim->descent->step_way = way;
     if (!pel_sim_has_velocity(sim))
         pel_descent_find_stray(sim);
     return status;
@@ -482,6 +482,7 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
     sim->descent->result = (pel_descent_result){0};
     sim->descent->count = sim->descent->tool_count = 0;
+    sim->descent->step_way = 0;
     if (sim->tool_count > 0 || pel_sim_has_loop_contacts(sim))
         status = minimise_under_constraints(&context, loads, error);
     else
@@ -587,6 +588,7 @@ void pel_sim_descent_destroy(pel_sim *sim)
 void pel_sim_descent_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->descent->accepted, *part = &sim->descent->result;
+    sim->descent->tool_way += sim->descent->step_way;
     if (sim->parts.at > 0) {
         part->iterations += accepted->iterations;
         part->evaluations += accepted->evaluations;

@@ -63,7 +63,8 @@ struct pel_sim_descent {
     double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
     int32_t stray_body;          /* has got away by the last step (pel_descent_find_stray); -1 = none */
     double stray_way;            /* m */
-    double tool_way;             /* m, farthest that any tool went, summed over the steps; in snapshots */
+    double tool_way, step_way;   /* m, farthest that any tool went, summed over the steps; in the step in progress. The
+                                    sum is in snapshots */
     pel_descent_result result;   /* of the step at work */
     pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 

@@ -138,7 +138,7 @@ void pel_descent_find_stray(pel_sim *sim)
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         double way = !is_fastened(sim, b) ? way_across(sim, b) : 0;
-        if (way - descent->tool_way < STRAY_SHARE * body->diameter || way <= descent->stray_way)
+        if (way - descent->tool_way - descent->step_way < STRAY_SHARE * body->diameter || way <= descent->stray_way)
             continue;
         descent->stray_body = b;
         descent->stray_way = way;

@@ -44,6 +44,8 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
     for (int32_t i = 0; i < tool->touch_count; i++) {
         const pel_contact_vertex *touch = &tool->touches[i];
         double force[3], x[3];
+        if (sim->held[touch->vertex] && sim->stepper->get_held_force != NULL)
+            continue;
         /* of the rest the minimisation knows the loads, but of meshes that only a correction after it keeps out */
         if (sim->stepper->read_tools != NULL && !sim->held[touch->vertex] &&
             (tool->mesh == NULL || pel_sim_has_loop_contacts(sim)))

@@ -11,7 +11,7 @@
 /* of conjugate gradients, relative: in statics, and of a step in time, where the next system mends what one leaves
    (Dembo, Eisenstat, Steihaug 1982) */
 #define SOLVE_TOLERANCE 1e-8
-#define DYNAMIC_SOLVE_TOLERANCE 1e-1
+#define DYNAMIC_SOLVE_TOLERANCE 1e-2
 /* Products with a kept factor; more of them cost as much as a new one, which is made as well when the relative residual
    is above KEPT_MIDWAY after half of them. */
 enum { KEPT_PRODUCTS = 8 };

@@ -14,6 +14,7 @@ METHODS = re.compile(r"step(_\w+|per)?\.[ch]|descent\w*\.[ch]|(project|relax)\.c
 # files that may ask, and why
 ALLOWED = {
     "adjoint.c": "sensitivities of the implicit methods",
+    "adjoint_steps.c": "the same along steps",
     "edge_load.c": "unknowns of the implicit methods",
     "hold.c": "unknowns of the implicit methods",
     "parameter_table.c": "which keys of a def a method reads",

@@ -127,6 +127,24 @@ static void test_unconverged(void **unused)
     assert_null(find_warning(&summary, "unconverged"));
 }
 
+/* a twisted strip: the moment on the grasp, bending included, does the work that the strip holds */
+static void test_twist(void **unused)
+{
+    (void)unused;
+    const char *text =
+        "version: 1\nbodies:\n  - name: strip\n    mesh: { shape: grid, nx: 20, ny: 4, size_x: 0.2, size_y: 0.04 }\n"
+        "    membrane: { preset: silicone }\n    bending: { model: midedge }\n"
+        "    pinned: { box: { min: [-1, -1, -1], max: [-0.0999, 1, 1] } }\ntools:\n"
+        "  - { name: grip, shape: box, size: [0.004, 0.1, 0.02], press: false, grasp: { from: 0, reach: 0.002 },\n"
+        "      motion: [{ position: [0.1, 0, 0] }, { time: 0.5, position: [0.1, 0, 0],\n"
+        "                 rotation: { axis: [1, 0, 0], angle: 20 } }] }\n"
+        "solver: { method: static, dt: 0.02 }\nstop: { frames: 25 }\n";
+    pel_run_summary summary;
+    run_scene(text, NULL, 0, NULL, 0, &summary);
+    assert_int_equal(summary.warning_count, 0);
+    assert_near(summary.ledger.work_tools / summary.ledger.elastic, 1, 0.02);
+}
+
 /* a ball between two plates without friction has no place that it must stay at */
 static void test_stray(void **unused)
 {
@@ -432,14 +450,23 @@ static int two_threads(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clean_run),      cmocka_unit_test(test_softness),
-        cmocka_unit_test(test_unconverged),    cmocka_unit_test(test_stray),
-        cmocka_unit_test(test_lost_grasp),     cmocka_unit_test(test_millimetres),
-        cmocka_unit_test(test_coarse_mesh),    cmocka_unit_test(test_inverted_mesh),
-        cmocka_unit_test(test_energy_appears), cmocka_unit_test(test_energy_of_rest),
-        cmocka_unit_test(test_grasp_empty),    cmocka_unit_test(test_coarse_contact),
-        cmocka_unit_test(test_unsettled),      cmocka_unit_test(test_tallies),
-        cmocka_unit_test(test_frames),         cmocka_unit_test(test_every_kind_has_a_text),
+        cmocka_unit_test(test_clean_run),
+        cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_unconverged),
+        cmocka_unit_test(test_stray),
+        cmocka_unit_test(test_twist),
+        cmocka_unit_test(test_lost_grasp),
+        cmocka_unit_test(test_millimetres),
+        cmocka_unit_test(test_coarse_mesh),
+        cmocka_unit_test(test_inverted_mesh),
+        cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_energy_of_rest),
+        cmocka_unit_test(test_grasp_empty),
+        cmocka_unit_test(test_coarse_contact),
+        cmocka_unit_test(test_unsettled),
+        cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);
     return failures + cmocka_run_group_tests(tests, two_threads, clear_folder);
