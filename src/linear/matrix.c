@@ -414,7 +414,6 @@ typedef struct assembly {
     int32_t first_piece;
 } assembly;
 
-/* adds a dense matrix (row-major, size x size) of one element at its places */
 /* a block of 3 x 3 as two quads and its last number: most blocks are of this size */
 static void add_three_by_three(double *block, const double *from, int32_t size)
 {
@@ -437,6 +436,7 @@ static void add_block(double *block, const double *from, int32_t size, int32_t r
             block[b * rows + a] += from[b * size + a];
 }
 
+/* adds a dense matrix (row-major, size x size) of one element at its places */
 static void add_element(pel_matrix *m, int32_t element, int32_t size, const double *dense)
 {
     const int32_t *nodes = &m->element_node[m->node_start[element]],

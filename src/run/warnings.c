@@ -308,7 +308,9 @@ static void check_rest(pel_run_state *run, int64_t frame)
 {
     const pel_sim_def *sim = &run->scene->sim;
     double share = run->measures.unbalanced_force / fmax(largest_force(run), DBL_MIN);
-    if (sim->solver.method == PEL_METHOD_QUASI_STATIC && !sim->contact.enabled && share > SETTLED_SHARE)
+    /* where nothing acts there is only rounding */
+    bool acts = run->ledger.supplied > run->ledger.tolerance;
+    if (sim->solver.method == PEL_METHOD_QUASI_STATIC && !sim->contact.enabled && acts && share > SETTLED_SHARE)
         pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
 }
 
@@ -641,6 +643,9 @@ static bool holds(const pel_run_state *run, pel_warning_kind kind)
     const pel_warning_tally *tally = &run->totals.warnings.of[kind];
     if (kind == PEL_WARN_COARSE)
         return tally->count > 0 && run->flagged[kind].limit > 0;
+    /* the body is not in checkpoints: it is found anew while it is away */
+    if (kind == PEL_WARN_STRAY)
+        return tally->count > 0 && run->flagged[kind].value > 0;
     if (kind == PEL_WARN_JAMMED)
         return tally->count >= JAM_STEPS || (tally->count > 0 && tally->worst >= JAM_AT_ONCE);
     if (kind == PEL_WARN_ENERGY)

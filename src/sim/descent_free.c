@@ -135,7 +135,8 @@ void pel_descent_find_stray(pel_sim *sim)
     pel_sim_descent *descent = sim->descent;
     descent->stray_body = -1;
     descent->stray_way = 0;
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
+    /* supports that move carry what lies on them */
+    for (int32_t b = 0; b < sim->model->body_count && !pel_holds_move(sim); b++) {
         const pel_body *body = &sim->model->bodies[b];
         double way = !is_fastened(sim, b) ? way_across(sim, b) : 0;
         if (way - descent->tool_way - descent->step_way < STRAY_SHARE * body->diameter || way <= descent->stray_way)

@@ -66,6 +66,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
     pel_state *state = sim->state;
     double energy_before = pel_ledger_energy(sim);
     sim->force_is_present = false;
+    sim->state->older_is_known = false;
     int32_t count = pel_output_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {

@@ -220,6 +220,7 @@ static void transfer_history(cursor *at, const pel_sim *sim, int32_t unused)
         transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
         transfer(at, &state->collision, sizeof state->collision);
+        transfer(at, &state->unresolved, sizeof state->unresolved);
     }
 }
 
@@ -536,6 +537,8 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
     sim->force_is_present = false;
     sim->state_number++;
+    if (sim->descent != NULL)
+        sim->descent->stray_body = -1;
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))

@@ -10,9 +10,9 @@
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
 
    Forces that change in time act at the time of y: in the middle of the step under the midpoint rule, else at its end.
-   The midpoint rule keeps the energy where nothing takes it away; BDF2 damps what a step cannot follow, of what slides
-   and rests as well; Euler begins, and follows a collision, which makes the velocities jump. Damping along volumetric
-   springs is c (u . e) e, with e as it is where the step begins. */
+   The midpoint rule keeps the energy where nothing takes it away and steps resolve what moves; BDF2 damps what a step
+   cannot follow, of what slides and rests as well; Euler begins, and follows a collision, which makes the velocities
+   jump. Damping along volumetric springs is c (u . e) e, with e as it is where the step begins. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
@@ -21,11 +21,17 @@
 
 #include <string.h>
 
-/* of collides; sheets that fall flat have 0.7 and more, two balls that deform each other 0.02 to 0.3, what slides 1e-5
+/* of the jump of what touches; sheets that fall flat have 0.7 and more, two balls that deform each other 0.02 to 0.3,
+ * what slides 1e-5
  */
 #define JUMP_SHARE 0.3
+#define PUSH_SHARE 2.5e-3
 /* one that spreads over two steps looks like a steady acceleration in the second */
 enum { COLLISION_STEPS = 2 };
+/* A motion of fewer than four steps a period. The midpoint rule keeps the energy of small ones; of large ones, as of a
+   sheet that crumples while it swings, it makes energy. */
+#define FAST_SHARE 1.0
+enum { UNRESOLVED_STEPS = 10 };
 
 static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1};
 static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
@@ -47,39 +53,82 @@ static bool has_damping(const pel_sim *sim)
     return any;
 }
 
-/* marks the vertices that something pressed in this step, or (mark = 0) no vertex; false when nothing did */
-static bool mark_touched(const pel_sim *sim, int32_t mark)
+/* marks the vertices that something pressed in this step, or (mark = 0) no vertex */
+static void mark_touched(const pel_sim *sim, int32_t mark)
 {
     const pel_sim_descent *descent = sim->descent;
-    bool any = false;
     for (int32_t c = 0; c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
-        any |= constraint->load > 0;
         for (int i = 0; i < 4; i++)
             if (constraint->load > 0 && constraint->weights[i] != 0)
                 descent->constraint_of_vertex[constraint->vertices[i]] = mark;
     }
-    return any;
 }
 
-/* The velocities of what touched have jumped: m |v_1 - 2 v + v'|^2 of these vertices is a share of
-   m (|v_1 - v|^2 + |v - v'|^2) of all. What slides and what rests has no jump, in whatever frame it is seen. */
-static bool collides(const pel_sim *sim)
+/* m |v_1 - 2 v + v'|^2 over m (|v_1 - v|^2 + |v - v'|^2) of the vertices of a body: changes of velocities that go on
+   are 0 of it, changes that turn back in the next step 2, a motion of four steps a period 1, in whatever frame it is
+   seen. jump: of the vertices that touch; push: the square of the impulse on them over their mass, of which a step may
+   leave 1e-3 (descent.c): what rests changes by no more than that. */
+typedef struct turn_measure {
+    double jump, all, change, push;
+    bool touches;
+} turn_measure;
+
+/* N, sum of the loads of contacts on a body */
+static double load_on(const pel_sim *sim, int32_t body)
+{
+    const pel_sim_descent *descent = sim->descent;
+    double load = 0;
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        for (int i = 0; i < 4; i++)
+            if (sim->model->body_of_slice[constraint->vertices[i] / PEL_WIDTH] == body)
+                load += constraint->load * fabs(constraint->weights[i]);
+    }
+    return load;
+}
+
+static turn_measure measure_turn(const pel_sim *sim, int32_t body)
 {
     const pel_state *state = sim->state;
-    double jump = 0, change = 0;
-    if (!mark_touched(sim, 1))
-        return false;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+    turn_measure turn = {0};
+    double touched_mass = 0, impulse = load_on(sim, body) * sim->step.dt;
+    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+        bool is_touched = sim->descent->constraint_of_vertex[v] != 0;
+        double mass = (double)sim->model->mass[v], sum = 0;
         for (int k = 0; k < 3; k++) {
             double last = (double)(state->velocity_next[v][k] - state->velocity[v][k]);
             double before = (double)(state->velocity[v][k] - state->older_velocity[v][k]);
-            double mass = (double)sim->model->mass[v];
-            change += mass * (last * last + before * before);
-            jump += sim->descent->constraint_of_vertex[v] ? mass * (last - before) * (last - before) : 0;
+            turn.change += mass * (last * last + before * before);
+            sum += mass * (last - before) * (last - before);
         }
+        turn.all += sum;
+        turn.jump += is_touched ? sum : 0;
+        turn.touches |= is_touched;
+        touched_mass += is_touched ? mass : 0;
+    }
+    turn.push = touched_mass > 0 ? impulse * impulse / touched_mass : 0;
+    return turn;
+}
+
+/* Which groups of bodies collide in the step: the velocities of what touches in one of their bodies have jumped. And
+   whether what changes the velocities of a body is too fast for the steps. */
+static void look_at_turns(const pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    bool knows = sim->state->older_is_known;
+    newton->collides = newton->is_unresolved = false;
+    mark_touched(sim, 1);
+    memset(newton->collided, 0, (size_t)sim->model->body_count);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const turn_measure turn = measure_turn(sim, b);
+        bool jumps = turn.jump > JUMP_SHARE * turn.change && turn.jump > PUSH_SHARE * turn.push;
+        bool collides = turn.touches && (!knows || jumps);
+        newton->collided[pel_sim_newton_group(sim, b)] |= collides;
+        newton->collides |= collides;
+        newton->is_unresolved |= knows && turn.all > FAST_SHARE * turn.change;
+    }
     mark_touched(sim, 0);
-    return !state->older_is_known || jump > JUMP_SHARE * change;
 }
 
 /* The midpoint rule meets a volume that is driven in the middle of each step only: its pressure would ring. */
@@ -97,7 +146,7 @@ const pel_implicit_scheme *pel_sim_implicit_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
     if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
-        !sim->descent->newton->is_damped)
+        !sim->descent->newton->is_damped && state->unresolved == 0)
         return &midpoint;
     return state->older_is_known && state->collision == 0 ? &bdf2 : &euler;
 }
@@ -175,6 +224,48 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
         }
 }
 
+/* m v of the group of a body: the mean change that finish_collisions makes */
+static void mean_change(const pel_sim *sim, int32_t group, double change[3])
+{
+    const pel_state *state = sim->state;
+    double mass = 0;
+    pel_vec3_set(change, 0, 0, 0);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        if (pel_sim_newton_group(sim, sim->model->body_of_slice[v / PEL_WIDTH]) != group)
+            continue;
+        mass += (double)sim->model->mass[v];
+        for (int k = 0; k < 3; k++) {
+            double way = sim->descent->newton->unknowns[3 * v + k] - (double)state->position[v][k];
+            change[k] += (double)sim->model->mass[v] * (way / sim->step.dt - (double)state->velocity_next[v][k]);
+        }
+    }
+    pel_vec3_scale(change, mass > 0 ? 1 / mass : 0, change);
+}
+
+/* A history that a collision has cut off would throw back what came to rest: the velocities of groups that collide are
+   those of the way gone. A group that nothing holds keeps its momentum. */
+static void finish_collisions(pel_sim *sim)
+{
+    const pel_sim_newton *newton = sim->descent->newton;
+    pel_state *state = sim->state;
+    for (int32_t group = 0; group < sim->model->body_count; group++) {
+        double mean[3] = {0, 0, 0};
+        if (!newton->collided[group])
+            continue;
+        if (!pel_sim_newton_group_is_held(sim, group))
+            mean_change(sim, group, mean);
+        for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+            bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
+            if (!moves || pel_sim_newton_group(sim, sim->model->body_of_slice[v / PEL_WIDTH]) != group)
+                continue;
+            for (int k = 0; k < 3; k++) {
+                double way = newton->unknowns[3 * v + k] - (double)state->position[v][k];
+                state->velocity_next[v][k] = (pel_real)(way / sim->step.dt - mean[k]);
+            }
+        }
+    }
+}
+
 static pel_status create(pel_sim *sim, pel_error *error)
 {
     pel_status status = pel_sim_descent_create(sim, pel_sim_newton_minimise, error);
@@ -202,10 +293,9 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
         return status;
     sim->parts.is_refused = !sim->descent->result.converged && pel_parts_can_halve(sim);
     finish(sim, s);
-    sim->descent->newton->collides = collides(sim);
-    /* a history that a collision has cut off would throw back what came to rest */
+    look_at_turns(sim);
     if (s == &bdf2 && sim->descent->newton->collides)
-        finish(sim, &euler);
+        finish_collisions(sim);
     result->diverged |= !pel_sim_all_inside(sim);
     return PEL_OK;
 }
@@ -222,6 +312,10 @@ static void accept(pel_sim *sim)
         state->collision = COLLISION_STEPS;
     else if (state->collision > 0)
         state->collision--;
+    if (sim->descent->newton->is_unresolved)
+        state->unresolved = UNRESOLVED_STEPS;
+    else if (state->unresolved > 0)
+        state->unresolved--;
     pel_sim_descent_accept(sim);
 }
 

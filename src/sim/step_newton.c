@@ -50,7 +50,9 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
         newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
         newton->points = pel_allocate(vertices, sizeof *newton->points);
         newton->groups = pel_allocate((size_t)sim->model->body_count, sizeof *newton->groups);
-        room &= newton->point_stiffness != NULL && newton->points != NULL && newton->groups != NULL;
+        newton->collided = pel_allocate((size_t)sim->model->body_count, sizeof *newton->collided);
+        room &= newton->point_stiffness != NULL && newton->points != NULL && newton->groups != NULL &&
+                newton->collided != NULL;
     }
     return room ? PEL_OK : pel_fail_memory(error);
 }
@@ -62,7 +64,7 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     pel_newton_destroy(newton->newton);
     void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,
                       newton->position, newton->force,           newton->points, newton->couplings,
-                      newton->radial,   newton->point_stiffness, newton->groups};
+                      newton->radial,   newton->point_stiffness, newton->groups, newton->collided};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -397,6 +399,16 @@ static int32_t body_of(const pel_sim *sim, int32_t v)
     return sim->model->body_of_slice[v / PEL_WIDTH];
 }
 
+int32_t pel_sim_newton_group(const pel_sim *sim, int32_t body)
+{
+    return leader_of(sim->descent->newton->groups, body);
+}
+
+bool pel_sim_newton_group_is_held(const pel_sim *sim, int32_t group)
+{
+    return sim->descent->newton->groups[group].is_held;
+}
+
 /* bodies that a constraint presses together, or holds to a tool */
 static void join(const pel_sim *sim, const pel_descent_contact *constraint)
 {
@@ -421,7 +433,8 @@ static void find_groups(const pel_sim *sim, bool is_constrained)
 {
     const pel_sim_descent *descent = sim->descent;
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        descent->newton->groups[b] = (newton_group){.leader = b, .is_held = !is_free(sim, b)};
+        descent->newton->groups[b] =
+            (newton_group){.leader = b, .is_held = !is_free(sim, b) || descent->newton->radial != NULL};
     for (int32_t c = 0; is_constrained && c < descent->count; c++)
         join(sim, &descent->constraints[c]);
 }

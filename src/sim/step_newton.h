@@ -22,10 +22,12 @@ struct pel_sim_newton {
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
     int32_t (*couplings)[4];     /* scratch: vertices of constraints */
     size_t coupling_capacity;
-    bool is_damped; /* drag, or damping of springs */
-    bool collides;  /* velocities have jumped in the step in progress */
-    bool is_exact;  /* runs of steps in time end at rounding: derivatives are taken of them */
-    bool goes_on;   /* the unknowns belong to the step in progress */
+    bool is_damped;     /* drag, or damping of springs */
+    uint8_t *collided;  /* (body_count) groups whose velocities have jumped in the step in progress */
+    bool collides;      /* any of them */
+    bool is_unresolved; /* velocities have turned faster than steps can follow */
+    bool is_exact;      /* runs of steps in time end at rounding: derivatives are taken of them */
+    bool goes_on;       /* the unknowns belong to the step in progress */
 };
 
 /* Unknowns, matrix and room, after sim->descent was made. Errors of pel_newton_create. */
@@ -37,6 +39,10 @@ void pel_sim_newton_destroy(pel_sim_newton *newton);
 pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free);
 /* The same at the present state, which the unknowns are at. */
 pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free);
+/* The group of bodies that pressed against each other in the last run of a step in time, by its first body; whether a
+   tool, pins or supports hold it. */
+int32_t pel_sim_newton_group(const pel_sim *sim, int32_t body);
+bool pel_sim_newton_group_is_held(const pel_sim *sim, int32_t group);
 /* Before the first run of a step, which goes the same way after a snapshot. */
 void pel_sim_newton_begin(pel_sim *sim);
 /* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */
