@@ -260,7 +260,9 @@ static pel_status check_state(const pel_sim *sim, const pel_adjoint *def, pel_er
     pel_status status = pel_adjoint_check(sim, def, error);
     if (status == PEL_OK && def->positions == NULL)
         return refuse(error, "the derivative of the function by the positions is missing", "fill positions");
-    if (status == PEL_OK && sim->state->step == 0)
+    const pel_sim_newton *newton = sim->descent != NULL ? sim->descent->newton : NULL;
+    bool has_no_step = newton != NULL && newton->point_stiffness != NULL && !newton->has_stepped;
+    if (status == PEL_OK && (sim->state->step == 0 || has_no_step))
         return refuse(error, "there is no state to take derivatives of yet", "step first");
     return status;
 }

@@ -539,6 +539,8 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     sim->state_number++;
     if (sim->descent != NULL)
         sim->descent->stray_body = -1;
+    if (sim->descent != NULL && sim->descent->newton != NULL)
+        sim->descent->newton->has_stepped = false;
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))

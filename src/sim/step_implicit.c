@@ -292,6 +292,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     if (status != PEL_OK)
         return status;
     sim->parts.is_refused = !sim->descent->result.converged && pel_parts_can_halve(sim);
+    sim->descent->newton->has_stepped = true;
     finish(sim, s);
     look_at_turns(sim);
     if (s == &bdf2 && sim->descent->newton->collides)

@@ -22,6 +22,7 @@ struct pel_sim_newton {
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
     int32_t (*couplings)[4];     /* scratch: vertices of constraints */
     size_t coupling_capacity;
+    bool has_stepped;   /* since the state was loaded: what inertia is belongs to a step that led to it */
     bool is_damped;     /* drag, or damping of springs */
     uint8_t *collided;  /* (body_count) groups whose velocities have jumped in the step in progress */
     bool collides;      /* any of them */

@@ -43,6 +43,14 @@ static bool is_of_model(pel_parameter_owner owner)
     return owner == PEL_OWNER_BODY || owner == PEL_OWNER_REGION || owner == PEL_OWNER_MODEL;
 }
 
+/* the simulation has to be made anew; methods that seek rest refuse loads without a state of rest when they are made */
+static bool needs_sim(const pel_study_kept *kept, const pel_parameter_row *row)
+{
+    pel_method method = kept->scene->sim.solver.method;
+    bool seeks_rest = method == PEL_METHOD_STATIC || method == PEL_METHOD_DESCENT;
+    return !row->is_direct || (seeks_rest && row->owner == PEL_OWNER_LOAD);
+}
+
 /* Writes the values of a run over those that are there. */
 static bool patch(const pel_study *study, pel_study_kept *kept, int64_t run)
 {
@@ -56,7 +64,7 @@ static bool patch(const pel_study *study, pel_study_kept *kept, int64_t run)
         if (!pel_scene_patch(kept->scene, kept->places[a], value))
             return false;
         changes_model |= is_of_model(row->owner);
-        changes_sim |= !row->is_direct;
+        changes_sim |= needs_sim(kept, row);
     }
     if (changes_model || changes_sim)
         pel_run_kept_drop(&kept->parts, changes_model);

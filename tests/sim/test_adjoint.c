@@ -237,6 +237,19 @@ static void test_refusals(void **unused)
     assert_int_equal(ask(&s, &error), PEL_OK);
     assert_true(for_every_allocation_failure(ask, &s) >= 6);
     release(&s);
+    /* a state that was loaded does not know the step that led to it */
+    trial step = sheet;
+    step.method = PEL_METHOD_IMPLICIT;
+    s = solve(&step);
+    size_t size = pel_sim_save_size(s.sim);
+    void *bytes = malloc(size);
+    pel_sim_save(s.sim, bytes);
+    assert_int_equal(pel_sim_load(s.sim, bytes, size, NULL), PEL_OK);
+    assert_int_equal(ask(&s, &error), PEL_BAD_ARGUMENT);
+    assert_int_equal(pel_sim_step(s.sim, NULL), PEL_OK);
+    assert_int_equal(ask(&s, &error), PEL_OK);
+    free(bytes);
+    release(&s);
 }
 
 int main(void)
