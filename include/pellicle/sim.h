@@ -502,8 +502,9 @@ typedef struct pel_adjoint {
    the state of rest, which must have converged; bodies that nothing holds stay where three of their vertices are.
    PEL_METHOD_IMPLICIT: of the end of the last step, with the state at its start as it is. Not along time.
 
-   Without tools and contact; pressure with a potential. PEL_BAD_ARGUMENT for what cannot be asked, and where the state
-   is not a stable balance; PEL_OUT_OF_MEMORY. Changes nothing in the simulation. */
+   Without tools and contact; pressure with a potential. PEL_BAD_ARGUMENT for what cannot be asked, where the state is
+   not a stable balance, and under the method implicit before a step since the start or pel_sim_load; PEL_OUT_OF_MEMORY.
+   Changes nothing in the simulation. */
 PEL_API pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *error);
 
 /* A state on a path of steps, and what a function of the path changes with it. */
