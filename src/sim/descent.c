@@ -30,7 +30,8 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 #else
 #define LOAD_SHARE 1e-6
 #endif
-/* the same in motion, where time steps err by more */
+/* The same in motion, of the loads and of the change of momentum; not of momentum over dt, of which 1e-3 a step stops a
+   body that spins. */
 #define DYNAMIC_SHARE 1e-3
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32
@@ -144,6 +145,7 @@ static pel_descent_problem make_problem(pel_descent_context *context)
         .context = context,
         .pool = sim->pool,
         .held_share = LOAD_SHARE,
+        .inertia_share = DYNAMIC_SHARE,
         .longest_move = MOVE_SHARE * sim->descent->mean_edge,
         .short_move = SHORT_SHARE * sim->descent->size,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
@@ -280,10 +282,11 @@ double pel_descent_short_move(const pel_sim *sim)
     return SHORT_SHARE * sim->descent->size;
 }
 
-/* of a step in time, relative to what acts and to the forces that move the bodies where it begins */
+/* relative to the forces that act; Newton's method adds the same share of inertia */
 static double dynamic_tolerance(const pel_sim *sim, double loads)
 {
-    return DYNAMIC_SHARE * hypot(acting_force(sim, loads), sim->descent->moving);
+    double rounding = ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sim->descent->stiff_force;
+    return fmax(DYNAMIC_SHARE * acting_force(sim, loads), rounding);
 }
 
 /* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */
@@ -298,7 +301,9 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
 /* not by a share of the forces that the round began with: those of gaps that close are far larger than all others */
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
-    double tolerance = pel_sim_has_velocity(sim) ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
+    double tolerance = pel_sim_has_velocity(sim)
+                           ? hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)
+                           : tolerance_of(sim, loads);
     return round->converged && (round->is_near || round->residual <= tolerance);
 }
 
@@ -374,19 +379,15 @@ static double near_distance(const pel_sim *sim)
     return NEAR_SHARE * ldexp(sim->descent->mean_edge, -levels);
 }
 
-/* adds the forces of the springs that inertia is, where the step begins; returns the root of the sum of all squares */
-static double add_inertia(const pel_sim *sim, pel_record *force)
+/* add the forces of inertia at the start of the step */
+static void add_inertia(const pel_sim *sim, pel_record *force)
 {
     const pel_sim_newton *newton = sim->descent->newton;
-    double square = 0;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             double way = newton->points[v][k] - (double)sim->state->position[v][k];
             force[v][k] += (pel_real)(newton->point_stiffness[v] * way);
-            bool is_free = sim->model->inverse_mass[v] > 0 && (sim->held == NULL || !sim->held[v]);
-            square += is_free ? (double)force[v][k] * (double)force[v][k] : 0;
         }
-    return sqrt(square);
 }
 
 /* loads of what touches where the step begins */
@@ -397,7 +398,7 @@ static void estimate_loads(pel_descent_context *context, double reach)
     plain_energy(context, sim->force);
     if (pel_sim_has_velocity(sim)) {
         stiffness = sim->descent->newton->point_stiffness;
-        sim->descent->moving = add_inertia(sim, sim->force);
+        add_inertia(sim, sim->force);
     }
     pel_descent_contacts_estimate(sim, sim->force, reach, stiffness);
 }
@@ -448,7 +449,7 @@ static pel_status minimise_alone(pel_descent_context *context, double loads, pel
     bool is_done = false;
     for (int n = 0; status == PEL_OK && !is_done && n < ROUND_LIMIT; n++) {
         int32_t iterations = sum->iterations, evaluations = sum->evaluations;
-        problem.tolerance = tolerance_of(sim, loads);
+        problem.tolerance = pel_sim_has_velocity(sim) ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
         status = sim->descent->minimise(context, &problem, &round, error);
         if (status != PEL_OK)
             return status;

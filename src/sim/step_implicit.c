@@ -1,7 +1,7 @@
 /* The method `implicit`: m a + c v = F at the end of a step, solved by Newton's method (theory page, section 16).
 
-   In a step inertia and drag are springs of the vertices to points. With x and v at its begin, x' and v' one step
-   before and the unknown positions y, each scheme has the form
+   Inertia and drag act as springs from the vertices to points. With x and v at the start of the step, x' and v' one
+   step earlier and the unknown positions y, each scheme has the form
 
      u = rate (y - anchor),     m rate (u - carried) + c u = F(y)
 
@@ -9,10 +9,10 @@
      BDF2             rate 3/(2 dt),   anchor (4 x - x') / 3,    carried (4 v - v') / 3,    x_1 = y,       v_1 = u
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
 
-   Forces that change in time act at the time of y: in the middle of the step under the midpoint rule, else at its end.
-   The midpoint rule keeps the energy where nothing takes it away and steps resolve what moves; BDF2 damps what a step
-   cannot follow, of what slides and rests as well; Euler begins, and follows a collision, which makes the velocities
-   jump. Damping along volumetric springs is c (u . e) e, with e as it is where the step begins. */
+   Forces that change in time are taken at the time of y: in the middle of the step under the midpoint rule, else at its
+   end. The midpoint rule conserves the energy of undamped motion that the steps resolve. BDF2 damps motion that they do
+   not resolve, with sliding and resting contact at second order. Euler takes the first step and those of a collision,
+   where velocities jump. Damping along volumetric springs is c (u . e) e, with e from the start of the step. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
@@ -21,17 +21,19 @@
 
 #include <string.h>
 
-/* of the jump of what touches; sheets that fall flat have 0.7 and more, two balls that deform each other 0.02 to 0.3,
- * what slides 1e-5
- */
+/* A body collides if turn_measure.jump exceeds this share of `change`. Measured: sheets that fall flat 0.7 and more,
+   two balls that deform each other 0.02 to 0.3, sliding 1e-5. */
 #define JUMP_SHARE 0.3
+/* And this share of `push`: the solver's tolerance alone makes resting contacts jump by up to 1e-3 of it. */
 #define PUSH_SHARE 2.5e-3
-/* one that spreads over two steps looks like a steady acceleration in the second */
+/* The second step of a collision that spreads over two looks like a steady acceleration. */
 enum { COLLISION_STEPS = 2 };
-/* A motion of fewer than four steps a period. The midpoint rule keeps the energy of small ones; of large ones, as of a
-   sheet that crumples while it swings, it makes energy. */
+/* turn_measure.all over `change` of a motion with fewer than four steps a period. The midpoint rule conserves the
+   energy of such motion if it is small; large motion, such as a sheet that crumples while it swings, gains energy. */
 #define FAST_SHARE 1.0
-enum { UNRESOLVED_STEPS = 10 };
+/* Steps by BDF2 after such a motion, and after it has come back. Each change between the schemes takes energy from a
+   spinning body, whose points are on a wider circle under the midpoint rule: 3 % where it turns by 0.1 rad a step. */
+enum { UNRESOLVED_STEPS = 10, RETURN_STEPS = 1000000 };
 
 static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1};
 static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
@@ -53,7 +55,7 @@ static bool has_damping(const pel_sim *sim)
     return any;
 }
 
-/* marks the vertices that something pressed in this step, or (mark = 0) no vertex */
+/* set the mark of every vertex with a loaded contact */
 static void mark_touched(const pel_sim *sim, int32_t mark)
 {
     const pel_sim_descent *descent = sim->descent;
@@ -65,12 +67,13 @@ static void mark_touched(const pel_sim *sim, int32_t mark)
     }
 }
 
-/* m |v_1 - 2 v + v'|^2 over m (|v_1 - v|^2 + |v - v'|^2) of the vertices of a body: changes of velocities that go on
-   are 0 of it, changes that turn back in the next step 2, a motion of four steps a period 1, in whatever frame it is
-   seen. jump: of the vertices that touch; push: the square of the impulse on them over their mass, of which a step may
-   leave 1e-3 (descent.c): what rests changes by no more than that. */
+/* How far the changes of velocity of a body turn back from step to step: `all` over `change` is 0 of a steady
+   acceleration, 1 of an oscillation of four steps a period, 2 of one that alternates; Galilean invariant. */
 typedef struct turn_measure {
-    double jump, all, change, push;
+    double all;    /* J: sum of m |v_1 - 2 v + v'|^2 */
+    double jump;   /* J: of it, vertices with loaded contacts */
+    double change; /* J: sum of m (|v_1 - v|^2 + |v - v'|^2) */
+    double push;   /* J: squared contact impulse over the mass of these vertices */
     bool touches;
 } turn_measure;
 
@@ -111,13 +114,12 @@ static turn_measure measure_turn(const pel_sim *sim, int32_t body)
     return turn;
 }
 
-/* Which groups of bodies collide in the step: the velocities of what touches in one of their bodies have jumped. And
-   whether what changes the velocities of a body is too fast for the steps. */
+/* find the groups of bodies that collide in this step, and whether a body moves faster than the steps resolve */
 static void look_at_turns(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->descent->newton;
     bool knows = sim->state->older_is_known;
-    newton->collides = newton->is_unresolved = false;
+    newton->is_unresolved = false;
     mark_touched(sim, 1);
     memset(newton->collided, 0, (size_t)sim->model->body_count);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -125,13 +127,12 @@ static void look_at_turns(const pel_sim *sim)
         bool jumps = turn.jump > JUMP_SHARE * turn.change && turn.jump > PUSH_SHARE * turn.push;
         bool collides = turn.touches && (!knows || jumps);
         newton->collided[pel_sim_newton_group(sim, b)] |= collides;
-        newton->collides |= collides;
         newton->is_unresolved |= knows && turn.all > FAST_SHARE * turn.change;
     }
     mark_touched(sim, 0);
 }
 
-/* The midpoint rule meets a volume that is driven in the middle of each step only: its pressure would ring. */
+/* The midpoint rule enforces a keyed volume only in the middle of each step, so that its pressure would ring. */
 static bool volume_moves(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -171,7 +172,7 @@ static double carried_of(const pel_state *state, const pel_implicit_scheme *s, i
     return s->velocity[0] * (double)state->velocity[v][k] + older;
 }
 
-/* Damping along volumetric springs, in the direction that these have where the step begins. */
+/* damping along volumetric springs, in their direction at the start of the step */
 static void set_radial(pel_sim *sim, const pel_implicit_scheme *s)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -192,7 +193,7 @@ static void set_radial(pel_sim *sim, const pel_implicit_scheme *s)
     }
 }
 
-/* the springs that inertia and drag are */
+/* springs of inertia and drag */
 static void set_points(pel_sim *sim, const pel_implicit_scheme *s)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -224,7 +225,13 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
         }
 }
 
-/* m v of the group of a body: the mean change that finish_collisions makes */
+/* m/s: mean velocity of the step */
+static double mean_velocity(const pel_sim *sim, int32_t v, int k)
+{
+    return (sim->descent->newton->unknowns[3 * v + k] - (double)sim->state->position[v][k]) / sim->step.dt;
+}
+
+/* m/s: change of the velocity of a group's centre of mass if its vertices took their mean velocities of the step */
 static void mean_change(const pel_sim *sim, int32_t group, double change[3])
 {
     const pel_state *state = sim->state;
@@ -234,16 +241,14 @@ static void mean_change(const pel_sim *sim, int32_t group, double change[3])
         if (pel_sim_newton_group(sim, sim->model->body_of_slice[v / PEL_WIDTH]) != group)
             continue;
         mass += (double)sim->model->mass[v];
-        for (int k = 0; k < 3; k++) {
-            double way = sim->descent->newton->unknowns[3 * v + k] - (double)state->position[v][k];
-            change[k] += (double)sim->model->mass[v] * (way / sim->step.dt - (double)state->velocity_next[v][k]);
-        }
+        for (int k = 0; k < 3; k++)
+            change[k] += (double)sim->model->mass[v] * (mean_velocity(sim, v, k) - (double)state->velocity_next[v][k]);
     }
     pel_vec3_scale(change, mass > 0 ? 1 / mass : 0, change);
 }
 
-/* A history that a collision has cut off would throw back what came to rest: the velocities of groups that collide are
-   those of the way gone. A group that nothing holds keeps its momentum. */
+/* BDF2 would extrapolate the velocity from before a collision: groups that collide take the mean velocity of the step
+   instead, free groups up to a translation that conserves their momentum. */
 static void finish_collisions(pel_sim *sim)
 {
     const pel_sim_newton *newton = sim->descent->newton;
@@ -258,10 +263,8 @@ static void finish_collisions(pel_sim *sim)
             bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
             if (!moves || pel_sim_newton_group(sim, sim->model->body_of_slice[v / PEL_WIDTH]) != group)
                 continue;
-            for (int k = 0; k < 3; k++) {
-                double way = newton->unknowns[3 * v + k] - (double)state->position[v][k];
-                state->velocity_next[v][k] = (pel_real)(way / sim->step.dt - mean[k]);
-            }
+            for (int k = 0; k < 3; k++)
+                state->velocity_next[v][k] = (pel_real)(mean_velocity(sim, v, k) - mean[k]);
         }
     }
 }
@@ -295,27 +298,30 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     sim->descent->newton->has_stepped = true;
     finish(sim, s);
     look_at_turns(sim);
-    if (s == &bdf2 && sim->descent->newton->collides)
+    if (s == &bdf2)
         finish_collisions(sim);
     result->diverged |= !pel_sim_all_inside(sim);
     return PEL_OK;
 }
 
-/* the state that was the present one is now one step before; velocities have changed places */
+/* Make the previous state the older one. The velocities have been swapped by now. */
 static void accept(pel_sim *sim)
 {
     pel_state *state = sim->state;
     size_t count = (size_t)sim->model->vertex_count;
+    bool collides = memchr(sim->descent->newton->collided, true, (size_t)sim->model->body_count) != NULL;
     memcpy(state->older_position, state->position_before, count * sizeof *state->older_position);
     memcpy(state->older_velocity, state->velocity_next, count * sizeof *state->older_velocity);
     state->older_is_known = true;
-    if (sim->descent->newton->collides)
+    if (collides)
         state->collision = COLLISION_STEPS;
     else if (state->collision > 0)
         state->collision--;
-    if (sim->descent->newton->is_unresolved)
-        state->unresolved = UNRESOLVED_STEPS;
-    else if (state->unresolved > 0)
+    if (sim->descent->newton->is_unresolved) {
+        if (state->unresolved == 0)
+            state->unresolved_span = state->unresolved_span == 0 ? UNRESOLVED_STEPS : RETURN_STEPS;
+        state->unresolved = state->unresolved_span;
+    } else if (state->unresolved > 0)
         state->unresolved--;
     pel_sim_descent_accept(sim);
 }
@@ -325,7 +331,7 @@ static void set_time(pel_sim *sim, double before)
     pel_state_move_history(sim->model, sim->state, before, sim->step.dt);
 }
 
-/* after restitution, whose impulse is a jump */
+/* restitution makes the velocities jump */
 static void restart(pel_sim *sim, int32_t body)
 {
     (void)body;

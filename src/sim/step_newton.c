@@ -9,9 +9,7 @@
 
 #include <string.h>
 
-/* runs of a step in time without constraints end at this share of the forces that they began with */
-#define DYNAMIC_REDUCTION 1e-3
-/* and steps that derivatives are taken of at this one */
+/* steps that derivatives are taken of end at this share of the forces that they start with */
 #define EXACT_REDUCTION 1e-10
 /* of the diagonal of a preconditioner: what rounding in float may take */
 #define HELD_SHIFT 1e-7
@@ -509,9 +507,8 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .terms = has_terms ? &terms : NULL,
         .tolerance = is_exact ? EXACT_REDUCTION * tolerance : tolerance,
         .held_share = is_exact ? 0 : problem->held_share,
-        .reduction = is_exact                                 ? EXACT_REDUCTION
-                     : is_dynamic && !context->is_constrained ? DYNAMIC_REDUCTION
-                                                              : problem->reduction,
+        .inertia_share = is_exact ? 0 : problem->inertia_share,
+        .reduction = is_exact ? EXACT_REDUCTION : problem->reduction,
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
         .short_move = is_exact ? EXACT_REDUCTION * problem->short_move : problem->short_move,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : automatic,
@@ -535,6 +532,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .residual = run.residual,
         .first_residual = run.first_residual,
         .held_force = run.held_force,
+        .inertia_force = run.inertia_force,
         .converged = run.converged,
         .is_near = run.is_near,
         .stuck = run.stuck,

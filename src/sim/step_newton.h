@@ -22,12 +22,11 @@ struct pel_sim_newton {
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
     int32_t (*couplings)[4];     /* scratch: vertices of constraints */
     size_t coupling_capacity;
-    bool has_stepped;   /* since the state was loaded: what inertia is belongs to a step that led to it */
+    bool has_stepped;   /* since the state was loaded: the springs of inertia are those of a step that led to it */
     bool is_damped;     /* drag, or damping of springs */
-    uint8_t *collided;  /* (body_count) groups whose velocities have jumped in the step in progress */
-    bool collides;      /* any of them */
-    bool is_unresolved; /* velocities have turned faster than steps can follow */
-    bool is_exact;      /* runs of steps in time end at rounding: derivatives are taken of them */
+    uint8_t *collided;  /* (body_count) groups whose velocities jump in the step in progress */
+    bool is_unresolved; /* velocities change faster than the steps resolve */
+    bool is_exact;      /* steps in time are solved to rounding, for derivatives */
     bool goes_on;       /* the unknowns belong to the step in progress */
 };
 
@@ -72,7 +71,7 @@ void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
  */
 typedef struct pel_implicit_scheme {
     double rate;
-    double position[2], velocity[2]; /* anchor and carried: of the begin of the step, of one step before */
+    double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of one step earlier */
     double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
 } pel_implicit_scheme;
 /* that of the next step */

@@ -24,6 +24,7 @@ typedef struct pel_descent_problem {
     double longest_move;  /* m, no vertex goes farther in one iteration */
     double tolerance;     /* N, root of the sum of squares of all forces at which it has converged */
     double held_share;    /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double inertia_share; /* (Newton's method) that tolerance grows by this share of inertia_force */
     double reduction;     /* also converged at this share of the initial residual; 0 = off */
     double enough;        /* N, when it is no more than this */
     double short_move;    /* m, preconditioned: it has converged where no vertex would go farther than this */
@@ -38,6 +39,7 @@ typedef struct pel_descent_result {
     double residual;       /* N, root of the sum of squares of all forces */
     double first_residual; /* N, that at the start */
     double held_force;     /* N, root of the sum of squares of the forces on the vertices that are held */
+    double inertia_force;  /* N, (Newton's method) root of the sum of squares of the forces of inertia */
     bool converged;
     bool is_near;  /* by short_move */
     bool unstable; /* (Newton's method) no minimum was found beside the balance */

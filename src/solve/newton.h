@@ -61,6 +61,7 @@ typedef struct pel_newton_problem {
     const pel_newton_terms *terms; /* null = none */
     double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
     double held_share;     /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double inertia_share;  /* and by this share of inertia_force */
     double reduction;      /* also converged at this share of the initial residual; 0 = off */
     double enough;         /* N, when it is no more than this */
     double short_move;     /* m, and after a full step in which no vertex goes farther than this */
@@ -78,6 +79,7 @@ typedef struct pel_newton_result {
     double residual;       /* N, root of the sum of squares of all forces */
     double first_residual; /* N, that at the start, held vertices at their targets apart */
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
+    double inertia_force;  /* N, root of the sum of squares of the forces of the springs to points on free unknowns */
     bool converged;
     bool is_near;  /* by short_move */
     bool is_late;  /* by the deadline */

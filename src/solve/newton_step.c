@@ -92,6 +92,17 @@ static void measure_forces(const newton_run *run)
     run->result->held_force = sqrt(held);
 }
 
+static void measure_inertia(const newton_run *run)
+{
+    const pel_newton_problem *problem = run->problem;
+    double square = 0;
+    for (int32_t u = 0; problem->points != NULL && u < 3 * run->newton->pattern->vertex_count; u++) {
+        double force = problem->point_stiffness[u / 3] * (problem->points[u / 3][u % 3] - run->unknowns[u]);
+        square += run->newton->fixed[u] ? 0 : force * force;
+    }
+    run->result->inertia_force = sqrt(square);
+}
+
 /* energy at the unknowns, and gradient along the axes of the vertices */
 void pel_newton_evaluate(newton_run *run)
 {
@@ -117,6 +128,7 @@ void pel_newton_evaluate(newton_run *run)
     pel_newton_frames_turn(&problem->frames, newton->gradient);
     pel_newton_frames_turn_rank_ones(&problem->frames, newton->pattern);
     measure_forces(run);
+    measure_inertia(run);
 }
 
 bool pel_newton_is_finite(const newton_run *run)
@@ -370,10 +382,11 @@ bool pel_newton_has_converged(newton_run *run)
         return false;
     if (problem->moves && result->iterations == 0)
         return false;
-    double held = problem->held_share * result->held_force;
+    double held = problem->held_share * result->held_force, inertia = problem->inertia_share * result->inertia_force;
     bool reduced = result->residual <= problem->reduction * result->first_residual;
-    result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held) ||
-                        (reduced && result->residual <= problem->enough) || result->residual <= run->loose;
+    result->converged =
+        result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held + inertia * inertia) ||
+        (reduced && result->residual <= problem->enough) || result->residual <= run->loose;
     return result->converged;
 }
 
