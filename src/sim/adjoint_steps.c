@@ -216,17 +216,17 @@ static void carry_back(path *p, const pel_implicit_scheme *s)
 static pel_status go_back_a_step(path *p, int64_t k, const unsigned char *state, pel_error *error)
 {
     pel_status status = pel_sim_load(p->sim, state, p->size, error);
-    const pel_implicit_scheme s = *pel_sim_implicit_scheme(p->sim);
     if (status == PEL_OK)
         status = step(p, error);
     if (status == PEL_OK && (p->def->is_running || k == p->def->step_count - 1))
         status = ask(p, k + 1, error);
     if (status != PEL_OK)
         return status;
-    take_gradient(p, &s);
-    status = pel_adjoint_solve(&p->work, s.end, error);
+    const pel_implicit_scheme *s = p->sim->descent->newton->scheme;
+    take_gradient(p, s);
+    status = pel_adjoint_solve(&p->work, s->end, error);
     if (status == PEL_OK)
-        carry_back(p, &s);
+        carry_back(p, s);
     return status;
 }
 

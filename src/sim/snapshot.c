@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 12 };
+enum { SNAPSHOT_VERSION = 11 };
 
 typedef struct header {
     char magic[8];
@@ -221,7 +221,6 @@ static void transfer_history(cursor *at, const pel_sim *sim, int32_t unused)
         transfer(at, &state->older_is_known, sizeof state->older_is_known);
         transfer(at, &state->collision, sizeof state->collision);
         transfer(at, &state->unresolved, sizeof state->unresolved);
-        transfer(at, &state->unresolved_span, sizeof state->unresolved_span);
     }
 }
 

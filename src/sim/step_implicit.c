@@ -10,11 +10,14 @@
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
 
    Forces that change in time are taken at the time of y: in the middle of the step under the midpoint rule, else at its
-   end. The midpoint rule conserves the energy of undamped motion that the steps resolve. BDF2 damps motion that they do
-   not resolve, with sliding and resting contact at second order. Euler takes the first step and those of a collision,
-   where velocities jump. Damping along volumetric springs is c (u . e) e, with e from the start of the step. */
+   end. The midpoint rule conserves the energy of undamped motion, as long as that is linear in a step: where a stiff
+   body turns or crumples, the ends of steps are strained and energy appears. Such steps are done anew by BDF2, which
+   damps what the steps do not resolve, and keeps sliding and resting contact at second order. Euler takes the first
+   step and those of a collision, where velocities jump. Damping along volumetric springs is c (u . e) e, with e from
+   the start of the step. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "force/pressure.h"
 #include "sim/contact.h"
 #include "sim/hold.h"
 #include "sim/step_newton.h"
@@ -28,12 +31,10 @@
 #define PUSH_SHARE 2.5e-3
 /* The second step of a collision that spreads over two looks like a steady acceleration. */
 enum { COLLISION_STEPS = 2 };
-/* turn_measure.all over `change` of a motion with fewer than four steps a period. The midpoint rule conserves the
-   energy of such motion if it is small; large motion, such as a sheet that crumples while it swings, gains energy. */
-#define FAST_SHARE 1.0
-/* Steps by BDF2 after such a motion, and after it has come back. Each change between the schemes takes energy from a
-   spinning body, whose points are on a wider circle under the midpoint rule: 3 % where it turns by 0.1 rad a step. */
-enum { UNRESOLVED_STEPS = 10, RETURN_STEPS = 1000000 };
+/* A step of the midpoint rule may change the energy of what conserves it by this share. */
+#define ENERGY_SHARE 0.01
+/* steps until the midpoint rule is tried again */
+enum { UNRESOLVED_STEPS = 50 };
 
 static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1};
 static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
@@ -67,13 +68,11 @@ static void mark_touched(const pel_sim *sim, int32_t mark)
     }
 }
 
-/* How far the changes of velocity of a body turn back from step to step: `all` over `change` is 0 of a steady
-   acceleration, 1 of an oscillation of four steps a period, 2 of one that alternates; Galilean invariant. */
+/* How far the velocities of touching vertices jump; Galilean invariant. */
 typedef struct turn_measure {
-    double all;    /* J: sum of m |v_1 - 2 v + v'|^2 */
-    double jump;   /* J: of it, vertices with loaded contacts */
-    double change; /* J: sum of m (|v_1 - v|^2 + |v - v'|^2) */
-    double push;   /* J: squared contact impulse over the mass of these vertices */
+    double jump;   /* J: sum of m |v_1 - 2 v + v'|^2 of vertices with loaded contacts */
+    double change; /* J: sum of m (|v_1 - v|^2 + |v - v'|^2) of all */
+    double push;   /* J: squared contact impulse over the mass of the former */
     bool touches;
 } turn_measure;
 
@@ -105,7 +104,6 @@ static turn_measure measure_turn(const pel_sim *sim, int32_t body)
             turn.change += mass * (last * last + before * before);
             sum += mass * (last - before) * (last - before);
         }
-        turn.all += sum;
         turn.jump += is_touched ? sum : 0;
         turn.touches |= is_touched;
         touched_mass += is_touched ? mass : 0;
@@ -114,12 +112,10 @@ static turn_measure measure_turn(const pel_sim *sim, int32_t body)
     return turn;
 }
 
-/* find the groups of bodies that collide in this step, and whether a body moves faster than the steps resolve */
-static void look_at_turns(const pel_sim *sim)
+static void find_collisions(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->descent->newton;
     bool knows = sim->state->older_is_known;
-    newton->is_unresolved = false;
     mark_touched(sim, 1);
     memset(newton->collided, 0, (size_t)sim->model->body_count);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -127,7 +123,6 @@ static void look_at_turns(const pel_sim *sim)
         bool jumps = turn.jump > JUMP_SHARE * turn.change && turn.jump > PUSH_SHARE * turn.push;
         bool collides = turn.touches && (!knows || jumps);
         newton->collided[pel_sim_newton_group(sim, b)] |= collides;
-        newton->is_unresolved |= knows && turn.all > FAST_SHARE * turn.change;
     }
     mark_touched(sim, 0);
 }
@@ -143,11 +138,19 @@ static bool volume_moves(const pel_sim *sim)
     return false;
 }
 
-const pel_implicit_scheme *pel_sim_implicit_scheme(const pel_sim *sim)
+static bool has_potential(const pel_sim *sim)
+{
+    bool has = sim->follower_count == 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        has &= sim->model->bodies[b].shell == NULL || pel_pressure_is_conservative(&sim->model->bodies[b]);
+    return has;
+}
+
+static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
     if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
-        !sim->descent->newton->is_damped && state->unresolved == 0)
+        !sim->descent->newton->is_damped && has_potential(sim) && state->unresolved == 0)
         return &midpoint;
     return state->older_is_known && state->collision == 0 ? &bdf2 : &euler;
 }
@@ -284,21 +287,69 @@ static pel_status create(pel_sim *sim, pel_error *error)
     return status == PEL_OK ? pel_state_add_history(sim->model, sim->state, error) : status;
 }
 
-static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+/* ---- energy of the midpoint rule ---- */
+
+/* J: elastic energy, with conservative pressure, of positions with their edges settled */
+static double potential_at(pel_sim *sim, const pel_record *position, double *elastic)
 {
-    const pel_implicit_scheme *s = pel_sim_implicit_scheme(sim);
+    pel_sim_newton *newton = sim->descent->newton;
+    const pel_tangent_input input = {
+        .unknowns = newton->unknowns, .time = pel_sim_part_time(sim, 1 / midpoint.end), .state = sim->state};
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        pel_vertex_position(position, v, newton->unknowns + 3 * (size_t)v);
+    pel_tangent *tangent = pel_newton_tangent(newton->newton);
+    pel_tangent_follow(tangent, newton->unknowns);
+    pel_sim_newton_settle_at(sim);
+    pel_tangent_energy energy = pel_tangent_evaluate(tangent, &input, sim->pool, NULL);
+    /* the targets are set again by the next run */
+    double springs = pel_holds_evaluate(sim, input.time, newton->unknowns, newton->target);
+    *elastic = pel_tangent_energy_sum(&energy) - energy.pressure + springs;
+    return *elastic + energy.pressure;
+}
+
+/* Whether a step of the midpoint rule changes the energy: dK + dE - W over K + E. */
+static bool changes_energy(pel_sim *sim, double potential_before)
+{
+    const pel_state *state = sim->state;
+    double elastic, kinetic = 0, change = potential_at(sim, state->position_next, &elastic) - potential_before;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            double mass = (double)sim->model->mass[v], u = (double)state->velocity_next[v][k];
+            double w = (double)state->velocity[v][k];
+            double way = (double)state->position_next[v][k] - (double)state->position[v][k];
+            kinetic += 0.5 * mass * u * u;
+            change += 0.5 * mass * (u * u - w * w) - sim->descent->newton->loads[3 * v + k] * way;
+        }
+    return !(fabs(change) <= ENERGY_SHARE * (kinetic + elastic));
+}
+
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    const pel_implicit_scheme *s = sim->descent->newton->scheme = choose_scheme(sim);
     set_points(sim, s);
     sim->descent->force_time = 1 / s->end;
     set_radial(sim, s);
     pel_sim_newton_begin(sim);
     pel_status status = pel_sim_descent_step(sim, result, error);
+    if (status == PEL_OK)
+        finish(sim, s);
+    return status;
+}
+
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    double elastic, before = choose_scheme(sim) == &midpoint ? potential_at(sim, sim->state->position, &elastic) : 0;
+    pel_status status = solve(sim, result, error);
+    if (status == PEL_OK && sim->descent->newton->scheme == &midpoint && changes_energy(sim, before)) {
+        sim->state->unresolved = UNRESOLVED_STEPS;
+        status = solve(sim, result, error);
+    }
     if (status != PEL_OK)
         return status;
     sim->parts.is_refused = !sim->descent->result.converged && pel_parts_can_halve(sim);
     sim->descent->newton->has_stepped = true;
-    finish(sim, s);
-    look_at_turns(sim);
-    if (s == &bdf2)
+    find_collisions(sim);
+    if (sim->descent->newton->scheme == &bdf2)
         finish_collisions(sim);
     result->diverged |= !pel_sim_all_inside(sim);
     return PEL_OK;
@@ -317,11 +368,7 @@ static void accept(pel_sim *sim)
         state->collision = COLLISION_STEPS;
     else if (state->collision > 0)
         state->collision--;
-    if (sim->descent->newton->is_unresolved) {
-        if (state->unresolved == 0)
-            state->unresolved_span = state->unresolved_span == 0 ? UNRESOLVED_STEPS : RETURN_STEPS;
-        state->unresolved = state->unresolved_span;
-    } else if (state->unresolved > 0)
+    if (state->unresolved > 0)
         state->unresolved--;
     pel_sim_descent_accept(sim);
 }

@@ -22,12 +22,12 @@ struct pel_sim_newton {
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
     int32_t (*couplings)[4];     /* scratch: vertices of constraints */
     size_t coupling_capacity;
-    bool has_stepped;   /* since the state was loaded: the springs of inertia are those of a step that led to it */
-    bool is_damped;     /* drag, or damping of springs */
-    uint8_t *collided;  /* (body_count) groups whose velocities jump in the step in progress */
-    bool is_unresolved; /* velocities change faster than the steps resolve */
-    bool is_exact;      /* steps in time are solved to rounding, for derivatives */
-    bool goes_on;       /* the unknowns belong to the step in progress */
+    bool has_stepped; /* since the state was loaded: the springs of inertia are those of a step that led to it */
+    bool is_damped;   /* drag, or damping of springs */
+    const struct pel_implicit_scheme *scheme; /* of the last step in time */
+    uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
+    bool is_exact;                            /* steps in time are solved to rounding, for derivatives */
+    bool goes_on;                             /* the unknowns belong to the step in progress */
 };
 
 /* Unknowns, matrix and room, after sim->descent was made. Errors of pel_newton_create. */
@@ -74,8 +74,6 @@ typedef struct pel_implicit_scheme {
     double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of one step earlier */
     double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
 } pel_implicit_scheme;
-/* that of the next step */
-const pel_implicit_scheme *pel_sim_implicit_scheme(const pel_sim *sim);
 
 /* What tools feel: loads of constraints, and what holds grasped vertices. */
 void pel_sim_newton_read_tools(pel_sim *sim);
