@@ -498,6 +498,14 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
     return status == PEL_OK ? create_pressure(def, b, shell, error) : status;
 }
 
+bool pel_shell_needs_projection(const pel_shell *shell)
+{
+    bool needs = shell != NULL && shell->strain_limit > 0;
+    for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
+        needs |= shell->regions[r].def.mode == PEL_FIBRE_CAVE;
+    return needs;
+}
+
 void pel_shell_destroy(pel_shell *shell)
 {
     if (shell == NULL)

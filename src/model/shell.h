@@ -107,6 +107,8 @@ pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *err
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
                                  pel_error *error);
 void pel_shell_destroy(pel_shell *shell);
+/* whether it has what only position-based methods know: a strain limit, a region that caves in; null: no */
+bool pel_shell_needs_projection(const pel_shell *shell);
 
 /* Direction of a region's fibres in the frame of a rest triangle. */
 void pel_shell_fibre_direction(const pel_anisotropy_def *def, const double x[3][3], double direction[2]);

@@ -2,6 +2,8 @@
 
 #include "base/status.h"
 #include "math/vec3.h"
+#include "model/model.h"
+#include "model/shell.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
 
@@ -337,13 +339,16 @@ typedef struct text_context {
 static void tell_softness(const text_context *at)
 {
     const pel_solver_def *solver = &at->run->scene->sim.solver;
+    const pel_model *model = at->run->model;
+    bool has_other = true;
     pel_solver_reading reading;
     pel_sim_get_solver(at->run->sim, &reading);
+    for (int32_t b = 0; b < model->body_count; b++)
+        has_other &= !pel_shell_needs_projection(model->bodies[b].shell);
     snprintf(at->text, at->size,
-             "xpbd with %d substeps stretches up to %.3g times as far as the material. use %s >= %d, or method descent "
-             "for states of rest",
+             "xpbd with %d substeps stretches up to %.3g times as far as the material. use %s >= %d%s",
              (int)reading.most_substeps, 1 + at->tally->worst, solver->substeps > 0 ? "substeps" : "max_substeps",
-             (int)reading.needed_substeps);
+             (int)reading.needed_substeps, has_other ? ", or method implicit" : "");
 }
 
 static const pel_flagged_body *flagged_of(const text_context *at, pel_warning_kind kind, const char **name)

@@ -10,76 +10,20 @@
 #include <math.h>
 #include <stdio.h>
 
-static bool is_pinned(const pel_model *model, int32_t body)
+static bool needs_projection(const pel_model *model)
 {
-    for (int32_t v = model->bodies[body].slice_begin * PEL_WIDTH; v < model->bodies[body].slice_end * PEL_WIDTH; v++)
-        if (model->mass[v] > 0 && !(model->inverse_mass[v] > 0))
-            return true;
-    return false;
-}
-
-/* held by a support that moves */
-static bool is_supported(const pel_scene *scene, int32_t body)
-{
-    for (int32_t t = 0; t < scene->sim.tool_count; t++)
-        if (scene->sim.tools[t].shape == PEL_TOOL_SUPPORT && scene->sim.tools[t].body == body)
-            return true;
-    return false;
-}
-
-/* a force that a free body cannot balance: gravity, a load, a pressure on an open surface or on a part of it */
-static bool is_driven(const pel_scene *scene, const pel_model *model, int32_t b)
-{
-    const double *gravity = model->gravity;
-    const pel_shell *shell = model->bodies[b].shell;
-    bool driven = gravity[0] != 0 || gravity[1] != 0 || gravity[2] != 0;
-    for (int32_t l = 0; l < scene->sim.load_count; l++)
-        driven |= scene->sim.loads[l].body == b;
-    if (shell != NULL && shell->pressure.kind != PEL_PRESSURE_NONE)
-        driven |= !model->bodies[b].closed || shell->pressure_weights != NULL ||
-                  shell->pressure.form != PEL_PRESSURE_CONSISTENT;
-    return driven;
-}
-
-/* what only position-based methods know: strain limits, regions that cave in */
-static bool needs_projection(const pel_shell *shell)
-{
-    if (shell != NULL && shell->strain_limit > 0)
-        return true;
-    for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
-        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE)
-            return true;
-    return false;
-}
-
-/* forces alone move every body, on a surface that stays */
-static bool is_solvable(const pel_model *model)
-{
+    bool needs = false;
     for (int32_t b = 0; b < model->body_count; b++)
-        if (needs_projection(model->bodies[b].shell) || model->bodies[b].detail != NULL)
-            return false;
-    return true;
+        needs |= pel_shell_needs_projection(model->bodies[b].shell);
+    return needs;
 }
 
-/* every body is held, or free of net forces, and minimisation knows its energy */
-static bool has_rest(const pel_scene *scene, const pel_model *model)
+static bool refines(const pel_model *model)
 {
-    for (int32_t b = 0; b < model->body_count; b++) {
-        bool held = is_pinned(model, b) || is_supported(scene, b) || model->bodies[b].has_volumetric;
-        if (pel_body_moves(&model->bodies[b]) || (!held && is_driven(scene, model, b)) ||
-            needs_projection(model->bodies[b].shell))
-            return false;
-    }
-    return true;
-}
-
-/* the method for what is too stiff for xpbd: implicit where the surface stays, else descent where there is a state of
-   rest; xpbd where neither knows what is asked for */
-static pel_method stiff_method(const pel_scene *scene, const pel_model *model)
-{
-    if (is_solvable(model))
-        return PEL_METHOD_IMPLICIT;
-    return has_rest(scene, model) ? PEL_METHOD_DESCENT : PEL_METHOD_XPBD;
+    bool any = false;
+    for (int32_t b = 0; b < model->body_count; b++)
+        any |= model->bodies[b].detail != NULL;
+    return any;
 }
 
 /* ms of one core */
@@ -108,8 +52,8 @@ static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method
     pel_scene_value_at(root, "solver.method")->text = pel_scene_method_name(method);
 }
 
-static void take(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, pel_method stiff,
-                 int32_t needed, const step_cost *cost)
+static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, int32_t needed,
+                          const step_cost *cost)
 {
     const pel_solver_def *solver = &scene->sim.solver;
     char reason[100];
@@ -118,12 +62,9 @@ static void take(pel_scene_reader *reader, const pel_scene_value *root, pel_scen
     else
         snprintf(reason, sizeof reason, "about %.2g ms of one core against %.2g ms", cost->substep * needed,
                  cost->implicit);
-    pel_log_line(reader->log, "method %s: xpbd would need %d substeps in a step of %g s, %s%s",
-                 pel_scene_method_name(stiff), (int)needed, solver->dt, reason,
-                 stiff == PEL_METHOD_DESCENT ? ". The run finds states of rest; for motion write `method: xpbd` and "
-                                               "more `max_substeps`, or a smaller dt"
-                                             : "");
-    set_method(root, scene, stiff);
+    pel_log_line(reader->log, "method implicit: xpbd would need %d substeps in a step of %g s, %s", (int)needed,
+                 solver->dt, reason);
+    set_method(root, scene, PEL_METHOD_IMPLICIT);
 }
 
 /* what only methods with rotations of edges have, in words; null = nothing of that */
@@ -160,17 +101,16 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     pel_sim_def def = scene->sim;
     def.model = model;
     status = pel_sim_needed_substeps(&def, &needed, NULL);
-    /* a limit that is written asks for xpbd up to it */
     const step_cost cost = cost_of(scene, model);
-    bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && is_solvable(model);
-    pel_method stiff = solver->method;
-    if (status == PEL_OK && (needed > solver->max_substeps || (is_open && is_cheaper(&cost, needed))))
-        stiff = stiff_method(scene, model);
+    /* a limit that is written asks for xpbd up to it; what refinement costs is not known */
+    bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);
+    bool is_better = needed > solver->max_substeps || (is_open && is_cheaper(&cost, needed));
+    bool takes = status == PEL_OK && is_better && !needs_projection(model);
     pel_model_destroy(model);
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(reader->error);
-    if (stiff != solver->method)
-        take(reader, root, scene, stiff, needed, &cost);
+    if (takes)
+        take_implicit(reader, root, scene, needed, &cost);
     return PEL_OK;
 }
 

@@ -45,8 +45,7 @@ static pel_scene *load(const char *text, heard *told)
     return scene;
 }
 
-/* where xpbd would need too much, or more time than implicit: implicit; where the surface may change, descent if a
-   state of rest exists; xpbd, silently, in all other scenes */
+/* where xpbd would need too much, or more time than implicit: implicit; xpbd, silently, in all other scenes */
 static void test_choice(void **unused)
 {
     (void)unused;
@@ -83,7 +82,7 @@ static void test_choice(void **unused)
         {HEAD STEEL "    anisotropy: {strength: 0.1, stiffness: 1}\n", NULL},
         /* a surface that may change */
         {HEAD RUBBER "solver: {max_substeps: 80}\n", NULL},
-        {HEAD RUBBER "    refine: {levels: 2, everywhere: true}\nsolver: {max_substeps: 80}\n", "descent"},
+        {HEAD RUBBER "    refine: {levels: 2, everywhere: true}\nsolver: {max_substeps: 80}\n", "implicit"},
         /* what touches */
         {SHEET STEEL PINNED "contact: {}\n", "implicit"},
         {SHEET STEEL "contact: {}\ngravity: [0, 0, -9.81]\n", "implicit"},
