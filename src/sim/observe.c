@@ -1,4 +1,5 @@
 /* Getters between the model's vertex order and the mesh's, and sums over everything. */
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "sim/sim.h"
 
@@ -206,7 +207,7 @@ static void present_velocity(const pel_sim *sim, int32_t i, double velocity[3])
     vertex_velocity(sim, i, velocity);
     if (!pel_sim_is_explicit(sim) || !sim->solver.symplectic || is_held || is_first)
         return;
-    double dt = sim->step.dt, kept = exp(-0.5 * sim->solver.drag * dt);
+    double dt = sim->step.dt, kept = pel_exp(-0.5 * sim->solver.drag * dt);
     double gain = 0.5 * dt * (double)sim->model->inverse_mass[i];
     for (int c = 0; c < 3; c++)
         velocity[c] = kept * velocity[c] + gain * (double)sim->force[i][c];

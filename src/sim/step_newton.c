@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "sim/edge_load.h"
 #include "sim/follower.h"
 #include "sim/hold.h"
@@ -491,7 +492,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         return pel_fail_memory(error);
     const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     double moments = pel_newton_moment_force(newton->newton, newton->loads);
-    double tolerance = hypot(problem->tolerance, pel_descent_held_share() * moments);
+    double tolerance = pel_hypot(problem->tolerance, pel_descent_held_share() * moments);
     int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
                         : context->is_constrained ? CONSTRAINED_ITERATIONS
                                                   : DYNAMIC_ITERATIONS;

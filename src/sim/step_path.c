@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "sim/follower.h"
 #include "sim/hold.h"
 
@@ -92,7 +93,7 @@ static pel_newton_problem make_problem(pel_sim *sim)
     problem.tolerance = pel_descent_tolerance(sim, problem.time);
     problem.frames = pel_sim_newton_gather(sim, problem.time, true);
     problem.tolerance =
-        hypot(problem.tolerance, pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads));
+        pel_hypot(problem.tolerance, pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads));
     set_factor(sim, factor);
     problem.held_share = pel_descent_held_share();
     problem.short_move = pel_descent_short_move(sim);
