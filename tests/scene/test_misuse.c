@@ -665,6 +665,8 @@ static void test_live(void **unused)
     REFUSED("sim", pel_sim_adjoint_steps(NULL, &adjoint_steps, &error));
     REFUSED("def", pel_sim_adjoint_steps(sim, NULL, &error));
     FAILS(pel_sim_adjoint_steps(sim, &adjoint_steps, &error));
+    REFUSED("sim", pel_sim_step_beside(NULL, NULL, 0, &error));
+    FAILS(pel_sim_step_beside(sim, &sim, 1, &error));
     SURVIVES(pel_sim_load_factor(NULL));
     SURVIVES(pel_sim_path_kind(NULL));
     SURVIVES(pel_sim_get_path_end(NULL));
