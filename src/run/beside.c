@@ -59,8 +59,7 @@ void pel_run_beside_add_frame(pel_run_state *run)
         return;
     for (int32_t i = 0; i < beside->count; i++) {
         pel_run_row row = {.frame = run->totals.frame_count};
-        pel_sim_measure(run->sims_beside[i], &row.measures);
-        pel_sim_get_ledger(run->sims_beside[i], &row.ledger);
+        pel_run_measure(run->sims_beside[i], 0, &row.measures, &row.ledger);
         pel_run_series_make(&run->series_beside[i], run->sims_beside[i], &row);
         beside->row(beside->user, i, run->series_beside[i].line);
     }
