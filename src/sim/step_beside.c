@@ -1,4 +1,4 @@
-/* A step of a simulation, and of others beside it with the matrix of its last Newton step (solve/newton_beside.h). */
+/* A step of a simulation, and of others beside it with the matrix at its end (solve/newton_beside.c). */
 #include "base/status.h"
 #include "sim/adjoint.h"
 #include "sim/step_path.h"
