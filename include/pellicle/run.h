@@ -38,6 +38,15 @@ typedef struct pel_run_progress {
     double max_force;           /* N, worst residual: largest vertex force at the last frame */
 } pel_run_progress;
 
+/* Runs beside a run, step by step (pel_sim_step_beside): scenes that differ from its by small changes of numbers. */
+typedef struct pel_run_beside {
+    const pel_scene *const *scenes;
+    int32_t count;
+    /* Called with each row of the series of the scene of that number, after `row` of the run. Nullable. */
+    void (*row)(void *user, int32_t scene, const char *line);
+    void *user;
+} pel_run_beside;
+
 typedef struct pel_run_def {
     const char *folder; /* made with its parents when missing; null = write no files, the summary and `row` are all */
     int64_t max_frames; /* ends the run (status "done") with the frame of this number, frame 0 being the initial state;
@@ -53,7 +62,11 @@ typedef struct pel_run_def {
     /* Asked between and, in long steps, within steps, from one thread at a time; returning false stops the run after
        0.5 s at most (meshes of some 100,000 triangles). Nullable. */
     bool (*wanted)(void *user);
+    /* Called with the simulation at the end of a run without an error: that of the run (-1), then those beside it.
+       Nullable. */
+    void (*ended)(void *user, int32_t scene, pel_sim *sim);
     void *user;
+    const pel_run_beside *beside; /* without a folder and sessions; null = none */
     /* s of wall time after which the state is kept in `checkpoint`, so that a killed run can go on from there; later
        when that would take more than 2 % of the time. 0 = never. A state that cannot be kept is a note in the log. */
     double keep_seconds;

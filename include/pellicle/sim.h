@@ -540,6 +540,18 @@ typedef struct pel_adjoint_steps {
    gradient; PEL_OUT_OF_MEMORY. Masses and drag are as they are. */
 PEL_API pel_status pel_sim_adjoint_steps(pel_sim *sim, const pel_adjoint_steps *def, pel_error *error);
 
+/* Takes a step of sim and, beside it, one of each of `beside` (count): simulations of the same bodies that differ by
+   small changes of numbers and have taken the same steps. They are solved by chord iterations with the matrix of sim at
+   the end of its step, some two or three solutions instead of the factors of Newton's method
+   (src/solve/newton_beside.c). With two simulations that have a number a little smaller and a little larger, the
+   difference of any of their readings over the difference of the number is its derivative along the path of steps.
+
+   PEL_METHOD_STATIC, along a path by arc length too, and PEL_METHOD_IMPLICIT, without tools, contact, refinement,
+   analyses and a budget of time. A step is taken whole; one that does not converge is refused. After a failure the
+   simulations are not at the same step any more. PEL_BAD_ARGUMENT for what is refused, for simulations that do not
+   match, and where a change is too large to go beside sim; PEL_OUT_OF_MEMORY; errors of pel_sim_step. */
+PEL_API pel_status pel_sim_step_beside(pel_sim *sim, pel_sim *const *beside, int32_t count, pel_error *error);
+
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
     double volume_ratio;       /* enclosed volume of closed bodies over that at rest; 1 when none is closed */

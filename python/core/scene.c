@@ -234,40 +234,114 @@ static PyObject *run(PyObject *module, PyObject *arguments)
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
 
-static void collect_row(void *user, const char *line)
+/* what runs beside each other leave */
+typedef struct series_work {
+    PyObject *runs; /* list of (lines, positions): the run, then those beside it */
+    int failed;     /* an exception is set */
+} series_work;
+
+static PyObject *part_of_run(series_work *work, int32_t scene, int part)
 {
+    return PyTuple_GetItem(PyList_GetItem(work->runs, scene + 1), part);
+}
+
+static void collect_row_of(void *user, int32_t scene, const char *line)
+{
+    series_work *work = user;
     PyGILState_STATE state = PyGILState_Ensure();
-    collect_note(user, line);
+    PyObject *text = work->failed ? NULL : PyUnicode_FromString(line);
+    if (text == NULL || PyList_Append(part_of_run(work, scene, 0), text) < 0)
+        work->failed = 1;
+    Py_XDECREF(text);
     PyGILState_Release(state);
 }
 
-/* series(scene): the lines of the series of a run that leaves no files, with one thread */
-static PyObject *series(PyObject *module, PyObject *scene)
+static void collect_row(void *user, const char *line)
+{
+    collect_row_of(user, -1, line);
+}
+
+static int append_positions(PyObject *list, pel_sim *sim, int32_t body)
+{
+    Py_buffer view;
+    PyObject *array = core_new_array('d', pel_sim_vertex_count(sim, body), 3);
+    if (array == NULL || core_get_array(array, "positions", 'd', -1, 1, &view) < 0) {
+        Py_XDECREF(array);
+        return -1;
+    }
+    pel_sim_get_positions(sim, body, view.buf);
+    PyBuffer_Release(&view);
+    int result = PyList_Append(list, array);
+    Py_DECREF(array);
+    return result;
+}
+
+static void collect_positions(void *user, int32_t scene, pel_sim *sim)
+{
+    series_work *work = user;
+    PyGILState_STATE state = PyGILState_Ensure();
+    int32_t count = pel_model_body_count(pel_sim_model(sim));
+    for (int32_t b = 0; !work->failed && b < count; b++)
+        work->failed = append_positions(part_of_run(work, scene, 1), sim, b) < 0;
+    PyGILState_Release(state);
+}
+
+static PyObject *empty_runs(Py_ssize_t count)
+{
+    PyObject *runs = PyList_New(0);
+    for (Py_ssize_t i = 0; runs != NULL && i < count; i++) {
+        PyObject *parts = Py_BuildValue("([][])");
+        if (parts == NULL || PyList_Append(runs, parts) < 0)
+            Py_CLEAR(runs);
+        Py_XDECREF(parts);
+    }
+    return runs;
+}
+
+/* series(scene, beside): a run that leaves no files, with one thread, and those of a tuple of scenes beside it; a list
+   with (the lines of the series, the positions of the bodies at the end) of each */
+static PyObject *series(PyObject *module, PyObject *arguments)
 {
     (void)module;
-    if (!PyObject_TypeCheck(scene, core_scene_type))
-        return PyErr_SetString(PyExc_TypeError, "scene: a Scene is needed"), NULL;
-    pel_run_def def = pel_run_def_default();
+    core_scene *scene;
+    PyObject *scenes;
+    if (!PyArg_ParseTuple(arguments, "O!O!:series", core_scene_type, &scene, &PyTuple_Type, &scenes))
+        return NULL;
+    const Py_ssize_t count = PyTuple_Size(scenes);
+    series_work work = {.runs = empty_runs(count + 1)};
+    const pel_scene **beside = PyMem_Calloc((size_t)count + 1, sizeof *beside);
     pel_run_summary *summary = PyMem_Calloc(1, sizeof *summary);
-    PyObject *lines = PyList_New(0);
-    if (summary == NULL || lines == NULL) {
-        PyMem_Free(summary);
-        Py_XDECREF(lines);
-        return PyErr_NoMemory();
-    }
-    def.thread_count = 1;
-    def.row = collect_row;
-    def.user = lines;
+    pel_status status = PEL_OUT_OF_MEMORY;
     pel_error error;
-    pel_status status;
-    Py_INCREF(scene);
-    Py_BEGIN_ALLOW_THREADS status = pel_run(((core_scene *)scene)->scene, &def, summary, &error);
-    Py_END_ALLOW_THREADS Py_DECREF(scene);
+    if (work.runs == NULL || beside == NULL || summary == NULL)
+        PyErr_NoMemory();
+    for (Py_ssize_t i = 0; !PyErr_Occurred() && i < count; i++) {
+        PyObject *other = PyTuple_GetItem(scenes, i);
+        if (!PyObject_TypeCheck(other, core_scene_type))
+            PyErr_SetString(PyExc_TypeError, "beside: a tuple of Scenes is needed");
+        else
+            beside[i] = ((core_scene *)other)->scene;
+    }
+    if (!PyErr_Occurred()) {
+        const pel_run_beside others = {.scenes = beside, .count = (int32_t)count, .row = collect_row_of, .user = &work};
+        pel_run_def def = pel_run_def_default();
+        def.thread_count = 1;
+        def.row = collect_row;
+        def.ended = collect_positions;
+        def.user = &work;
+        def.beside = count > 0 ? &others : NULL;
+        Py_INCREF(arguments);
+        Py_BEGIN_ALLOW_THREADS status = pel_run(scene->scene, &def, summary, &error);
+        Py_END_ALLOW_THREADS Py_DECREF(arguments);
+        if (status != PEL_OK && !PyErr_Occurred())
+            core_raise(&error);
+    }
     PyMem_Free(summary);
-    if (status == PEL_OK)
-        return lines;
-    Py_DECREF(lines);
-    return core_raise(&error);
+    PyMem_Free(beside);
+    if (status == PEL_OK && !work.failed)
+        return work.runs;
+    Py_XDECREF(work.runs);
+    return NULL;
 }
 
 /* write_report(path, page, folders, fields) */
@@ -299,7 +373,7 @@ static PyObject *write_report(PyObject *module, PyObject *arguments)
 
 PyMethodDef core_run_methods[] = {
     {"run", run, METH_VARARGS, NULL},
-    {"series", series, METH_O, NULL},
+    {"series", series, METH_VARARGS, NULL},
     {"write_report", write_report, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };

@@ -3,9 +3,9 @@
 The interval of parameter k is p_k +- t s sqrt((J^T J)^-1_kk) with Student's t for n - p degrees of freedom, the residual's
 standard deviation s and the Jacobian J at the fit (Seber and Wild, Nonlinear Regression, section 5.1).
 
-Where a fit has markers alone and the method is static, the derivatives of the positions x by a parameter p follow from the
-balance F(x, p) = 0: dx/dp = K^-1 dF/dp with the stiffness K. K is symmetric, so that the adjoint of dF/dp is that derivative:
-one linear system for each parameter, where differences need two runs.
+Under the methods static and implicit the Jacobian goes forward along the steps: runs with each parameter a little smaller and
+a little larger go beside the run itself and are solved with the matrix of its steps, so that each takes a few solutions a step
+where differences take whole runs (pel_sim_step_beside).
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from html import escape
-from typing import Any, Mapping, Optional, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _core
 from .mesh import PathLike
-from .simulation import Scene, load_scene
+from .simulation import Scene
 
 #: Step of the differences, of the range of a parameter: far above what a solver's tolerance leaves of a curve.
 _STEP = 1e-3
@@ -54,6 +54,14 @@ class _Curve:
         self.unit = size
         self.scale = float(entry.get("weight", 1)) / size
         self.covered = True
+
+    def place(self, scene: Scene, positions: list[np.ndarray]) -> Optional[np.ndarray]:
+        """The positions of the body that the entry is about, if any."""
+        if self.body is None:
+            return None
+        if self.body not in scene.bodies:
+            raise _core.Error(f"error: there is no body {self.body!r} ({self.name}). it may be " + ", ".join(scene.bodies))
+        return positions[scene.bodies.index(self.body)]
 
     def read(self, series: Mapping[str, np.ndarray], positions: Optional[np.ndarray]) -> np.ndarray:
         """The same points of a run."""
@@ -118,9 +126,9 @@ class Fit:
     evaluations : int
         Runs done.
     derivatives : str
-        ``"adjoint"`` or ``"differences"``: where the Jacobian comes from.
+        ``"forward"``, along the steps of each run, or ``"differences"`` of whole runs: where the Jacobian comes from.
     derivatives_reason : str
-        Why it is differences; empty for the adjoint.
+        Why it is differences; else empty.
     """
 
     def __init__(self, **members: Any) -> None:
@@ -159,8 +167,8 @@ class _Problem:
         self.start = (start - self.low) / (self.high - self.low)
         self.curves = [_Curve(entry) for entry in fit["data"]]
         self.evaluations = 0
-        self.last: Optional[tuple[np.ndarray, Any]] = None
-        self.reason = "" if all(curve.body is not None for curve in self.curves) else "the data are curves, not markers alone"
+        self.last: Optional[tuple[np.ndarray, np.ndarray]] = None
+        self.reason = ""
         self.pool = ThreadPoolExecutor(jobs or os.cpu_count() or 1)
 
     def _inner(self, values: list[float]) -> np.ndarray:
@@ -171,23 +179,21 @@ class _Problem:
         inner = self.low + unit * (self.high - self.low)
         return np.where(self.is_log, np.exp(np.where(self.is_log, inner, 0)), inner)
 
-    def run(self, unit: np.ndarray) -> list[np.ndarray]:
-        """The measured points of a run with these parameters, curve by curve."""
-        overrides = dict(zip(self.paths, map(float, self.values(unit))))
+    def run(self, unit: np.ndarray, beside: Sequence[np.ndarray] = ()) -> list[list[np.ndarray]]:
+        """The measured points of a run with these parameters, curve by curve, then those of runs beside it."""
+        scenes = [Scene(self.scene, dict(zip(self.paths, map(float, self.values(u))))) for u in (unit, *beside)]
         self.evaluations += 1
-        series: dict[str, np.ndarray] = {}
-        if any(curve.body is None for curve in self.curves):
-            lines = list(csv.reader(_core.series(Scene(self.scene, overrides)._core)))
-            table = np.array([[float(cell) if cell else np.nan for cell in row] for row in lines[1:]]).T
-            series = dict(zip(lines[0], table))
-        sim = None
-        if any(curve.body is not None for curve in self.curves):
-            sim = load_scene(self.scene, overrides, threads=1)
-            sim.run_until(sim.scene.duration)
-            self.last = unit.copy(), sim
-        return [
-            curve.read(series, sim.positions(curve.body) if curve.body is not None else None) for curve in self.curves
-        ]
+        runs = _core.series(scenes[0]._core, tuple(scene._core for scene in scenes[1:]))
+        header = next(csv.reader(runs[0][0][:1]))
+        beside_points = [self.points(scenes[0], header, *run) for run in runs[1:]]
+        # the run itself is read last: it says whether it covers what was measured
+        return [self.points(scenes[0], header, *runs[0]), *beside_points]
+
+    def points(self, scene: Scene, header: list[str], lines: list[str], positions: list[np.ndarray]) -> list[np.ndarray]:
+        rows = [row for row in csv.reader(lines) if row != header]
+        table = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows]).T
+        series = dict(zip(header, table))
+        return [curve.read(series, curve.place(scene, positions)) for curve in self.curves]
 
     def residual_of(self, points: list[np.ndarray]) -> np.ndarray:
         return np.concatenate([(p - curve.y) * curve.scale for p, curve in zip(points, self.curves)])
@@ -195,9 +201,36 @@ class _Problem:
     def residual(self, unit: np.ndarray) -> np.ndarray:
         """Of a trial; one that fails is far from everything measured."""
         try:
-            return self.residual_of(self.run(unit))
+            return self.evaluate(unit)
         except _core.Error:
             return np.full(sum(len(curve.y) for curve in self.curves), _FAILED)
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Residuals; the Jacobian comes with them where runs can go beside this one."""
+        if not self.reason:
+            try:
+                return self.go_forward(unit)
+            except _core.Error as error:
+                reason = getattr(error, "what", None) or str(error)
+            # a run that fails by itself says nothing about those beside it
+            residual = self.residual_of(self.run(unit)[0])
+            self.reason = reason
+            return residual
+        return self.residual_of(self.run(unit)[0])
+
+    def go_forward(self, unit: np.ndarray) -> np.ndarray:
+        """The residuals; `last` takes the Jacobian."""
+        pairs = [self.neighbours(unit, k) for k in range(len(unit))]
+        runs = self.run(unit, [side for pair in pairs for side in pair])
+        residual, *beside = (self.residual_of(points) for points in runs)
+        self.last = unit.copy(), self.columns(pairs, beside)
+        return residual
+
+    @staticmethod
+    def columns(pairs: list[list[np.ndarray]], residuals: list[np.ndarray]) -> np.ndarray:
+        return np.column_stack(
+            [(residuals[2 * k + 1] - residuals[2 * k]) / (pair[1][k] - pair[0][k]) for k, pair in enumerate(pairs)]
+        )
 
     def neighbours(self, unit: np.ndarray, k: int) -> list[np.ndarray]:
         """The parameters with the k-th one a little less and a little more, where the bounds allow."""
@@ -207,56 +240,15 @@ class _Problem:
         return pair
 
     def jacobian(self, unit: np.ndarray) -> np.ndarray:
-        if not self.reason:
-            try:
-                return self.by_adjoint(unit)
-            except _core.Error as error:
-                self.reason = getattr(error, "what", None) or str(error)
-        return self.by_differences(unit)
-
-    def by_adjoint(self, unit: np.ndarray) -> np.ndarray:
-        """One linear system for each parameter; Error where the scene has no adjoint of the whole run."""
-        if self.last is None or (self.last[0] != unit).any():
-            self.run(unit)
-        sim = self.last[1]
-        if not sim.scene._is_static:
-            raise _core.Error("the positions depend on the way to them: the method is not static")
-        x = np.concatenate([sim.positions(body) for body in range(len(sim.scene.bodies))])
-        gradient = sim.gradient(x)
-        start = load_scene(self.scene, sim.scene._overrides, threads=1).gradient(x)
-        has_time = np.abs(start - gradient).max() > 1e-9 * np.abs(gradient).max()
-        columns = []
-        for k in range(len(unit)):
-            pair = self.neighbours(unit, k)
-            low, high = (self.beside(sim, self.paths[k], float(self.values(side)[k]), has_time).gradient(x) for side in pair)
-            motion = sim.adjoint((low - high) / (pair[1][k] - pair[0][k]))["forces"]
-            columns.append(np.concatenate([self.markers(sim, motion, curve) for curve in self.curves]))
-        return np.column_stack(columns)
-
-    def beside(self, sim: Any, path: str, value: float, has_time: bool) -> Any:
-        """A simulation with another value of a parameter, whose forces are those at the end of the run."""
-        if not has_time:
-            return load_scene(self.scene, {**sim.scene._overrides, path: value}, threads=1)
-        other = sim.scene.simulation(threads=1)
-        other.load(sim.save())
-        other.set(path, value)
-        return other
-
-    @staticmethod
-    def markers(sim: Any, motion: np.ndarray, curve: _Curve) -> np.ndarray:
-        """The rows of an array of all vertices that a curve measures, as residuals."""
-        body = sim.scene.bodies.index(curve.body) if isinstance(curve.body, str) else curve.body
-        first = sum(len(sim.positions(b)) for b in range(body))
-        return motion[first + curve.vertices].ravel() * curve.scale
+        if not self.reason and (self.last is None or (self.last[0] != unit).any()):
+            self.evaluate(unit)
+        return self.last[1] if not self.reason else self.by_differences(unit)
 
     def by_differences(self, unit: np.ndarray) -> np.ndarray:
         """Differences over both sides where the bounds allow, all runs at once."""
         pairs = [self.neighbours(unit, k) for k in range(len(unit))]
-        residuals = list(self.pool.map(lambda u: self.residual_of(self.run(u)), [u for pair in pairs for u in pair]))
-        columns = [
-            (residuals[2 * k + 1] - residuals[2 * k]) / (pair[1][k] - pair[0][k]) for k, pair in enumerate(pairs)
-        ]
-        return np.column_stack(columns)
+        sides = [side for pair in pairs for side in pair]
+        return self.columns(pairs, list(self.pool.map(lambda u: self.residual_of(self.run(u)[0]), sides)))
 
 
 def _statistics(problem: _Problem, unit: np.ndarray, confidence: float) -> dict[str, Any]:
@@ -349,12 +341,12 @@ def calibrate(
         members = _statistics(problem, found.x, confidence)
     if found.status == 0:
         members["warnings"].append("stopped before it converged: raise max_evaluations, or start nearer")
-    points = problem.run(found.x)
+    points = problem.run(found.x)[0]
     result = Fit(
         values=dict(zip(problem.paths, map(float, problem.values(found.x)))),
         confidence=confidence,
         evaluations=problem.evaluations,
-        derivatives="differences" if problem.reason else "adjoint",
+        derivatives="differences" if problem.reason else "forward",
         derivatives_reason=problem.reason,
         curves=[
             {"name": curve.name, "x": curve.x, "measured": curve.y, "fitted": p} for curve, p in zip(problem.curves, points)

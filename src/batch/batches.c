@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "measure/element.h"
 
 #include <string.h>
@@ -138,8 +139,8 @@ static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
     const pel_shell *shell = p->body->shell;
     const pel_shell_hinge *h = &shell->hinges[batch->sources[i]];
     if (shell->bending == PEL_BENDING_HINGE) {
-        *pel_batch_number(batch, i, 0) = (pel_real)cos(h->rest_angle);
-        *pel_batch_number(batch, i, 1) = (pel_real)sin(h->rest_angle);
+        *pel_batch_number(batch, i, 0) = (pel_real)pel_cos(h->rest_angle);
+        *pel_batch_number(batch, i, 1) = (pel_real)pel_sin(h->rest_angle);
         *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h->stiffness * pel_shell_angle(p->model->rest, h).factor));
         return;
     }

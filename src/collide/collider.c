@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "collide/clearance.h"
 #include "geom/ccd.h"
+#include "math/functions.h"
 #include "pellicle/parallel.h"
 
 #include <string.h>
@@ -100,7 +101,7 @@ static double mean_edge(const double (*positions)[3], const int32_t (*triangles)
     double sum = 0;
     for (int32_t h = 0; h < 3 * triangle_count; h++) {
         const double *a = positions[triangles[h / 3][h % 3]], *b = positions[triangles[h / 3][(h + 1) % 3]];
-        sum += hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
+        sum += pel_hypot(pel_hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
     }
     return isfinite(sum) ? sum / (3.0 * triangle_count) : 0;
 }

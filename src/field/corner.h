@@ -16,6 +16,7 @@
 #ifndef PEL_MEASURE_CORNER_H
 #define PEL_MEASURE_CORNER_H
 
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/flat_triangle.h"
 #include "pellicle/topology.h"
@@ -66,7 +67,7 @@ static inline double pel_corner_angle(const pel_corner *corner)
     bool no_u = !(corner->u_square > 0), no_w = !(corner->w_square > 0);
     if (no_u || no_w)
         return no_u && no_w ? pi / 3 : pi / 2;
-    return atan2(corner->twice_area, pel_vec3_dot(corner->u, corner->w));
+    return pel_atan2(corner->twice_area, pel_vec3_dot(corner->u, corner->w));
 }
 
 /* adds the gradient of the triangle's area when the vertex moves */

@@ -11,6 +11,7 @@
 
 #include "force/shell_body.h"
 #include "force/tangent_body.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/tangent.h"
 
@@ -89,7 +90,7 @@ static double hinge_moment(const pel_shell *shell, const pel_record *rest, const
     const pel_hinge stencil = pel_shell_angle(rest, hinge);
     if (shell->bending == PEL_BENDING_HINGE)
         return hinge->stiffness * stencil.factor * pel_angle_from_rest(x[0], stencil.rest_angle);
-    return hinge->stiffness * stencil.factor * 2 * sin(0.5 * pel_dihedral_angle(x, NULL));
+    return hinge->stiffness * stencil.factor * 2 * pel_sin(0.5 * pel_dihedral_angle(x, NULL));
 }
 
 static int corner_of(const pel_shell_triangle *triangle, int32_t vertex)
@@ -105,7 +106,7 @@ static void add_along_edge(const pel_shell_triangle *triangle, const pel_shell_h
     rest_corners(&triangle->rest, corner);
     const double *tail = corner[corner_of(triangle, hinge->vertices[0])];
     const double *head = corner[corner_of(triangle, hinge->vertices[1])];
-    double length = hypot(head[0] - tail[0], head[1] - tail[1]);
+    double length = pel_hypot(head[0] - tail[0], head[1] - tail[1]);
     for (int c = 0; c < 2; c++)
         along[c] = (head[c] - tail[c]) / length;
     const double across[2] = {-along[1], along[0]};
@@ -151,8 +152,8 @@ static void add_midedge(const pel_rest_triangle *rest, const double moment[3], d
         for (int c = 0; c < 2; c++)
             edge[k][c] = corner[(k + 1) % 3][c] - corner[k][c];
     for (int k = 0; k < 3; k++)
-        add_product(-moment[k] * hypot(edge[k][0], edge[k][1]) / (4 * rest->area), edge[(k + 1) % 3], edge[(k + 2) % 3],
-                    out);
+        add_product(-moment[k] * pel_hypot(edge[k][0], edge[k][1]) / (4 * rest->area), edge[(k + 1) % 3],
+                    edge[(k + 2) % 3], out);
 }
 
 /* the shell of a body with mid-edge bending, else null */
@@ -274,7 +275,7 @@ static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_reco
         to_plane(inverse, out->force, plane);
         if (triangle->thickness > 0)
             to_space(axes, 1 / (triangle->thickness * out->rest_area), plane, out->piola_stress);
-        out->thickness = triangle->thickness * pow(ratio, -poisson / (1 - poisson));
+        out->thickness = triangle->thickness * pel_pow(ratio, -poisson / (1 - poisson));
     }
     to_space(f, per_area, moment, out->moment);
     for (int k = 0; k < 6; k++)

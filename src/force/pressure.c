@@ -1,5 +1,6 @@
 #include "force/pressure.h"
 
+#include "math/functions.h"
 #include "model/state.h"
 
 /* a gas squeezed to less than this share of its volume at rest presses as it does there */
@@ -21,7 +22,7 @@ double pel_pressure_difference(const pel_shell *shell, double time, double load_
     case PEL_PRESSURE_GIVEN:
         return -outside;
     case PEL_PRESSURE_GAS:
-        return def->value * (pow(fmax(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1) - outside;
+        return def->value * (pel_pow(fmax(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1) - outside;
     case PEL_PRESSURE_VOLUME:
         return def->bulk *
                    (def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time) - ratio) -
@@ -36,7 +37,7 @@ double pel_pressure_slope(const pel_shell *shell, double volume, double rest_vol
     const pel_pressure_def *def = &shell->pressure;
     double ratio = volume / rest_volume;
     if (def->kind == PEL_PRESSURE_GAS && ratio > LEAST_GAS_VOLUME)
-        return -def->gamma * def->value * pow(ratio, -def->gamma - 1) / rest_volume;
+        return -def->gamma * def->value * pel_pow(ratio, -def->gamma - 1) / rest_volume;
     return def->kind == PEL_PRESSURE_VOLUME ? -def->bulk / rest_volume : 0;
 }
 
@@ -51,8 +52,8 @@ bool pel_pressure_is_conservative(const pel_body *body)
 static double gas_work(double ratio, double gamma)
 {
     if (ratio < LEAST_GAS_VOLUME)
-        return gas_work(LEAST_GAS_VOLUME, gamma) - pow(LEAST_GAS_VOLUME, -gamma) * (LEAST_GAS_VOLUME - ratio);
-    return gamma > 1 ? (1 - pow(ratio, 1 - gamma)) / (gamma - 1) : log(ratio);
+        return gas_work(LEAST_GAS_VOLUME, gamma) - pel_pow(LEAST_GAS_VOLUME, -gamma) * (LEAST_GAS_VOLUME - ratio);
+    return gamma > 1 ? (1 - pel_pow(ratio, 1 - gamma)) / (gamma - 1) : pel_ln(ratio);
 }
 
 double pel_pressure_potential(const pel_shell *shell, double time, double load_factor, double volume,

@@ -1,5 +1,6 @@
 /* Upper bound of the stiffness of shells over the mass, for the limits of explicit methods. */
 #include "force/shell_body.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/element.h"
 
@@ -21,9 +22,9 @@ static void add_norms(double stiffness, const int32_t *vertices, int count, cons
 static void strain_norms(const pel_rest_triangle *rest, double norms[3])
 {
     const double *i = rest->inverse;
-    norms[0] = hypot(i[0], i[1]);
+    norms[0] = pel_hypot(i[0], i[1]);
     norms[1] = fabs(i[2]);
-    norms[2] = hypot(i[0], i[1] + i[2]);
+    norms[2] = pel_hypot(i[0], i[1] + i[2]);
 }
 
 static void add_hinge_norms(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge, int32_t first,

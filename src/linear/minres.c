@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 
 #include <math.h>
 #include <string.h>
@@ -114,7 +115,7 @@ pel_pcg_result pel_minres_solve(pel_minres *minres, const pel_pcg_def *def, pel_
             break;
         go_on(minres, def, pool, &l);
         /* the QR factors of the tridiagonal matrix, by rotations */
-        double a0 = c * l.delta - c_before * s * l.gamma, a1 = hypot(a0, l.gamma_next);
+        double a0 = c * l.delta - c_before * s * l.gamma, a1 = pel_hypot(a0, l.gamma_next);
         double a2 = s * l.delta + c_before * c * l.gamma, a3 = s_before * l.gamma;
         double c_next = a0 / a1, s_next = l.gamma_next / a1;
         for (int32_t i = 0; i < minres->unknown_count; i++) {

@@ -2,6 +2,8 @@
 #ifndef PEL_MATH_MATRIX2_H
 #define PEL_MATH_MATRIX2_H
 
+#include "math/functions.h"
+
 #include <math.h>
 
 static inline double pel_matrix2_determinant(const double m[4])
@@ -37,7 +39,7 @@ static inline void pel_matrix2_sqrt(const double c[4], double root[4])
    nearest rotation (a null matrix, a reflection) R is the identity. */
 static inline void pel_matrix2_polar(const double f[4], double rotation[4], double stretch[4])
 {
-    double cosine = f[0] + f[3], sine = f[2] - f[1], length = hypot(cosine, sine);
+    double cosine = f[0] + f[3], sine = f[2] - f[1], length = pel_hypot(cosine, sine);
     cosine = length > 0 ? cosine / length : 1;
     sine = length > 0 ? sine / length : 0;
     const double transposed[4] = {cosine, sine, -sine, cosine};

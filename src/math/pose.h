@@ -2,6 +2,7 @@
 #ifndef PEL_MATH_POSE_H
 #define PEL_MATH_POSE_H
 
+#include "math/functions.h"
 #include "math/vec3.h"
 
 /* rotated (3) = q v q^-1; may be v itself */
@@ -35,9 +36,9 @@ static inline void pel_rotation_product(const double a[4], const double b[4], do
 /* quaternion of a rotation vector: axis times angle [rad], of any length */
 static inline void pel_rotation_exp(const double vector[3], double q[4])
 {
-    double angle = pel_vec3_length(vector), scale = angle > 0 ? sin(0.5 * angle) / angle : 0.5;
+    double angle = pel_vec3_length(vector), scale = angle > 0 ? pel_sin(0.5 * angle) / angle : 0.5;
     pel_vec3_scale(vector, scale, q);
-    q[3] = cos(0.5 * angle);
+    q[3] = pel_cos(0.5 * angle);
 }
 
 /* Rotation vector [rad] from a to b. Its angle is known up to whole turns: of all that lead from a to b the one nearest
@@ -48,7 +49,7 @@ static inline void pel_rotation_between(const double a[4], const double b[4], co
     const double full = 6.283185307179586476925, back[4] = {-a[0], -a[1], -a[2], a[3]};
     double q[4], axis[3];
     pel_rotation_product(b, back, q);
-    double sine = pel_vec3_length(q), angle = 2 * atan2(sine, q[3]), length = pel_vec3_length(expected);
+    double sine = pel_vec3_length(q), angle = 2 * pel_atan2(sine, q[3]), length = pel_vec3_length(expected);
     if (sine > 1e-12)
         pel_vec3_scale(q, 1 / sine, axis);
     else if (length > 0)

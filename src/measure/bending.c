@@ -14,6 +14,7 @@
 #define PEL_LANE_DOUBLE
 #include "pellicle/bending.h"
 
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/hinge.h"
 
@@ -115,7 +116,7 @@ bool pel_hinge_setup(const double rest[4][3], pel_hinge *hinge)
 
 double pel_hinge_energy(const pel_hinge *hinge, const double x[4][3], double gradient[4][3])
 {
-    double difference = turned_angle(x, cos(hinge->rest_angle), sin(hinge->rest_angle), gradient);
+    double difference = turned_angle(x, pel_cos(hinge->rest_angle), pel_sin(hinge->rest_angle), gradient);
     for (int a = 0; gradient != NULL && a < 4; a++)
         pel_vec3_scale(gradient[a], hinge->factor * difference, gradient[a]);
     return 0.5 * hinge->factor * difference * difference;

@@ -1,6 +1,7 @@
 /* Bending by angles: the hinge, and mid-edge bending with rotations of edges. */
 #include "measure/midedge.h"
 
+#include "math/functions.h"
 #include "measure/face_turn.h"
 #include "measure/strain_point.h"
 
@@ -72,7 +73,7 @@ pel_midedge pel_midedge_setup(const pel_rest_triangle *rest, double stiffness, d
     for (int i = 0; i < 3; i++) {
         for (int c = 0; c < 2; c++)
             edge[i][c] = corner[(i + 1) % 3][c] - corner[i][c];
-        length[i] = hypot(edge[i][0], edge[i][1]);
+        length[i] = pel_hypot(edge[i][0], edge[i][1]);
     }
     pel_midedge element;
     for (int i = 0, k = 0; i < 3; i++)
@@ -151,7 +152,7 @@ static double turn_from(const double direction[3], const pel_face_turn *turn)
 {
     double side[3];
     pel_vec3_cross(direction, turn->along, side);
-    return atan2(pel_vec3_dot(turn->normal, side), pel_vec3_dot(turn->normal, direction));
+    return pel_atan2(pel_vec3_dot(turn->normal, side), pel_vec3_dot(turn->normal, direction));
 }
 
 double pel_midedge_turn(const double before[3][3], const double after[3][3])

@@ -1,6 +1,7 @@
 #define PEL_LANE_DOUBLE
 #include "measure/tangent.h"
 
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/face_turn.h"
 #include "measure/membrane.h"
@@ -72,7 +73,7 @@ static void set_green(const pel_rest_triangle *rest, const pel_membrane_law *law
 static void clamp_stress(const double stress[3], double positive[3])
 {
     double mean = 0.5 * (stress[0] + stress[1]), difference = 0.5 * (stress[0] - stress[1]);
-    double size = hypot(difference, stress[2]), high = fmax(mean + size, 0), low = fmax(mean - size, 0);
+    double size = pel_hypot(difference, stress[2]), high = fmax(mean + size, 0), low = fmax(mean - size, 0);
     double centre = 0.5 * (high + low), scale = 0.5 * (high - low) * pel_inverse_or_zero(size);
     pel_vec3_set(positive, centre + scale * difference, centre - scale * difference, scale * stress[2]);
 }

@@ -1,6 +1,7 @@
 #define PEL_LANE_DOUBLE
 #include "measure/element.h"
 
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/volume.h"
 
@@ -50,7 +51,7 @@ bool pel_rest_triangle_direction(const double rest[3][3], const double vector[3]
     direction[1] = 0;
     if (!find_frame(rest, &frame))
         return false;
-    double u = pel_vec3_dot(vector, frame.axis[0]), v = pel_vec3_dot(vector, frame.axis[1]), length = hypot(u, v);
+    double u = pel_vec3_dot(vector, frame.axis[0]), v = pel_vec3_dot(vector, frame.axis[1]), length = pel_hypot(u, v);
     if (!(length > 1e-12 * pel_vec3_length(vector)))
         return false;
     direction[0] = u / length;
@@ -99,10 +100,10 @@ void pel_principal_direction(const pel_rest_triangle *triangle, const double x[3
         c12 += f[2 * i] * f[2 * i + 1];
         c22 += f[2 * i + 1] * f[2 * i + 1];
     }
-    double difference = 0.5 * (c11 - c22), size = hypot(difference, c12);
-    double angle = size > 1e-9 * (c11 + c22) ? 0.5 * atan2(c12, difference) : 0;
-    direction[0] = cos(angle);
-    direction[1] = sin(angle);
+    double difference = 0.5 * (c11 - c22), size = pel_hypot(difference, c12);
+    double angle = size > 1e-9 * (c11 + c22) ? 0.5 * pel_atan2(c12, difference) : 0;
+    direction[0] = pel_cos(angle);
+    direction[1] = pel_sin(angle);
 }
 
 double pel_membrane_energy(const pel_rest_triangle *triangle, const pel_membrane_material *material,

@@ -13,6 +13,7 @@
 #include "mesh/cut.h"
 
 #include "base/memory.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/edge_table.h"
 #include "mesh/union_find.h"
@@ -90,7 +91,7 @@ static int32_t sort_spokes(work *w, int32_t e)
     for (; h >= 0; h = w->edges.next_in_edge[h], count++) {
         arm_of(w, h, axis, w->positions[low], arm);
         w->spokes[count] =
-            (spoke){atan2(pel_vec3_dot(arm, second), pel_vec3_dot(arm, first)), h, vertex_at(w, h) == low};
+            (spoke){pel_atan2(pel_vec3_dot(arm, second), pel_vec3_dot(arm, first)), h, vertex_at(w, h) == low};
     }
     qsort(w->spokes, (size_t)count, sizeof *w->spokes, by_angle);
     return count;

@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "pellicle/topology.h"
 
@@ -160,7 +161,7 @@ static double angle_between(const double a[3], const double b[3])
     double scale = pel_vec3_length(a) * pel_vec3_length(b);
     if (!(scale > 0))
         return HUGE_VAL;
-    return acos(fmin(fmax(pel_vec3_dot(a, b) / scale, -1), 1));
+    return pel_acos(fmin(fmax(pel_vec3_dot(a, b) / scale, -1), 1));
 }
 
 static fill_weight *weight_at(const fill_work *w, int32_t i, int32_t k)

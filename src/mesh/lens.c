@@ -13,6 +13,8 @@
    them smoothly along the outline. */
 #include "mesh/lens.h"
 
+#include "math/functions.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -95,8 +97,8 @@ static void fit_arc(pel_lens_outline *outline)
     outline->arc_radius = from_front;
     outline->arc_centre[0] = p + from_front * m / sqrt(1 + m * m);
     outline->arc_centre[1] = height(front, p) - from_front / sqrt(1 + m * m);
-    outline->arc_begin = atan2(1, -m);
-    outline->arc_end = atan2(-1, n);
+    outline->arc_begin = pel_atan2(1, -m);
+    outline->arc_end = pel_atan2(-1, n);
 }
 
 /* length of the curve between two radii: Gauss-Legendre, five points */
@@ -172,8 +174,8 @@ void pel_lens_outline_point(const pel_lens_outline *outline, double along, doubl
         *z = height(outline->back.coefficients, *r);
     } else {
         double angle = (outline->length_to_equator - along) / outline->arc_radius;
-        *r = outline->arc_centre[0] + outline->arc_radius * cos(angle);
-        *z = outline->arc_centre[1] + outline->arc_radius * sin(angle);
+        *r = outline->arc_centre[0] + outline->arc_radius * pel_cos(angle);
+        *z = outline->arc_centre[1] + outline->arc_radius * pel_sin(angle);
     }
 }
 

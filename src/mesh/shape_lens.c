@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/lens.h"
 
@@ -24,7 +25,7 @@ static void move_to_lens(const pel_lens_outline *outline, pel_mesh *mesh, double
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         double *p = mesh->positions[v];
         double from_axis = sqrt(p[0] * p[0] + p[1] * p[1]), r, z;
-        double along = length_of_angle(outline, atan2(from_axis, p[2]));
+        double along = length_of_angle(outline, pel_atan2(from_axis, p[2]));
         along = fmin(fmax(along, 0), outline->length);
         pel_lens_outline_point(outline, along, &r, &z);
         double scale = from_axis > 0 ? metre * r / from_axis : 0;

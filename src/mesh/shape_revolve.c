@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/allocate.h"
 
@@ -22,7 +23,7 @@ static void turn(int32_t step, int32_t count, double *cosine, double *sine)
     int64_t quadrant = 4 * (int64_t)step / count, rest = 4 * (int64_t)step % count;
     bool past_eighth = 2 * rest > count;
     double angle = quarter * (double)(past_eighth ? count - rest : rest) / (double)count;
-    double c = past_eighth ? sin(angle) : cos(angle), s = past_eighth ? cos(angle) : sin(angle);
+    double c = past_eighth ? pel_sin(angle) : pel_cos(angle), s = past_eighth ? pel_cos(angle) : pel_sin(angle);
     const double cosines[4] = {c, -s, -c, s}, sines[4] = {s, c, -s, -c};
     *cosine = cosines[quadrant % 4];
     *sine = sines[quadrant % 4];

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/union_find.h"
 
@@ -89,9 +90,9 @@ static double winding_about(const parts *p, const part *own, const double point[
             l[k] = pel_vec3_length(x[k]);
         }
         pel_vec3_cross(x[1], x[2], product);
-        sum +=
-            atan2(pel_vec3_dot(x[0], product), l[0] * l[1] * l[2] + pel_vec3_dot(x[0], x[1]) * l[2] +
-                                                   pel_vec3_dot(x[1], x[2]) * l[0] + pel_vec3_dot(x[2], x[0]) * l[1]);
+        sum += pel_atan2(pel_vec3_dot(x[0], product), l[0] * l[1] * l[2] + pel_vec3_dot(x[0], x[1]) * l[2] +
+                                                          pel_vec3_dot(x[1], x[2]) * l[0] +
+                                                          pel_vec3_dot(x[2], x[0]) * l[1]);
     }
     return sum / 6.283185307179586;
 }

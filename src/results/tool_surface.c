@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "results/folder.h"
 #include "sim/tool.h"
 
@@ -68,9 +69,9 @@ static pel_status make_capsule(pel_tool_surface *surface, pel_error *error)
         int upper = half > 0 && r >= circles / 2;
         double latitude = PI * ((r - upper + 1.0) / (RINGS + 1.0) - 0.5);
         for (int s = 0; s < SIDES; s++) {
-            double longitude = 2 * PI * s / SIDES, across = solid->radius * cos(latitude);
-            pel_vec3_set(surface->local[r * SIDES + s], across * cos(longitude), across * sin(longitude),
-                         solid->radius * sin(latitude) + (upper ? half : -half));
+            double longitude = 2 * PI * s / SIDES, across = solid->radius * pel_cos(latitude);
+            pel_vec3_set(surface->local[r * SIDES + s], across * pel_cos(longitude), across * pel_sin(longitude),
+                         solid->radius * pel_sin(latitude) + (upper ? half : -half));
         }
     }
     int32_t low = circles * SIDES, high = low + 1, t = 0;

@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "pellicle/parallel.h"
 #include "results/files.h"
+#include "sim/sim.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -53,6 +54,16 @@ static bool list_is_due(const pel_run_frames *frames)
     return unlisted > LIST_GROWTH * (double)frames->listed_count || pel_run_clock() - frames->listed_at > LIST_SECONDS;
 }
 
+void pel_run_measure(pel_sim *sim, unsigned skips, pel_sim_measures *measures, pel_sim_ledger *ledger)
+{
+    bool has_energies = (skips & PEL_RUN_ENERGIES) == 0;
+    pel_sim_measure_parts(sim, (skips & PEL_RUN_SURFACES) == 0, has_energies, measures);
+    if (has_energies)
+        pel_sim_get_ledger(sim, ledger);
+    else
+        *ledger = (pel_sim_ledger){0};
+}
+
 /* ---- a frame: taken from the simulation, then written ---- */
 
 /* all that a frame says of the present state; nothing of the simulation is needed any more to write it */
@@ -69,8 +80,7 @@ static pel_status take_frame(pel_run_frames *frames, pel_sim *sim, const pel_run
         .tool_force_max = tool_force,
         .contact_before = totals->contact,
     };
-    pel_sim_measure(sim, &row->measures);
-    pel_sim_get_ledger(sim, &row->ledger);
+    pel_run_measure(sim, frames->skips, &row->measures, &row->ledger);
     pel_sim_get_contact_statistics(sim, &row->contact);
     frames->measured_step = pel_sim_step_count(sim);
     if (frames->folder != NULL || frames->row != NULL)
@@ -119,7 +129,8 @@ static pel_status write_frame(pel_run_frames *frames, pel_error *error)
     frames->last_time = frames->frame.time;
     frames->max_displacement = fmax(frames->max_displacement, row->measures.max_displacement);
     frames->unbalanced_force = fmax(frames->unbalanced_force, row->measures.unbalanced_force);
-    pel_warnings_check_frame(&frames->warnings, row->frame, &row->measures, &row->ledger);
+    if ((frames->skips & PEL_RUN_WARNINGS) == 0)
+        pel_warnings_check_frame(&frames->warnings, row->frame, &row->measures, &row->ledger);
     atomic_store(&frames->max_force, row->measures.max_force);
     return list_is_due(frames) ? pel_run_frames_list(frames, error) : PEL_OK;
 }
@@ -162,7 +173,8 @@ pel_status pel_run_frames_create(pel_run_frames *frames, const pel_sim_def *sim_
                                  pel_error *error)
 {
     frames->measured_step = -1;
-    pel_status status = pel_run_surface_create(sim, &frames->scene->output, &frames->surface, error);
+    pel_status status =
+        frames->has_surface ? pel_run_surface_create(sim, &frames->scene->output, &frames->surface, error) : PEL_OK;
     int32_t threads = sim_def->thread_count > 0 ? sim_def->thread_count : (int32_t)pel_thread_limit();
     return status == PEL_OK && threads > 1 ? start_thread(frames, sim, error) : status;
 }

@@ -9,6 +9,7 @@
 #include "results/series.h"
 #include "results/surface.h"
 #include "results/tool_surface.h"
+#include "run/kept.h"
 #include "run/plan.h"
 #include "run/warnings.h"
 
@@ -50,6 +51,7 @@ typedef struct pel_run_frames {
     void (*row)(void *user, const char *line); /* as in pel_run_def; nullable */
     void *user;
     int32_t tool_count; /* of the scene */
+    bool has_surface;   /* someone wants its triangles */
     pel_run_surface surface;
     pel_tool_surfaces tools;
     pel_run_series series;
@@ -67,6 +69,7 @@ typedef struct pel_run_frames {
     pel_worker *worker;           /* null = one thread does everything */
     size_t snapshot_size;
     pel_run_frame frame;
+    unsigned skips;        /* of kept.h */
     int64_t measured_step; /* of the measures in its row; -1 = none yet */
 } pel_run_frames;
 
@@ -95,6 +98,9 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
 
 /* Brings frames.pvd up to date; only after pel_run_frames_settle. */
 pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error);
+
+/* The present state but for what is skipped (kept.h), which is 0. */
+void pel_run_measure(pel_sim *sim, unsigned skips, pel_sim_measures *measures, pel_sim_ledger *ledger);
 
 /* s, from some fixed moment */
 double pel_run_clock(void);

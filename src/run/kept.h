@@ -4,12 +4,21 @@
 
 #include "pellicle/run.h"
 
+/* What a run finds at its frames and its end. */
+enum {
+    PEL_RUN_SURFACES = 1, /* areas, volumes, numbers of vertices and triangles */
+    PEL_RUN_ENERGIES = 2, /* forces, energies, the ledger */
+    PEL_RUN_HASH = 4,
+    PEL_RUN_WARNINGS = 8, /* of frames and the end, which take the first two */
+};
+
 /* Made by the first run and used by the next ones; start from zeros. */
 typedef struct pel_run_kept {
     pel_model *model; /* null = made by the next run */
     pel_sim *sim;     /* null = likewise */
     void *start;      /* its snapshot before the first step */
     bool is_at_start; /* the simulation is */
+    unsigned skips;   /* what nobody reads: the summary leaves it at 0 */
 } pel_run_kept;
 
 /* pel_run with what is kept, which has to be that of this scene. Without a folder or a session; the summary

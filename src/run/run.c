@@ -50,6 +50,9 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the number of frames, threads or seconds is below 0");
     if (def->folder == NULL && def->resume != NULL)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a run without a folder cannot resume");
+    if (def->beside != NULL &&
+        (def->folder != NULL || def->beside->count < 0 || (def->beside->count > 0 && def->beside->scenes == NULL)))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "runs beside a run need their scenes, and leave no files");
     return PEL_OK;
 }
 
@@ -219,10 +222,12 @@ static pel_status prepare(pel_run_state *run, pel_error *error)
     if (status == PEL_OK)
         status = create_sim(run, error);
     if (status == PEL_OK)
+        status = pel_run_beside_create(run, error);
+    if (status == PEL_OK)
         status = check_stop(run, error);
     if (status == PEL_OK)
         status = try_step(run, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK && (run->frames.skips & PEL_RUN_WARNINGS) == 0)
         status = pel_warnings_check_scene(run, error);
     if (status != PEL_OK)
         return status;
@@ -246,6 +251,7 @@ static void release(pel_run_state *run)
     pel_free(run->checkpoint);
     pel_free(run->tool_force);
     pel_session_destroy(run->session);
+    pel_run_beside_destroy(run);
     if (run->kept != NULL)
         return;
     pel_sim_destroy(run->sim);
@@ -394,7 +400,9 @@ static void note_volume(pel_run_totals *totals, double ratio)
 
 static pel_status add_frame(pel_run_state *run, pel_error *error)
 {
-    note_volume(&run->totals, pel_sim_volume_ratio(run->sim));
+    if ((run->frames.skips & PEL_RUN_SURFACES) == 0)
+        note_volume(&run->totals, pel_sim_volume_ratio(run->sim));
+    pel_run_beside_add_frame(run);
     return pel_run_frames_add(&run->frames, run->sim, &run->totals, run->tool_force, error);
 }
 
@@ -448,6 +456,8 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
 
 static pel_status step(pel_run_state *run, pel_error *error)
 {
+    if (run->sims_beside != NULL)
+        return pel_sim_step_beside(run->sim, run->sims_beside, run->def->beside->count, error);
     if (run->session == NULL)
         return pel_sim_step(run->sim, error);
     pel_status status = pel_session_repeat(run->session, error);
@@ -554,8 +564,7 @@ static void measure_end(pel_run_state *run)
         run->ledger = run->frames.frame.row.ledger;
         return;
     }
-    pel_sim_measure(run->sim, &run->measures);
-    pel_sim_get_ledger(run->sim, &run->ledger);
+    pel_run_measure(run->sim, run->frames.skips, &run->measures, &run->ledger);
 }
 
 /* error holds what ended the run when status is a failure; a later failure does not replace an earlier one, and that of
@@ -580,7 +589,7 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
         name_checkpoint(run, error);
     if (uncounted)
         pel_warn(&run->totals.warnings, PEL_WARN_UNCOUNTED, run->totals.frame_count - 1, 0);
-    if (over && status == PEL_OK)
+    if (over && status == PEL_OK && (run->frames.skips & PEL_RUN_WARNINGS) == 0)
         pel_warnings_check_end(run);
     pel_run_summary_fill(run, status, summary);
     pel_warnings_tell(run, true);
@@ -610,6 +619,8 @@ pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_
         run.plan.checkpoint_steps = 0;
     run.frames =
         (pel_run_frames){.scene = scene, .folder = def->folder, .plan = &run.plan, .row = def->row, .user = def->user};
+    run.frames.has_surface = def->folder != NULL || !def->skip_intersections;
+    run.frames.skips = kept != NULL ? kept->skips : 0;
     status = prepare(&run, cause);
     if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
         pel_scene_locate(scene, cause);
@@ -619,6 +630,8 @@ pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_
         pel_warnings_tell(&run, false);
     if (status == PEL_OK)
         status = finish(&run, simulate(&run, cause), summary, cause);
+    if (status == PEL_OK)
+        pel_run_beside_end(&run);
     release(&run);
     return status;
 }

@@ -38,7 +38,20 @@ typedef struct pel_run_state {
     pel_flagged_body flagged[PEL_WARN_COUNT];
     bool told[PEL_WARN_COUNT];  /* to the log */
     int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
+    /* beside.c: of def->beside, each (count); null = none */
+    pel_model **models_beside;
+    pel_sim **sims_beside;
+    pel_run_series *series_beside;
 } pel_run_state;
+
+/* ---- beside.c ---- */
+
+/* Makes the simulations beside that of the run. Errors of their creation; PEL_BAD_ARGUMENT for runs that have none. */
+pel_status pel_run_beside_create(pel_run_state *run, pel_error *error);
+void pel_run_beside_destroy(pel_run_state *run);
+/* Gives their rows of the frame that the run is to add. */
+void pel_run_beside_add_frame(pel_run_state *run);
+void pel_run_beside_end(pel_run_state *run);
 
 /* ---- checkpoint.c ---- */
 

@@ -47,7 +47,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .vertices_final = run->measures.vertex_count,
         .triangles_final = run->measures.triangle_count,
         .self_intersections_final = run->intersection_count,
-        .state_hash = pel_sim_hash(sim),
+        .state_hash = (run->frames.skips & PEL_RUN_HASH) == 0 ? pel_sim_hash(sim) : 0,
         .alpha = pel_sim_alpha(sim),
         .alpha_limit = pel_sim_alpha_limit(sim),
         .threads = run->thread_count,

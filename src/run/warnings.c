@@ -1,6 +1,7 @@
 #include "run/warnings.h"
 
 #include "base/status.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "model/model.h"
 #include "model/shell.h"
@@ -124,7 +125,7 @@ static pel_status measure_edges(const pel_mesh *mesh, double *radius, double *ed
                 continue;
             triangle_normal(mesh, twin / 3, m);
             pel_vec3_cross(n, m, cross);
-            double angle = atan2(pel_vec3_length(cross), pel_vec3_dot(n, m));
+            double angle = pel_atan2(pel_vec3_length(cross), pel_vec3_dot(n, m));
             /* each inner edge comes twice */
             turn += angle > FLAT_ANGLE ? length * angle / 4 : 0;
         }
@@ -366,7 +367,7 @@ static void tell_coarseness(const text_context *at)
         at->text, at->size,
         "the edges of body '%s' are %.3g m long on average, but its shell bends over sqrt(R h) = %.3g m. subdivide "
         "the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
-        name, flagged->value, flagged->limit, fmax(ceil(log2(flagged->value / flagged->limit)), 1), name);
+        name, flagged->value, flagged->limit, fmax(ceil(pel_log2(flagged->value / flagged->limit)), 1), name);
 }
 
 static void tell_millimetres(const text_context *at)
@@ -590,7 +591,7 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
 {
     const pel_body_def *body = &run->scene->model.bodies[0];
     pel_method method = run->scene->sim.solver.method;
-    int levels = contacts > 0 ? (int)ceil(log2(2.0 * LEAST_CONTACTS / contacts) / 2) : 1;
+    int levels = contacts > 0 ? (int)ceil(pel_log2(2.0 * LEAST_CONTACTS / contacts) / 2) : 1;
     if (run->scene->model.body_count > 1)
         snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
     else if (body->refine.levels > 0)

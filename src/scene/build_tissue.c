@@ -38,7 +38,7 @@ static pel_status measure(const pel_scene_body_source *source, body_size *size)
     double area = pel_surface_area(mesh->positions[0], mesh->triangles[0], mesh->triangle_count);
     double volume = fabs(pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, NULL));
     bool is_filled = closed && volume > LEAST_FILLING * area * sqrt(area);
-    size->radius = is_filled ? 3 * volume / area : sqrt(area / (4 * acos(-1)));
+    size->radius = is_filled ? 3 * volume / area : sqrt(area / (4 * 3.14159265358979323846));
     size->filled = is_filled ? volume / area : SKIN_SHARE * size->radius;
     return PEL_OK;
 }

@@ -1,6 +1,7 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "scene/mesh.h"
 
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "pellicle/import.h"
 #include "pellicle/mesh_io.h"
@@ -95,8 +96,8 @@ pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *v
             return status;
         half_angle = fmod(pel_scene_value_number(value, "angle"), 720) * pi / 360;
     }
-    pel_vec3_scale(axis, sin(half_angle), rotation);
-    rotation[3] = cos(half_angle);
+    pel_vec3_scale(axis, pel_sin(half_angle), rotation);
+    rotation[3] = pel_cos(half_angle);
     return PEL_OK;
 }
 

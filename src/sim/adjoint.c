@@ -58,9 +58,8 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
 /* ---- the problem of the present state ---- */
 
 /* the unknowns y of the last step, with edges as they bend least at these */
-static void take_state(pel_adjoint_work *a, double end)
+static void take_state(pel_sim *sim, double end)
 {
-    pel_sim *sim = a->sim;
     const pel_state *state = sim->state;
     double *unknowns = sim->descent->newton->unknowns;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
@@ -72,15 +71,13 @@ static void take_state(pel_adjoint_work *a, double end)
     pel_sim_newton_settle_at(sim);
 }
 
-static void make_problem(pel_adjoint_work *a, double end)
+void pel_adjoint_take_problem(pel_sim *sim, double end, pel_newton_problem *problem)
 {
-    pel_sim *sim = a->sim;
     pel_sim_newton *newton = sim->descent->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
     double time = pel_sim_time(sim) - (1 - 1 / end) * sim->step.dt;
-    take_state(a, end);
-    memcpy(a->unknowns, newton->unknowns, (size_t)pel_newton_pattern(newton->newton)->unknown_count * sizeof(double));
-    a->problem = (pel_newton_problem){
+    take_state(sim, end);
+    *problem = (pel_newton_problem){
         .time = time,
         .state = sim->state,
         .force = newton->loads,
@@ -89,11 +86,11 @@ static void make_problem(pel_adjoint_work *a, double end)
         .points = (const double(*)[3])newton->points,
         .fixed = newton->fixed,
         .target = newton->target,
+        .frames = newton->frames,
         .is_dynamic = is_dynamic,
     };
     memcpy(sim->state->position_next, sim->state->position,
            (size_t)sim->model->vertex_count * sizeof *sim->state->position);
-    a->problem.frames = pel_sim_newton_gather_at(sim, time, !is_dynamic);
 }
 
 /* ---- results ---- */
@@ -230,7 +227,11 @@ pel_status pel_adjoint_solve(pel_adjoint_work *a, double end, pel_error *error)
     const pel_adjoint *def = a->def;
     pel_sim *sim = a->sim;
     pel_newton *newton = sim->descent->newton->newton;
-    make_problem(a, end);
+    pel_adjoint_take_problem(sim, end, &a->problem);
+    memcpy(a->unknowns, sim->descent->newton->unknowns,
+           (size_t)pel_newton_pattern(newton)->unknown_count * sizeof(double));
+    /* loads and places may have changed since */
+    a->problem.frames = pel_sim_newton_gather_at(sim, a->problem.time, !a->problem.is_dynamic);
     pel_descent_context context = {.sim = sim, .time = a->problem.time};
     const pel_newton_terms terms = pel_sim_newton_terms(&context);
     if (pel_sim_newton_has_terms(sim))

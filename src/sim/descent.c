@@ -12,6 +12,7 @@
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "sim/contact.h"
 #include "sim/step_newton.h"
 #include "sim/tool.h"
@@ -302,7 +303,7 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
     double tolerance = pel_sim_has_velocity(sim)
-                           ? hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)
+                           ? pel_hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)
                            : tolerance_of(sim, loads);
     return round->converged && (round->is_near || round->residual <= tolerance);
 }

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 
 #include <string.h>
 
@@ -113,7 +114,7 @@ static bool is_along_axis(const tool_search *search, const pel_descent_contact *
     pel_vertex_position(search->sim->state->position_next, constraint->vertices[1], to);
     pel_vec3_subtract(to, from, way);
     pel_rotate_back(search->sim->tools[search->tool].pose.rotation, way, way);
-    return hypot(way[0], way[1]) < ALONG_AXIS * fabs(way[2]);
+    return pel_hypot(way[0], way[1]) < ALONG_AXIS * fabs(way[2]);
 }
 
 /* A side of a triangle that crosses the axis; beyond its ends their spheres hold the triangle, and vertices have

@@ -1,5 +1,6 @@
 #include "sim/field_mechanics.h"
 
+#include "math/functions.h"
 #include "math/vec3.h"
 
 #include <string.h>
@@ -92,12 +93,12 @@ static void find_principal(const double tensor[6], const double normal[3], doubl
         for (int i = 0; i < 3; i++)
             image[a][i] = pel_vec3_dot(rows[i], axis[a]);
     double a = pel_vec3_dot(axis[0], image[0]), b = pel_vec3_dot(axis[1], image[1]);
-    double c = pel_vec3_dot(axis[0], image[1]), mean = 0.5 * (a + b), size = hypot(0.5 * (a - b), c);
-    double angle = 0.5 * atan2(2 * c, a - b);
+    double c = pel_vec3_dot(axis[0], image[1]), mean = 0.5 * (a + b), size = pel_hypot(0.5 * (a - b), c);
+    double angle = 0.5 * pel_atan2(2 * c, a - b);
     values[0] = mean + size;
     values[1] = mean - size;
     for (int i = 0; i < 3; i++)
-        direction[i] = cos(angle) * axis[0][i] + sin(angle) * axis[1][i];
+        direction[i] = pel_cos(angle) * axis[0][i] + pel_sin(angle) * axis[1][i];
 }
 
 /* membrane stress, plus that of bending on one side */

@@ -17,6 +17,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "math/functions.h"
 #include "sim/contact.h"
 #include "sim/descent.h"
 #include "sim/hold.h"
@@ -105,7 +106,7 @@ static double substep_loss(const vertex_sums *sums, int32_t v, const double *fac
     if (!(damping > 0) || !(mass > 0))
         return 0;
     double kinetic = 0.5 * mass * sum_of(before * before + after * after);
-    return kinetic * (tanh((sim->solver.drag + damping / mass) * sim->step.dt) - sums->drag_gain);
+    return kinetic * (pel_tanh((sim->solver.drag + damping / mass) * sim->step.dt) - sums->drag_gain);
 }
 
 static double damping_sum(const vertex_sums *sums, int32_t slice_begin, int32_t slice_end)
@@ -164,7 +165,7 @@ static void add_dissipation(pel_sim *sim)
     if (!pel_sim_has_velocity(sim) || !(drag > 0 || sim->ledger.has_damping || sim->ledger.has_radial_damping))
         return;
     /* half of the drag acts before the velocity in the middle of the step, half behind it */
-    double gain = pel_sim_is_explicit(sim) ? exp(drag) - exp(-drag) : tanh(drag);
+    double gain = pel_sim_is_explicit(sim) ? pel_exp(drag) - pel_exp(-drag) : pel_tanh(drag);
     vertex_sums sums = {.sim = sim, .drag_gain = gain, .damps = true};
     sim->ledger.sums.dissipated_drag += sum_vertices(sim, &sums).damping;
 }
@@ -327,7 +328,7 @@ static void rotation_between(const double a[4], const double b[4], double rotati
     pel_vec3_cross(b, back, cross);
     for (int i = 0; i < 3; i++)
         axis[i] = b[3] * back[i] + a[3] * b[i] + cross[i];
-    double sine = pel_vec3_length(axis), angle = 2 * atan2(sine, fabs(scalar));
+    double sine = pel_vec3_length(axis), angle = 2 * pel_atan2(sine, fabs(scalar));
     pel_vec3_scale(axis, sine > 0 ? (scalar < 0 ? -angle : angle) / sine : 0, rotation);
 }
 

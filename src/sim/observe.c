@@ -1,4 +1,5 @@
 /* Getters between the model's vertex order and the mesh's, and sums over everything. */
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "sim/sim.h"
 
@@ -206,7 +207,7 @@ static void present_velocity(const pel_sim *sim, int32_t i, double velocity[3])
     vertex_velocity(sim, i, velocity);
     if (!pel_sim_is_explicit(sim) || !sim->solver.symplectic || is_held || is_first)
         return;
-    double dt = sim->step.dt, kept = exp(-0.5 * sim->solver.drag * dt);
+    double dt = sim->step.dt, kept = pel_exp(-0.5 * sim->solver.drag * dt);
     double gain = 0.5 * dt * (double)sim->model->inverse_mass[i];
     for (int c = 0; c < 3; c++)
         velocity[c] = kept * velocity[c] + gain * (double)sim->force[i][c];
@@ -251,38 +252,60 @@ void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
                                measures->bending_energy + measures->fibre_energy;
 }
 
-/* largest displacement and force, the sum of those on free vertices, and the number of vertices in contact */
-static void measure_vertices(const pel_sim *sim, pel_sim_measures *measures)
+/* the largest one, and the number of vertices in contact */
+static void measure_displacements(const pel_sim *sim, pel_sim_measures *measures)
 {
     const pel_model *model = sim->model;
-    double largest_offset = 0, largest_force = 0; /* squares */
+    double largest = 0; /* square */
     for (int32_t i = 0; i < model->vertex_count; i++) {
-        double offset[3], force[3];
+        double offset[3];
         if (model->mesh_vertex[i] < 0)
             continue;
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++)
             offset[c] = (double)sim->state->position[i][c] - (double)model->rest[i][c];
-            force[c] = (double)sim->force[i][c];
-        }
-        largest_offset = fmax(largest_offset, pel_vec3_squared_length(offset));
-        largest_force = fmax(largest_force, pel_vec3_squared_length(force));
+        double square = pel_vec3_squared_length(offset);
+        largest = square > largest ? square : largest;
         measures->contact_count += sim->state->contact[i];
+    }
+    measures->max_displacement = sqrt(largest);
+}
+
+/* the largest one, and the sum of those on free vertices */
+static void measure_forces(const pel_sim *sim, pel_sim_measures *measures)
+{
+    const pel_model *model = sim->model;
+    double largest = 0; /* square */
+    for (int32_t i = 0; i < model->vertex_count; i++) {
+        double force[3];
+        if (model->mesh_vertex[i] < 0)
+            continue;
+        for (int c = 0; c < 3; c++)
+            force[c] = (double)sim->force[i][c];
+        double square = pel_vec3_squared_length(force);
+        largest = square > largest ? square : largest;
         bool is_held = sim->state->contact[i] || (sim->held != NULL && sim->held[i]);
         if (!is_held && model->inverse_mass[i] > 0)
-            measures->unbalanced_force += pel_vec3_length(force);
+            measures->unbalanced_force += sqrt(square);
     }
-    measures->max_displacement = sqrt(largest_offset);
-    measures->max_force = sqrt(largest_force);
+    measures->max_force = sqrt(largest);
+}
+
+void pel_sim_measure_parts(pel_sim *sim, bool has_surfaces, bool has_energies, pel_sim_measures *measures)
+{
+    *measures = (pel_sim_measures){0};
+    if (has_surfaces)
+        measure_surfaces(sim, measures);
+    if (has_energies)
+        pel_sim_sum_energies(sim, measures);
+    measure_displacements(sim, measures);
+    if (has_energies)
+        measure_forces(sim, measures);
 }
 
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
 {
-    if (sim == NULL || measures == NULL)
-        return;
-    *measures = (pel_sim_measures){0};
-    measure_surfaces(sim, measures);
-    pel_sim_sum_energies(sim, measures);
-    measure_vertices(sim, measures);
+    if (sim != NULL && measures != NULL)
+        pel_sim_measure_parts(sim, true, true, measures);
 }
 
 /* ---- the solver ---- */

@@ -618,6 +618,14 @@ pel_status pel_tool_check_start(pel_sim *sim, int32_t index, pel_error *error);
 /* true when a point lies inside a closed body */
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body);
 
+/* ---- observe.c ---- */
+/* pel_sim_measure without areas, volumes and numbers of vertices, or without forces and energies: 0. */
+void pel_sim_measure_parts(pel_sim *sim, bool has_surfaces, bool has_energies, pel_sim_measures *measures);
+
+/* ---- step_beside.c ---- */
+/* What pel_sim_step_beside refuses: PEL_BAD_ARGUMENT. */
+pel_status pel_sim_check_beside(const pel_sim *sim, pel_sim *const *beside, int32_t count, pel_error *error);
+
 /* whether there is such a body, for public functions that are given any number */
 static inline bool pel_sim_has_body(const pel_sim *sim, int32_t body)
 {

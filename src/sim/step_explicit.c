@@ -1,5 +1,6 @@
 /* Euler's method on m a = F (paper A's baseline): forward, or symplectic, which is the leapfrog. */
 #include "base/status.h"
+#include "math/functions.h"
 #include "sim/sim.h"
 #include "solve/shell_stability.h"
 
@@ -79,7 +80,7 @@ static pel_status check_dt(pel_sim *sim, pel_error *error)
 static void correct_velocities(pel_sim *sim)
 {
     pel_state *state = sim->state;
-    double dt = sim->step.dt, half_drag = exp(-0.5 * sim->solver.drag * dt);
+    double dt = sim->step.dt, half_drag = pel_exp(-0.5 * sim->solver.drag * dt);
     bool first = state->step == 0 && sim->shells != NULL && sim->solver.symplectic;
     pel_real kept = (pel_real)(first ? half_drag : half_drag * half_drag);
     pel_real kick = (pel_real)(first ? 0.5 : half_drag), step = (pel_real)dt;

@@ -149,6 +149,9 @@ static bool has_potential(const pel_sim *sim)
 static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
+    /* beside another simulation the scheme of its step, which is there already */
+    if (sim->descent->newton->lead != NULL)
+        return sim->descent->newton->scheme;
     if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
         !sim->descent->newton->is_damped && has_potential(sim) && state->unresolved == 0)
         return &midpoint;
@@ -340,7 +343,8 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     double elastic, before = choose_scheme(sim) == &midpoint ? potential_at(sim, sim->state->position, &elastic) : 0;
     pel_status status = solve(sim, result, error);
-    if (status == PEL_OK && sim->descent->newton->scheme == &midpoint && changes_energy(sim, before)) {
+    bool is_beside = sim->descent->newton->lead != NULL;
+    if (status == PEL_OK && !is_beside && sim->descent->newton->scheme == &midpoint && changes_energy(sim, before)) {
         sim->state->unresolved = UNRESOLVED_STEPS;
         status = solve(sim, result, error);
     }

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "sim/edge_load.h"
 #include "sim/follower.h"
 #include "sim/hold.h"
@@ -213,6 +214,18 @@ static void support_free_body(pel_sim *sim, int32_t body)
     fix(newton, third, largest_component(normal));
 }
 
+/* beside another simulation: the components that it has supported, where it has them */
+static void support_as_lead(const pel_sim *sim, int32_t body)
+{
+    pel_sim_newton *newton = sim->descent->newton;
+    const pel_body *own = &sim->model->bodies[body];
+    for (int32_t u = 3 * own->slice_begin * PEL_WIDTH; u < 3 * pel_body_place_end(sim->model, body); u++)
+        if (newton->lead->problem->fixed[u]) {
+            newton->fixed[u] = 1;
+            newton->target[u] = newton->lead->unknowns[u];
+        }
+}
+
 pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free)
 {
     take_positions(sim);
@@ -221,13 +234,18 @@ pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports
 
 pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free)
 {
-    const pel_newton_frames frames =
-        pel_holds_fix(sim, time, sim->descent->newton->fixed, sim->descent->newton->target);
+    pel_sim_newton *newton = sim->descent->newton;
+    newton->frames = pel_holds_fix(sim, time, newton->fixed, newton->target);
     find_loads(sim, time);
-    for (int32_t b = 0; b < sim->model->body_count && supports_free; b++)
-        if (is_free(sim, b))
+    for (int32_t b = 0; b < sim->model->body_count && supports_free; b++) {
+        if (!is_free(sim, b))
+            continue;
+        if (newton->lead != NULL)
+            support_as_lead(sim, b);
+        else
             support_free_body(sim, b);
-    return frames;
+    }
+    return newton->frames;
 }
 
 /* ---- constraints ---- */
@@ -491,7 +509,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         return pel_fail_memory(error);
     const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     double moments = pel_newton_moment_force(newton->newton, newton->loads);
-    double tolerance = hypot(problem->tolerance, pel_descent_held_share() * moments);
+    double tolerance = pel_hypot(problem->tolerance, pel_descent_held_share() * moments);
     int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
                         : context->is_constrained ? CONSTRAINED_ITERATIONS
                                                   : DYNAMIC_ITERATIONS;
@@ -519,8 +537,10 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         .is_dynamic = is_dynamic,
     };
     pel_newton_result run;
-    pel_status status = pel_newton_run(newton->newton, &own, newton->unknowns, &run, error);
-    if (status == PEL_OK && is_dynamic)
+    pel_status status = newton->lead != NULL ? pel_newton_run_beside(newton->newton, &own, newton->lead,
+                                                                     newton->unknowns, NULL, &run, error)
+                                             : pel_newton_run(newton->newton, &own, newton->unknowns, &run, error);
+    if (status == PEL_OK && is_dynamic && newton->lead == NULL)
         balance_groups(sim, context->is_constrained);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)

@@ -14,6 +14,7 @@ struct pel_sim_newton {
     double *target;               /* (unknown_count) of fixed ones */
     double *loads;                /* (unknown_count) N */
     uint8_t *fixed;               /* (unknown_count) */
+    pel_newton_frames frames;     /* of supports, since the last gathering */
     pel_record *position, *force; /* (vertex_count) what constraints see of the unknowns, and answer */
     double *point_stiffness;      /* (vertex_count) N/m, inertia and drag; null in statics */
     double (*points)[3];          /* (vertex_count) m */
@@ -28,6 +29,7 @@ struct pel_sim_newton {
     uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
     bool is_exact;                            /* steps in time are solved to rounding, for derivatives */
     bool goes_on;                             /* the unknowns belong to the step in progress */
+    const pel_newton_lead *lead;              /* of a step beside another simulation (step_beside.c); null = none */
 };
 
 /* Unknowns, matrix and room, after sim->descent was made. Errors of pel_newton_create. */

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "sim/follower.h"
 #include "sim/hold.h"
 
@@ -92,7 +93,7 @@ static pel_newton_problem make_problem(pel_sim *sim)
     problem.tolerance = pel_descent_tolerance(sim, problem.time);
     problem.frames = pel_sim_newton_gather(sim, problem.time, true);
     problem.tolerance =
-        hypot(problem.tolerance, pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads));
+        pel_hypot(problem.tolerance, pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads));
     set_factor(sim, factor);
     problem.held_share = pel_descent_held_share();
     problem.short_move = pel_descent_short_move(sim);
@@ -187,6 +188,20 @@ static pel_status begin(pel_sim *sim, const pel_newton_problem *problem, pel_new
     return pel_newton_run(newton->newton, problem, newton->unknowns, result, error);
 }
 
+/* the balance beside that of the lead, which has gone its step along the path */
+static pel_status step_beside(pel_sim *sim, const pel_newton_problem *problem, pel_error *error)
+{
+    pel_newton_result result;
+    double factor;
+    pel_status status = pel_newton_run_beside(sim->descent->newton->newton, problem, sim->descent->newton->lead,
+                                              sim->descent->newton->unknowns, &factor, &result, error);
+    if (status != PEL_OK)
+        return status;
+    take(sim, &result);
+    set_factor(sim, factor);
+    return PEL_OK;
+}
+
 pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_sim_path *own = sim->path;
@@ -202,6 +217,8 @@ pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *err
     pel_sim_newton_begin(sim);
     pel_shell_forces_follow(sim->shells, state->position);
     const pel_newton_problem problem = make_problem(sim);
+    if (sim->descent->newton->lead != NULL)
+        return step_beside(sim, &problem, error);
     double start = own->path.factor = state->load_factor;
     if (own->path.length > 0)
         find_direction(sim);

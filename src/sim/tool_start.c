@@ -4,6 +4,7 @@
    and of the tool, the normal of the triangle that is deepest in it, and through the point of the surface that is
    nearest to its centre. Along a direction the way is found by bisection. */
 #include "base/status.h"
+#include "math/functions.h"
 #include "pellicle/geometry.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
@@ -26,7 +27,7 @@ static double winding(const double a[3], const double b[3], const double c[3])
     double la = pel_vec3_length(a), lb = pel_vec3_length(b), lc = pel_vec3_length(c), n[3];
     pel_vec3_cross(b, c, n);
     double divisor = la * lb * lc + pel_vec3_dot(a, b) * lc + pel_vec3_dot(b, c) * la + pel_vec3_dot(c, a) * lb;
-    return atan2(pel_vec3_dot(a, n), divisor) / 6.283185307179586;
+    return pel_atan2(pel_vec3_dot(a, n), divisor) / 6.283185307179586;
 }
 
 static void load_corners(const overlap *o, int32_t t, double corner[3][3])

@@ -345,7 +345,9 @@ static double value_of(const pel_modes *modes, double inverse)
     if (modes->analysis == PEL_ANALYSIS_BUCKLING)
         return modes->shift + 1 / inverse;
     double square = 1 / inverse - modes->shift;
-    return fabs(square) <= RIGID_SHARE * modes->shift ? 0 : copysign(sqrt(fabs(square)), square) / (2 * acos(-1));
+    return fabs(square) <= RIGID_SHARE * modes->shift
+               ? 0
+               : copysign(sqrt(fabs(square)), square) / (2 * 3.14159265358979323846);
 }
 
 static void take_vector(pel_modes *modes, int32_t number)

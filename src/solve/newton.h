@@ -143,6 +143,26 @@ typedef struct pel_newton_path {
 pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                              pel_newton_path *path, pel_newton_result *result, pel_error *error);
 
+/* A run that has ended: its matrix solves the systems of runs beside it, whose problems differ by small changes of
+   numbers (newton_beside.c). */
+typedef struct pel_newton_lead {
+    pel_newton *newton;
+    const pel_newton_problem *problem;
+    double *unknowns;            /* (unknown_count) at its end */
+    const pel_newton_path *path; /* null = the load factor stays */
+    double path_stiffness;       /* of the spring along the path; set by pel_newton_take_lead */
+} pel_newton_lead;
+
+/* The exact matrix at the end of the run, factored; with a path that pel_newton_follow has just gone along the load
+   factor is unknown as well. The factor serves until the next run of lead->newton. PEL_BAD_ARGUMENT where the matrix is
+   singular; PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_take_lead(pel_newton_lead *lead, pel_error *error);
+/* What pel_newton_run does, from the unknowns of the lead by chord iterations with its factor. load_factor: of the
+   balance that has no displacement from the lead's along the path; null without a path. PEL_BAD_ARGUMENT where they do
+   not converge. */
+pel_status pel_newton_run_beside(pel_newton *newton, const pel_newton_problem *problem, const pel_newton_lead *lead,
+                                 double *unknowns, double *load_factor, pel_newton_result *result, pel_error *error);
+
 /* Solves K m = gradient (unknown_count) at a balance, K exact, and fixed unknowns 0: multipliers m (unknown_count). On
    fixed ones, held = gradient - K m, the derivative by their places, elsewhere 0. gradient is written over.
    PEL_BAD_ARGUMENT where the balance is not stable; PEL_OUT_OF_MEMORY. */

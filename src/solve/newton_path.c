@@ -28,8 +28,8 @@
 enum { STEP_ITERATIONS = 14, MOST_PRODUCTS = 100 };
 #define SOLVE_TOLERANCE 1e-9
 
-/* L along the axes of the vertices: the gradient is linear in the factor */
-static void find_load(newton_run *run)
+/* the gradient is linear in the factor */
+void pel_newton_find_load(newton_run *run)
 {
     pel_newton *newton = run->newton;
     double factor = run->factor;
@@ -42,8 +42,7 @@ static void find_load(newton_run *run)
         newton->load[u] = newton->fixed[u] ? 0 : newton->gradient[u] - newton->load[u];
 }
 
-/* a factor of the matrix, or of that plus the least multiple of the masses which makes it positive; the matrix stays */
-static bool make_preconditioner(newton_run *run)
+bool pel_newton_make_preconditioner(newton_run *run)
 {
     pel_newton *newton = run->newton;
     double scale = pel_newton_stiffness_scale(newton), shift = 0;
@@ -59,7 +58,7 @@ static bool make_preconditioner(newton_run *run)
     return made;
 }
 
-static bool solve_with(newton_run *run, const double *right, double *solution)
+bool pel_newton_solve_indefinite(newton_run *run, const double *right, double *solution)
 {
     pel_newton *newton = run->newton;
     const pel_pcg_def def = {
@@ -83,7 +82,8 @@ static bool find_bordered_step(newton_run *run, double lacks, double *change)
     double *right = newton->start_gradient;
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         right[u] = newton->fixed[u] ? 0 : run->path_stiffness * lacks * newton->path[u] - newton->gradient[u];
-    if (!solve_with(run, newton->load, newton->answer) || !solve_with(run, right, newton->step))
+    if (!pel_newton_solve_indefinite(run, newton->load, newton->answer) ||
+        !pel_newton_solve_indefinite(run, right, newton->step))
         return false;
     double slope = pel_newton_dot(newton, newton->path, newton->answer);
     *change = (lacks - pel_newton_dot(newton, newton->path, newton->step)) / slope;
@@ -95,7 +95,7 @@ static bool find_bordered_step(newton_run *run, double lacks, double *change)
 static bool find_path_step(newton_run *run, double lacks, double *change)
 {
     pel_newton_assemble(run);
-    return run->status == PEL_OK && make_preconditioner(run) && find_bordered_step(run, lacks, change);
+    return run->status == PEL_OK && pel_newton_make_preconditioner(run) && find_bordered_step(run, lacks, change);
 }
 
 /* a of a direction in x: masses times it, of length 1 in the metric of masses over their sum */
@@ -130,10 +130,11 @@ static double length_of(const pel_newton *newton, const double *move)
 static bool begin_path(newton_run *run, pel_newton_path *path)
 {
     pel_newton *newton = run->newton;
-    find_load(run);
+    pel_newton_find_load(run);
     pel_newton_assemble(run);
     run->path_stiffness = 0;
-    if (run->status != PEL_OK || !make_preconditioner(run) || !solve_with(run, newton->load, newton->answer))
+    if (run->status != PEL_OK || !pel_newton_make_preconditioner(run) ||
+        !pel_newton_solve_indefinite(run, newton->load, newton->answer))
         return false;
     double length = length_of(newton, newton->answer);
     if (!(length > 0) || !set_direction(run, newton->answer))
@@ -162,7 +163,7 @@ static bool go_to_balance(newton_run *run, double length)
     run->has_stresses = false;
     for (int i = 0; i < STEP_ITERATIONS; i++) {
         run->kind = PEL_TANGENT_EXACT;
-        find_load(run);
+        pel_newton_find_load(run);
         if (!pel_newton_is_finite(run))
             return false;
         if (i > 0 && fabs(left) <= 1e-6 * length && pel_newton_has_converged(run))
@@ -172,6 +173,11 @@ static bool go_to_balance(newton_run *run, double length)
         left -= go_along(run, change);
     }
     return false;
+}
+
+double pel_newton_path_stiffness(const pel_newton_path *path)
+{
+    return SPRING * path->stiffness;
 }
 
 static void take_direction(newton_run *run, pel_newton_path *path)
@@ -192,8 +198,8 @@ static bool take_last_direction(newton_run *run, const pel_newton_path *path)
     return set_direction(run, newton->answer);
 }
 
-/* once: minimal residuals need a preconditioner that rounds little */
-static pel_status make_room(pel_newton *newton, pel_error *error)
+/* minimal residuals need a preconditioner that rounds little */
+pel_status pel_newton_make_path_room(pel_newton *newton, pel_error *error)
 {
     pel_factor **factor = &newton->factors[PEL_FACTOR_DOUBLE];
     pel_status status = PEL_OK;
@@ -213,14 +219,14 @@ pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *probl
     *result = (pel_newton_result){0};
     run.factor = start;
     pel_newton_fix_unknowns(&run);
-    run.status = make_room(newton, error);
+    run.status = pel_newton_make_path_room(newton, error);
     if (run.status != PEL_OK)
         return run.status;
     newton->has_factor = false;
     newton->precision = PEL_FACTOR_DOUBLE;
     memcpy(newton->begin, unknowns, bytes);
     bool goes = path->length > 0 ? take_last_direction(&run, path) : begin_path(&run, path);
-    run.path_stiffness = SPRING * path->stiffness;
+    run.path_stiffness = pel_newton_path_stiffness(path);
     if (goes)
         result->converged = go_to_balance(&run, path->length);
     result->converged &= run.status == PEL_OK;

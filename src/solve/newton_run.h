@@ -96,6 +96,19 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
 void pel_newton_add_product(void *context, pel_pool *pool, const double *x, double *y);
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run);
+/* ---- newton_path.c ---- */
+/* newton->load = dF/dfactor along the axes of the vertices, 0 where fixed; evaluates at the unknowns. */
+void pel_newton_find_load(newton_run *run);
+/* stiffness of the spring along a path */
+double pel_newton_path_stiffness(const pel_newton_path *path);
+/* Room for the two below. PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_make_path_room(pel_newton *newton, pel_error *error);
+/* A factor of the matrix, or of that plus the least multiple of the masses which makes it positive; the matrix stays.
+ */
+bool pel_newton_make_preconditioner(newton_run *run);
+/* The solution of the matrix, which may be indefinite, volumes and the spring along the path included. */
+bool pel_newton_solve_indefinite(newton_run *run, const double *right, double *solution);
+
 /* ---- newton_skew.c ---- */
 /* newton->step of the system with the skew part of the terms, from that without; false where a solve fails. */
 bool pel_newton_solve_skew(newton_run *run);

@@ -3,6 +3,7 @@
    on a few boundary edges, so that a few products do. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 #include "solve/newton_run.h"
 
 #include <math.h>
@@ -91,7 +92,7 @@ static bool add_column(newton_run *run, int i)
     skew->hessenberg[i + 1][i] = length;
     for (int j = 0; j < i; j++)
         rotate(skew->rotations[j], &skew->hessenberg[j][i], &skew->hessenberg[j + 1][i]);
-    double size = hypot(skew->hessenberg[i][i], length);
+    double size = pel_hypot(skew->hessenberg[i][i], length);
     skew->rotations[i][0] = skew->hessenberg[i][i] / size;
     skew->rotations[i][1] = length / size;
     skew->right[i + 1] = 0;

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "contact/sweep.h"
+#include "math/functions.h"
 
 #include <math.h>
 #include <string.h>
@@ -331,7 +332,7 @@ static vertex_job make_job(pel_projector *projector, pel_state *state, pel_recor
         .first = first,
         .is_moving = !first && !second_order,
         .second_order = second_order && (!first || state->older_is_known),
-        .rate = (pel_real)(exp(-drag * projector->substep) / projector->tau),
+        .rate = (pel_real)(pel_exp(-drag * projector->substep) / projector->tau),
     };
 }
 

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "math/functions.h"
 #include "measure/element.h"
 #include "model/shell.h"
 
@@ -407,12 +408,12 @@ pel_softness pel_softness_find(const pel_model *model, const pel_state *state, c
 
 double pel_softness_after(double share, int32_t iterations)
 {
-    double left = pow(share / (1 + share), iterations);
+    double left = pel_pow(share / (1 + share), iterations);
     return left / (1 - left);
 }
 
 double pel_softness_share(double softness, int32_t iterations)
 {
-    double left = pow(softness / (1 + softness), 1.0 / iterations);
+    double left = pel_pow(softness / (1 + softness), 1.0 / iterations);
     return left / (1 - left);
 }

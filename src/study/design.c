@@ -2,6 +2,7 @@
 #include "study/study.h"
 
 #include "base/number.h"
+#include "math/functions.h"
 #include "study/sobol.h"
 
 #include <math.h>
@@ -118,7 +119,7 @@ static double place_number(const sample *s, double unit)
         return s->from;
     if (unit >= 1)
         return s->to;
-    return s->is_log ? s->from * pow(s->to / s->from, unit) : s->from + (s->to - s->from) * unit;
+    return s->is_log ? s->from * pel_pow(s->to / s->from, unit) : s->from + (s->to - s->from) * unit;
 }
 
 static const char *const *sample_values(pel_scene_reader *reader, const sample *s, int32_t dimension)

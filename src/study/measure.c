@@ -15,6 +15,8 @@ enum { ERROR_SIZE = 1200, FOLDER_DIGITS = 5 };
 
 /* ---- numbers of the summary ---- */
 
+enum { EVERYTHING = PEL_RUN_SURFACES | PEL_RUN_ENERGIES | PEL_RUN_HASH | PEL_RUN_WARNINGS };
+
 typedef enum key_kind { KEY_DOUBLE, KEY_INT32, KEY_INT64, KEY_HASH } key_kind;
 
 /* names are those of summary.json; what depends on the machine is not there */
@@ -22,38 +24,40 @@ static const struct summary_key {
     const char *name;
     key_kind kind;
     size_t offset;
+    unsigned needs; /* of run/kept.h */
 } summary_keys[] = {
-#define KEY(name, kind)                                                                                                \
+#define KEY_OF(name, kind, needs)                                                                                      \
     {                                                                                                                  \
-#name, kind, offsetof(pel_run_summary, name)                                                                   \
+#name, kind, offsetof(pel_run_summary, name), needs                                                            \
     }
+#define KEY(name, kind) KEY_OF(name, kind, 0)
 #define ENERGY(name)                                                                                                   \
     {                                                                                                                  \
-        "energy." #name, KEY_DOUBLE, offsetof(pel_run_summary, ledger.name)                                            \
+        "energy." #name, KEY_DOUBLE, offsetof(pel_run_summary, ledger.name), PEL_RUN_ENERGIES                          \
     }
     KEY(max_displacement, KEY_DOUBLE),
     KEY(residual_displacement, KEY_DOUBLE),
-    KEY(volume_ratio_final, KEY_DOUBLE),
-    KEY(area_ratio_final, KEY_DOUBLE),
+    KEY_OF(volume_ratio_final, KEY_DOUBLE, PEL_RUN_SURFACES),
+    KEY_OF(area_ratio_final, KEY_DOUBLE, PEL_RUN_SURFACES),
     KEY(max_tool_force, KEY_DOUBLE),
     KEY(time_simulated, KEY_DOUBLE),
     KEY(frames, KEY_INT64),
     KEY(steps, KEY_INT64),
-    KEY(vertices_final, KEY_INT64),
-    KEY(triangles_final, KEY_INT64),
+    KEY_OF(vertices_final, KEY_INT64, PEL_RUN_SURFACES),
+    KEY_OF(triangles_final, KEY_INT64, PEL_RUN_SURFACES),
     KEY(self_intersections_final, KEY_INT64),
-    KEY(state_hash, KEY_HASH),
+    KEY_OF(state_hash, KEY_HASH, PEL_RUN_HASH),
     KEY(alpha, KEY_DOUBLE),
     KEY(alpha_limit, KEY_DOUBLE),
-    KEY(volume_rises, KEY_INT64),
-    KEY(volume_rise_sum, KEY_DOUBLE),
-    KEY(volume_rise_max, KEY_DOUBLE),
-    {"warnings", KEY_INT32, offsetof(pel_run_summary, warning_count)},
-    {"solver_iterations", KEY_INT32, offsetof(pel_run_summary, solver.iterations)},
-    {"solver_residual", KEY_DOUBLE, offsetof(pel_run_summary, solver.residual)},
-    {"solver_unconverged_steps", KEY_INT64, offsetof(pel_run_summary, unconverged_steps)},
-    {"frequency", KEY_DOUBLE, offsetof(pel_run_summary, modes)},
-    {"load_factor", KEY_DOUBLE, offsetof(pel_run_summary, modes)},
+    KEY_OF(volume_rises, KEY_INT64, PEL_RUN_SURFACES),
+    KEY_OF(volume_rise_sum, KEY_DOUBLE, PEL_RUN_SURFACES),
+    KEY_OF(volume_rise_max, KEY_DOUBLE, PEL_RUN_SURFACES),
+    {"warnings", KEY_INT32, offsetof(pel_run_summary, warning_count), EVERYTHING},
+    {"solver_iterations", KEY_INT32, offsetof(pel_run_summary, solver.iterations), 0},
+    {"solver_residual", KEY_DOUBLE, offsetof(pel_run_summary, solver.residual), 0},
+    {"solver_unconverged_steps", KEY_INT64, offsetof(pel_run_summary, unconverged_steps), 0},
+    {"frequency", KEY_DOUBLE, offsetof(pel_run_summary, modes), 0},
+    {"load_factor", KEY_DOUBLE, offsetof(pel_run_summary, modes), 0},
     ENERGY(elastic),
     ENERGY(kinetic),
     ENERGY(elastic_start),
@@ -334,6 +338,15 @@ static bool has_key(const pel_study *study, const char *name)
     return any;
 }
 
+/* what no row of the study says */
+static unsigned find_skips(const pel_study *study)
+{
+    unsigned needs = has_columns(study) ? EVERYTHING : 0;
+    for (int32_t m = 0; m < study->measure_count; m++)
+        needs |= study->measures[m].column == NULL ? summary_keys[study->measures[m].key].needs : 0;
+    return EVERYTHING & ~needs;
+}
+
 pel_status pel_study_check_columns(pel_scene_reader *reader, const pel_study *study)
 {
     if (!has_columns(study))
@@ -455,6 +468,7 @@ static pel_status run_kept(const pel_study *study, pel_study_kept *kept, int64_t
 {
     bool patched;
     pel_status status = pel_study_kept_take(study, kept, run, &patched, error);
+    kept->parts.skips = find_skips(study);
     if (status == PEL_OK)
         status = run_scene(study, kept->scene, NULL, &kept->parts, watch, summary, error);
     if (status == PEL_OK)

@@ -14,6 +14,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/functions.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,8 +29,8 @@ static void fill_wave(int32_t ring_size, double *wave)
 {
     for (int32_t j = 0; j < ring_size; j++) {
         double angle = 6.283185307179586477 * j / ring_size;
-        wave[2 * j] = cos(angle);
-        wave[2 * j + 1] = sin(angle);
+        wave[2 * j] = pel_cos(angle);
+        wave[2 * j + 1] = pel_sin(angle);
     }
 }
 

@@ -11,6 +11,7 @@ import unittest
 import numpy as np
 import pellicle
 from common import ROOT, is_single
+from pellicle import _core
 from pellicle.calibration import _Problem
 
 FITS = ROOT / "examples/fits"
@@ -137,39 +138,70 @@ class Calibration(unittest.TestCase):
             "data": [{"file": str(self.folder / "markers.csv"), "body": "sheet"}],
         }
 
-    def test_derivatives_by_adjoint(self):
-        """The same Jacobian as by differences, with and without loads that change with time, from fewer runs."""
-        loads = (None, {"until": 9, "from": 0}, {"from": 0.5})
-        for load in loads:
+    def test_derivatives_go_forward(self):
+        """The same Jacobian as by differences, of markers and curves, with and without loads that change with time."""
+        curve = "time,y\n0.25,0.1\n0.5,0.5\n0.75,0.7\n1,0.7\n"
+        (self.folder / "curve.csv").write_text(curve)
+        columns = ("sheet_support_force", "elastic_energy", "work_loads")
+        curves = [{"file": str(self.folder / "curve.csv"), "x": "time", "y": c, "column_y": "y"} for c in columns]
+        for load in (None, {"until": 9, "from": 0}, {"from": 0.5}):
             with self.subTest(load=load):
-                known, fit = self.markers({"method": "static", "dt": 1}, load)
-                problem = _Problem(fit, 1)
-                expected = problem.by_differences(problem.start)
-                found = problem.by_adjoint(problem.start)
-                self.assertLess(np.abs(found - expected).max(), 1e-5 * np.abs(expected).max())
+                known, fit = self.markers({"method": "static", "dt": 0.25}, load)
+                problem = _Problem({**fit, "data": fit["data"] + curves}, 1)
+                problem.evaluate(problem.start)
+                found, expected = problem.last[1], problem.by_differences(problem.start)
+                self.assertLess(np.abs(found - expected).max(), 1e-6 * np.abs(expected).max())
                 result = pellicle.calibrate(fit)
-                self.assertEqual((result.derivatives, result.derivatives_reason), ("adjoint", ""))
+                self.assertEqual((result.derivatives, result.derivatives_reason), ("forward", ""))
                 self.assertLess(result.evaluations, 15)
                 for path, value in known.items():
                     self.assertLess(abs(result.values[path] / value - 1), 1e-4)
 
-    def test_derivatives_by_differences_where_there_is_no_adjoint(self):
+    def test_derivatives_of_steps_in_time(self):
+        """Known numbers from the markers of a motion, with a few runs; steps end at a hundredth of their forces."""
+        known, fit = self.markers({"method": "implicit", "dt": 0.05})
+        problem = _Problem(fit, 1)
+        problem.evaluate(problem.start)
+        found, expected = problem.last[1], problem.by_differences(problem.start)
+        self.assertLess(np.abs(found - expected).max(), 1e-3 * np.abs(expected).max())
+        result = pellicle.calibrate(fit)
+        self.assertEqual(result.derivatives, "forward")
+        self.assertLess(result.evaluations, 15)
+        for path, value in known.items():
+            self.assertLess(abs(result.values[path] / value - 1), 1e-3)
+
+    def test_derivatives_along_a_path_by_arc_length(self):
+        """At one volume the pressure of a balloon is proportional to Young's modulus."""
+        fit = json.loads(_core.load_fit(str(FITS / "balloon.yaml")))
+        problem = _Problem(fit, 1)
+        problem.evaluate(problem.start)
+        pressure = problem.run(problem.start)[0][0]
+        curve = problem.curves[0]
+        by_young = problem.last[1][:, 0] / curve.scale / (problem.high[0] - problem.low[0])
+        self.assertLess(np.abs(by_young - pressure).max(), 1e-5 * pressure.max())
+
+    def test_derivatives_by_differences_where_runs_cannot_go_beside(self):
         known = {"bodies.sheet.membrane.young": 1.2e4}
-        for solver, why in (({"method": "implicit", "dt": 0.25}, "not static"), ({"method": "xpbd", "dt": 0.25}, "not static")):
-            with self.subTest(solver=solver):
-                result = pellicle.calibrate({**self.markers(solver, known=known)[1], "max_evaluations": 3}, self.folder / "out")
-                self.assertEqual(result.derivatives, "differences")
-                self.assertIn(why, result.derivatives_reason)
-                record = json.loads((self.folder / "out/fit.json").read_text())
-                self.assertEqual(record["derivatives"], "differences")
-        parameters = {"bodies.ball.springs.stiffness": {"start": 3, "from": 1, "to": 9}}
-        result = pellicle.calibrate(self.line(self.scene(), parameters, "max_displacement"))
-        self.assertIn("curves", result.derivatives_reason)
+        result = pellicle.calibrate(
+            {**self.markers({"method": "xpbd", "dt": 0.25}, known=known)[1], "max_evaluations": 3}, self.folder / "out"
+        )
+        self.assertEqual(result.derivatives, "differences")
+        self.assertIn("static and implicit", result.derivatives_reason)
+        record = json.loads((self.folder / "out/fit.json").read_text())
+        self.assertEqual(record["derivatives"], "differences")
+        problem = _Problem(json.loads(_core.load_fit(str(FITS / "tissue.yaml"))), 1)
+        problem.evaluate(problem.start)
+        self.assertIn("tools", problem.reason)
+        self.assertIsNone(problem.last)
 
     def test_bad(self):
         parameters = {"bodies.ball.springs.stiffness": {"start": 3, "from": 1, "to": 9}}
         with self.assertRaisesRegex(pellicle.Error, "no column 'force'"):
             pellicle.calibrate(self.line(self.scene(), parameters, "force"))
+        markers = self.markers({"method": "static", "dt": 1})[1]
+        markers["data"][0]["body"] = "shet"
+        with self.assertRaisesRegex(pellicle.Error, "no body 'shet'.*sheet"):
+            pellicle.calibrate(markers)
         (self.folder / "fit.yaml").write_text("scene: scene.yaml\nparamters: {}\n")
         with self.assertRaisesRegex(pellicle.Error, "fit.yaml:2:1.*did you mean 'parameters'"):
             pellicle.calibrate(self.folder / "fit.yaml")

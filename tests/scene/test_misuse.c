@@ -499,6 +499,8 @@ static void test_sim_calls(void **unused)
     double *some = calloc(10000, sizeof *some);
     SURVIVES(pel_sim_destroy(NULL));
     REFUSED("sim", pel_sim_step(NULL, &error));
+    REFUSED("sim", pel_sim_step_beside(NULL, NULL, 0, &error));
+    FAILS(pel_sim_step_beside(sim, &sim, 1, &error));
     REFUSED("sim", pel_sim_refine(NULL, 0, 0, 1, &error));
     FAILS(pel_sim_refine(sim, 5, 0, 1, &error));
     FAILS(pel_sim_refine(sim, 0, -1, 1, &error));

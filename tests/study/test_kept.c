@@ -74,7 +74,9 @@ static const char measures[] =
     "force: {column: max_force, at: mean}, contacts: {column: contacts, at: max}, first: {column: max_force, at: "
     "start}}\n";
 
-static pel_study *make_study(const struct study_case *c, bool with_columns)
+static const char few_measures[] = "measure: [state_hash, max_displacement, volume_rise_sum, energy.work_loads]\n";
+
+static pel_study *make_study(const struct study_case *c, const char *measured)
 {
     char text[4000];
     bool is_static = strncmp(c->method, "static", 6) == 0;
@@ -92,7 +94,7 @@ static pel_study *make_study(const struct study_case *c, bool with_columns)
     assert_int_equal(fclose(file), 0);
     bool is_map = c->vary[0] == '{';
     snprintf(text, sizeof text, "scene: scene.yaml\nvary: %s%s%s\n%s", is_map ? "" : "{", c->vary, is_map ? "" : "}",
-             with_columns ? measures : "measure: [state_hash, max_displacement, volume_rise_sum, energy.work_loads]\n");
+             measured);
     pel_study *study;
     pel_error error;
     char message[1200];
@@ -106,10 +108,10 @@ typedef struct tally {
 } tally;
 
 /* forth and back, so that every run follows others */
-static void check_case(const struct study_case *c, bool with_columns, tally *count)
+static void check_case(const struct study_case *c, const char *measured, tally *count)
 {
     static char alone[ROW], shared[ROW];
-    pel_study *study = make_study(c, with_columns);
+    pel_study *study = make_study(c, measured);
     assert_true(pel_study_row_size(study) <= ROW);
     pel_study_kept kept = {0};
     int64_t runs = pel_study_run_count(study);
@@ -136,13 +138,42 @@ static void test_same_rows(void **unused)
     (void)unused;
     tally count = {0, 0, 0, 0, 0};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        check_case(&cases[i], true, &count);
-        check_case(&cases[i], false, &count);
+        check_case(&cases[i], measures, &count);
+        check_case(&cases[i], few_measures, &count);
     }
     print_message("%d rows, %d of runs that are done; kept %d scenes, %d models, %d simulations\n", count.rows,
                   count.done, count.kept_scenes, count.kept_models, count.kept_simulations);
     assert_true(count.done > 100 && count.done < count.rows);
     assert_true(count.kept_scenes > 80 && count.kept_models > 60 && count.kept_simulations > 50);
+}
+
+/* runs that share a simulation find what their rows say, and nothing else: each number by itself */
+static void test_single_numbers(void **unused)
+{
+    (void)unused;
+    static const char *const keys[] = {"max_displacement",
+                                       "residual_displacement",
+                                       "volume_ratio_final",
+                                       "area_ratio_final",
+                                       "vertices_final",
+                                       "triangles_final",
+                                       "state_hash",
+                                       "volume_rises",
+                                       "volume_rise_sum",
+                                       "volume_rise_max",
+                                       "warnings",
+                                       "energy.elastic",
+                                       "energy.energy_error",
+                                       "energy.supplied",
+                                       "self_intersections_final"};
+    tally count = {0, 0, 0, 0, 0};
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+        char measured[100];
+        snprintf(measured, sizeof measured, "measure: [%s]\n", keys[k]);
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i += 5)
+            check_case(&cases[i], measured, &count);
+    }
+    assert_true(count.done > 100);
 }
 
 /* two runs of one simulation; the study is the data */
@@ -160,7 +191,7 @@ static pel_status run_case(const void *data, pel_error *error)
 static void test_memory(void **unused)
 {
     (void)unused;
-    pel_study *study = make_study(&cases[0], false);
+    pel_study *study = make_study(&cases[0], few_measures);
     assert_true(for_every_allocation_failure(run_case, study) > 100);
     pel_study_destroy(study);
 }
@@ -169,6 +200,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_rows),
+        cmocka_unit_test(test_single_numbers),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
