@@ -1,4 +1,5 @@
-// Perceptual colour maps, given by anchors at equal distances (viridis and cividis: CC0; cool-warm: Moreland 2009).
+// Colour maps and the rule that chooses map and range: those of `pellicle render` (view/color_map.c, view/render.c).
+// tests/view/test_color_map.c compares the anchors, at equal distances, with the formulas there.
 const anchors = {
     viridis: "440154 482878 3e4989 31688e 26828e 1f9e89 35b779 6ece58 b5de2b fde725",
     cividis: "00204d 00336f 39486b 575c6d 707173 8a8779 a69d75 c4b56c e4cf5b ffea46",
@@ -6,7 +7,28 @@ const anchors = {
 };
 
 export const mapNames = Object.keys(anchors);
-export const isDiverging = (name) => name === "cool-warm";
+
+const isFromZero = (low, high) => low === 0 || (low > 0 && low < 0.1 * high);
+
+function chooseMap(low, high) {
+    if (low < 0 && high > 0 && -low > 0.05 * high && high > -0.05 * low) return "cool-warm";
+    return isFromZero(low, high) ? "warm" : "viridis";
+}
+
+// map and range of a field with values from low to high: grey is zero. chosen: name of a map, or "" for automatic
+export function fitColours(low, high, chosen) {
+    const map = chosen || chooseMap(low, high);
+    if (map === "cool-warm" && low < 0 && high > 0) {
+        high = Math.max(-low, high);
+        low = -high;
+    } else if (isFromZero(low, high)) {
+        low = 0;
+    }
+    const size = Math.max(Math.abs(low), Math.abs(high));
+    if (size === 0) return { map, low, high: 1 };
+    const margin = high - low < 1e-9 * size ? 0.05 * size : 0;
+    return { map, low: low - margin, high: high + margin };
+}
 
 const hexes = (name) => anchors[name].split(" ");
 
