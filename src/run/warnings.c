@@ -580,11 +580,10 @@ static double mean_edge(const pel_mesh *mesh)
     return sum / (3.0 * mesh->triangle_count);
 }
 
-/* a level has four times the vertices. Methods with few large steps look at all vertices in each of them. */
+/* a level has four times the vertices */
 static void write_refinement(const pel_run_state *run, int32_t contacts, char *text, size_t size)
 {
     const pel_body_def *body = &run->scene->model.bodies[0];
-    pel_method method = run->scene->sim.solver.method;
     int levels = contacts > 0 ? (int)ceil(log2(2.0 * LEAST_CONTACTS / contacts) / 2) : 1;
     if (run->scene->model.body_count > 1)
         snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
@@ -592,9 +591,8 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
         snprintf(text, size, "use bodies.%s.refine.levels=%d, with near_tools", body->name,
                  (int)body->refine.levels + levels);
     else
-        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g%s }', or a finer mesh", body->name,
-                 levels, 2.5 * mean_edge(body->mesh),
-                 method == PEL_METHOD_STATIC || method == PEL_METHOD_DESCENT ? ", interval: 1" : "");
+        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g }', or a finer mesh", body->name,
+                 levels, 2.5 * mean_edge(body->mesh));
 }
 
 static void tell_coarse_contact(const text_context *at)

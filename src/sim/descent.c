@@ -622,6 +622,7 @@ void pel_sim_descent_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 
 const pel_stepper pel_descent_kind = {
     .is_at_end = true,
+    .seeks_rest = true,
     .moves_tools = true,
     .create = create,
     .check_start = pel_descent_check_start,

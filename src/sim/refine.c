@@ -23,6 +23,8 @@
 enum { PORTION_LEAST = 24, PORTION_SHARE = 1024 };
 /* candidates of one event that find no place in the budget, and vertices that one candidate displaces */
 enum { FAILURE_LIMIT = 4, DISPLACED_LIMIT = 64 };
+/* looks at all vertices before one load step */
+enum { SETTLING_ROUNDS = 256 };
 /* how much stronger a candidate has to be than those it displaces */
 #define DISPLACING_RATIO 2.0
 
@@ -390,10 +392,30 @@ static void step_body(pel_sim *sim, int32_t body)
     do_portion(sim, body);
 }
 
+/* Repeat events until the surface near the tools has its level: load steps are few and large, so one portion per step
+   would lag behind. Other criteria depend on the equilibrium and change once per step. */
+static void settle_body(pel_sim *sim, int32_t body)
+{
+    const pel_refine_def *def = &sim->model->bodies[body].detail->def;
+    const pel_refine_body *refine = &sim->refine[body];
+    for (int round = 0; round < SETTLING_ROUNDS; round++) {
+        int64_t revision = refine->revision;
+        for (int32_t i = 0; i < def->interval; i++)
+            step_body(sim, body);
+        if (refine->revision == revision && refine->waiting_count == 0)
+            return;
+    }
+}
+
 void pel_refine_step(pel_sim *sim)
 {
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        step_body(sim, b);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body_levels *detail = sim->model->bodies[b].detail;
+        if (sim->stepper->seeks_rest && detail != NULL && detail->def.near_tools > 0)
+            settle_body(sim, b);
+        else
+            step_body(sim, b);
+    }
 }
 
 /* ---- the start ---- */

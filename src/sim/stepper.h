@@ -20,6 +20,7 @@ typedef struct pel_stepper {
     bool is_at_end;     /* loads and keyed numbers act as they are at the end of the step */
     bool moves_tools;   /* tools and what they hold move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */
+    bool seeks_rest;    /* a step finds the state of rest of a whole load step: refinement settles before it */
     bool turns_edges;   /* rotations of edges are unknowns: PEL_BENDING_MIDEDGE */
 
     /* what the method needs, when model, state and shells are there; fills in open numbers of the solver */
