@@ -13,7 +13,7 @@ typedef struct pel_adjoint_work {
     pel_tangent_derivative *bodies;            /* (body_count) */
 } pel_adjoint_work;
 
-/* PEL_BAD_ARGUMENT for what has no derivatives, by its name. */
+/* PEL_BAD_ARGUMENT with the name of a feature without derivatives. */
 pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error);
 /* Room, and results of 0; to be ended also on failure. PEL_OUT_OF_MEMORY. */
 pel_status pel_adjoint_begin(pel_adjoint_work *work, pel_sim *sim, const pel_adjoint *def, pel_error *error);

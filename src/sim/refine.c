@@ -1,15 +1,13 @@
-/* Where a body refines: what the criteria (refine_criterion.c) find becomes requests, requests become marks of the
+/* Refinement of a body: verdicts of the criteria (refine_criterion.c) become requests, requests become marks of the
    front.
 
-   A vertex above a threshold becomes hot and asks for the rings around it, on every level finer than its own; a hot
-   vertex of the finest level asks for the two triangles between which it lies. One that stays below all lower
-   thresholds for the dwell time becomes cold and takes its requests back. A triangle is marked while anybody asks for
-   it.
+   A vertex above a threshold becomes hot and requests the rings around it, on every level finer than its own; a hot
+   vertex of the finest level requests its two adjacent triangles. A vertex below all lower thresholds for the dwell
+   time becomes cold and cancels its requests. A triangle is marked while a request includes it.
 
-   Vertices are looked at a part each step, all of them in `interval` steps (a round). What a round found is done from
-   its end on, so that the strongest of a round come first, in portions: an event changes a limited number of triangles,
-   and what is left waits for the next step. So no step is much longer than another, however much a tool touches at
-   once.
+   Each step tests a part of the vertices, all of them in `interval` steps (a round). Requests are executed from the end
+   of the list, so that the strongest of a round come first, in portions: an event changes a limited number of
+   triangles, and the rest waits for the next step. This bounds the time of a step for any tool.
 
    With a budget a candidate that would make too many triangles takes the place of hot vertices that are less than half
    as strong, the weakest first; if that does not make enough room they keep it, and the candidate is passed over until
@@ -334,7 +332,7 @@ static void put_off(pel_sim *sim, int32_t body)
         take_candidate(refine, false);
 }
 
-/* one event's portion of what the last rounds found */
+/* apply one event's portion of the requests of the last rounds */
 static void do_portion(pel_sim *sim, int32_t body)
 {
     const pel_refined_body *own = &sim->active->bodies[body];
