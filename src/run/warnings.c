@@ -34,7 +34,7 @@ enum { JAM_STEPS = 10 };
    Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
    (docs/scenes.md) */
 enum { LEAST_CONTACTS = 30 };
-/* of the largest force that acted: what is left of the forces on free vertices where a quasi-static run is at rest */
+/* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
 
 static const char *const codes[PEL_WARN_COUNT] = {
@@ -176,7 +176,7 @@ static void check_size(pel_run_state *run, int32_t b)
         flag_body(run, PEL_WARN_MILLIMETRES, b, size, LARGE_BODY);
 }
 
-/* the model turned what was inside out, so that pressure and volume have their usual sign */
+/* the model turned inside-out parts, so that pressure and volume have their usual sign */
 static void check_orientation(pel_run_state *run, int32_t b)
 {
     int32_t turned = pel_model_turned_count(run->model, b);
@@ -294,7 +294,7 @@ static int32_t pressed_count(const pel_run_state *run, int32_t t)
     return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
 }
 
-/* N, of tools and of what was out of balance at a frame, such as a load that had just begun */
+/* N, of tools and of unbalanced forces at a frame, such as a load that has just started */
 static double largest_force(const pel_run_state *run)
 {
     double largest = run->totals.unbalanced_force;
@@ -391,7 +391,7 @@ static void tell_inverted_volume(const text_context *at)
              -at->tally->worst);
 }
 
-/* implicit steps go in parts before they give up */
+/* implicit steps are divided before they fail */
 static void write_remedy(const pel_solver_def *solver, int32_t automatic, char *text, size_t size)
 {
     if (solver->budget > 0)
@@ -641,7 +641,7 @@ static bool holds(const pel_run_state *run, pel_warning_kind kind)
     const pel_warning_tally *tally = &run->totals.warnings.of[kind];
     if (kind == PEL_WARN_COARSE)
         return tally->count > 0 && run->flagged[kind].limit > 0;
-    /* the body is not in checkpoints: it is found anew while it is away */
+    /* checkpoints do not contain the body: it is found again while it is away */
     if (kind == PEL_WARN_STRAY)
         return tally->count > 0 && run->flagged[kind].value > 0;
     if (kind == PEL_WARN_JAMMED)
