@@ -21,8 +21,8 @@
 enum { PORTION_LEAST = 24, PORTION_SHARE = 1024 };
 /* candidates of one event that find no place in the budget, and vertices that one candidate displaces */
 enum { FAILURE_LIMIT = 4, DISPLACED_LIMIT = 64 };
-/* looks at all vertices before one load step */
-enum { SETTLING_ROUNDS = 256 };
+/* portions before one load step */
+enum { SETTLING_PORTIONS = 640 };
 /* how much stronger a candidate has to be than those it displaces */
 #define DISPLACING_RATIO 2.0
 
@@ -396,12 +396,11 @@ static void settle_body(pel_sim *sim, int32_t body)
 {
     const pel_refine_def *def = &sim->model->bodies[body].detail->def;
     const pel_refine_body *refine = &sim->refine[body];
-    for (int round = 0; round < SETTLING_ROUNDS; round++) {
-        int64_t revision = refine->revision;
+    int64_t revision = -1;
+    for (int32_t done = 0; done < SETTLING_PORTIONS && refine->revision != revision; done += def->interval) {
+        revision = refine->revision;
         for (int32_t i = 0; i < def->interval; i++)
             step_body(sim, body);
-        if (refine->revision == revision && refine->waiting_count == 0)
-            return;
     }
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the commands that README.md, CONTRIBUTING.md and docs/*.md show in code blocks: lines that start with `pellicle`,
-`build/release/pellicle` or `make`. The commands of a page run in its order in one empty folder, where the scenes that it tells
-to save are saved, and each has to succeed. NOT_RUN lists the others with the reason. Other whole scenes are checked.
+`build/release/pellicle` or `make`. The commands of a page run in order in one empty folder with the scenes that the page saves,
+and each must succeed. NOT_RUN lists the others with reasons. Other complete scenes are checked.
 
 usage: commands.py ROOT PROGRAM [render]      without `render` commands that draw are skipped, without `make web` reports
 """
@@ -18,23 +18,23 @@ SAVE = re.compile(r"Save this as `([\w.-]+)`")
 # commands that are not run, as regular expressions of the whole command, with the reason
 NOT_RUN = {
     r"make test( PRESET=asan)?": "this test is part of it",
-    r"make (nightly|mutate COUNT=60|format)": "works on the sources, partly for hours",
+    r"make (nightly|mutate COUNT=60|format)": "changes or compiles the sources, partly for hours",
     r"make (web|wasm|python)": "stages of .ci/run",
-    r"make bench-peers( MESH=scan.obj)?": "needs libraries to compare with",
-    r"pellicle live( [\w.]+)?( --shell)?": "serves until it is interrupted; the test web/live",
+    r"make bench-peers( MESH=scan.obj)?": "needs the compared libraries",
+    r"pellicle live( [\w.]+)?( --shell)?": "serves until interrupted; the test web/live",
     r"pellicle live balloon --html \w+\.html": "needs `make wasm`; the test web/play",
-    r"pellicle bench (frames|frames-all|springs|springs-explicit|table1)": "measures, beside other tests for nothing; cli/bench",
-    r"pellicle reproduce (--all.*|accuracy|b-table2|b-figure10 b-figure16-18 --mesh bust.ply)": "minutes; cli/reproduce",
-    r"pellicle run scenes/shell-crushed.yaml --set bodies.*": "measures for minutes",
-    r"pellicle sweep study.yaml .*": "needs a cluster; cli/slurm and study/study",
-    r"pellicle calibrate .*": "needs the Python package; python/calibration",
+    r"pellicle bench (frames|frames-all|springs|springs-explicit|table1)": "measurements; the test cli/bench",
+    r"pellicle reproduce (--all.*|accuracy|b-table2|b-figure10 b-figure16-18 --mesh bust.ply)": "takes minutes; the test cli/reproduce",
+    r"pellicle run scenes/shell-crushed.yaml --set bodies.*": "a measurement of minutes",
+    r"pellicle sweep study.yaml .*": "needs a cluster; the tests cli/slurm and study/study",
+    r"pellicle calibrate .*": "needs the Python package; the test python/calibration",
 }
-# shipped scenes that are long are cut short, as are films; the others are needed whole by later commands
+# arguments that shorten long scenes and films
 SHORT = {
     r"pellicle run (scenes/)?(balloon|shell-crushed)(\.yaml)?": " --set stop.frames=2",
     r"pellicle render \S+ -o \S+\.(gif|mp4)\b.*": " --frames 0:-1:20",
 }
-# results and files that a page takes from its reader or from another page, made by commands first
+# results that a page expects from its reader or from another page, and the commands that make them
 MADE = {
     "results/balloon": "pellicle run balloon --set stop.frames=2",
     "results/sphere-press": "pellicle run sphere-press",
@@ -69,7 +69,7 @@ class Pages:
             values = dict(word.split("=") for word in command.split()[2:])
             mesh = values.get("MESH", "")
             line = shlex.join([str(self.root / "tools/demo"), str(self.program), "", mesh, values.get("SCALE", ""), ""])
-        done = subprocess.run(line, shell=True, cwd=folder, capture_output=True, text=True, timeout=120)
+        done = subprocess.run(line, shell=True, cwd=folder, capture_output=True, text=True, timeout=300)
         self.count += 1
         if done.returncode != 0:
             self.found.append(f"{page}: exit status {done.returncode}: {command}\n{done.stdout}{done.stderr}")
