@@ -19,8 +19,8 @@ help: ## this list
 program: build/$(PRESET)/build.ninja
 	@cmake --build build/$(PRESET) --target pellicle_program $(QUIET)
 
-demo: program ## press the human lens capsule; MESH=file presses that mesh (SCALE=0.001: millimetres), SCENE=file runs that scene
-	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)" "$(SCALE)"
+demo: program ## press the human lens capsule; MESH=file presses that mesh (SCALE=0.001: millimetres; UP=y: y is up), SCENE=file runs that scene
+	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)" "$(SCALE)" "$(UP)"
 
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET); exit $$status

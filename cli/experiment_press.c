@@ -200,10 +200,10 @@ static pel_status run_figure_6_7(cli_experiment *experiment)
         status = cli_experiment_run(experiment, runs[1], sphere, overrides, &full);
     if (status != PEL_OK)
         return status;
-    cli_experiment_claim(experiment, CLI_PAPER, "without volumetric springs the ball does not come back", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "without volumetric springs the ball does not recover", NULL);
     cli_experiment_least(experiment, "hollow: residual / depth", hollow.residual_displacement / hollow.max_displacement,
                          0.3, "paper A, figure 6; 0.3 is ours");
-    cli_experiment_claim(experiment, CLI_PAPER, "with them it is almost completely restored", NULL);
+    cli_experiment_claim(experiment, CLI_PAPER, "with them it recovers almost completely", NULL);
     cli_experiment_limit(experiment, "filled: residual / depth", full.residual_displacement / full.max_displacement,
                          0.05, "paper A, section 4; 0.05 is ours");
     cli_experiment_claim(experiment, CLI_REFERENCE, "depths and residual displacements after 5 s", NULL);
@@ -245,7 +245,7 @@ static void check_counts(cli_experiment *experiment, const char *const runs[3], 
     static const double counts[3][2] = {{252, 500}, {1002, 2000}, {294, 584}};
     static const char *const says[3] = {
         "the base has 252 vertices and 500 triangles", "refined everywhere it has 1002 and 2000",
-        "the criterion by force refines what gives 294 and 584: the triangles about a vertex and its neighbours"};
+        "the force criterion refines the triangles around a vertex and its neighbours: 294 and 584"};
     for (int i = 0; i < 3; i++) {
         char name[64];
         cli_experiment_claim(experiment, CLI_PAPER, says[i], NULL);

@@ -47,11 +47,11 @@ endif()
 # links and commands of the pages
 if(TARGET pellicle_program)
     add_test(NAME house/docs COMMAND ${PYTHON3} ${HOUSE}/docs.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_program>)
-    # the tutorial's commands, one after the other; films need ffmpeg
+    # the commands of the pages; films need ffmpeg, reports the page that `make web` builds
     find_program(FFMPEG ffmpeg)
-    set(TUTORIAL_DRAWS $<$<AND:$<BOOL:${PELLICLE_VIEW}>,$<BOOL:${FFMPEG}>>:render>)
-    add_test(NAME house/tutorial COMMAND ${PYTHON3} ${HOUSE}/tutorial.py ${PROJECT_SOURCE_DIR}
-                                         $<TARGET_FILE:pellicle_program> ${TUTORIAL_DRAWS})
+    set(COMMANDS_DRAW $<$<AND:$<BOOL:${PELLICLE_VIEW}>,$<BOOL:${FFMPEG}>>:render>)
+    add_test(NAME house/commands COMMAND ${PYTHON3} ${HOUSE}/commands.py ${PROJECT_SOURCE_DIR}
+                                         $<TARGET_FILE:pellicle_program> ${COMMANDS_DRAW})
 endif()
 
 # docs/reference is what the program says (make docs writes it)

@@ -366,7 +366,7 @@ static pel_status survey_arrow_ends(job *j, view_shot shot, pel_error *error)
 /* a range whose low end is 0 or, compared with its high end, near it */
 static bool is_from_zero(const double range[2])
 {
-    return range[0] >= 0 && range[0] < 0.1 * range[1];
+    return range[0] == 0 || (range[0] > 0 && range[0] < 0.1 * range[1]);
 }
 
 /* grey stands for zero where zero is in the middle or at the low end of the range */

@@ -1,8 +1,8 @@
-/* Pellicle: the model (what never changes while simulating) and the state (what does).
+/* Pellicle: the model (constant during a simulation) and the state (variable).
    A model joins all bodies into one set of arrays; a state belongs to one model.
 
-   Internally vertices are reordered for locality and padded to whole slices; everything public takes and gives values
-   in the order of the body's mesh. */
+   Internally vertices are reordered for locality and padded to whole slices; the public interface uses the order of the
+   body's mesh. */
 #ifndef PELLICLE_MODEL_H
 #define PELLICLE_MODEL_H
 
@@ -13,54 +13,54 @@
 extern "C" {
 #endif
 
-/* How the mass of a body is given. */
+/* Unit of the mass of a body. */
 typedef enum pel_mass_kind {
     PEL_MASS_PER_VERTEX, /* mass [kg] on each vertex (paper A: 1) */
-    PEL_MASS_TOTAL,      /* mass [kg] of the body, spread evenly over its vertices (paper A: total / number) */
-    PEL_MASS_DENSITY     /* mass = density [kg/m3] x thickness [m] x a third of the area of the triangles around */
+    PEL_MASS_TOTAL,      /* mass [kg] of the body, distributed evenly over its vertices (paper A: total / number) */
+    PEL_MASS_DENSITY     /* mass = density [kg/m3] x thickness [m] x a third of the area of the adjacent triangles */
 } pel_mass_kind;
 
-/* Spring constants where the mesh is finer than the body's own. */
+/* Spring constants on refined levels. */
 typedef enum pel_refine_springs {
-    PEL_REFINE_VAN_GELDER, /* by the area of the triangles beside the edge over its squared length, scaled so that each
-                              edge of the body's mesh has the given stiffness (van Gelder 1998) */
+    PEL_REFINE_VAN_GELDER, /* area of the triangles at the edge over its squared length, scaled so that each edge of the
+                              body's mesh has the given stiffness (van Gelder 1998) */
     PEL_REFINE_UNCHANGED   /* the given stiffness on all levels */
 } pel_refine_springs;
 
-/* Dynamic local refinement (paper A, section 3): levels of detail by modified butterfly are made once, and the surface
-   takes finer triangles from them where a criterion asks for them. Neighbours differ by one level at most; triangles
-   between two levels are bisected. Mass, damping and volumetric springs are shared out by area, so that mass and linear
-   momentum stay and the stiffness does not depend on the level. */
+/* Dynamic local refinement (paper A, section 3): levels of detail by modified butterfly are computed once, and finer
+   triangles replace coarse ones where a criterion exceeds its threshold. Neighbours differ by at most one level;
+   triangles between two levels are bisected. Mass, damping and volumetric springs are distributed by area, which
+   conserves mass and linear momentum and makes the stiffness independent of the level. */
 typedef struct pel_refine_def {
-    int32_t levels;  /* finest level; each one halves the edges. 0 (default) = no refinement */
-    bool everywhere; /* all of the body on the finest level from the start; no criterion is used */
-    /* Criteria, any number of them; none = only what pel_sim_refine asks for. A vertex above one of the
-       thresholds refines the triangles around it; a vertex that stays below all of them for `dwell` steps coarsens. No
-       measure depends on the level where the deformation is smooth, so that refinement does not remove its own cause.
-     */
-    double above, below; /* N/m2: elastic force of a vertex over its share of the area (paper A, section 3.2); below <
-                            above, above 0 = not used */
-    double curvature_above, curvature_below; /* 1/m: change of the mean curvature since rest, whatever the sign: where
-                                                the surface bends or folds; below < above, above 0 = not used */
-    double near_tools;     /* m: triangles that are this near to a tool, before it touches; given up beyond 1.25 times
-                              that. A tool should take twice `interval` steps for this way. 0 = not used */
-    const int32_t *region; /* (region_count) vertices of the mesh: the triangles at them are on level region_levels at
-                              least, always; null = none */
+    int32_t levels;  /* number of levels; each one halves the edges. 0 (default) = no refinement */
+    bool everywhere; /* the whole body on the finest level from the start; no criterion is used */
+    /* Any number of criteria; none = only requests of pel_sim_refine. A vertex above one of the thresholds refines the
+       triangles around it; a vertex below all of them for `dwell` steps coarsens. For smooth deformations no measure
+       depends on the level, so refinement does not remove its own cause. */
+    double above, below; /* N/m2: elastic force of a vertex per area (paper A, section 3.2); below < above; above 0 =
+                            not used */
+    double curvature_above, curvature_below; /* 1/m: absolute change of the mean curvature since rest, for bends and
+                                                folds; below < above; above 0 = not used */
+    double near_tools;     /* m: triangles within this distance of a tool; coarsens beyond 1.25 times it. A tool should
+                              take at least 2 `interval` steps for this distance; before each step of static and
+                              descent the surface refines completely. 0 = not used */
+    const int32_t *region; /* (region_count) vertices of the mesh whose triangles are always at least on level
+                              region_levels; null = none */
     int32_t region_count;
     int32_t region_levels; /* 1 to levels; 0 (default) = levels */
-    int32_t rings;         /* rings of triangles around a vertex, on each level: 1 to 3; 2 by default */
-    int32_t dwell;         /* steps; 50 by default */
-    int32_t interval;      /* steps in which every vertex is looked at once; 10 by default */
-    int32_t budget; /* the body never has more triangles than this, 0 = no limit. The strongest candidates win, by
-                       measure over threshold; one that is twice as strong displaces a weaker one */
+    int32_t rings;         /* rings of triangles around a vertex, on each level: 1 to 3; default: 2 */
+    int32_t dwell;         /* steps; default: 50 */
+    int32_t interval;      /* every vertex is tested once in so many steps; default: 10 */
+    int32_t budget; /* maximum number of triangles of the body, 0 = no limit. Candidates are ranked by measure over
+                       threshold; one that is twice as strong replaces a weaker one */
     pel_refine_springs springs;
-    size_t memory_limit; /* bytes that the levels of detail may take; 2 GiB by default, 0 = no limit */
+    size_t memory_limit; /* bytes for the levels of detail; default: 2 GiB; 0 = no limit */
 } pel_refine_def;
 
 /* One body. Arrays are read during pel_model_create only; the mesh is copied. */
 typedef struct pel_body_def {
     const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
-    const pel_mesh *mesh; /* oriented manifold, boundary allowed, no triangle without area; outward or inward */
+    const pel_mesh *mesh; /* oriented manifold, boundary allowed, no degenerate triangle; outward or inward */
     pel_mass_kind mass_kind;
     double mass;                       /* kg, kg or kg/m3 by kind; > 0 */
     pel_quantity thickness;            /* m, for PEL_MASS_DENSITY; no keys */
@@ -68,28 +68,26 @@ typedef struct pel_body_def {
     pel_quantity spring_damping;       /* N s/m on each vertex (paper A, d; eq. A-2); >= 0 */
     pel_quantity volumetric_stiffness; /* N/m on each vertex (paper A, k'; eq. A-4); 0 = no volumetric springs */
     pel_quantity volumetric_damping;   /* N s/m (paper A, d'; eq. A-4) */
-    bool volumetric_by_area; /* the volumetric numbers and spring_damping are those of a vertex with 1/reference_count
-                                of the body's area and scale with nodal area (theory: consistent under refinement) */
-    int32_t reference_count; /* 252 by default: the vertices of paper A's sphere */
-    /* Springs by Young's modulus, so that the response does not depend on the fineness of the mesh. Both are 0 by
-       default: the numbers above are those of each edge and vertex. */
-    double
-        spring_thickness; /* m; above 0: spring_stiffness is the Young's modulus [Pa] of a sheet of this thickness. An
-                             edge has it times the thickness times the area of its triangles over its squared length
-                             (van Gelder 1998), and spring_damping is a drag [1/s] on the mass of each vertex */
+    bool volumetric_by_area; /* volumetric numbers and spring_damping refer to a vertex with 1/reference_count of the
+                                body's area and scale with nodal area (theory: consistent under refinement) */
+    int32_t reference_count; /* default: 252, the vertices of paper A's sphere */
+    /* Springs by Young's modulus, with a stiffness independent of the mesh. Both default to 0: the numbers above apply
+       to each edge and vertex. */
+    double spring_thickness; /* m; above 0: spring_stiffness is the Young's modulus [Pa] of a sheet of this thickness.
+                                An edge has the stiffness young x thickness x area of its triangles / length^2 (van
+                                Gelder 1998), and spring_damping is a drag [1/s] on the mass of each vertex */
     double volumetric_depth; /* m; above 0: volumetric_stiffness is the Young's modulus [Pa] of a filling of this depth.
-                                A vertex has it times its area over the depth (an elastic foundation), and
+                                A vertex has the stiffness young x area / depth (an elastic foundation), and
                                 volumetric_damping is a drag [1/s] on its mass. volumetric_by_area is not used */
     const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;
     double velocity[3];         /* m/s, of all vertices at the start; 0 for methods without velocities */
     double angular_velocity[3]; /* rad/s, about the centre of mass, added to it */
-    double
-        friction; /* Coulomb's coefficient in contact, see pel_contact_def; below 0, as by default: that of contact */
-    double restitution;       /* the same, see pel_contact_def */
-    double contact_thickness; /* m; the same */
+    double friction;            /* Coulomb's coefficient in contact; below 0 (default): that of pel_contact_def */
+    double restitution;         /* likewise */
+    double contact_thickness;   /* m, likewise */
     pel_refine_def refine;
-    pel_shell_def shell; /* membrane, bending, fibres, pressure; the default has none */
+    pel_shell_def shell; /* membrane, bending, fibres, pressure; default: none */
     uint32_t cookie;     /* set by pel_body_def_default */
 } pel_body_def;
 
@@ -108,24 +106,24 @@ PEL_API pel_model_def pel_model_def_default(void);
 typedef struct pel_model pel_model;
 typedef struct pel_state pel_state;
 
-/* Checks the defs (PEL_BAD_ARGUMENT with body and value, PEL_BAD_MESH with element) and builds everything that stays.
-   The model may be shared by any number of simulations in any threads. Free with pel_model_destroy after them. */
+/* Validates the defs (PEL_BAD_ARGUMENT with body and value, PEL_BAD_MESH with element) and builds the model. Any number
+   of simulations in any threads may share it. Free with pel_model_destroy after them. */
 PEL_API pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_error *error);
 PEL_API void pel_model_destroy(pel_model *model);
 
 PEL_API int32_t pel_model_body_count(const pel_model *model);
-/* The body's index by name, -1 when there is none. */
+/* The body's index by name, -1 if there is none. */
 PEL_API int32_t pel_model_find_body(const pel_model *model, const char *name);
-/* The mesh of a body as given (rest positions, triangles, fields), with closed parts that are inside out turned over.
-   Lives as long as the model. */
+/* The mesh of a body as given (rest positions, triangles, fields), with inside-out closed parts turned outward. Lives
+   as long as the model. */
 PEL_API const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
-/* How many triangles that were: each part (connected by edges) without boundary whose signed volume is below 0, unless
-   it is a cavity within the rest of the mesh. The order of triangles and vertices stays, the last two corners of these
-   triangles change places. So pressure acts on the enclosed volume whichever way the mesh was turned. */
+/* Number of turned triangles: those of each part (connected by edges) without boundary and with negative signed volume,
+   unless it is a cavity within the rest of the mesh. The order of triangles and vertices is kept; the last two corners
+   of these triangles are swapped. So pressure acts on the enclosed volume for any orientation of the mesh. */
 PEL_API int32_t pel_model_turned_count(const pel_model *model, int32_t body);
-/* Vertices of a body's mesh that are pinned. */
+/* Number of pinned vertices of a body's mesh. */
 PEL_API int32_t pel_model_pinned_count(const pel_model *model, int32_t body);
-/* True when the body's mesh has no boundary: it encloses a volume. */
+/* True if the body's mesh has no boundary: it encloses a volume. */
 PEL_API bool pel_model_is_closed(const pel_model *model, int32_t body);
 PEL_API const char *pel_model_body_name(const pel_model *model, int32_t body);
 

@@ -2,20 +2,19 @@
 
        scene.yaml         the resolved scene; comment lines at its end name the program version and the state's hash
        series.csv         one row per frame
-       summary.json       how it ended and the numbers of the end
-       frames/f00000.vtp  the surface of all bodies with the fields asked for, frame 0 is the initial state
+       summary.json       status and final numbers
+       frames/f00000.vtp  the surface of all bodies with the requested fields; frame 0 is the initial state
        frames/t00000-0.vtp  the surface of tool 0 in that frame
        frames.pvd         the frames with their times, for ParaView; tools are further parts, with their names
        final.ply          the surface at the end
-       checkpoint         the last good state, when the run was stopped, failed or reached max_frames, each time when
-   the scene asks for checkpoints, then also as checkpoint-STEP.pel, and every keep_seconds while the run goes
+       checkpoint         the last good state: when the run stops, fails or reaches max_frames, at the checkpoints of
+                          the scene (also as checkpoint-STEP.pel), and every keep_seconds during the run
 
-   Every file but series.csv is written whole or not at all; series.csv always ends with a whole row. At any moment,
-   also after a kill, everything in the folder is valid. With more than one thread, a thread beside those of the steps
-   writes the frames, from snapshots and in order; a run is at most three frames ahead of its folder then, and a frame
-   that cannot be written takes it back to that frame: what is left is the same with any number of threads. A folder
-   that holds an older run is taken over: the files above are removed or replaced, all others are left alone. In the
-   library pellicle_scene. */
+   Files are written completely or not at all; series.csv always ends with a complete row. At any time, also after a
+   kill, the contents of the folder are valid. With more than one thread, a separate thread writes the frames in order
+   from snapshots; the run is then at most three frames ahead of its folder, and returns to a frame that cannot be
+   written, so the results are the same for any number of threads. In a folder with an older run the files above are
+   removed or replaced, and other files are kept. In the library pellicle_scene. */
 #ifndef PELLICLE_RUN_H
 #define PELLICLE_RUN_H
 
@@ -28,13 +27,13 @@ extern "C" {
 /* Longest path of an output folder, terminating zero included. */
 #define PEL_RUN_PATH_SIZE 3072
 
-/* Where a run stands. */
+/* Progress of a run. */
 typedef struct pel_run_progress {
-    int64_t step, step_total;   /* done, and at the end of the run unless it stops earlier */
-    int64_t frame, frame_total; /* the same of frames, frame 0 not counted; some may still be being written */
+    int64_t step, step_total;   /* completed, and total unless the run stops earlier */
+    int64_t frame, frame_total; /* likewise for frames without frame 0; some may not be written yet */
     double time;                /* s, simulated */
-    double steps_per_second;    /* of this call of pel_run, 0 at its begin */
-    double remaining;           /* s of wall time to the end at this speed; -1 = not known yet */
+    double steps_per_second;    /* of this call of pel_run, 0 at its start */
+    double remaining;           /* s of wall time to the end at this speed; -1 = unknown */
     double max_force;           /* N, worst residual: largest vertex force at the last frame */
 } pel_run_progress;
 
@@ -48,92 +47,90 @@ typedef struct pel_run_beside {
 } pel_run_beside;
 
 typedef struct pel_run_def {
-    const char *folder; /* made with its parents when missing; null = write no files, the summary and `row` are all */
-    int64_t max_frames; /* ends the run (status "done") with the frame of this number, frame 0 being the initial state;
-                           0 = goes to the scene's duration */
-    int32_t thread_count; /* 0 = what the scene says; 1 = everything in the calling thread, frames included; the results
-                             do not depend on it */
-    const char *resume;   /* checkpoint file to go on from, in the folder of its run; null = from the beginning */
+    const char *folder; /* created with its parents if missing; null = write no files, only the summary and `row` */
+    int64_t max_frames; /* ends the run (status "done") at this frame; frame 0 is the initial state; 0 = at the scene's
+                           duration */
+    int32_t thread_count; /* 0 = as in the scene; 1 = everything in the calling thread, including frames; results do not
+                             depend on it */
+    const char *resume;   /* checkpoint file to resume, in the folder of its run; null = start at the beginning */
     /* Called before the first step and after every step; returning false stops the run. Nullable. */
     bool (*progress)(void *user, const pel_run_progress *progress);
-    /* Called with each line of the series (CSV, newline included), the header first, before it is written; maybe in
-       another thread than the caller's, but one at a time and never after pel_run. Nullable. */
+    /* Called with each line of the series (CSV, newline included), the header first, before it is written; possibly
+       in another thread, but one at a time and never after pel_run. Nullable. */
     void (*row)(void *user, const char *line);
-    /* Asked between and, in long steps, within steps, from one thread at a time; returning false stops the run after
-       0.5 s at most (meshes of some 100,000 triangles). Nullable. */
+    /* Called between and, in long steps, within steps, from one thread at a time; returning false stops the run within
+       0.5 s (meshes of about 100,000 triangles). Nullable. */
     bool (*wanted)(void *user);
     /* Called with the simulation at the end of a run without an error: that of the run (-1), then those beside it.
        Nullable. */
     void (*ended)(void *user, int32_t scene, pel_sim *sim);
     void *user;
     const pel_run_beside *beside; /* without a folder and sessions; null = none */
-    /* s of wall time after which the state is kept in `checkpoint`, so that a killed run can go on from there; later
-       when that would take more than 2 % of the time. 0 = never. A state that cannot be kept is a note in the log. */
+    /* s of wall time between saves of the state in `checkpoint`, from which a killed run can resume; longer if saving
+       would take more than 2 % of the time. 0 = never. A failed save is a note in the log. */
     double keep_seconds;
-    bool skip_intersections; /* leaves self_intersections_final unknown: for many small runs */
+    bool skip_intersections; /* does not compute self_intersections_final: for many small runs */
     const pel_log *log;      /* notes; nullable */
-    const pel_log *warnings; /* each warning of the summary, once: those of the scene before the first step, the others
-                                at the end; nullable */
+    const pel_log *warnings; /* receives each warning of the summary once: those of the scene before the first step, the
+                                others at the end; nullable */
     uint32_t cookie;         /* set by pel_run_def_default */
 } pel_run_def;
 
-/* No folder yet, the state is kept every 10 s, everything else off. */
+/* No folder, saves the state every 10 s, everything else off. */
 PEL_API pel_run_def pel_run_def_default(void);
 
-/* Warnings of a run at most: one of each code. */
+/* Maximum number of warnings of a run: one of each code. */
 enum { PEL_RUN_WARNING_LIMIT = 16 };
 
-/* Modes of an analysis that a summary tells, and summary.json with it. */
+/* Maximum number of modes of an analysis in a summary and in summary.json. */
 enum { PEL_RUN_MODE_LIMIT = 1000 };
 
-/* What makes the numbers of a run doubtful. docs/results.md lists the codes with their thresholds. */
+/* A reason to doubt the numbers of a run. docs/results.md lists the codes with their thresholds. */
 typedef struct pel_run_warning {
     const char *code;    /* such as "unconverged"; lives forever */
-    int64_t first_frame; /* in which it was seen first; 0 = before the first step */
-    int64_t count;       /* of steps, frames or bodies in which it was seen */
-    char text[400];      /* what is wrong, with its value, and the remedy */
+    int64_t first_frame; /* first frame with the warning; 0 = before the first step */
+    int64_t count;       /* steps, frames or bodies with it */
+    char text[400];      /* the problem with its value, and the remedy */
 } pel_run_warning;
 
-/* How a run ended; the same as in summary.json. */
+/* Result of a run, as in summary.json. */
 typedef struct pel_run_summary {
-    const char *status; /* "done", "stopped", "diverged", "failed"; lives forever; "" when nothing was written */
+    const char *status; /* "done", "stopped", "diverged", "failed"; lives forever; "" if nothing was written */
     int64_t frames;     /* rows of the series, frame 0 included */
     int64_t steps;
     double time_simulated;   /* s */
-    double wall_s;           /* s, of all calls of pel_run that made this run */
-    double steps_per_second; /* steps over the wall time of stepping alone */
+    double wall_s;           /* s, of all calls of pel_run for this run */
+    double steps_per_second; /* steps per wall time of stepping only */
     double volume_ratio_final, area_ratio_final;
     double max_displacement;      /* m, largest over all frames */
     double residual_displacement; /* m, largest at the end */
     double max_tool_force;        /* N, largest over all tools and steps */
     int64_t vertices_final, triangles_final;
-    int64_t
-        self_intersections_final; /* pairs of triangles, of all bodies, that cut or touch each other at the end, within
-                                     a body and between bodies (pel_mesh_self_intersections); -1 = not known */
+    int64_t self_intersections_final; /* pairs of triangles of all bodies that intersect or touch at the end, within a
+                                         body and between bodies (pel_mesh_self_intersections); -1 = unknown */
     uint64_t state_hash;
     double alpha, alpha_limit;
     int32_t threads;
     pel_solver_reading solver;        /* of the last step */
     int32_t mode_count;               /* of an analysis, 0 without */
     double modes[PEL_RUN_MODE_LIMIT]; /* (mode_count) Hz, or load factors */
-    int64_t unconverged_steps;        /* of the method descent: steps whose forces or gaps are not within tolerance */
-    const char *stop_reason; /* what ended the run: "duration", "max_frames" or a key of the scene's `stop`; "" when it
-                              was stopped or failed; lives forever */
-    int64_t volume_rises;    /* frames whose volume is more than that of the frame before */
-    double volume_rise_sum, volume_rise_max; /* of volume over that at rest, in these */
+    int64_t unconverged_steps;        /* steps of static, implicit or descent with forces or gaps beyond tolerance */
+    const char *stop_reason; /* "duration", "max_frames" or a key of the scene's `stop`; "" if it was stopped or
+                              failed; lives forever */
+    int64_t volume_rises;    /* frames with a larger volume than the previous frame */
+    double volume_rise_sum, volume_rise_max; /* of the volume relative to rest, in these frames */
     pel_sim_ledger ledger;                   /* at the end */
     int32_t warning_count;
     pel_run_warning warnings[PEL_RUN_WARNING_LIMIT]; /* (warning_count) */
-    char checkpoint[PEL_RUN_PATH_SIZE + 64];         /* path of the last good state, empty when none was written */
+    char checkpoint[PEL_RUN_PATH_SIZE + 64];         /* path of the last good state, empty if none was written */
 } pel_run_summary;
 
-/* Runs a scene. With `resume` the series is cut back to the checkpoint and continued with the same bits: all files are
-   those of a run without interruption, wall times apart.
-   Returns PEL_OK; PEL_STOPPED (progress or wanted returned false); PEL_DIVERGED; PEL_BAD_FILE (folder cannot be made or
-   written: nothing is written then; disk full: the file is named); PEL_BAD_FORMAT (the checkpoint is damaged, or of
-   another scene or version); PEL_BAD_ARGUMENT; PEL_OUT_OF_MEMORY; and what pel_model_create and pel_sim_create return
-   (nothing is written then). After a failure on the way the remedy names the checkpoint to go on from. summary is
-   filled in any case. */
+/* Runs a scene. With `resume` the series is truncated to the checkpoint and continued with the same bits: except for
+   wall times, all files equal those of an uninterrupted run. Returns PEL_OK; PEL_STOPPED (progress or wanted returned
+   false); PEL_DIVERGED; PEL_BAD_FILE (folder cannot be made or written: nothing is written then; disk full: the file is
+   named); PEL_BAD_FORMAT (the checkpoint is damaged, or of another scene or version); PEL_BAD_ARGUMENT;
+   PEL_OUT_OF_MEMORY; and what pel_model_create and pel_sim_create return (nothing is written then). After a failure
+   during the run the remedy names the checkpoint to resume. Always fills summary. */
 PEL_API pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error);
 
 #ifdef __cplusplus

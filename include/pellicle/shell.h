@@ -1,5 +1,5 @@
-/* Pellicle: what makes a body a thin shell: membrane, bending, fibres and pressure (paper B). Plain numbers that a
-   pel_body_def carries; arrays are read during pel_model_create only. */
+/* Pellicle: defs of a thin shell: membrane, bending, fibres and pressure (paper B). Plain members of a pel_body_def;
+   arrays are read only during pel_model_create. */
 #ifndef PELLICLE_SHELL_H
 #define PELLICLE_SHELL_H
 
@@ -11,17 +11,17 @@
 extern "C" {
 #endif
 
-/* One point of a piecewise linear curve over time. Before the first and after the last key the end values hold. */
+/* One point of a piecewise linear curve over time, constant before the first and after the last key. */
 typedef struct pel_key {
     double time; /* s */
     double value;
 } pel_key;
 
-/* A material number that may vary over the body or over time (not both). */
+/* A material parameter that may vary over the body or over time (not both). */
 typedef struct pel_quantity {
     double value;        /* used when field and keys are null */
-    const double *field; /* (vertex_count) value on each vertex; a spring takes the mean of its ends, a triangle that of
-                            its corners; nullable */
+    const double *field; /* (vertex_count) value on each vertex; springs and triangles use the mean of their vertices;
+                            nullable */
     const pel_key *keys; /* (key_count) value over time; nullable */
     int32_t key_count;
 } pel_quantity;
@@ -33,41 +33,41 @@ typedef struct pel_membrane_def {
     pel_quantity young; /* Pa, > 0; no keys */
     double poisson;
     pel_quantity thickness; /* m, > 0; no keys */
-    double mooney_ratio;    /* 0.2 by default */
-    double extension_limit; /* gent; 50 by default */
-    double stiffening;      /* fung; 10 by default */
-    double strain_limit; /* pbd, xpbd: principal stretches stay within 1 - strain_limit .. 1 + strain_limit, 0 <= it <
-                            1; 0 = no limit (Provot 1995). Other methods refuse it */
+    double mooney_ratio;    /* default: 0.2 */
+    double extension_limit; /* gent; default: 50 */
+    double stiffening;      /* fung; default: 10 */
+    double strain_limit;    /* pbd, xpbd: limits principal stretches to 1 - strain_limit .. 1 + strain_limit, 0 <=
+                               strain_limit    < 1; 0 = no limit (Provot 1995). Other methods refuse it */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {
     PEL_BENDING_OFF,
-    PEL_BENDING_ISOMETRIC,      /* paper B, equation 3, literal: pulls a curved rest shape flat */
-    PEL_BENDING_ISOMETRIC_REST, /* the same energy less that of the rest shape */
-    PEL_BENDING_HINGE,          /* dihedral angle against its angle at rest */
-    PEL_BENDING_MIDEDGE         /* shape operator with a rotation of each edge: a plate's on every mesh */
+    PEL_BENDING_ISOMETRIC,      /* paper B, equation 3, literally: flattens a curved rest shape */
+    PEL_BENDING_ISOMETRIC_REST, /* the same energy minus that of the rest shape */
+    PEL_BENDING_HINGE,          /* change of the dihedral angle */
+    PEL_BENDING_MIDEDGE         /* shape operator with a rotation of each edge: a plate on every mesh */
 } pel_bending_model;
 
 typedef struct pel_bending_def {
     pel_bending_model model;
-    double weight;          /* pbd: factor on the correction of the positions, the paper's k_B, 0 to 1; negative: chosen
-                               so that the volume falls without jitter */
-    pel_quantity stiffness; /* N m: D of a plate, for the solvers that feel it; value negative: from young, poisson and
+    double weight; /* pbd: factor on the correction of the positions, the paper's k_B, 0 to 1; negative: automatic,
+                      so that the volume falls without jitter */
+    pel_quantity stiffness; /* N m: plate stiffness D, for all methods except pbd; negative: from young, poisson and
                                thickness of the membrane; no keys */
 } pel_bending_def;
 
-/* What a region of fibres does. */
+/* Effect of a region of fibres. */
 typedef enum pel_fibre_mode {
-    PEL_FIBRE_CAVE,   /* paper B: where fibres are shorter than at rest, triangles go inward along their normal */
-    PEL_FIBRE_STRAIN, /* the energy as it is: resists stretch along the fibres */
-    PEL_FIBRE_ACTIVE, /* fibres that want to have `rest_length` times their length at rest: a muscle */
-    PEL_FIBRE_CURL    /* the rest angles of hinges within are multiplied by `curvature`: below 0 it wants to cave in */
+    PEL_FIBRE_CAVE,   /* paper B: triangles with fibres shorter than at rest move inward along their normal */
+    PEL_FIBRE_STRAIN, /* elastic fibres: resist stretch */
+    PEL_FIBRE_ACTIVE, /* fibres with the rest length `rest_length` times their length: a muscle */
+    PEL_FIBRE_CURL    /* multiplies the rest angles of hinges in the region by `curvature`: negative values cave in */
 } pel_fibre_mode;
 
 typedef enum pel_fibre_direction {
     PEL_FIBRE_TO_CENTER, /* towards the centre of the region */
     PEL_FIBRE_ALONG,     /* along `axis`, projected into each rest triangle */
-    PEL_FIBRE_PRINCIPAL  /* where the triangle is stretched most, as it is at the start of each step */
+    PEL_FIBRE_PRINCIPAL  /* direction of the largest stretch at the start of each step */
 } pel_fibre_direction;
 
 /* Local anisotropy (paper B, section 3). */
@@ -75,12 +75,12 @@ typedef struct pel_anisotropy_def {
     pel_fibre_mode mode;
     pel_fibre_kind kind;
     double stiffness; /* N/m, > 0, of the fibres; not read by PEL_FIBRE_CURL */
-    double strength;  /* cave: length [m] that a triangle goes inward in a step where its fibre is shorter than at rest
-                         by  5 % (in proportion to the square, so to the energy), limited to max_step; > 0 */
-    double max_step;  /* cave: share of its edge that a triangle may go inward in a step, whatever the sweeps and
-                         substeps; 0.05 by default */
-    pel_quantity rest_length; /* active: factor on the length at rest, 0 to 1 and beyond; may be keyed */
-    double curvature;         /* curl: factor on rest angles; -1 turns them round */
+    double strength;  /* cave: inward motion [m] of a triangle per step at a fibre strain of -5 %, proportional to the
+                         square of the strain (to the energy), limited by max_step; > 0 */
+    double max_step;  /* cave: maximum inward motion per step as a share of the edge, for any sweeps and substeps;
+                         default: 0.05 */
+    pel_quantity rest_length; /* active: factor on the rest length, 0 to 1 or more; may be keyed */
+    double curvature;         /* curl: factor on rest angles; -1 inverts them */
     pel_fibre_direction direction;
     double axis[3];
     double center[3];      /* for PEL_FIBRE_TO_CENTER, at rest [m] */
@@ -89,24 +89,25 @@ typedef struct pel_anisotropy_def {
 
 typedef enum pel_pressure_kind {
     PEL_PRESSURE_NONE,
-    PEL_PRESSURE_GIVEN, /* `outside` alone, which may be keyed in time or a field */
-    PEL_PRESSURE_GAS,   /* a gas within: p V^gamma stays; `value` is its pressure at rest, against the same outside */
-    PEL_PRESSURE_VOLUME /* drives the volume to `target` times that at rest */
+    PEL_PRESSURE_GIVEN, /* only `outside`, which may be keyed in time or a field */
+    PEL_PRESSURE_GAS, /* an enclosed gas with constant p V^gamma; `value` is its pressure at rest, equal to that outside
+                       */
+    PEL_PRESSURE_VOLUME /* prescribes the volume as `target` times that at rest */
 } pel_pressure_kind;
 
 typedef struct pel_pressure_def {
     pel_pressure_kind kind;
     pel_pressure_form form;
-    pel_quantity outside;  /* Pa: pushes inward when positive, inflates when negative; adds to a gas or a target volume,
-                              beside which it has no field */
+    pel_quantity outside;  /* Pa: positive pushes inward, negative inflates; adds to a gas or a target volume, then
+                              without  a field */
     double value;          /* Pa, of the gas at rest */
-    double gamma;          /* of the gas; 1 = isothermal; 1.4 by default */
-    pel_quantity target;   /* of PEL_PRESSURE_VOLUME: volume over that at rest; may be keyed */
+    double gamma;          /* of the gas; 1 = isothermal; default: 1.4 */
+    pel_quantity target;   /* of PEL_PRESSURE_VOLUME: volume relative to rest; may be keyed */
     double bulk;           /* Pa: pressure per relative difference of volume, of PEL_PRESSURE_VOLUME */
     const double *weights; /* (vertex_count) 0 to 1: region; null = the whole body */
 } pel_pressure_def;
 
-/* All of a shell. The default has nothing switched on. */
+/* A shell. The default has no parts. */
 typedef struct pel_shell_def {
     pel_membrane_def membrane;
     pel_bending_def bending;

@@ -16,12 +16,12 @@ enum { HAPTIC_COOKIE = 0x68617074 };
 #define MOST_RATE 10000.0
 /* of the stiffest passive coupling: the rest of the device's damping is a reserve for changes of the local model */
 #define AUTOMATIC_SHARE 0.5
-/* of the stiffness of the coupling: what is assumed of a surface, and the bounds of what is learned */
+/* relative to the stiffness of the coupling: initial stiffness of a surface, and bounds of the estimate */
 #define ASSUMED_STIFFNESS 0.01
 #define LEAST_STIFFNESS 1e-4
 #define MOST_STIFFNESS 1e3
 
-/* what the loop tells the simulation */
+/* message of the loop to the simulation */
 typedef struct loop_record {
     pel_haptic_reading reading;
     double rotation[4]; /* of the device */

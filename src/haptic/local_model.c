@@ -265,7 +265,7 @@ static void learn(const pel_local_model *last, const pel_local_model *now, pel_s
 
 /* ---- the model ---- */
 
-/* three planes along the axes that pull and push: what is held has the same stiffness in all directions */
+/* three two-sided planes along the axes: held vertices have the same stiffness in all directions */
 static void hold(pel_local_model *model)
 {
     model->plane_count = model->touched_count = 3;

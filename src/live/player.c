@@ -19,7 +19,7 @@
 #define PICTURE_SECONDS (1.0 / 60)
 #define ANSWER_SECONDS (1.0 / 120)
 #define MEASURE_SECONDS 0.1
-/* s that the simulation may lag behind the clock before it gives up catching up */
+/* s, largest lag behind the clock that the simulation tries to catch up */
 #define LAG_SECONDS 0.1
 /* s over which pace and step time are averaged */
 #define PACE_SECONDS 0.5
@@ -47,7 +47,7 @@ struct pel_player {
     double step_seconds; /* of the clock for a step */
     double due;          /* clock of the next step */
     double pictured_at, measured_at;
-    /* of the present interval, and what the last one gave */
+    /* of the present interval, and the result of the last one */
     double interval_at, interval_time, interval_stepping, interval_serving;
     int64_t interval_steps;
     double pace, step_ms, serving;
@@ -127,7 +127,7 @@ static void post_frame(pel_player *player, double now)
     player->changed = player->answers = false;
 }
 
-/* clock of the next picture: soon after a command, so that a hand sees what it does */
+/* clock of the next frame: soon after a command */
 static double picture_due(const pel_player *player)
 {
     return player->pictured_at + (player->answers ? ANSWER_SECONDS : PICTURE_SECONDS);
@@ -290,7 +290,7 @@ static void end_interval(pel_player *player, double now)
     begin_interval(player, now);
 }
 
-/* false when the simulation cannot go on */
+/* false if the simulation cannot continue */
 static bool do_step(pel_player *player)
 {
     pel_error error;
@@ -375,7 +375,7 @@ static void apply(pel_player *player, const char *line)
         player->has_new_surface = true;
     if (moves && status == PEL_OK)
         return;
-    /* what is done while the simulation rests has to be seen */
+    /* show interactions while the simulation is paused */
     player->changed = true;
 }
 

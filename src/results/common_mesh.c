@@ -603,7 +603,7 @@ static void child_piece(const pel_common_mesh *common, const piece *p, int child
     }
 }
 
-/* hands the medians of a node that is split to its children, and goes on there */
+/* pass the medians of a split node to its children, and continue there */
 static bool add_piece(pel_common_mesh *common, const piece *p)
 {
     const node n = common->nodes[p->node];

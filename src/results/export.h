@@ -10,7 +10,7 @@
 
 typedef struct pel_export_source {
     const pel_frames *frames;
-    pel_common_mesh *common; /* null: the triangles stay, and the frames are read as they are */
+    pel_common_mesh *common; /* null: constant triangles, frames are read unchanged */
     pel_frames_outline outline;
     int32_t body_vertex_count;
     int32_t vertex_count; /* with tools */

@@ -73,7 +73,7 @@ static pel_status make_buffers(glb *g, pel_error *error)
 
 /* ---- parts ---- */
 
-/* the part of a vertex; what is not a number of one counts to the first */
+/* the part of a vertex; invalid numbers count as the first */
 static int32_t part_of(const glb *g, const pel_field *body, int32_t v)
 {
     double number = body != NULL && body->component_count == 1 ? body->values[v] : 0;
@@ -157,7 +157,7 @@ static void compute_normals(glb *g, const pel_mesh *mesh)
     }
 }
 
-/* fills current with what the file holds of the frame, and its bounds; false when no float holds a coordinate */
+/* fill current with the stored values of the frame and its bounds; false if a coordinate does not fit into a float */
 static bool encode_frame(glb *g, const pel_mesh *mesh, int32_t frame)
 {
     double(*bounds)[6] = g->bounds + (size_t)frame * (size_t)g->part_count;

@@ -100,7 +100,7 @@ static void part_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, const c
     snprintf(text, PEL_EXPORT_PATH_SIZE, "%.*s-%s%s", (int)stem, path, safe, ending);
 }
 
-/* the mesh that the cache of a part goes on: one object */
+/* the mesh of the cache of a part: one object */
 static pel_status write_mesh(const char *path, const pel_export_source *source, int32_t part, pel_error *error)
 {
     pel_mesh *mesh, *bare = NULL;

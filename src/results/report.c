@@ -15,7 +15,7 @@ static const char mark_start[] = "<!--pellicle runs";
 static const char run_start[] = "\n<script type=\"application/json\" class=\"run\">";
 static const char frames_start[] = "</script>\n<script type=\"text/plain\" class=\"run-frames\">";
 static const char run_end[] = "</script>\n";
-/* for the notes on what was thinned, which are not known before */
+/* room for the notes on reductions, which are not known before */
 enum { NOTES_ROOM = 256 };
 enum { RUN_TAGS = sizeof run_start + sizeof frames_start + sizeof run_end - 3 };
 

@@ -11,7 +11,7 @@
 
 enum { NOTE_SIZE = 256 };
 
-/* one sentence about what was left out: into the report and the log */
+/* one sentence about omitted data, for the report and the log */
 PEL_PRINTF(3, 4)
 static void put_note(pel_report_run *run, const pel_log *log, const char *format, ...)
 {
@@ -77,7 +77,7 @@ static pel_status read_text(const pel_report_run *run, const char *name, char **
     return status == PEL_BAD_FILE ? PEL_OK : status;
 }
 
-/* the member `key` with the text of a file; what is too long becomes fewer rows, or is cut */
+/* the member `key` with the text of a file; a long one loses rows or is truncated */
 static pel_status put_text(pel_report_run *run, const char *key, pel_run_file file, bool table, pel_error *error)
 {
     char *text;

@@ -111,7 +111,7 @@ static pel_field *find_field(pel_mesh *mesh, const pel_report_field *known)
     return NULL;
 }
 
-/* the frame is still what the survey saw; someone may have written it again */
+/* check that the frame is unchanged since the survey */
 static pel_status check_unchanged(const pel_report_run *run, int32_t frame, pel_mesh *mesh, pel_error *error)
 {
     const pel_report_topology *topology = &run->topologies[run->frame_topology[frame]];
@@ -216,7 +216,7 @@ static double vertex_bytes(const pel_report_run *run, const pel_report_plan *pla
     return bytes;
 }
 
-/* the next smaller plan that may fit, from what the last one would have taken; false when there is none */
+/* the next smaller plan that may fit, from the size of the last one; false if there is none */
 static bool shrink_plan(pel_report_run *run, double estimate, double limit)
 {
     const pel_report_plan ladder[] = {{true, 16, 1}, {false, 16, 1}, {false, 8, 1}};

@@ -56,7 +56,7 @@ pel_status pel_report_run_pack(pel_report_run *run, size_t limit, pel_error *err
 /* whether the plan keeps the frame */
 bool pel_report_run_keeps(const pel_report_run *run, int32_t frame);
 
-/* Fills `json` with everything but the packed frames; log (nullable) receives what was left out. */
+/* Fills `json` with everything except the packed frames; log (nullable) receives notes on omitted data. */
 pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_error *error);
 
 /* Adds the member `tools` to `json`: surfaces, and their poses in the kept frames. Errors: those of

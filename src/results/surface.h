@@ -21,7 +21,7 @@ typedef struct pel_run_surface {
     pel_vtp_field *cell_fields; /* (cell_field_count) on triangles, with values of their own */
     int *cell_sources;          /* (cell_field_count) */
     pel_vtp_writer *writer;
-    double time;      /* s, of what was read */
+    double time;      /* s, of the last reading */
     int64_t revision; /* of the bodies' surfaces, summed up */
 } pel_run_surface;
 
@@ -33,9 +33,9 @@ pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *outp
                                   pel_error *error);
 void pel_run_surface_destroy(pel_run_surface *surface);
 
-/* Takes positions and fields out of the simulation; it may go on before they are written. PEL_OUT_OF_MEMORY. */
+/* Copies positions and fields of the simulation, which may continue before they are written. PEL_OUT_OF_MEMORY. */
 pel_status pel_run_surface_read(pel_run_surface *surface, pel_sim *sim, pel_error *error);
-/* Writes what was read last. */
+/* Writes the last reading. */
 pel_status pel_run_surface_write(pel_run_surface *surface, const pel_output_def *output, const char *path,
                                  pel_error *error);
 

@@ -18,7 +18,7 @@ struct pel_tool_surface {
     char name[PEL_NAME_SIZE];
     pel_solid solid;      /* that the surface was made of */
     const pel_mesh *mesh; /* of the tool; null = the solid */
-    bool is_there;        /* in what was read last */
+    bool is_there;        /* in the last reading */
     pel_pose pose;        /* then */
     int32_t vertex_count, triangle_count;
     double (*local)[3];     /* (vertex_count) in the tool's frame */

@@ -13,7 +13,7 @@ typedef struct pel_tool_surfaces {
     pel_tool_surface *list; /* (count) */
     size_t capacity;
     int32_t count;
-    double time; /* s, of what was read */
+    double time; /* s, of the last reading */
 } pel_tool_surfaces;
 
 /* Destroy what was zero or filled. */
@@ -25,7 +25,7 @@ pel_status pel_tool_surfaces_know(pel_tool_surfaces *surfaces, const char *name,
 /* Takes shapes and poses out of the simulation; it may go on before they are written. Supports have no surface.
    PEL_OUT_OF_MEMORY. */
 pel_status pel_tool_surfaces_read(pel_tool_surfaces *surfaces, const pel_sim *sim, pel_error *error);
-/* Writes what was read last as the files of a frame; after a failure none is left. */
+/* Writes the last reading as the files of a frame; removes them after a failure. */
 pel_status pel_tool_surfaces_write(const pel_tool_surfaces *surfaces, const pel_output_def *output, const char *folder,
                                    int64_t frame, pel_error *error);
 /* Removes the files of a frame. */

@@ -27,7 +27,7 @@ typedef struct pel_command {
     double numbers[PEL_COMMAND_NUMBERS];
 } pel_command;
 
-/* Reads a line; all of it is checked but names of paths and bodies. PEL_BAD_ARGUMENT with what the word takes. */
+/* Parses a line and validates it except for names of paths and bodies. PEL_BAD_ARGUMENT with the syntax of the word. */
 pel_status pel_command_parse(const char *line, pel_command *command, pel_error *error);
 
 #endif

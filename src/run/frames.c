@@ -159,7 +159,7 @@ static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_e
 
 /* ---- the caller's side ---- */
 
-/* what is summed up since the last frame begins anew */
+/* reset the sums since the last frame */
 static void begin_interval(pel_run_totals *totals, const pel_sim *sim, double *tool_force, int32_t tool_count)
 {
     totals->frame_count++;
@@ -194,7 +194,7 @@ static pel_status know_tools(pel_run_frames *frames, pel_error *error)
 {
     pel_frames *there = NULL;
     pel_status status = pel_frames_open(frames->folder, &there, NULL);
-    /* without a list, or with a damaged one, it is made anew */
+    /* rebuild a missing or damaged list */
     if (status != PEL_OK)
         return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(error) : PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < there->tool_count; i++)
@@ -279,7 +279,7 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
     }
     totals->max_displacement = fmax(totals->max_displacement, frames->max_displacement);
     totals->unbalanced_force = fmax(totals->unbalanced_force, frames->unbalanced_force);
-    /* after a failure the totals are set back each time, and what was counted before the failure is added again */
+    /* after a failure reset the totals and add the counts before the failure again */
     pel_warning_tallies counted = frames->warnings;
     pel_warnings_merge(&totals->warnings, &counted);
     if (status == PEL_OK)

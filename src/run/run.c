@@ -433,7 +433,7 @@ static pel_status write_due(pel_run_state *run, pel_error *error)
     return status == PEL_OK ? pel_run_checkpoint_write(run, true, error) : status;
 }
 
-/* from time to time: what is left of a run that is killed */
+/* periodically: the state from which a killed run resumes */
 static pel_status keep_state(pel_run_state *run, pel_error *error)
 {
     if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || run->session != NULL)
@@ -503,7 +503,7 @@ static pel_status simulate(pel_run_state *run, pel_error *error)
 
 /* ---- finish ---- */
 
-/* adds where to go on from to the remedy of what ended the run */
+/* add the checkpoint to resume to the remedy of the error that ended the run */
 static void name_checkpoint(const pel_run_state *run, pel_error *error)
 {
     char remedy[sizeof error->remedy];
@@ -526,7 +526,7 @@ static pel_status write_results(pel_run_state *run, pel_error *error)
     return status;
 }
 
-/* keeps the last state of a run that can go on; one that is over needs none but those asked for */
+/* save the last state of a run that can resume; a completed run keeps only requested checkpoints */
 static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
@@ -556,7 +556,7 @@ static pel_status count_intersections(pel_run_state *run, bool stopped, pel_erro
     return status;
 }
 
-/* what the last frame says where it shows the end */
+/* the final numbers are those of the last frame if it shows the end */
 static void measure_end(pel_run_state *run)
 {
     if (run->frames.measured_step == pel_sim_step_count(run->sim)) {

@@ -57,7 +57,7 @@ struct pel_session {
     pel_tool_shape shape;
     pel_mesh *mesh; /* of a tool that is one, in its size; else null */
     double radius, place[3], rotation[4], target[3];
-    /* what was done */
+    /* recorded events */
     event *events;
     size_t event_count, event_room;
     mark start, marks[MARK_LIMIT];
@@ -625,7 +625,7 @@ int32_t pel_session_undo_count(const pel_session *session)
 
 /* ---- commands ---- */
 
-/* room for one more event with any line, so that what is done can be recorded */
+/* reserve room for one more event with any line before executing it */
 static pel_status reserve_event(pel_session *session, const pel_command *command, char **line, pel_error *error)
 {
     void *events = session->events;

@@ -22,7 +22,7 @@ typedef struct pel_run_state {
     pel_run_totals totals;
     double *tool_force; /* (PEL_TOOL_NUMBERS x tool count) N, largest since the last frame, then largest over the run;
                            then the number of vertices that the tool touched at the latter */
-    unsigned char *checkpoint; /* (checkpoint_size) a checkpoint as it is written */
+    unsigned char *checkpoint; /* (checkpoint_size) buffer of a checkpoint */
     size_t checkpoint_size;
     char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
     int64_t checkpoint_step;

@@ -37,7 +37,7 @@ enum { JAM_STEPS = 10 };
    Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
    (docs/scenes.md) */
 enum { LEAST_CONTACTS = 30 };
-/* of the largest force that acted: what is left of the forces on free vertices where a quasi-static run is at rest */
+/* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
 
 static const char *const codes[PEL_WARN_COUNT] = {
@@ -179,7 +179,7 @@ static void check_size(pel_run_state *run, int32_t b)
         flag_body(run, PEL_WARN_MILLIMETRES, b, size, LARGE_BODY);
 }
 
-/* the model turned what was inside out, so that pressure and volume have their usual sign */
+/* the model turned inside-out parts, so that pressure and volume have their usual sign */
 static void check_orientation(pel_run_state *run, int32_t b)
 {
     int32_t turned = pel_model_turned_count(run->model, b);
@@ -297,7 +297,7 @@ static int32_t pressed_count(const pel_run_state *run, int32_t t)
     return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
 }
 
-/* N, of tools and of what was out of balance at a frame, such as a load that had just begun */
+/* N, of tools and of unbalanced forces at a frame, such as a load that has just started */
 static double largest_force(const pel_run_state *run)
 {
     double largest = run->totals.unbalanced_force;
@@ -397,7 +397,7 @@ static void tell_inverted_volume(const text_context *at)
              -at->tally->worst);
 }
 
-/* implicit steps go in parts before they give up */
+/* implicit steps are divided before they fail */
 static void write_remedy(const pel_solver_def *solver, int32_t automatic, char *text, size_t size)
 {
     if (solver->budget > 0)
@@ -586,11 +586,10 @@ static double mean_edge(const pel_mesh *mesh)
     return sum / (3.0 * mesh->triangle_count);
 }
 
-/* a level has four times the vertices. Methods with few large steps look at all vertices in each of them. */
+/* a level has four times the vertices */
 static void write_refinement(const pel_run_state *run, int32_t contacts, char *text, size_t size)
 {
     const pel_body_def *body = &run->scene->model.bodies[0];
-    pel_method method = run->scene->sim.solver.method;
     int levels = contacts > 0 ? (int)ceil(pel_log2(2.0 * LEAST_CONTACTS / contacts) / 2) : 1;
     if (run->scene->model.body_count > 1)
         snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
@@ -598,9 +597,8 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
         snprintf(text, size, "use bodies.%s.refine.levels=%d, with near_tools", body->name,
                  (int)body->refine.levels + levels);
     else
-        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g%s }', or a finer mesh", body->name,
-                 levels, 2.5 * mean_edge(body->mesh),
-                 method == PEL_METHOD_STATIC || method == PEL_METHOD_DESCENT ? ", interval: 1" : "");
+        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g }', or a finer mesh", body->name,
+                 levels, 2.5 * mean_edge(body->mesh));
 }
 
 static void tell_coarse_contact(const text_context *at)
@@ -649,7 +647,7 @@ static bool holds(const pel_run_state *run, pel_warning_kind kind)
     const pel_warning_tally *tally = &run->totals.warnings.of[kind];
     if (kind == PEL_WARN_COARSE)
         return tally->count > 0 && run->flagged[kind].limit > 0;
-    /* the body is not in checkpoints: it is found anew while it is away */
+    /* checkpoints do not contain the body: it is found again while it is away */
     if (kind == PEL_WARN_STRAY)
         return tally->count > 0 && run->flagged[kind].value > 0;
     if (kind == PEL_WARN_JAMMED)

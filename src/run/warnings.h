@@ -44,7 +44,7 @@ struct pel_run_state;
 
 /* Counts one more. */
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value);
-/* Adds the counts of `from`, which begins anew. */
+/* Adds the counts of `from` and resets it. */
 void pel_warnings_merge(pel_warning_tallies *tallies, pel_warning_tallies *from);
 
 /* Before the first step: softness, meshes. PEL_OUT_OF_MEMORY. */

@@ -44,7 +44,7 @@ pel_status pel_scene_check_names(pel_scene_reader *reader, const pel_scene_value
     return PEL_OK;
 }
 
-/* the field's value, or what the line through map[0] at 0 and map[1] at 1 makes of it */
+/* the field's value, mapped by the line through map[0] at 0 and map[1] at 1 if there is a map */
 static double mapped(const double map[2], double value)
 {
     return map[0] + value * (map[1] - map[0]);

@@ -77,7 +77,7 @@ static pel_status read_components(pel_scene_reader *reader, const pel_scene_valu
     return status;
 }
 
-/* what would hold nothing, or nothing of what it says */
+/* refuse supports that hold nothing or ignore a key */
 static pel_status check_support(pel_scene_reader *reader, const pel_scene_value *value, const pel_support_def *support)
 {
     const char *what = NULL, *remedy = NULL;

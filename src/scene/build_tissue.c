@@ -15,7 +15,7 @@
 
 typedef struct body_size {
     double radius; /* of a ball with the same volume over area, or, of an open surface, with the same area [m] */
-    double filled; /* thickness of a sheet with the mass of what is inside, or, of an open surface, that of the skin */
+    double filled; /* thickness of a sheet with the mass of the filling or, for an open surface, of the skin */
 } body_size;
 
 /* a mesh that has no topology is told by the model, with its element */

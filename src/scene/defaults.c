@@ -89,7 +89,7 @@ static double positive(pel_scene_value *map, const char *key)
     return is_number && number > 0 ? number : 0;
 }
 
-/* the preset that a membrane names, null for none; a wrong name comes before what is missing without it */
+/* preset of a membrane, null for none; report a wrong name before missing keys */
 static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset **preset)
 {
     const char *names[MOST_PRESETS];

@@ -64,7 +64,7 @@ static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, co
     pel_mesh_format format = formats[pel_scene_value_integer(value, "format")];
     status = format == PEL_FORMAT_AUTO ? pel_mesh_import(file->text, reader->log, mesh, reader->error)
                                        : pel_mesh_read(file->text, format, reader->log, mesh, reader->error);
-    /* what is wrong inside the file has its own place there */
+    /* errors inside the file have their own place */
     return status == PEL_BAD_FILE ? pel_scene_fail_at(reader, &file->place) : status;
 }
 

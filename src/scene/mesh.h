@@ -16,7 +16,7 @@ pel_status pel_scene_field(pel_scene_reader *reader, const pel_scene_value *name
 
 /* The rotation { axis, angle } as a quaternion x, y, z, w; null is none. */
 pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4]);
-/* The same as a rotation vector [rad], with the angle as it is written. */
+/* The same as a rotation vector [rad], with whole turns kept. */
 pel_status pel_scene_rotation_vector(pel_scene_reader *reader, const pel_scene_value *value, double vector[3]);
 
 #endif

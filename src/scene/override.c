@@ -155,7 +155,7 @@ static pel_status enter(override_walk *walk, const char *segment)
         pel_fail_remedy(walk->reader->error, "give the whole value, such as [0, 0, 1] for a vector");
         return PEL_BAD_SCENE;
     }
-    /* a number gives way to a map */
+    /* replace a number by a map */
     value->kind = PEL_SCENE_MAP;
     return enter_entry(walk, segment);
 }

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* text that grows; once memory ran out it stays as it is */
+/* growing text; unchanged after memory ran out */
 typedef struct printer {
     char *text;
     size_t length, capacity;

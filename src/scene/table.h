@@ -54,7 +54,7 @@ typedef struct pel_scene_table {
 /* the rows of the program plus the parameters of every shape of pellicle/shape.h; null when out of memory */
 const pel_scene_table *pel_scene_table_create(pel_arena *arena);
 
-/* what the children's paths begin with: the group of a row that has one, its own path otherwise; "" for the root */
+/* prefix of the children's paths: the group of the row, else its path; "" for the root */
 const char *pel_scene_row_prefix(const pel_scene_row *row);
 /* the key of a row that stands directly below the prefix, as pel_scene_row_next gives it; "[]" for the element of a
  * list */

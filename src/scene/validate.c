@@ -458,7 +458,7 @@ static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix,
     return PEL_BAD_SCENE;
 }
 
-/* puts the entries into the order of the table and fills in what is missing */
+/* sort the entries into the order of the table and add missing ones */
 static pel_status fill_entries(pel_scene_reader *reader, const char *prefix, pel_scene_value *map)
 {
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(reader->table, prefix, row)) != NULL;) {
@@ -523,7 +523,7 @@ pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root)
     static const pel_scene_row scene = {.path = "", .forms = PEL_FORM_MAP, .doc = "the scene"};
     if (root->kind != PEL_SCENE_MAP)
         return fail_form(reader, &scene, root);
-    /* what is wrong with a scene of another version is the version */
+    /* report the version first */
     pel_scene_value *version = pel_scene_value_entry(root, "version");
     const pel_scene_row *row = pel_scene_row_find(reader->table, "", "version");
     if (version != NULL && check_value(reader, row, row, version) != PEL_OK)

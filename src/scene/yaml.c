@@ -7,7 +7,7 @@
 #include <libfyaml.h>
 #include <string.h>
 
-/* aliases copy what they stand for: a bound against documents that grow without end */
+/* aliases copy their values: limit the growth of documents */
 enum { MOST_VALUES = 1000000, DEEPEST = 100 };
 
 typedef struct yaml_anchor {
@@ -27,7 +27,7 @@ typedef struct yaml_parser {
     int32_t value_count, depth;
 } yaml_parser;
 
-/* tells the first message of libfyaml, or what is wrong as a rule when it has none */
+/* report the first message of libfyaml, or the usual cause if it has none */
 static void fail_syntax(yaml_parser *parser)
 {
     void *position = NULL;

@@ -1,4 +1,4 @@
-/* Plain questions to a simulation: they read what it has and compute no forces. */
+/* Accessors of a simulation; they compute no forces. */
 #include "sim/sim.h"
 
 #include <string.h>

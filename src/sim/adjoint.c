@@ -189,7 +189,7 @@ static void give_materials(const pel_adjoint_work *a)
     }
 }
 
-/* elements, and what is held where it was at rest */
+/* elements, and held vertices at their rest positions */
 static void give_rest(const pel_adjoint_work *a)
 {
     for (int32_t i = 0; i < 3 * a->sim->model->vertex_count; i++)

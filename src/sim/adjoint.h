@@ -13,10 +13,10 @@ typedef struct pel_adjoint_work {
     pel_tangent_derivative *bodies;            /* (body_count) */
 } pel_adjoint_work;
 
-/* The problem of the last step, x_1 = end y + (1 - end) x_0, as it was solved, at its solution, which the unknowns of
-   the method take; terms left out. */
+/* The problem of the last step, x_1 = end y + (1 - end) x_0, at its solution, which becomes the unknowns of the method;
+   terms left out. */
 void pel_adjoint_take_problem(pel_sim *sim, double end, pel_newton_problem *problem);
-/* PEL_BAD_ARGUMENT for what has no derivatives, by its name. */
+/* PEL_BAD_ARGUMENT with the name of a feature without derivatives. */
 pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error);
 /* Room, and results of 0; to be ended also on failure. PEL_OUT_OF_MEMORY. */
 pel_status pel_adjoint_begin(pel_adjoint_work *work, pel_sim *sim, const pel_adjoint *def, pel_error *error);

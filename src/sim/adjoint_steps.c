@@ -31,7 +31,7 @@ typedef struct path {
     double *positions, *velocities;          /* (row_count x 3) */
     double *by_positions, *by_velocities;    /* (row_count x 3) */
     double *position, *velocity;             /* (3 vertex_count) derivatives by the state after a step */
-    double *older_position, *older_velocity; /* (3 vertex_count) and by the one before it, as far as they are known */
+    double *older_position, *older_velocity; /* (3 vertex_count) and for the state before it, as far as known */
 } path;
 
 static pel_status refuse(pel_error *error, const char *what, const char *remedy)
@@ -179,7 +179,7 @@ static pel_status ask(path *p, int64_t number, pel_error *error)
     return PEL_OK;
 }
 
-/* by the unknowns of the step; what is held has no velocity */
+/* with respect to the unknowns of the step; held vertices have no velocity */
 static void take_gradient(const path *p, const pel_implicit_scheme *s)
 {
     const pel_model *model = p->sim->model;

@@ -12,13 +12,13 @@ typedef struct pel_change {
     pel_sim_def sim;
     pel_copies copies;
     bool changes_model;
-    const void *state; /* a snapshot of the changed simulation to load; null = the present state goes on */
+    const void *state; /* a snapshot of the changed simulation to load; null = keep the present state */
     size_t state_size;
 } pel_change;
 
 /* Begins with the present defs. PEL_OUT_OF_MEMORY; to be ended also then. */
 pel_status pel_change_begin(const pel_sim *sim, pel_change *change, pel_error *error);
-/* Makes the simulation anew. Errors of pel_model_create and pel_sim_create; it is as before then. */
+/* Recreates the simulation. Errors of pel_model_create and pel_sim_create leave it unchanged. */
 pel_status pel_change_apply(pel_sim *sim, const pel_change *change, pel_error *error);
 void pel_change_end(pel_change *change);
 

@@ -1,4 +1,4 @@
-/* Contact in a step: what the set (contact/set.h) is given, and the loop over search, correction and guard. */
+/* Contact in a step: inputs of the set (contact/set.h), and the loop over search, correction and guard. */
 #include "sim/contact.h"
 
 #include "base/memory.h"
@@ -243,7 +243,7 @@ void pel_contacts_destroy(pel_sim *sim)
     pel_free(sim->contact.before_event);
 }
 
-/* ---- what the set is given ---- */
+/* ---- inputs of the set ---- */
 
 static void bring_poses(const pel_sim *sim)
 {
@@ -296,7 +296,7 @@ static void set_triangles(pel_sim *sim)
     }
 }
 
-/* what the collider knows is of the present surface */
+/* the collider has the present surface */
 static bool is_of_present(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -348,7 +348,7 @@ static void expect_tools(pel_sim *sim)
     }
 }
 
-/* where vertices go by their velocity and the loads; held ones on their path */
+/* predict positions from velocity and loads; held vertices follow their path */
 static void expect_vertices(pel_sim *sim)
 {
     pel_contact_set *contacts = sim->contacts;
@@ -411,7 +411,7 @@ static void take_corrections(pel_sim *sim)
     }
 }
 
-/* search and correction until nothing is too near; what is left are the conflicts */
+/* search and correct until all distances hold; return the remaining conflicts */
 static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
@@ -425,7 +425,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         pel_status status = pel_contact_set_search_way(contacts, &found, error);
         if (status != PEL_OK || round == limit || (round > 0 && contacts->conflict_count == 0))
             return status;
-        /* without conflicts, what the solver swept over needs no more */
+        /* without conflicts, the contacts of the solver need no correction */
         if (contacts->conflict_count == 0 &&
             (pel_sim_has_loop_contacts(sim) || found.collision_count + contacts->list.count == 0))
             return PEL_OK;
@@ -461,7 +461,7 @@ static bool is_refused(pel_sim *sim)
     return !(pel_sim_next_energy(sim) - sim->contact.solved_energy <= most);
 }
 
-/* tools follow what the guard made of their ways */
+/* tools take the poses of the guard */
 static pel_status guard(pel_sim *sim, pel_error *error)
 {
     const pel_contact_motion motion = motion_of(sim);

@@ -19,7 +19,7 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error);
 /* Before the solver of a method with contacts in its loop: what may touch in this step; what is as near as `least` [m]
    in any case, but for tools. */
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
-/* While a minimisation goes on: adds what comes too near on the way to the new positions, and finds the conflicts. */
+/* During a minimisation: adds pairs too close on the way to the new positions, and finds the conflicts. */
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
 /* At the start of a substep, after pel_tools_place. */
 void pel_contacts_begin_substep(pel_sim *sim);

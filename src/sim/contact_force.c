@@ -1,4 +1,4 @@
-/* Forces of contacts in a simulation: what acts on vertices and tools, and what is read of it. */
+/* Forces of contacts on vertices and tools, and their readings. */
 #include "sim/tool.h"
 
 void pel_contact_act(pel_sim *sim, const pel_contact_action *action)

@@ -1,12 +1,11 @@
-/* The method `descent`: each step minimises the energy of springs, shells, pressure and loads at the step's end, from
-   where the bodies are, by L-BFGS: of bodies that are held and touch nothing with the factored second derivatives as
-   preconditioner. A pressure that has no potential (vertex-normal form, a part of the surface, open meshes) is held at
-   its value from the start of the step: equilibrium is reached over the steps.
+/* The method `descent`: each step minimises the energy of springs, shells, pressure and loads at the end of the step by
+   L-BFGS, starting at the present positions. If all bodies are held and nothing touches, the factored Hessian is the
+   preconditioner. A pressure without potential (vertex-normal form, a part of the surface, open meshes) is held at its
+   value from the start of the step: equilibrium is reached over several steps.
 
-   With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, bring the
-   loads of the constraints, look for what touches now. Where something ran into something else on its way, the next
-   round begins at the place where it did. Loads are not a part of the state: a step begins with those that balance the
-   forces at its begin. */
+   With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, update the
+   multipliers, search for new contacts. After a collision on the way, the next round starts at its place. Multipliers
+   are not part of the state: a step computes its initial ones from the balance of forces at its start. */
 #include "sim/descent.h"
 
 #include "base/lane.h"
@@ -22,7 +21,7 @@
 #include <string.h>
 
 enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
-/* rounds, and rounds that did not converge, after which a step is done anew in parts */
+/* rounds, and unconverged rounds, after which a step is repeated in parts */
 enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 
 /* forces are balanced when the residual is this share of the forces that act */
@@ -156,7 +155,7 @@ static pel_descent_problem make_problem(pel_descent_context *context)
 
 /* ---- under constraints ---- */
 
-/* how many parts the way of the tools takes, so that none passes through what it presses; and the longest way [m] */
+/* number of parts of the tools' motion, so that none passes through a body; and the longest displacement [m] */
 static int count_parts(const pel_sim *sim, double *longest)
 {
     double most = 1;
@@ -181,7 +180,7 @@ static void set_poses(pel_sim *sim, double share)
     pel_tools_carry(sim);
 }
 
-/* false when it is near enough to go on from where it is */
+/* false if it is close enough to continue from its position */
 static bool go_back_to(pel_sim *sim, int32_t v, double share)
 {
     const double *start = sim->contacts->start[v], *end = sim->contacts->end[v];
@@ -236,7 +235,7 @@ static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_er
     return pel_descent_contacts_add_surfaces(sim, error);
 }
 
-/* the error of what was found anew, over its tolerance */
+/* largest violation of newly found constraints, relative to tolerance */
 static double deepest_gap(const pel_sim *sim)
 {
     const pel_sim_descent *descent = sim->descent;
@@ -342,7 +341,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
             descent->penalty = fmin(STIFFENING * descent->penalty, MOST_PENALTY);
         before = error_of_gaps;
         status = find_constraints(sim, is_last, &again, error);
-        /* nothing touches: go on minimising until the forces balance */
+        /* nothing touches: continue to minimise until the forces balance */
         if (descent->count == 0 && !had_any) {
             sum->converged = round.converged;
             problem.goes_on = true;
@@ -391,7 +390,7 @@ static void add_inertia(const pel_sim *sim, pel_record *force)
         }
 }
 
-/* loads of what touches where the step begins */
+/* multipliers of contacts at the start of the step */
 static void estimate_loads(pel_descent_context *context, double reach)
 {
     pel_sim *sim = context->sim;
@@ -489,7 +488,7 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
         status = minimise_under_constraints(&context, loads, error);
     else
         status = minimise_alone(&context, loads, error);
-    /* what is left is looked for anew */
+    /* search again for remaining constraints */
     if (sim->contacts != NULL)
         sim->contacts->list.count = 0;
     *step = (pel_step_result){.diverged = status == PEL_OK && !pel_sim_all_inside(sim)};
@@ -514,7 +513,7 @@ static double find_mean_edge(const pel_model *model)
     return least;
 }
 
-/* what it takes to move every vertex by an edge, by the bound of the stiffness */
+/* force that moves every vertex by an edge, from the bound of the stiffness */
 static double find_stiff_force(pel_sim *sim, double edge)
 {
     pel_stability stability;
@@ -623,6 +622,7 @@ void pel_sim_descent_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 
 const pel_stepper pel_descent_kind = {
     .is_at_end = true,
+    .seeks_rest = true,
     .moves_tools = true,
     .create = create,
     .check_start = pel_descent_check_start,

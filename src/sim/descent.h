@@ -1,4 +1,4 @@
-/* Inside of the method `descent`: what touches while an energy is minimised.
+/* Inside of the method `descent`: contacts of a minimisation.
 
    A step seeks positions x of least energy E(x) with every gap c_k(x) >= 0: of triangles to round tools, of points to
    planes of other tools, of vertices and edges to surfaces. The minimiser sees the augmented Lagrangian (Powell 1969;
@@ -67,7 +67,7 @@ struct pel_sim_descent {
     pel_descent_result result;   /* of the step at work */
     pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 
-    /* those of tools, then those of surfaces; the others are what was known when they were found anew */
+    /* those of tools, then those of surfaces; the others are known from the last search */
     pel_descent_contact *constraints, *others;
     size_t capacity, other_capacity;
     int32_t count, tool_count;
@@ -75,7 +75,7 @@ struct pel_sim_descent {
     double *shares;                /* (vertex_count) scratch: of its way up to where it runs into something */
 };
 
-/* what the energy is evaluated with */
+/* inputs of the energy */
 struct pel_descent_context {
     pel_sim *sim;
     pel_state state; /* a copy that looks at other positions */

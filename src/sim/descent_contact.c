@@ -13,7 +13,7 @@ enum { ESTIMATE_SWEEPS = 20 };
 /* of the thickness */
 #define GAP_TOLERANCE (0.75 * PEL_SLACK_SHARE)
 
-/* weights of what touches inside a feature are larger */
+/* weights of a point inside a feature are larger */
 #define INSIDE 1e-9
 
 /* ---- one constraint ---- */
@@ -201,7 +201,7 @@ static bool find_gradients(double x[3][3], double gradients[3][3], double t[2][3
     return true;
 }
 
-/* the same for one side, from its begin to its end */
+/* the same for one side, from its start to its end */
 static bool find_side_gradients(double x[3][3], int begin, int end, double gradients[3][3], double t[3])
 {
     pel_vec3_subtract(x[end], x[begin], t);

@@ -16,7 +16,7 @@
 /* of the depth that pressing leaves: gaps keep so much more, to within the tolerance */
 #define SLACK_SHARE 2.0
 #define GAP_TOLERANCE 1.5
-/* weights of what touches inside an edge; tangent of the angle below which an edge lies along an axis */
+/* weights of a point inside an edge; tangent of the angle below which an edge is parallel to an axis */
 #define INSIDE 1e-9
 #define ALONG_AXIS 0.01
 
@@ -34,7 +34,7 @@ static bool is_found_here(const pel_sim *sim, const pel_tool *tool)
     return tool->press && tool->mesh == NULL && (pel_tool_is_round(tool) || !pel_sim_has_loop_contacts(sim));
 }
 
-/* the way of the tool at a point since the step began */
+/* displacement of the tool at a point since the start of the step */
 static void find_drift(const pel_tool *tool, const double point[3], double drift[3])
 {
     double local[3], before[3];
@@ -69,7 +69,7 @@ static pel_descent_contact at_triangle(const tool_search *search, int32_t t)
 
 /* ---- round tools ---- */
 
-/* the same feature in the list of what was known, where those of a triangle stand together: its number plus 1 */
+/* index + 1 of the same feature in the list of known ones, which groups features by triangle */
 static int32_t find_known(const tool_search *search, const pel_descent_contact *constraint)
 {
     const pel_sim_descent *descent = search->sim->descent;
@@ -243,7 +243,7 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
 
 /* ---- all tools ---- */
 
-/* what was known of a tool before, by triangle and vertex; or forgets all that */
+/* index the known features of a tool by triangle and vertex, or forget them */
 static void set_known(pel_sim *sim, int32_t tool, int32_t other_count, bool forget)
 {
     const pel_sim_descent *descent = sim->descent;

@@ -23,7 +23,7 @@
 /* of a new secant in the stiffness that is known, where it falls; with velocities it rises at once */
 #define SECANT_SHARE 0.3
 #define SLOW_SHARE 0.02
-/* mass of the hand over that of what it holds, and its stiffness times dt^2 over that of the surface */
+/* mass of the hand relative to the held mass, and its stiffness times dt^2 relative to the surface */
 #define MASS_RATIO 8
 #define STIFF_RATIO 2
 /* of the nearest vertex: what holds it for sure */
@@ -134,7 +134,7 @@ pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffnes
     return PEL_OK;
 }
 
-/* what the last move has shown of the stiffness of the surface */
+/* update the stiffness of the surface from the last move */
 static void learn(pel_drag *drag, const pel_tool_reading *now)
 {
     double way[3], change[3];

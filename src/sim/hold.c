@@ -88,7 +88,7 @@ static pel_status copy_def(pel_hold *hold, const pel_support_def *def, pel_error
     return PEL_OK;
 }
 
-/* ---- what is held ---- */
+/* ---- held components ---- */
 
 /* m, along an axis of a support, from the place at rest */
 static double displacement(const pel_hold *hold, int component, double time)

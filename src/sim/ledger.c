@@ -409,7 +409,7 @@ void pel_ledger_book_change(pel_sim *sim, double energy_before)
         sim->ledger.volumes[b] = (double)NAN;
     if (!sim->ledger.is_started)
         return;
-    /* the caller lifts a body for nothing: gravity goes on from the new place */
+    /* the caller lifts a body at no cost: gravity continues from the new position */
     sim->ledger.gravity_level = gravity_work(sim, sim->model->rest, sim->state->position);
     sim->ledger.sums.work_setters += pel_ledger_energy(sim) - energy_before;
     follow_supply(&sim->ledger.sums);

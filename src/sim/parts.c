@@ -1,8 +1,8 @@
-/* Steps in parts. Contacts are searched once a step, along straight ways. Where things move many thicknesses in a step,
-   or press each other in layers, too many pairs meet for the substeps to solve them: the guard would step bodies back,
-   and corrections would put energy into them. An implicit step may have no solution near its begin. Such a step is done
-   anew in halves, each a step of its own with search, substeps and guard, and halves again where needed. Parts stay
-   that short until a number of them went well. */
+/* Steps in parts. Contacts are searched once per step, along straight paths. If surfaces move by many thicknesses in a
+   step, or press each other in layers, too many pairs meet for the substeps: the guard would step bodies back, and
+   corrections would add energy. An implicit step may have no solution near its start. Such a step is repeated in
+   halves, each with its own search, substeps and guard, and divided again if necessary. Parts grow after a number of
+   good ones. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/tool.h"
@@ -62,7 +62,7 @@ pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* what goes by the length of a part, for parts of a size */
+/* update quantities that depend on the length of a part */
 static void set_size(pel_sim *sim, int32_t size)
 {
     double before = sim->step.dt;

@@ -62,7 +62,7 @@ static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record 
     }
 }
 
-/* one sweep over the elements, then over what touches */
+/* one sweep over the elements, then over contacts */
 static void sweep(pel_sim *sim, const pel_record *start)
 {
     pel_record *positions = sim->state->position_next;
@@ -126,7 +126,7 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* Pairs that the step ran into although nothing told so at its start take part when it is done anew. */
+/* Add pairs that the prediction missed before the step is repeated. */
 static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
 {
     pel_status status = PEL_OK;
@@ -187,7 +187,7 @@ static void accept(pel_sim *sim)
     pel_projector_accept(sim->projector, sim->state);
 }
 
-/* ---- what is held ---- */
+/* ---- held vertices ---- */
 
 static pel_status record_held(pel_sim *sim, pel_error *error)
 {
@@ -227,7 +227,7 @@ static void add_damping(const pel_sim *sim, int32_t v, const double *factors, do
     pel_vec3_along(force, -along, offset, force);
 }
 
-/* what the substeps recorded on held vertices, what draws them to their rest places, damping and inertia */
+/* recorded multipliers on held vertices, volumetric springs, damping and inertia */
 static void read_grip(pel_sim *sim, pel_tool *tool)
 {
     const pel_model *model = sim->model;

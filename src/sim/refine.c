@@ -1,15 +1,13 @@
-/* Where a body refines: what the criteria (refine_criterion.c) find becomes requests, requests become marks of the
+/* Refinement of a body: verdicts of the criteria (refine_criterion.c) become requests, requests become marks of the
    front.
 
-   A vertex above a threshold becomes hot and asks for the rings around it, on every level finer than its own; a hot
-   vertex of the finest level asks for the two triangles between which it lies. One that stays below all lower
-   thresholds for the dwell time becomes cold and takes its requests back. A triangle is marked while anybody asks for
-   it.
+   A vertex above a threshold becomes hot and requests the rings around it, on every level finer than its own; a hot
+   vertex of the finest level requests its two adjacent triangles. A vertex below all lower thresholds for the dwell
+   time becomes cold and cancels its requests. A triangle is marked while a request includes it.
 
-   Vertices are looked at a part each step, all of them in `interval` steps (a round). What a round found is done from
-   its end on, so that the strongest of a round come first, in portions: an event changes a limited number of triangles,
-   and what is left waits for the next step. So no step is much longer than another, however much a tool touches at
-   once.
+   Each step tests a part of the vertices, all of them in `interval` steps (a round). Requests are executed from the end
+   of the list, so that the strongest of a round come first, in portions: an event changes a limited number of
+   triangles, and the rest waits for the next step. This bounds the time of a step for any tool.
 
    With a budget a candidate that would make too many triangles takes the place of hot vertices that are less than half
    as strong, the weakest first; if that does not make enough room they keep it, and the candidate is passed over until
@@ -23,6 +21,8 @@
 enum { PORTION_LEAST = 24, PORTION_SHARE = 1024 };
 /* candidates of one event that find no place in the budget, and vertices that one candidate displaces */
 enum { FAILURE_LIMIT = 4, DISPLACED_LIMIT = 64 };
+/* portions before one load step */
+enum { SETTLING_PORTIONS = 640 };
 /* how much stronger a candidate has to be than those it displaces */
 #define DISPLACING_RATIO 2.0
 
@@ -332,7 +332,7 @@ static void put_off(pel_sim *sim, int32_t body)
         take_candidate(refine, false);
 }
 
-/* one event's portion of what the last rounds found */
+/* apply one event's portion of the requests of the last rounds */
 static void do_portion(pel_sim *sim, int32_t body)
 {
     const pel_refined_body *own = &sim->active->bodies[body];
@@ -390,10 +390,29 @@ static void step_body(pel_sim *sim, int32_t body)
     do_portion(sim, body);
 }
 
+/* Repeat events until the surface near the tools has its level: load steps are few and large, so one portion per step
+   would lag behind. Other criteria depend on the equilibrium and change once per step. */
+static void settle_body(pel_sim *sim, int32_t body)
+{
+    const pel_refine_def *def = &sim->model->bodies[body].detail->def;
+    const pel_refine_body *refine = &sim->refine[body];
+    int64_t revision = -1;
+    for (int32_t done = 0; done < SETTLING_PORTIONS && refine->revision != revision; done += def->interval) {
+        revision = refine->revision;
+        for (int32_t i = 0; i < def->interval; i++)
+            step_body(sim, body);
+    }
+}
+
 void pel_refine_step(pel_sim *sim)
 {
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        step_body(sim, b);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body_levels *detail = sim->model->bodies[b].detail;
+        if (sim->stepper->seeks_rest && detail != NULL && detail->def.near_tools > 0)
+            settle_body(sim, b);
+        else
+            step_body(sim, b);
+    }
 }
 
 /* ---- the start ---- */

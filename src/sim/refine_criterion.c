@@ -1,4 +1,4 @@
-/* Where a body refines: what is measured at a vertex, and over what threshold.
+/* Criteria of refinement: measures at a vertex relative to their thresholds.
 
    Force (paper A, section 3.2): the elastic force, springs, volumetric spring and shell, over the vertex's share of the
    area. At rest it balances what acts on the vertex from outside, tools and loads, per area; it is nothing where
@@ -130,7 +130,7 @@ static bool is_far(const pel_tool *tool, const pel_solid *solid, const double x[
 
 /* ---- a vertex ---- */
 
-/* what the measures that need the triangles around a vertex share; the fan is made when the first of them asks */
+/* shared by measures that need the triangles around a vertex; the fan is built on first use */
 typedef struct look {
     pel_sim *sim;
     int32_t body, place, fan_count;

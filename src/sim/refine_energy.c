@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum { TRIAL_LIMIT = 24 };
-/* of the energy of what the event changes: what it may give or take */
+/* permitted change, relative to the energy of the changed elements */
 #define TOLERANCE 1e-3
 /* of the energy of the whole body: what is left alone, so that a surface that comes back is as it was. What is lost
    comes back up to that only: to move vertices against their forces makes new ones */

@@ -1,13 +1,13 @@
-/* Restitution: after a collision two bodies, or a body and a tool, part with e times the normal velocity with which
-   they met, however much of it their elasticity has given back by then.
+/* Restitution: after a collision two bodies, or a body and a tool, separate with e times their normal approach
+   velocity, including the elastic rebound.
 
    Newton's law is one of rigid motions. In a shell of many vertices a law at each vertex (Bridson et al. 2002; Mueller
-   et al. 2020, section 3.6) says little about the body: the vertices that touch weigh next to nothing, and what is
-   behind them goes on. So the law acts on the rigid part of the motion, velocity V of the center and spin w from
+   et al. 2020, section 3.6) says little about the body: the touching vertices have hardly any mass, and the rest of the
+   body continues. So the law acts on the rigid part of the motion, velocity V of the center and spin w from
    momentum and angular momentum, at the point p and normal n that the loads of the pair's contacts have on average. An
-   impulse J at p along n changes V by J n / M and w by I^-1 (p - c) x J n, as for rigid bodies; vertices get the
-   velocity field of that, so momentum and angular momentum stay, and the deformation goes on as it was. Pinned and held
-   bodies, and tools, move as they are made to.
+   impulse J at p along n changes V by J n / M and w by I^-1 (p - c) x J n, as for rigid bodies; vertices get this
+   velocity field, which conserves momentum and angular momentum and leaves the deformation unchanged. Pinned and held
+   bodies, and tools, keep their prescribed motion.
 
    A collision begins with the first step in which the pair presses, and ends with the first one in which it does not
    and parts. Its approach and its parting are counted at the place of the contact: u^2 +- 2 a s with the relative
@@ -141,7 +141,7 @@ static rigid_motion motion_of_tool(const pel_sim *sim, const pel_tool *tool, boo
     return motion;
 }
 
-/* the step is accepted: its start is in what was exchanged */
+/* the step is accepted: its start is in the swapped arrays */
 static rigid_motion motion_of(const pel_sim *sim, int32_t group, bool now)
 {
     const pel_state *state = sim->state;

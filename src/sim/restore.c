@@ -1,4 +1,4 @@
-/* Snapshots with what the simulation was made from, so that it can be taken back over changes. */
+/* Snapshots with the defs of the simulation, so that they undo changes of parameters. */
 #include "pellicle/live.h"
 
 #include "base/memory.h"
@@ -19,7 +19,7 @@ struct pel_snapshot {
     void *bytes;
 };
 
-/* meshes of bodies stay what they are as long as the simulation; those of tools go with the tools */
+/* meshes of bodies live as long as the simulation, those of tools as long as the tools */
 static pel_status copy_meshes(pel_snapshot *snapshot, pel_error *error)
 {
     pel_tool_def *tools = (pel_tool_def *)(uintptr_t)snapshot->def.tools;

@@ -82,7 +82,7 @@ static pel_status solve(pel_sim *sim, double next, double *longest, pel_error *e
     pel_step_result result = {0};
     pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
     pel_status status = stepper->step(sim, &result, error);
-    /* nothing bounds how far some methods go: what tools look for goes by the new edges */
+    /* some methods do not bound the motion: the search of tools needs the new edges */
     if (status == PEL_OK && !result.diverged && !stepper->bounds_motion && sim->tool_count > 0)
         result.longest = pel_sim_longest_edge(sim);
     *longest = result.longest;
@@ -96,7 +96,7 @@ static pel_status solve(pel_sim *sim, double next, double *longest, pel_error *e
     return status;
 }
 
-/* what the method left of contacts is corrected, then guarded; without contact tools press by themselves */
+/* correct remaining violations, then guard; without contact tools press by themselves */
 static pel_status keep_apart(pel_sim *sim, double next, double longest, pel_error *error)
 {
     if (sim->contacts != NULL)
@@ -110,7 +110,7 @@ static pel_status keep_apart(pel_sim *sim, double next, double longest, pel_erro
     return PEL_OK;
 }
 
-/* what follows once the new positions and velocities of a part are final */
+/* accept the new positions and velocities of a part */
 static void accept_part(pel_sim *sim, double next)
 {
     bool is_last = pel_parts_are_last(sim);
@@ -156,7 +156,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
     if (status == PEL_OK)
         status = follow_surface(sim, error);
     if (status == PEL_OK) {
-        /* substeps go by the stiffness at this time */
+        /* substeps depend on the stiffness at this time */
         pel_sim_update_factors(sim, pel_sim_time(sim));
         status = pel_parts_begin(sim, error);
     }

@@ -82,10 +82,10 @@ typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;                         /* of a mesh: the sphere about it */
     double press_margin;                     /* m, the largest distance from a body that it keeps */
-    pel_real look_box[2][3];                 /* low, high: about what the criterion of tools looks at in this step */
+    pel_real look_box[2][3];                 /* low, high: box of the criterion of tools in this step */
     double friction, restitution, thickness; /* its own; below 0: that of contact */
     pel_mesh *mesh;                          /* null = the solid */
-    struct pel_mesh_query *query;            /* of a mesh that grasps: what is inside of it or near; else null */
+    struct pel_mesh_query *query;            /* of a mesh that grasps: finds vertices inside or near; else null */
     pel_pose_key *keys;
     double (*key_spins)[3]; /* (key_count) spin of the pose at each key */
     int32_t key_count;
@@ -126,10 +126,10 @@ typedef struct pel_tool {
     int32_t *touch_of_vertex; /* (vertex_count) its touch plus 1, 0 = none */
 } pel_tool;
 
-/* what the criteria think of a vertex */
+/* verdict of the criteria on a vertex */
 typedef enum pel_request {
     PEL_REQUEST_NONE,
-    PEL_REQUEST_MADE,   /* it asks for what is around it */
+    PEL_REQUEST_MADE,   /* it requests the triangles around it */
     PEL_REQUEST_ENDING, /* still asks, and stands in the list of those that stop */
     PEL_REQUEST_WAITING /* stands in the list of candidates */
 } pel_request;
@@ -177,7 +177,7 @@ typedef struct pel_sim_solids pel_sim_solids;
 typedef struct pel_substeps_now {
     int32_t count, least, most;
     int32_t needed;     /* the most so far, without max_substeps */
-    int32_t is_stale;   /* the surface or the state has changed: choose anew before the next step */
+    int32_t is_stale;   /* the surface or the state has changed: update before the next step */
     int32_t interval;   /* steps from the last look to the next one */
     int64_t next;       /* the step before which the next look is due */
     double softness;    /* the largest so far */
@@ -208,7 +208,7 @@ typedef struct pel_sim_parts {
     int32_t at;        /* where the present part begins; 0 between steps */
     int32_t step_size; /* of the present part */
     int32_t substeps;  /* of a whole step */
-    bool is_refused;   /* the present part is to be done anew, shorter */
+    bool is_refused;   /* repeat the present part with a shorter step */
     bool divides;      /* the method and what meets would let steps go in parts; then sizes are in snapshots */
     bool can_halve;    /* false = all steps are whole */
     bool is_kept;      /* `before` is the state before the present step: it may be stopped on its way */
@@ -216,7 +216,7 @@ typedef struct pel_sim_parts {
     size_t before_size;
 } pel_sim_parts;
 
-/* (descent.c) what the method needs */
+/* data of the method (descent.c) */
 typedef struct pel_sim_descent pel_sim_descent;
 /* (step_modes.h) of an analysis */
 typedef struct pel_sim_modes pel_sim_modes;
@@ -242,9 +242,9 @@ struct pel_sim {
     const pel_model *model; /* the given one, or the active one when any body refines */
     const pel_model *given;
     pel_model *own_model;      /* the given one, where a change has made it; else null */
-    pel_sim_def def;           /* what it was made from, with the changes since */
+    pel_sim_def def;           /* the def with all changes since creation */
     pel_copies copies;         /* what that points to */
-    bool goes_on;              /* made to go on from a state: nothing is checked of a start at rest */
+    bool goes_on;              /* continues from a state: skip the checks of a start at rest */
     pel_refined_model *active; /* null = no body refines */
     pel_refine_body *refine;   /* (body_count) null as well */
     pel_state *state;
@@ -363,18 +363,18 @@ bool pel_sim_all_inside(const pel_sim *sim);
 double pel_sim_longest_edge(const pel_sim *sim);
 
 /* ---- softness.c ---- */
-/* Fills in what the def leaves open: iterations, the limit of substeps, whether second order is on. */
+/* Fills automatic values of the def: iterations, the limit of substeps, second order. */
 void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def);
 /* How many the state at the start needs, on the finest level that it has everywhere. PEL_OUT_OF_MEMORY. */
 pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error);
 /* Chooses the substeps for the state at the start. */
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error);
 void pel_substeps_destroy(pel_sim *sim);
-/* Chooses them anew at the start of a step, where it is time to. */
+/* Updates them at the start of a step when due. */
 void pel_substeps_follow(pel_sim *sim);
 /* After a snapshot was loaded; false when its numbers are out of range. */
 bool pel_substeps_restore(pel_sim *sim);
-/* The count and the tallies of a simulation that goes on as another one; the next step looks again. */
+/* Transfers the count and the tallies to a changed simulation; the next step updates them. */
 void pel_substeps_carry(const pel_sim *from, pel_sim *to);
 /* the remedy of a run that diverged because xpbd is too soft */
 void pel_substeps_remedy(const pel_sim *sim, pel_error *error);
@@ -388,7 +388,7 @@ void pel_parts_destroy(pel_sim *sim);
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error);
 /* Before anything of a step: where the caller may stop it on its way, keeps the state to go back to. */
 pel_status pel_parts_keep(pel_sim *sim, pel_error *error);
-/* Whether the present part may be refused, and done anew in two. */
+/* Whether the present part may be refused and repeated in two halves. */
 static inline bool pel_parts_can_halve(const pel_sim *sim)
 {
     return sim->parts.can_halve && sim->parts.step_size > 1;
@@ -399,7 +399,7 @@ static inline double pel_part_share(const pel_sim *sim)
     return (double)sim->parts.step_size / PEL_PART_LIMIT;
 }
 
-/* of the present part in what is left of its step */
+/* share of the present part in the rest of its step */
 static inline double pel_part_share_left(const pel_sim *sim)
 {
     return (double)sim->parts.step_size / (PEL_PART_LIMIT - sim->parts.at);
@@ -423,7 +423,7 @@ double pel_sim_part_time(const pel_sim *sim, double share);
 /* ---- contact_event.c ---- */
 /* Room for that, where bodies refine under contact. PEL_OUT_OF_MEMORY. */
 pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error);
-/* Contact only: what is needed to take an event of refinement back, before any of it is done. */
+/* Contact only: saves the data to revert an event of refinement; call before the event. */
 void pel_contacts_before_event(pel_sim *sim);
 /* True when the new surface does not cut itself; else everything is as before. */
 bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
@@ -469,7 +469,7 @@ void pel_supports_get_reactions(pel_sim *sim, int32_t body, double *reactions);
 /* ---- observe.c ---- */
 /* Forces of bodies and loads at the present state, into sim->force. */
 void pel_sim_compute_forces(pel_sim *sim);
-/* Fills the energies of the present state; other members stay as they are. */
+/* Fills the energies of the present state; other members are unchanged. */
 void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures);
 
 /* elastic and kinetic energy [J] of the new positions and velocities */
@@ -491,7 +491,7 @@ void pel_bending_weights_start(pel_sim *sim);
 void pel_bending_weights_follow(pel_sim *sim);
 
 /* ---- shells.c ---- */
-/* Lists for the forces of shells. Refuses (PEL_BAD_ARGUMENT) what the method cannot do. */
+/* Lists for the forces of shells. PEL_BAD_ARGUMENT for features that the method does not support. */
 pel_status pel_shells_create(pel_sim *sim, pel_error *error);
 void pel_shells_destroy(pel_sim *sim);
 /* Adds the forces of shells at the present positions to the new positions and velocities. */
@@ -541,12 +541,12 @@ void pel_refine_destroy(pel_sim *sim);
 void pel_refine_step(pel_sim *sim);
 /* all of a body on its finest level, or only what else is asked for; for stability checks */
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
-/* Refines what has to be from the start. PEL_BAD_ARGUMENT when a budget is too small for it. */
+/* Initial refinement. PEL_BAD_ARGUMENT if a budget is too small for it. */
 pel_status pel_refine_start(pel_sim *sim, pel_error *error);
 
 /* ---- refine_criterion.c ---- */
 typedef struct pel_verdict {
-    double strength; /* largest measure over threshold; above 1 the vertex is to refine what is around it */
+    double strength; /* largest measure over threshold; above 1 the vertex refines the triangles around it */
     bool warm;       /* a measure is above its lower threshold */
 } pel_verdict;
 
@@ -555,7 +555,7 @@ void pel_refine_criterion_begin(pel_sim *sim, int32_t body);
 /* the criteria at the vertices of a slice of a body, whose def uses any of them */
 void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
                                 pel_verdict verdicts[PEL_WIDTH]);
-/* after a snapshot was loaded: what is not in it */
+/* after loading a snapshot: resets data that it does not contain */
 void pel_refine_criterion_forget(const pel_sim *sim, int32_t body);
 static inline bool pel_refine_criterion_is_used(const pel_refine_def *def)
 {
@@ -585,14 +585,14 @@ int32_t pel_sim_find_tool(const pel_sim *sim, const char *name);
 /* ---- tools.c ---- */
 /* Begins a step: poses wanted at `time`, what tools grasp and release. The tools stand at their wanted poses. */
 void pel_tools_begin(pel_sim *sim, double time);
-/* Before the substeps of a step are done anew. */
+/* Before repeating the substeps of a step. */
 void pel_tools_forget_step(pel_sim *sim);
 /* Moves the tools to the end of a substep, at a share of their motion in this step, and finds where held vertices go.
  */
 void pel_tools_place(pel_sim *sim, double share);
-/* Moves the tools to their wanted poses, and what they hold with them. */
+/* Moves the tools and their held vertices to the wanted poses. */
 void pel_tools_move(pel_sim *sim, double time);
-/* They become what they were when the step began; nothing where they have not moved yet. */
+/* Returns them to the start of the step, if they have moved. */
 void pel_tools_return(pel_sim *sim);
 /* Moves the new positions out of the tools, or of spheres and capsules only. longest: spring length bound. */
 void pel_tools_press(pel_sim *sim, double longest, bool only_round);

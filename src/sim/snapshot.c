@@ -340,7 +340,7 @@ static void transfer_statistics(cursor *at, const pel_sim *sim, int32_t unused)
     transfer(at, &sim->contacts->substep, sizeof sim->contacts->substep);
 }
 
-/* the statistics go on where the collider goes on */
+/* the statistics continue if the collider does */
 static void transfer_collider(cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
@@ -637,7 +637,7 @@ static pel_status carry_surfaces(carrier *c, pel_error *error)
     return PEL_OK;
 }
 
-/* inverse masses are those of the new model; what is pinned now stays where it is */
+/* inverse masses are those of the new model; pinned vertices keep their positions */
 static void take_mobility(const pel_sim *from, pel_sim *sim)
 {
     pel_state *state = sim->state;

@@ -177,7 +177,7 @@ bool pel_substeps_restore(pel_sim *sim)
     return true;
 }
 
-/* whether what is known of the softness holds in the changed simulation */
+/* whether the known softness is valid in the changed simulation */
 static bool is_as_soft(const pel_sim *from, const pel_sim *to)
 {
     return from->given == to->given && from->substeps.is_automatic == to->substeps.is_automatic &&

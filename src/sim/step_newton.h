@@ -1,4 +1,4 @@
-/* Newton's method inside of the minimisation of sim/descent.h: what the methods static and implicit share. */
+/* Newton's method inside of the minimisation of sim/descent.h; shared by static and implicit. */
 #ifndef PEL_SIM_STEP_NEWTON_H
 #define PEL_SIM_STEP_NEWTON_H
 
@@ -66,7 +66,7 @@ void pel_sim_newton_settle_at(const pel_sim *sim);
 pel_newton_terms pel_sim_newton_terms(pel_descent_context *context);
 /* whether there is any without constraints */
 bool pel_sim_newton_has_terms(const pel_sim *sim);
-/* N, on a vertex that is fixed: what the bodies do to it */
+/* N, force of the bodies on a fixed vertex */
 void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
 /* ---- step_implicit.c ---- */
 /* A scheme in time, with the unknown positions y: u = rate / dt (y - anchor), m rate / dt (u - carried) + c u = F(y).

@@ -45,6 +45,7 @@ static void advise(const pel_sim *sim, pel_error *error)
 
 const pel_stepper pel_step_static_kind = {
     .is_at_end = true,
+    .seeks_rest = true,
     .turns_edges = true,
     .moves_tools = true,
     .create = create,

@@ -16,21 +16,22 @@ typedef struct pel_stepper {
     bool is_compliant;  /* of these: constraints have the compliance of the material, and substeps are automatic */
     bool weighs;        /* of these: the weight of bending follows the volume where it is automatic */
     bool limits_strain; /* of these: a bound of stretch is a constraint */
-    bool divides;       /* a step that it does not solve is done anew in parts; projection does so under contact */
-    bool is_at_end;     /* loads and keyed numbers act as they are at the end of the step */
-    bool moves_tools;   /* tools and what they hold move inside the step, else after it */
+    bool divides;       /* repeats an unsolved step in parts; projection does so with contact */
+    bool is_at_end;     /* loads and keyed numbers have their values of the end of the step */
+    bool moves_tools;   /* tools and held vertices move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */
+    bool seeks_rest;    /* a step finds the state of rest of a whole load step: refinement settles before it */
     bool turns_edges;   /* rotations of edges are unknowns: PEL_BENDING_MIDEDGE */
 
-    /* what the method needs, when model, state and shells are there; fills in open numbers of the solver */
+    /* Data of the method, after model, state and shells; fills automatic numbers of the solver. */
     pel_status (*create)(pel_sim *sim, pel_error *error);
     /* when loads, tools and contacts are there as well; nullable */
     pel_status (*check_start)(pel_sim *sim, pel_error *error);
     /* New positions and velocities from those at the start of the step. Errors of pel_contacts_find. */
     pel_status (*step)(pel_sim *sim, pel_step_result *result, pel_error *error);
-    /* what tools touch and feel where the method itself keeps them out; nullable */
+    /* readings of tools if the method itself keeps bodies out of them; nullable */
     void (*read_tools)(pel_sim *sim);
-    /* marks what touches beyond tools and the list of contacts; nullable */
+    /* marks contacts besides tools and the list of contacts; nullable */
     void (*mark_contacts)(const pel_sim *sim);
     /* The tangent with its unknowns at the present positions, the edges of mid-edge bending where they bend least; null
        without such edges; nullable */
@@ -49,7 +50,7 @@ typedef struct pel_stepper {
     void (*follow_held)(pel_sim *sim);
     /* the forces of what tools hold, after contacts were passed on to them; nullable */
     void (*read_grips)(pel_sim *sim);
-    /* A step has so many substeps from now on, and starts anew where the state was loaded; nullable. */
+    /* Sets the substeps of later steps, and restarts if the state was loaded; nullable. */
     void (*set_substeps)(pel_sim *sim, int32_t count, bool is_loaded);
     /* how the last accepted step was solved; null = nothing is solved */
     void (*get_solver)(const pel_sim *sim, pel_solver_reading *reading);

@@ -33,7 +33,7 @@ static inline double pel_tool_size(const pel_tool *tool)
     return pel_solid_size(&tool->solid);
 }
 
-/* way between two poses: of the position, and of what is at the tool's rim by the rotation */
+/* displacement between two poses: of the position, and of the tool's rim by the rotation */
 static inline double pel_tool_way(const pel_tool *tool, const pel_pose *a, const pel_pose *b)
 {
     return pel_pose_way(a, b, pel_tool_size(tool));

@@ -261,7 +261,7 @@ pel_status pel_tool_regrasp(pel_sim *sim, int32_t index, const pel_tool_def *def
         *own = before;
         return status;
     }
-    /* a grasp that opened closes again where its time begins anew */
+    /* an opened grasp closes again if its interval starts again */
     if (tool->phase == PEL_GRASP_DONE && def->grasp_until > pel_sim_time(sim))
         tool->phase = PEL_GRASP_WAITING;
     tool->grasp_from = def->grasp_from;

@@ -127,7 +127,7 @@ pel_pose pel_tool_next_pose(const pel_sim *sim, const pel_tool *tool, double tim
     if (tool->blocked)
         return catch_up(tool, time, sim->step.dt);
     pel_pose wanted = pel_tool_pose_at(tool, time), pose = wanted;
-    /* what is driven knows its pose at the end of the step: parts share the way */
+    /* a driven tool has its pose of the end of the step: parts interpolate */
     if (tool->driven)
         pel_pose_between(&tool->pose, &wanted, pel_part_share_left(sim), &pose);
     return pose;

@@ -27,7 +27,7 @@ static void static_force(const pel_sim *sim, int32_t v, double force[3])
         force[i] = (double)(elastic[i] + sim->force[v][i] + sim->contact_forces.vertex_next[v][i]);
 }
 
-/* what of a force presses against the tool, which cannot pull, and what of the rest friction holds */
+/* normal part of a force, which cannot pull, and the tangential part that friction holds */
 static void hold_against(const pel_sim *sim, const pel_tool *tool, int32_t v, const double push[3], double force[3])
 {
     double square = pel_vec3_squared_length(push), pressing[3], across[3];
@@ -74,7 +74,7 @@ void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, do
     }
 }
 
-/* what contacts do to held vertices goes on to the tool that holds them; the explicit step needs their mass again */
+/* contact forces on held vertices act on their tool; the explicit step needs their mass again */
 static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->held_count; i++) {

@@ -1,4 +1,4 @@
-/* Tools on a surface that refines: what they remember of triangles and hold of vertices after an event. */
+/* Tools on a refining surface: update their triangles and held vertices after an event. */
 #include "sim/tool.h"
 
 /* a plane stays with its triangle where that is still as it was; where it was refined, with the child at the point */

@@ -30,7 +30,7 @@ struct pel_descent {
     double *step_pairs, *gradient_pairs; /* (PAIR_COUNT x size) */
     double inverse_products[PAIR_COUNT];
     int32_t pair_count, newest;
-    pel_record *position, *force; /* (vertex_count) what the energy sees */
+    pel_record *position, *force; /* (vertex_count) arguments of the energy */
     double last_length;           /* of gradient descent: the step that was taken last, over the gradient */
 };
 

@@ -269,7 +269,7 @@ static double longest_factor(const pel_modes *modes, const double *step)
     return far / longest;
 }
 
-/* Stresses of the linear step under the loads; then what they and the pressure add to the tangent. */
+/* Stresses of the linear step under the loads; then their contribution and that of the pressure to the tangent. */
 static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *problem, const pel_tangent_input *input,
                                    pel_error *error)
 {

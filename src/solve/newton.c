@@ -11,7 +11,7 @@
 /* full steps of mixed integration points without a new least residual, after which steps of least energy follow; such
    steps in a part of the loads */
 enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6, PART_ITERATIONS = 30 };
-/* short steps in a row that end a run under constraints whatever they leave: what sticks may give way in the next */
+/* consecutive short steps that end a run under constraints with any residual: sticking contacts may slip in the next */
 enum { SHORT_STEPS = 4 };
 /* evaluations along a step: for its slope to be zero, for its energy to fall */
 enum { SEARCHES = 12, CUTS = 12 };
@@ -614,7 +614,7 @@ static void go_down(newton_run *run)
 
 /* ---- loads in parts ---- */
 
-/* forces that hold the start, and the ways of what is moved */
+/* forces that hold the start, and displacements of moved vertices */
 static void balance_start(newton_run *run)
 {
     pel_newton *newton = run->newton;

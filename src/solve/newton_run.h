@@ -76,7 +76,7 @@ static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_
 }
 
 /* ---- newton.c ---- */
-/* Blocks of the matrix for what the terms of the problem couple. PEL_OUT_OF_MEMORY. */
+/* Blocks of the matrix for the couplings of the terms of the problem. PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_couple(newton_run *run);
 
 /* ---- newton_step.c: energy, forces, matrix, linear systems ---- */
@@ -92,7 +92,8 @@ bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot);
 bool pel_newton_make_factor(newton_run *run);
 /* newton->step of newton->right by conjugate gradients with the factor */
 pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
-/* what the system of a run (context) has beyond the matrix: volumes, and the stiffness along the direction of a path */
+/* terms of the system of a run (context) besides the matrix: volumes, and the stiffness along the direction of a path
+ */
 void pel_newton_add_product(void *context, pel_pool *pool, const double *x, double *y);
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run);
@@ -130,7 +131,7 @@ bool pel_newton_has_converged(newton_run *run);
 bool pel_newton_is_at_targets(const newton_run *run);
 /* stiffness over mass, 1/s2, of the free vertices and the last matrix */
 double pel_newton_stiffness_scale(const pel_newton *newton);
-/* flags of what is fixed, frames; sums of the run at zero */
+/* flags of fixed unknowns, frames; sums of the run at zero */
 void pel_newton_fix_unknowns(newton_run *run);
 /* products with a new factor at most */
 enum { PEL_NEWTON_PRODUCTS = 200 };

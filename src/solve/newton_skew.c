@@ -73,7 +73,7 @@ static void rotate(const double rotation[2], double *a, double *b)
     *a = first;
 }
 
-/* column i of the Hessenberg matrix, the next vector, and what is left of the right side */
+/* column i of the Hessenberg matrix, the next vector, and the remaining right side */
 static bool add_column(newton_run *run, int i)
 {
     pel_newton *newton = run->newton;

@@ -88,10 +88,10 @@ void pel_project_finish(pel_projector *projector, pel_state *state, const pel_co
 /* Positions at the start of the present substep (vertex_count). */
 const pel_record *pel_project_substep_start(const pel_projector *projector);
 
-/* A body goes on from the present state as if it had always moved so. */
+/* Restarts the history of a body at the present state. */
 void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body);
 
-/* After a step that is accepted: what the next one has to know of this one goes to the state. */
+/* After an accepted step: stores its history in the state. */
 void pel_projector_accept(pel_projector *projector, pel_state *state);
 
 /* ---- project_body.c ---- */

@@ -588,7 +588,7 @@ static void find_turn(const held_share *share, double turn[3])
         turn[a] = pel_vec3_dot(inverse[a], share->torque) / determinant;
 }
 
-/* Fixed vertices share the force evenly, and the torque as a turn about their mean: what is left open has neither. */
+/* Distribute the force evenly over fixed vertices, and the torque as a rotation about their mean. */
 static void record_lane(const pel_batch *batch, const pel_record *positions, const int32_t *steps, int32_t lane,
                         pel_record (*ways)[PEL_BLOCK])
 {

@@ -8,7 +8,8 @@
 
 enum { LEAST_ITERATIONS = 40, MOST_ITERATIONS = 400 };
 
-/* what the quotient may still rise by when the iteration ends, and the share of an edge by which vertices are moved */
+/* possible increase of the quotient at the end of the iteration, and displacement of the vertices relative to an edge
+ */
 #ifdef PEL_SINGLE
 #define SLOW_RISE 3e-4
 #define MARGIN 1.03

@@ -135,7 +135,7 @@ pel_status pel_stability_refine(const pel_model *model, pel_stability *stability
     }
     pel_free(u);
     pel_free(next);
-    /* the quotient comes from below: keep a margin for what is left */
+    /* the quotient converges from below: keep a margin for the remaining error */
     stability->stiffness = fmin(1.001 * value, stability->stiffness_bound);
     return PEL_OK;
 }

@@ -356,9 +356,13 @@ static void test_coarse_contact(void **unused)
     assert_non_null(begin);
     const char *end = strchr(begin, '}');
     snprintf(remedy, sizeof remedy, "bodies.ball.refine=%.*s", (int)(end + 1 - strchr(begin, '{')), strchr(begin, '{'));
-    const char *overrides[] = {remedy};
+    /* under static in two large steps, too: refinement settles before each */
+    const char *overrides[] = {remedy, "solver.method=static", "solver.dt=0.25"};
     run_scene(pressed, overrides, 1, NULL, 0, &summary);
     assert_null(find_warning(&summary, "coarse-contact"));
+    run_scene(pressed, overrides, 3, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "coarse-contact"));
+    assert_true(summary.steps == 2 && summary.vertices_final > 1200);
 }
 
 /* the hollow ball of paper A creeps; with volumetric springs, or long after the force ended, it is at rest */

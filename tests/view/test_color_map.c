@@ -82,9 +82,36 @@ static void test_names(void **unused)
     assert_false(pel_color_map_find("jet", &map));
 }
 
+/* the pages' maps are this file's: web/src/colour.js has them as anchors at equal distances, "warm" as a half of
+ * another */
+static void test_pages(void **unused)
+{
+    (void)unused;
+    char text[4096];
+    FILE *file = fopen(PEL_SOURCE_DIR "/web/src/colour.js", "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    for (int map = 0; map < PEL_COLORS_WARM; ++map) {
+        const char *at = strstr(strstr(text, "const anchors"), pel_color_map_name(map));
+        assert_non_null(at);
+        at = strstr(at, ": \"") + strlen(": \"");
+        int count = ((int)strcspn(at, "\"") + 1) / (int)strlen("rrggbb ");
+        assert_true(count > 16);
+        for (int i = 0; i < count; ++i) {
+            uint8_t rgb[3];
+            char drawn[8];
+            pel_color_map_sample((pel_color_map)map, i / (count - 1.0), rgb);
+            snprintf(drawn, sizeof drawn, "%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
+            assert_memory_equal(at + 7 * (size_t)i, drawn, 6);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_known_colors), cmocka_unit_test(test_brightness),
-                                       cmocka_unit_test(test_odd_values), cmocka_unit_test(test_names)};
+                                       cmocka_unit_test(test_odd_values), cmocka_unit_test(test_names),
+                                       cmocka_unit_test(test_pages)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -204,6 +204,40 @@ static void test_fields(void **unused)
     assert_true(dark[1] > 50);
 }
 
+/* a field that is 0 everywhere is grey, as zero is in every other picture */
+static void test_zero_field(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *path = "render-zero.vtp";
+    const double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, zero[3] = {0};
+    const int32_t triangles[3] = {0, 1, 2};
+    const pel_vtp_field field = {"nothing", 1, zero};
+    const pel_vtp vtp = {.vertex_count = 3,
+                         .triangle_count = 1,
+                         .positions = positions,
+                         .triangles = triangles,
+                         .fields = &field,
+                         .field_count = 1};
+    assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
+    pel_render_def def = make_def(&path, 1, "render-zero.png");
+    def.field = field.name;
+    def.hide_bar = true;
+    def.hide_ground = true;
+    def.angle = (pel_camera_angle){0, 90, 1};
+    draw(&def);
+    size_t size = 0;
+    int dark = 0;
+    uint8_t *pixels = read_png("render-zero.png", &size);
+    for (size_t i = 0; i < size; i += 4) {
+        assert_true(abs(pixels[i] - pixels[i + 1]) < 8 && abs(pixels[i + 1] - pixels[i + 2]) < 8);
+        dark += pixels[i] < 240;
+    }
+    assert_true(dark > 1000);
+    free(pixels);
+}
+
 /* a picture of a run shows the frame with the largest displacement, the last one where series.csv does not tell */
 static void test_peak(void **unused)
 {
@@ -496,10 +530,10 @@ static void test_stops(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_golden),        cmocka_unit_test(test_fields), cmocka_unit_test(test_peak),
-        cmocka_unit_test(test_deterministic), cmocka_unit_test(test_folder), cmocka_unit_test(test_bad_defs),
-        cmocka_unit_test(test_film),          cmocka_unit_test(test_ground), cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_stops)};
+        cmocka_unit_test(test_golden),     cmocka_unit_test(test_fields),        cmocka_unit_test(test_peak),
+        cmocka_unit_test(test_zero_field), cmocka_unit_test(test_deterministic), cmocka_unit_test(test_folder),
+        cmocka_unit_test(test_bad_defs),   cmocka_unit_test(test_film),          cmocka_unit_test(test_ground),
+        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_stops)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");

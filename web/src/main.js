@@ -1,5 +1,5 @@
 // The page: state, controls and the loop that draws what changed.
-import { isDiverging, mapGradient, mapNames } from "./colour.js";
+import { fitColours, mapGradient, mapNames } from "./colour.js";
 import { componentsAt, fillValues, locate, positionAt, readRuns } from "./data.js";
 import { showDetails, showFacts } from "./details.js";
 import { formatNumber, formatTogether, formatVector, plainName, unitOfField, withUnit } from "./format.js";
@@ -13,8 +13,7 @@ const state = {
     playing: false,
     speed: 1,
     field: "",
-    map: "viridis",
-    mapChosen: false,
+    map: "", // automatic
     range: "run",
     surface: "smooth",
     shading: "smooth",
@@ -170,17 +169,22 @@ function showColour() {
     $("legend").hidden = !coloured;
     $("map").disabled = $("range").disabled = !coloured;
     if (!coloured) return;
-    let [low, high] = rangeOf();
-    if (isDiverging(state.map) && low < 0 && high > 0) {
-        high = Math.max(-low, high);
-        low = -high;
-    }
+    const { map, low, high } = fitColours(...rangeOf(), state.map);
+    showMap(map);
     view.uniforms.range.value.set(low, high);
     const field = fieldOf(runs.find(fieldOf));
     const name = plainName(state.field);
     $("legend-name").textContent = withUnit(field.components > 1 ? `|${name}|` : name, unitOfField(field) && `[${unitOfField(field)}]`);
     const ticks = formatTogether([low, low + (high - low) / 2, high], 3);
     [...$("legend-ticks").children].forEach((tick, i) => (tick.textContent = ticks[i]));
+}
+
+let shownMap = "";
+function showMap(name) {
+    if (name === shownMap) return;
+    shownMap = name;
+    view.setMap(name);
+    $("legend-bar").style.background = mapGradient(name);
 }
 
 /* ---- seeking and playing ---- */
@@ -306,16 +310,12 @@ function fill(id, entries, value, changed) {
 function setField(name) {
     state.field = name;
     $("colour").value = name;
-    const field = runs.map(fieldOf).find(Boolean);
-    if (field && !state.mapChosen) setMap(field.magnitudes[0] < 0 && field.magnitudes[1] > 0 ? "cool-warm" : "viridis");
     needs("frames");
 }
 
 function setMap(name) {
     state.map = name;
     $("map").value = name;
-    view.setMap(name);
-    $("legend-bar").style.background = mapGradient(name);
     needs("colour");
 }
 
@@ -334,10 +334,7 @@ const surfaces = [
 function makeControls() {
     const names = [...new Set(runs.flatMap((run) => run.fields.map((field) => field.name)))];
     fill("colour", [["", "none"], ...names.map((name) => [name, plainName(name)])], "", setField);
-    fill("map", mapNames.map((name) => [name, name]), state.map, (name) => {
-        state.mapChosen = true;
-        setMap(name);
-    });
+    fill("map", [["", "automatic"], ...mapNames.map((name) => [name, name])], state.map, setMap);
     const ranges = [
         ["run", "whole run"],
         ["inner", "inner 98 %"],

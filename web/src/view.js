@@ -20,7 +20,7 @@ import {
     WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { isDiverging, mapBytes } from "./colour.js";
+import { mapBytes } from "./colour.js";
 import { fillPositions, fillValues } from "./data.js";
 
 // Light from above the left shoulder and a weak one from the right, a shine and a bright rim; the inside is darker.
@@ -453,7 +453,6 @@ export class View {
 
     setMap(name) {
         showMap(this.uniforms, name);
-        this.diverging = isDiverging(name);
     }
 
     draw(style) {

@@ -267,6 +267,7 @@ async function colouring(page) {
     await page.selectOption("#colour", "displacement");
     await until(page, () => globalThis.pellicle.frame.field === "displacement" && !document.getElementById("legend").hidden);
     assert.match(await page.textContent("#legend-name"), /displacement/);
+    assert.match(await page.getAttribute("#legend-bar", "style"), /^background: linear-gradient\(to right, rgb\(221, 221, 221\)/, "grey is zero");
     await page.selectOption("#surface", "edges");
     await picture(page, "colours");
     await page.selectOption("#surface", "smooth");

@@ -109,6 +109,7 @@ async function colouring(page) {
     const displacement = await colours(page);
     assert.ok(displacement.different > 100, "the body is shaded and coloured");
     assert.match(await legend(page), /displacement.*\[m\]/);
+    assert.match(await page.getAttribute("#legend-bar", "style"), /^background: linear-gradient\(to right, rgb\(221, 221, 221\)/, "grey is zero");
     await page.selectOption("#colour", "force");
     await settle(page);
     const force = await colours(page);

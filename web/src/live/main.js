@@ -1,6 +1,6 @@
 // The live page: what the user does becomes lines for the program, what the program sends becomes pictures.
 import { Vector3 } from "three";
-import { isDiverging, mapGradient, mapNames } from "../colour.js";
+import { fitColours, mapGradient, mapNames } from "../colour.js";
 import { formatNumber, formatTogether, plainName, withUnit } from "../format.js";
 import { element } from "../plots.js";
 import { Parameters } from "./parameters.js";
@@ -19,7 +19,7 @@ const state = {
     brush: 0.08, // likewise
     grip: 0, // decimal exponent beside the stiffness that the program proposes
     field: "",
-    map: "viridis",
+    map: "", // automatic
     surface: "smooth",
     contacts: false,
     marks: true,
@@ -204,11 +204,8 @@ function showColour() {
     $("map").disabled = !coloured;
     if (!coloured) return;
     frame.bodies.forEach((body) => range.take(body.values));
-    let { low, high } = range;
-    if (isDiverging(state.map) && low < 0 && high > 0) {
-        high = Math.max(-low, high);
-        low = -high;
-    }
+    const { map, low, high } = fitColours(range.low, range.high, state.map);
+    showMap(map);
     stage.uniforms.range.value.set(low, high);
     const { name, unit, components } = hello.fields.find((field) => field.name === state.field);
     $("legend-name").textContent = withUnit(components > 2 ? `|${plainName(name)}|` : plainName(name), unit && `[${unit.replace(/m2$/, "m²")}]`);
@@ -225,10 +222,16 @@ function setField(name) {
 
 function setMap(name) {
     state.map = name;
-    $("map").value = name;
+    if (frame) showColour();
+    needs();
+}
+
+let shownMap = "";
+function showMap(name) {
+    if (name === shownMap) return;
+    shownMap = name;
     stage.setMap(name);
     $("legend-bar").style.background = mapGradient(name);
-    needs();
 }
 
 function setSurface(name) {
@@ -550,7 +553,7 @@ function makeControls() {
     });
     setMode("pull");
     $("colour").addEventListener("change", () => setField($("colour").value));
-    fill("map", mapNames.map((name) => [name, name]), state.map, setMap);
+    fill("map", [["", "automatic"], ...mapNames.map((name) => [name, name])], state.map, setMap);
     fill("surface", [["smooth", "plain"], ["edges", "with edges"], ["wireframe", "wireframe"]], state.surface, setSurface);
     for (const key of ["contacts", "marks"])
         $(key).addEventListener("change", () => {
