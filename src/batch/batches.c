@@ -68,8 +68,8 @@ static int32_t list_triangles(plan *p)
     const pel_shell *shell = p->body->shell;
     int32_t count = 0;
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        if (shell->triangles[t].rest.area > 0)
-            add_element(p, shell->triangles[t].vertices, 3, t, &count);
+        if (pel_shell_rest(shell, t).area > 0)
+            add_element(p, shell->corners[t], 3, t, &count);
     return count;
 }
 
@@ -80,7 +80,7 @@ static int32_t list_pressed(plan *p)
     int32_t count = 0;
     for (int32_t t = 0; t < shell->triangle_count; t++)
         if (shell->pressure_weights == NULL || shell->pressure_weights[t] != 0)
-            push_element(p, shell->triangles[t].vertices, 3, t, &count);
+            push_element(p, shell->corners[t], 3, t, &count);
     return count;
 }
 
@@ -89,8 +89,8 @@ static int32_t list_hinges(plan *p)
     const pel_shell *shell = p->body->shell;
     int32_t count = 0;
     for (int32_t h = 0; h < shell->hinge_count; h++)
-        if (p->literal || shell->hinges[h].stiffness > 0)
-            add_element(p, shell->hinges[h].vertices, 4, h, &count);
+        if (p->literal || pel_shell_hinge_stiffness(shell, h) > 0)
+            add_element(p, pel_shell_hinge_of(shell, h).vertices, 4, h, &count);
     return count;
 }
 
@@ -98,9 +98,9 @@ static int32_t list_fibres(plan *p, const pel_shell_region *region)
 {
     int32_t count = 0;
     for (int32_t f = 0; f < region->fibre_count; f++) {
-        const pel_shell_triangle *triangle = &p->body->shell->triangles[region->fibres[f].triangle];
-        if (triangle->rest.area > 0)
-            add_element(p, triangle->vertices, 3, f, &count);
+        int32_t t = pel_shell_fibre_triangle(region, f);
+        if (pel_shell_rest(p->body->shell, t).area > 0)
+            add_element(p, p->body->shell->corners[t], 3, f, &count);
     }
     return count;
 }
@@ -117,12 +117,13 @@ static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
 
 static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
 {
-    const pel_shell_triangle *t = &p->body->shell->triangles[batch->sources[i]];
+    const pel_rest_triangle rest = pel_shell_rest(p->body->shell, batch->sources[i]);
     for (int j = 0; j < 3; j++)
-        *pel_batch_number(batch, i, j) = (pel_real)t->rest.inverse[j];
+        *pel_batch_number(batch, i, j) = (pel_real)rest.inverse[j];
     if (batch->kind == PEL_CONSTRAINT_LIMIT)
         return;
-    double stiffness = t->rest.area * t->young * t->thickness;
+    pel_shell_sheet sheet = pel_shell_sheet_of(p->body->shell, batch->sources[i]);
+    double stiffness = rest.area * sheet.young * sheet.thickness;
     bool constant = (pel_membrane_law_traits(p->body->shell->material.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
     *pel_batch_number(batch, i, 3) = (pel_real)(constant ? 1 / stiffness : batch->law.modulus * stiffness);
 }
@@ -136,18 +137,19 @@ static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
 static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
 {
     const pel_shell *shell = p->body->shell;
-    const pel_shell_hinge *h = &shell->hinges[batch->sources[i]];
+    const pel_shell_hinge h = pel_shell_hinge_of(shell, batch->sources[i]);
     if (shell->bending == PEL_BENDING_HINGE) {
-        *pel_batch_number(batch, i, 0) = (pel_real)cos(h->rest_angle);
-        *pel_batch_number(batch, i, 1) = (pel_real)sin(h->rest_angle);
-        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h->stiffness * pel_shell_angle(p->model->rest, h).factor));
+        const pel_hinge stencil = pel_shell_angle(shell, p->model->rest, &h);
+        *pel_batch_number(batch, i, 0) = (pel_real)cos(stencil.rest_angle);
+        *pel_batch_number(batch, i, 1) = (pel_real)sin(stencil.rest_angle);
+        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h.stiffness * stencil.factor));
         return;
     }
-    const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, h);
+    const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, &h);
     for (int j = 0; j < 3; j++)
         *pel_batch_number(batch, i, j) = (pel_real)stencil.weight[j + 1];
     /* E = D / 3 times factor / 2 |K x|^2 stands for a plate (theory page, section 5) */
-    *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h->stiffness * stencil.factor));
+    *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h.stiffness * stencil.factor));
     double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * stencil.rest_energy / stencil.factor;
     *pel_batch_number(batch, i, 4) = (pel_real)square;
 }
@@ -159,29 +161,29 @@ static void set_direction(const pel_batch *batch, int32_t i, const pel_rest_tria
 }
 
 /* weight and shares of a triangle that caves in */
-static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fibre *fibre, int32_t i)
+static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fibre *fibre, double area, int32_t i)
 {
-    const pel_shell_triangle *triangle = &p->body->shell->triangles[fibre->triangle];
+    const int32_t *corners = p->body->shell->corners[fibre->triangle];
     *pel_batch_number(batch, i, PEL_CAVE_WEIGHT) = (pel_real)fibre->weight;
     for (int k = 0; k < 3; k++) {
         *pel_batch_number(batch, i, PEL_CAVE_SHARE + k) =
-            (pel_real)(triangle->rest.area / p->made->areas[triangle->vertices[k] - p->first_place]);
+            (pel_real)(area / p->made->areas[corners[k] - p->first_place]);
         *pel_batch_number(batch, i, PEL_CAVE_WAY + k) = 0;
     }
 }
 
 static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_region *region, int32_t i)
 {
-    const pel_shell_fibre *fibre = &region->fibres[batch->sources[i]];
-    const pel_rest_triangle *rest = &p->body->shell->triangles[fibre->triangle].rest;
-    set_direction(batch, i, rest, fibre->direction);
+    const pel_shell_fibre fibre = pel_shell_fibre_of(p->body->shell, region, batch->sources[i]);
+    const pel_rest_triangle rest = pel_shell_rest(p->body->shell, fibre.triangle);
+    set_direction(batch, i, &rest, fibre.direction);
     if (batch->kind == PEL_CONSTRAINT_CAVE) {
-        fill_cave(p, batch, fibre, i);
+        fill_cave(p, batch, &fibre, rest.area, i);
         return;
     }
-    *pel_batch_number(batch, i, 2) = (pel_real)(1 / (rest->area * region->def.stiffness * fibre->weight));
+    *pel_batch_number(batch, i, 2) = (pel_real)(1 / (rest.area * region->def.stiffness * fibre.weight));
     if (batch->number_count == PEL_FIBRE_WEIGHTED_NUMBERS)
-        *pel_batch_number(batch, i, 3) = (pel_real)fibre->weight;
+        *pel_batch_number(batch, i, 3) = (pel_real)fibre.weight;
 }
 
 /* ---- batches ---- */
@@ -218,9 +220,11 @@ static void measure_areas(const plan *p)
     const pel_shell *shell = p->body->shell;
     for (int32_t i = 0; i < p->place_count; i++)
         p->made->areas[i] = 0;
-    for (int32_t t = 0; t < shell->triangle_count; t++)
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        double area = pel_shell_rest(shell, t).area;
         for (int k = 0; k < 3; k++)
-            p->made->areas[shell->triangles[t].vertices[k] - p->first_place] += shell->triangles[t].rest.area;
+            p->made->areas[shell->corners[t][k] - p->first_place] += area;
+    }
 }
 
 /* lays out the elements that the body has at present */
@@ -599,11 +603,12 @@ static void follow_region(const pel_batch *batch, const pel_shell *shell, const 
 {
     const pel_shell_region *region = &shell->regions[batch->region];
     for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
-        const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
+        int32_t t = pel_shell_fibre_triangle(region, batch->sources[i]);
+        const pel_rest_triangle rest = pel_shell_rest(shell, t);
         double x[3][3], direction[2];
-        pel_load_points(positions, triangle->vertices, 3, x);
-        pel_principal_direction(&triangle->rest, (const double(*)[3])x, direction);
-        set_direction(batch, i, &triangle->rest, direction);
+        pel_load_points(positions, shell->corners[t], 3, x);
+        pel_principal_direction(&rest, (const double(*)[3])x, direction);
+        set_direction(batch, i, &rest, direction);
     }
 }
 

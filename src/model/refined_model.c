@@ -691,13 +691,14 @@ static pel_status create_shell(pel_refined_model *active, int32_t b, pel_error *
     pel_refined_body *own = &active->bodies[b];
     if (given->shell == NULL)
         return PEL_OK;
-    int32_t shift = (body->slice_begin - given->slice_begin) * PEL_WIDTH, limit = given->shell->triangle_count;
+    int32_t limit = given->shell->triangle_count;
+    const int32_t(*corners)[3] = (const int32_t(*)[3])active->model.triangles + active->model.triangle_begin[b];
     if (body->front != NULL) {
         const pel_lod_forest *forest = body->front->forest;
         limit = forest->levels[forest->depth]->triangle_count;
         limit = own->triangle_limit < limit ? own->triangle_limit : limit;
     }
-    pel_status status = pel_shell_front_create(given, body, shift, own->fine_limit, limit, &own->shell, error);
+    pel_status status = pel_shell_front_create(given, body, corners, own->fine_limit, limit, &own->shell, error);
     if (status == PEL_OK)
         body->shell = &own->shell->shell;
     return status;
