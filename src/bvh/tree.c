@@ -6,6 +6,156 @@
 
 #include <string.h>
 
+/* ---- order of the triangles ---- */
+
+/* Keys stand in the memory of the nodes, which a build leaves empty. */
+typedef struct build {
+    pel_tree *tree;
+    const double (*positions)[3];
+    const double *origin;
+    uint64_t *keys;        /* (triangle_count) place along an axis, triangle */
+    float (*centroids)[3]; /* (triangle_count) null = they are computed again and again */
+} build;
+
+static float centroid(const build *b, uint32_t t, int axis)
+{
+    const int32_t *v = b->tree->triangles[t];
+    double origin = b->origin[axis];
+    double sum = (b->positions[v[0]][axis] - origin) + (b->positions[v[1]][axis] - origin);
+    sum += b->positions[v[2]][axis] - origin;
+    return isfinite(sum) ? (float)sum : 0;
+}
+
+static float get_centroid(const build *b, uint32_t t, int axis)
+{
+    return b->centroids != NULL ? b->centroids[t][axis] : centroid(b, t, axis);
+}
+
+/* keys rise as the coordinate does, equal ones by triangle: the order is the same whatever sorted them */
+static uint64_t make_key(float coordinate, int32_t triangle)
+{
+    uint32_t bits;
+    memcpy(&bits, &coordinate, sizeof bits);
+    bits = bits >> 31 ? ~bits : bits | 0x80000000u;
+    return (uint64_t)bits << 32 | (uint32_t)triangle;
+}
+
+static int longest_axis(const build *b, int32_t begin, int32_t end)
+{
+    float low[3], high[3];
+    for (int k = 0; k < 3; k++)
+        low[k] = high[k] = get_centroid(b, (uint32_t)b->keys[begin], k);
+    for (int32_t i = begin + 1; i < end; i++)
+        for (int k = 0; k < 3; k++) {
+            float x = get_centroid(b, (uint32_t)b->keys[i], k);
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
+        }
+    int axis = high[1] - low[1] > high[0] - low[0] ? 1 : 0;
+    return high[2] - low[2] > high[axis] - low[axis] ? 2 : axis;
+}
+
+static void exchange(uint64_t *a, uint64_t *b)
+{
+    uint64_t c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* moves the keys smaller than that of rank `nth` before it and the larger ones behind it (Hoare) */
+static void select_key(uint64_t *keys, int32_t begin, int32_t end, int32_t nth)
+{
+    int32_t low = begin, high = end - 1;
+    while (low < high) {
+        int32_t middle = low + (high - low) / 2;
+        if (keys[middle] < keys[low])
+            exchange(&keys[middle], &keys[low]);
+        if (keys[high] < keys[low])
+            exchange(&keys[high], &keys[low]);
+        if (keys[high] < keys[middle])
+            exchange(&keys[high], &keys[middle]);
+        uint64_t pivot = keys[middle];
+        int32_t i = low, j = high;
+        while (i <= j) {
+            while (keys[i] < pivot)
+                i++;
+            while (keys[j] > pivot)
+                j--;
+            if (i <= j)
+                exchange(&keys[i++], &keys[j--]);
+        }
+        if (nth <= j)
+            high = j;
+        else if (nth >= i)
+            low = i;
+        else
+            return;
+    }
+}
+
+/* leaves begin..end; depth is the logarithm of their number */
+static void sort_triangles(build *b, int32_t begin, int32_t end)
+{
+    if (end - begin < 2)
+        return;
+    const pel_tree *tree = b->tree;
+    int32_t first = PEL_LANES * begin, middle = pel_tree_middle(begin, end);
+    int32_t last = end == tree->leaf_count ? tree->triangle_count : PEL_LANES * end;
+    int axis = longest_axis(b, first, last);
+    for (int32_t i = first; i < last; i++) {
+        uint32_t t = (uint32_t)b->keys[i];
+        b->keys[i] = make_key(get_centroid(b, t, axis), (int32_t)t);
+    }
+    select_key(b->keys, first, last, PEL_LANES * middle);
+    sort_triangles(b, begin, middle);
+    sort_triangles(b, middle, end);
+}
+
+static void fill_leaves(const build *b)
+{
+    pel_tree *tree = b->tree;
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
+        for (int32_t lane = 0; lane < PEL_LANES; lane++) {
+            int32_t i = PEL_LANES * leaf + lane;
+            tree->leaves[leaf][lane] = i < tree->triangle_count ? (int32_t)(uint32_t)b->keys[i] : -1;
+        }
+}
+
+static void run_build(build *b)
+{
+    pel_tree *tree = b->tree;
+    b->origin = b->positions[tree->triangles[0][0]];
+    b->keys = (uint64_t *)(void *)tree->nodes;
+    for (int32_t t = 0; t < tree->triangle_count; t++)
+        b->keys[t] = (uint64_t)t;
+    for (int32_t t = 0; b->centroids != NULL && t < tree->triangle_count; t++)
+        for (int k = 0; k < 3; k++)
+            b->centroids[t][k] = centroid(b, (uint32_t)t, k);
+    sort_triangles(b, 0, tree->leaf_count);
+    fill_leaves(b);
+    for (int32_t n = 0; n < tree->node_count; n++)
+        tree->nodes[n] = pel_box_empty();
+    tree->built_cost = 0;
+}
+
+void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
+{
+    build b = {.tree = tree, .positions = positions};
+    run_build(&b);
+}
+
+/* for the first time, with memory to do it faster */
+static pel_status build_first(pel_tree *tree, const double (*positions)[3])
+{
+    build b = {.tree = tree, .positions = positions};
+    b.centroids = pel_allocate((size_t)tree->triangle_count, sizeof *b.centroids);
+    if (b.centroids == NULL)
+        return PEL_OUT_OF_MEMORY;
+    run_build(&b);
+    pel_free(b.centroids);
+    return PEL_OK;
+}
+
 /* ---- creation ---- */
 
 /* closes the chain of the half-edges of each edge to a ring */
@@ -72,11 +222,11 @@ pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, c
     tree->leaf_count = (triangle_count + PEL_LANES - 1) / PEL_LANES;
     tree->node_count = 2 * tree->leaf_count - 1;
     tree->triangles = triangles;
-    if ((content == PEL_TREE_FEATURES && find_features(tree) != PEL_OK) || allocate_tree(tree) != PEL_OK) {
+    if ((content == PEL_TREE_FEATURES && find_features(tree) != PEL_OK) || allocate_tree(tree) != PEL_OK ||
+        build_first(tree, positions) != PEL_OK) {
         pel_tree_destroy(tree);
         return pel_fail_memory(error);
     }
-    pel_tree_rebuild(tree, positions);
     *result = tree;
     return PEL_OK;
 }
@@ -90,130 +240,6 @@ void pel_tree_destroy(pel_tree *tree)
     pel_free(tree->nodes);
     pel_free(tree->leaves);
     pel_free(tree);
-}
-
-/* ---- order of the triangles ---- */
-
-/* Keys stand in the memory of the nodes, which a build leaves empty. */
-typedef struct build {
-    pel_tree *tree;
-    const double (*positions)[3];
-    const double *origin;
-    uint64_t *keys; /* (triangle_count) place along an axis, triangle */
-} build;
-
-static float centroid(const build *b, uint32_t t, int axis)
-{
-    const int32_t *v = b->tree->triangles[t];
-    double origin = b->origin[axis];
-    double sum = (b->positions[v[0]][axis] - origin) + (b->positions[v[1]][axis] - origin);
-    sum += b->positions[v[2]][axis] - origin;
-    return isfinite(sum) ? (float)sum : 0;
-}
-
-/* keys rise as the coordinate does, equal ones by triangle: the order is the same whatever sorted them */
-static uint64_t make_key(float coordinate, int32_t triangle)
-{
-    uint32_t bits;
-    memcpy(&bits, &coordinate, sizeof bits);
-    bits = bits >> 31 ? ~bits : bits | 0x80000000u;
-    return (uint64_t)bits << 32 | (uint32_t)triangle;
-}
-
-static int longest_axis(const build *b, int32_t begin, int32_t end)
-{
-    float low[3], high[3];
-    for (int k = 0; k < 3; k++)
-        low[k] = high[k] = centroid(b, (uint32_t)b->keys[begin], k);
-    for (int32_t i = begin + 1; i < end; i++)
-        for (int k = 0; k < 3; k++) {
-            float x = centroid(b, (uint32_t)b->keys[i], k);
-            low[k] = x < low[k] ? x : low[k];
-            high[k] = x > high[k] ? x : high[k];
-        }
-    int axis = high[1] - low[1] > high[0] - low[0] ? 1 : 0;
-    return high[2] - low[2] > high[axis] - low[axis] ? 2 : axis;
-}
-
-static void exchange(uint64_t *a, uint64_t *b)
-{
-    uint64_t c = *a;
-    *a = *b;
-    *b = c;
-}
-
-/* moves the keys smaller than that of rank `nth` before it and the larger ones behind it (Hoare) */
-static void select_key(uint64_t *keys, int32_t begin, int32_t end, int32_t nth)
-{
-    int32_t low = begin, high = end - 1;
-    while (low < high) {
-        int32_t middle = low + (high - low) / 2;
-        if (keys[middle] < keys[low])
-            exchange(&keys[middle], &keys[low]);
-        if (keys[high] < keys[low])
-            exchange(&keys[high], &keys[low]);
-        if (keys[high] < keys[middle])
-            exchange(&keys[high], &keys[middle]);
-        uint64_t pivot = keys[middle];
-        int32_t i = low, j = high;
-        while (i <= j) {
-            while (keys[i] < pivot)
-                i++;
-            while (keys[j] > pivot)
-                j--;
-            if (i <= j)
-                exchange(&keys[i++], &keys[j--]);
-        }
-        if (nth <= j)
-            high = j;
-        else if (nth >= i)
-            low = i;
-        else
-            return;
-    }
-}
-
-/* leaves begin..end; depth is the logarithm of their number */
-static void sort_triangles(build *b, int32_t begin, int32_t end)
-{
-    if (end - begin < 2)
-        return;
-    const pel_tree *tree = b->tree;
-    int32_t first = PEL_LANES * begin, middle = pel_tree_middle(begin, end);
-    int32_t last = end == tree->leaf_count ? tree->triangle_count : PEL_LANES * end;
-    int axis = longest_axis(b, first, last);
-    for (int32_t i = first; i < last; i++) {
-        uint32_t t = (uint32_t)b->keys[i];
-        b->keys[i] = make_key(centroid(b, t, axis), (int32_t)t);
-    }
-    select_key(b->keys, first, last, PEL_LANES * middle);
-    sort_triangles(b, begin, middle);
-    sort_triangles(b, middle, end);
-}
-
-static void fill_leaves(const build *b)
-{
-    pel_tree *tree = b->tree;
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
-        for (int32_t lane = 0; lane < PEL_LANES; lane++) {
-            int32_t i = PEL_LANES * leaf + lane;
-            tree->leaves[leaf][lane] = i < tree->triangle_count ? (int32_t)(uint32_t)b->keys[i] : -1;
-        }
-}
-
-void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
-{
-    build b = {.tree = tree,
-               .positions = positions,
-               .origin = positions[tree->triangles[0][0]],
-               .keys = (uint64_t *)(void *)tree->nodes};
-    for (int32_t t = 0; t < tree->triangle_count; t++)
-        b.keys[t] = (uint64_t)t;
-    sort_triangles(&b, 0, tree->leaf_count);
-    fill_leaves(&b);
-    for (int32_t n = 0; n < tree->node_count; n++)
-        tree->nodes[n] = pel_box_empty();
-    tree->built_cost = 0;
 }
 
 /* ---- boxes ---- */

@@ -68,7 +68,8 @@ double pel_tree_cost(const pel_tree *tree);
 
 static inline int32_t pel_tree_corner(const pel_tree *tree, int32_t h)
 {
-    return tree->triangles[h / 3][h % 3];
+    const int32_t *corners = *tree->triangles;
+    return corners[h];
 }
 
 /* the edge along which a half-edge runs */
