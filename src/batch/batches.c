@@ -227,6 +227,12 @@ static void measure_areas(const plan *p)
     }
 }
 
+static void fill_numbers(const plan *p, const pel_batch *batch)
+{
+    for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++)
+        fill_number(p, batch, i);
+}
+
 /* lays out the elements that the body has at present */
 static pel_status fill_batch(plan *p, pel_batch *batch, pel_error *error)
 {
@@ -234,8 +240,8 @@ static pel_status fill_batch(plan *p, pel_batch *batch, pel_error *error)
     pel_status status = pel_batch_build(batch, &p->made->pieces, count, p->made->scratch, error);
     if (batch->kind == PEL_CONSTRAINT_CAVE)
         measure_areas(p);
-    for (int32_t i = 0; status == PEL_OK && i < batch->block_count * PEL_BLOCK; i++)
-        fill_number(p, batch, i);
+    if (status == PEL_OK)
+        fill_numbers(p, batch);
     return status;
 }
 
@@ -334,21 +340,10 @@ static pel_status add_bending(plan *p, pel_error *error)
     return add_batch(p, batch, error);
 }
 
-static pel_status add_region(plan *p, int32_t r, pel_error *error)
+static bool changes(const plan *p, const pel_batch *batch)
 {
-    const pel_shell_region *region = &p->body->shell->regions[r];
-    bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
-    pel_batch batch = {.arity = 3, .number_count = PEL_FIBRE_NUMBERS, .multiplier_count = 1, .law.rest_length = 1};
-    batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
-    if (region->def.mode == PEL_FIBRE_CAVE) {
-        batch = (pel_batch){.kind = PEL_CONSTRAINT_CAVE, .arity = 3, .number_count = PEL_CAVE_NUMBERS};
-    } else if (p->literal) {
-        batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
-        batch.number_count = PEL_FIBRE_WEIGHTED_NUMBERS;
-    }
-    batch.region = r;
-    batch.is_projected = projects_shells(p);
-    return add_batch(p, batch, error);
+    return batch->region >= 0 && (batch->kind == PEL_CONSTRAINT_CAVE ||
+                                  p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
 }
 
 /* the batch of the membrane, when it has all triangles and no event changes them; else null */
@@ -366,6 +361,40 @@ static const pel_batch *whole_membrane(const plan *p)
     return NULL;
 }
 
+/* a batch of the very triangles of another one */
+static pel_status add_shared(plan *p, pel_batch batch, const pel_batch *other, pel_error *error)
+{
+    pel_batch *made = &p->made->batches[p->made->batch_count++];
+    *made = batch;
+    pel_batch_share(made, other);
+    if (made->number_count == 0)
+        return PEL_OK;
+    size_t lanes = (size_t)made->capacity * PEL_BLOCK;
+    made->numbers = pel_allocate_aligned(lanes * (size_t)made->number_count, sizeof *made->numbers);
+    if (made->numbers == NULL)
+        return pel_fail_memory(error);
+    fill_numbers(p, made);
+    return PEL_OK;
+}
+
+static pel_status add_region(plan *p, int32_t r, pel_error *error)
+{
+    const pel_shell_region *region = &p->body->shell->regions[r];
+    bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
+    pel_batch batch = {.arity = 3, .number_count = PEL_FIBRE_NUMBERS, .multiplier_count = 1, .law.rest_length = 1};
+    batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
+    if (region->def.mode == PEL_FIBRE_CAVE) {
+        batch = (pel_batch){.kind = PEL_CONSTRAINT_CAVE, .arity = 3, .number_count = PEL_CAVE_NUMBERS};
+    } else if (p->literal) {
+        batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
+        batch.number_count = PEL_FIBRE_WEIGHTED_NUMBERS;
+    }
+    batch.region = r;
+    batch.is_projected = projects_shells(p);
+    const pel_batch *membrane = region->triangles == NULL && !changes(p, &batch) ? whole_membrane(p) : NULL;
+    return membrane != NULL ? add_shared(p, batch, membrane, error) : add_batch(p, batch, error);
+}
+
 static pel_status add_pressure(plan *p, pel_error *error)
 {
     bool weighted = p->body->shell->pressure_weights != NULL;
@@ -373,9 +402,7 @@ static pel_status add_pressure(plan *p, pel_error *error)
     const pel_batch *membrane = weighted ? NULL : whole_membrane(p);
     if (membrane == NULL)
         return add_batch(p, batch, error);
-    pel_batch_share(&batch, membrane);
-    p->made->batches[p->made->batch_count++] = batch;
-    return PEL_OK;
+    return add_shared(p, batch, membrane, error);
 }
 
 /* curls are in the rest angles; caving in is a rule of projection and gives no force */
@@ -458,12 +485,6 @@ static bool caves(const pel_shell *shell)
     return false;
 }
 
-static bool changes(const plan *p, const pel_batch *batch)
-{
-    return batch->region >= 0 && (batch->kind == PEL_CONSTRAINT_CAVE ||
-                                  p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
-}
-
 /* lets go of what only bodies that refine need again */
 static void end_build(plan *p)
 {
@@ -471,7 +492,8 @@ static void end_build(plan *p)
         return;
     for (int32_t i = 0; i < p->made->batch_count; i++)
         if (!changes(p, &p->made->batches[i])) {
-            pel_free(p->made->batches[i].sources);
+            if (!p->made->batches[i].is_shared)
+                pel_free(p->made->batches[i].sources);
             p->made->batches[i].sources = NULL;
         }
     pel_build_scratch_destroy(p->made->scratch);
