@@ -110,7 +110,8 @@ static int32_t list_fibres(plan *p, const pel_shell_region *region)
 static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
 {
     int32_t slot = batch->sources[i] / PEL_WIDTH, lane = batch->sources[i] % PEL_WIDTH;
-    *pel_batch_number(batch, i, 0) = p->model->rest_lengths[slot][lane];
+    int32_t place = batch->steps[i / PEL_BLOCK * 2 * PEL_BLOCK + i % PEL_BLOCK] / PEL_STEP;
+    *pel_batch_number(batch, i, 0) = pel_model_rest_length(p->model, slot, place);
     if (batch->kind == PEL_CONSTRAINT_SPRING)
         *pel_batch_number(batch, i, 1) = (pel_real)(1 / edge_stiffness(p, slot, lane));
 }

@@ -21,11 +21,22 @@ static int32_t page_count(const pel_contact_forces *forces)
     return (forces->vertex_count + PEL_FORCE_PAGE - 1) / PEL_FORCE_PAGE;
 }
 
-static bool allocate_pages(const pel_contact_forces *forces, pel_force_pages *made)
+static pel_record *make_page(void)
+{
+    return pel_allocate_aligned(PEL_FORCE_PAGE, sizeof(pel_record));
+}
+
+/* with_all: none is made later */
+static bool allocate_pages(const pel_contact_forces *forces, bool with_all, pel_force_pages *made)
 {
     made->pages = pel_allocate((size_t)page_count(forces), sizeof *made->pages);
     made->is_touched = pel_allocate((size_t)page_count(forces), 1);
-    return made->pages != NULL && made->is_touched != NULL;
+    bool room = made->pages != NULL && made->is_touched != NULL;
+    for (int32_t p = 0; room && with_all && p < page_count(forces); p++) {
+        made->pages[p] = make_page();
+        room = made->pages[p] != NULL;
+    }
+    return room;
 }
 
 static void destroy_pages(const pel_contact_forces *forces, pel_force_pages *pages)
@@ -40,7 +51,7 @@ static void destroy_pages(const pel_contact_forces *forces, pel_force_pages *pag
 static pel_record *touch_page(pel_contact_forces *forces, pel_force_pages *pages, int32_t p)
 {
     if (pages->pages[p] == NULL)
-        pages->pages[p] = pel_allocate_aligned(PEL_FORCE_PAGE, sizeof **pages->pages);
+        pages->pages[p] = make_page();
     if (pages->pages[p] == NULL)
         forces->is_short = true;
     else
@@ -98,7 +109,9 @@ pel_status pel_contact_forces_create(int32_t vertex_count, int32_t body_count, i
                                    .body_count = body_count,
                                    .group_count = body_count + obstacle_count,
                                    .body_of_slice = body_of_slice};
-    bool made = allocate_pages(forces, &forces->vertex) && allocate_pages(forces, &forces->vertex_next);
+    bool with_all = obstacle_count > 0;
+    bool made =
+        allocate_pages(forces, with_all, &forces->vertex) && allocate_pages(forces, with_all, &forces->vertex_next);
     forces->pair = pel_allocate(pair_count(forces), sizeof *forces->pair);
     forces->pair_next = pel_allocate(pair_count(forces), sizeof *forces->pair_next);
     forces->is_kept = made && forces->pair != NULL && forces->pair_next != NULL;

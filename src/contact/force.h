@@ -50,7 +50,8 @@ typedef struct pel_contact_records {
 /* vertices of a page of forces: whole slices */
 enum { PEL_FORCE_PAGE = 32 };
 
-/* Forces by vertex, in pages that are there where one has acted: most vertices never touch anything. */
+/* Forces by vertex, in pages that are there where one has acted: most vertices never touch anything. With obstacles all
+   are there from the start: they press anywhere, in steps that allocate nothing. */
 typedef struct pel_force_pages {
     pel_record **pages;  /* (pages) null = zeros */
     uint8_t *is_touched; /* (pages) 0 = all of its forces are zero */

@@ -154,7 +154,7 @@ static void test_pages(void **unused)
     pel_record page[PEL_FORCE_PAGE];
     double x[3];
     pel_contact_forces f;
-    assert_int_equal(pel_contact_forces_create(COUNT, 1, 1, one_body, &f, NULL), PEL_OK);
+    assert_int_equal(pel_contact_forces_create(COUNT, 1, 0, one_body, &f, NULL), PEL_OK);
     pel_contact_forces_begin(&f);
     pel_contact_force_add(&f, &f.vertex_next, 3 * PEL_FORCE_PAGE + 1, force);
     pel_contact_force_add(&f, &f.vertex_next, 3 * PEL_FORCE_PAGE + 1, force);
@@ -178,19 +178,21 @@ static void test_pages(void **unused)
     pel_contact_forces_destroy(&f);
 }
 
-/* a force for which there is no memory is told */
+/* a force for which there is no memory is told; obstacles have theirs from the start */
 static void test_short(void **unused)
 {
     (void)unused;
     const double force[3] = {1, 0, 0};
-    fixture f;
-    begin(&f);
-    pel_contact_forces_begin(&f.forces);
-    failing_malloc_begin(1);
-    pel_contact_force_add(&f.forces, &f.forces.vertex_next, 0, force);
-    failing_malloc_end();
-    assert_true(f.forces.is_short);
-    pel_contact_forces_destroy(&f.forces);
+    for (int32_t obstacles = 0; obstacles < 2; obstacles++) {
+        pel_contact_forces f;
+        assert_int_equal(pel_contact_forces_create(VERTICES, 2, obstacles, body_of_slice, &f, NULL), PEL_OK);
+        pel_contact_forces_begin(&f);
+        failing_malloc_begin(1);
+        pel_contact_force_add(&f, &f.vertex_next, 0, force);
+        assert_int_equal(failing_malloc_end().calls, obstacles == 0);
+        assert_int_equal(f.is_short, obstacles == 0);
+        pel_contact_forces_destroy(&f);
+    }
 }
 
 static pel_status create_case(const void *unused, pel_error *error)
@@ -207,7 +209,7 @@ static pel_status create_case(const void *unused, pel_error *error)
 static void test_allocations(void **unused)
 {
     (void)unused;
-    assert_int_equal(for_every_allocation_failure(create_case, NULL), 7);
+    assert_int_equal(for_every_allocation_failure(create_case, NULL), 9);
 }
 
 int main(void)
