@@ -58,10 +58,9 @@ PEL_API pel_collision_query pel_collision_query_default(void);
 typedef struct pel_collision_candidates {
     const pel_pair *vertex_face; /* (vertex_face_count) vertex, triangle */
     int64_t vertex_face_count;
-    const pel_pair *edge_edge; /* (edge_edge_count) edges, first < second */
+    const pel_pair *edge_edge; /* (edge_edge_count) edges, first < second. An edge is named by the first half-edge along
+                                  it, 3 t + i: from corner i of triangle t to the next corner */
     int64_t edge_edge_count;
-    const int32_t (*edges)[2]; /* (edge_count x 2) the vertices of the edges of this collider */
-    int32_t edge_count;
     int64_t searches; /* of the tree, since the collider was made; the other steps were served from kept pairs */
     int64_t kept;     /* pairs that were looked through */
 } pel_collision_candidates;

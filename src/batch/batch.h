@@ -77,7 +77,7 @@ typedef struct pel_batch {
     bool is_on;            /* it is, and has an effect at present */
     int32_t capacity;      /* blocks */
     int32_t block_count;   /* in use */
-    bool is_shared;        /* bundles, steps and lane counts are those of another batch */
+    bool is_shared;        /* all but the numbers is that of another batch */
     int32_t *bundle_begin; /* (bundle_count + 1) first block of each bundle */
     int32_t *steps;        /* (capacity x arity x PEL_BLOCK) places in the model's order times PEL_STEP */
     pel_real *numbers;     /* (capacity x number_count x PEL_BLOCK) */

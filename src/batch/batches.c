@@ -69,8 +69,8 @@ static int32_t list_triangles(plan *p)
     const pel_shell *shell = p->body->shell;
     int32_t count = 0;
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        if (shell->triangles[t].rest.area > 0)
-            add_element(p, shell->triangles[t].vertices, 3, t, &count);
+        if (pel_shell_rest(shell, t).area > 0)
+            add_element(p, shell->corners[t], 3, t, &count);
     return count;
 }
 
@@ -81,7 +81,7 @@ static int32_t list_pressed(plan *p)
     int32_t count = 0;
     for (int32_t t = 0; t < shell->triangle_count; t++)
         if (shell->pressure_weights == NULL || shell->pressure_weights[t] != 0)
-            push_element(p, shell->triangles[t].vertices, 3, t, &count);
+            push_element(p, shell->corners[t], 3, t, &count);
     return count;
 }
 
@@ -90,8 +90,8 @@ static int32_t list_hinges(plan *p)
     const pel_shell *shell = p->body->shell;
     int32_t count = 0;
     for (int32_t h = 0; h < shell->hinge_count; h++)
-        if (p->literal || shell->hinges[h].stiffness > 0)
-            add_element(p, shell->hinges[h].vertices, 4, h, &count);
+        if (p->literal || pel_shell_hinge_stiffness(shell, h) > 0)
+            add_element(p, pel_shell_hinge_of(shell, h).vertices, 4, h, &count);
     return count;
 }
 
@@ -99,9 +99,9 @@ static int32_t list_fibres(plan *p, const pel_shell_region *region)
 {
     int32_t count = 0;
     for (int32_t f = 0; f < region->fibre_count; f++) {
-        const pel_shell_triangle *triangle = &p->body->shell->triangles[region->fibres[f].triangle];
-        if (triangle->rest.area > 0)
-            add_element(p, triangle->vertices, 3, f, &count);
+        int32_t t = pel_shell_fibre_triangle(region, f);
+        if (pel_shell_rest(p->body->shell, t).area > 0)
+            add_element(p, p->body->shell->corners[t], 3, f, &count);
     }
     return count;
 }
@@ -111,19 +111,21 @@ static int32_t list_fibres(plan *p, const pel_shell_region *region)
 static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
 {
     int32_t slot = batch->sources[i] / PEL_WIDTH, lane = batch->sources[i] % PEL_WIDTH;
-    *pel_batch_number(batch, i, 0) = p->model->rest_lengths[slot][lane];
+    int32_t place = batch->steps[i / PEL_BLOCK * 2 * PEL_BLOCK + i % PEL_BLOCK] / PEL_STEP;
+    *pel_batch_number(batch, i, 0) = pel_model_rest_length(p->model, slot, place);
     if (batch->kind == PEL_CONSTRAINT_SPRING)
         *pel_batch_number(batch, i, 1) = (pel_real)(1 / edge_stiffness(p, slot, lane));
 }
 
 static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
 {
-    const pel_shell_triangle *t = &p->body->shell->triangles[batch->sources[i]];
+    const pel_rest_triangle rest = pel_shell_rest(p->body->shell, batch->sources[i]);
     for (int j = 0; j < 3; j++)
-        *pel_batch_number(batch, i, j) = (pel_real)t->rest.inverse[j];
+        *pel_batch_number(batch, i, j) = (pel_real)rest.inverse[j];
     if (batch->kind == PEL_CONSTRAINT_LIMIT)
         return;
-    double stiffness = t->rest.area * t->young * t->thickness;
+    pel_shell_sheet sheet = pel_shell_sheet_of(p->body->shell, batch->sources[i]);
+    double stiffness = rest.area * sheet.young * sheet.thickness;
     bool constant = (pel_membrane_law_traits(p->body->shell->material.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
     *pel_batch_number(batch, i, 3) = (pel_real)(constant ? 1 / stiffness : batch->law.modulus * stiffness);
 }
@@ -137,18 +139,19 @@ static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
 static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
 {
     const pel_shell *shell = p->body->shell;
-    const pel_shell_hinge *h = &shell->hinges[batch->sources[i]];
+    const pel_shell_hinge h = pel_shell_hinge_of(shell, batch->sources[i]);
     if (shell->bending == PEL_BENDING_HINGE) {
-        *pel_batch_number(batch, i, 0) = (pel_real)pel_cos(h->rest_angle);
-        *pel_batch_number(batch, i, 1) = (pel_real)pel_sin(h->rest_angle);
-        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h->stiffness * pel_shell_angle(p->model->rest, h).factor));
+        const pel_hinge stencil = pel_shell_angle(shell, p->model->rest, &h);
+        *pel_batch_number(batch, i, 0) = (pel_real)pel_cos(stencil.rest_angle);
+        *pel_batch_number(batch, i, 1) = (pel_real)pel_sin(stencil.rest_angle);
+        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h.stiffness * stencil.factor));
         return;
     }
-    const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, h);
+    const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, &h);
     for (int j = 0; j < 3; j++)
         *pel_batch_number(batch, i, j) = (pel_real)stencil.weight[j + 1];
     /* E = D / 3 times factor / 2 |K x|^2 stands for a plate (theory page, section 5) */
-    *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h->stiffness * stencil.factor));
+    *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h.stiffness * stencil.factor));
     double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * stencil.rest_energy / stencil.factor;
     *pel_batch_number(batch, i, 4) = (pel_real)square;
 }
@@ -160,29 +163,29 @@ static void set_direction(const pel_batch *batch, int32_t i, const pel_rest_tria
 }
 
 /* weight and shares of a triangle that caves in */
-static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fibre *fibre, int32_t i)
+static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fibre *fibre, double area, int32_t i)
 {
-    const pel_shell_triangle *triangle = &p->body->shell->triangles[fibre->triangle];
+    const int32_t *corners = p->body->shell->corners[fibre->triangle];
     *pel_batch_number(batch, i, PEL_CAVE_WEIGHT) = (pel_real)fibre->weight;
     for (int k = 0; k < 3; k++) {
         *pel_batch_number(batch, i, PEL_CAVE_SHARE + k) =
-            (pel_real)(triangle->rest.area / p->made->areas[triangle->vertices[k] - p->first_place]);
+            (pel_real)(area / p->made->areas[corners[k] - p->first_place]);
         *pel_batch_number(batch, i, PEL_CAVE_WAY + k) = 0;
     }
 }
 
 static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_region *region, int32_t i)
 {
-    const pel_shell_fibre *fibre = &region->fibres[batch->sources[i]];
-    const pel_rest_triangle *rest = &p->body->shell->triangles[fibre->triangle].rest;
-    set_direction(batch, i, rest, fibre->direction);
+    const pel_shell_fibre fibre = pel_shell_fibre_of(p->body->shell, region, batch->sources[i]);
+    const pel_rest_triangle rest = pel_shell_rest(p->body->shell, fibre.triangle);
+    set_direction(batch, i, &rest, fibre.direction);
     if (batch->kind == PEL_CONSTRAINT_CAVE) {
-        fill_cave(p, batch, fibre, i);
+        fill_cave(p, batch, &fibre, rest.area, i);
         return;
     }
-    *pel_batch_number(batch, i, 2) = (pel_real)(1 / (rest->area * region->def.stiffness * fibre->weight));
+    *pel_batch_number(batch, i, 2) = (pel_real)(1 / (rest.area * region->def.stiffness * fibre.weight));
     if (batch->number_count == PEL_FIBRE_WEIGHTED_NUMBERS)
-        *pel_batch_number(batch, i, 3) = (pel_real)fibre->weight;
+        *pel_batch_number(batch, i, 3) = (pel_real)fibre.weight;
 }
 
 /* ---- batches ---- */
@@ -219,9 +222,17 @@ static void measure_areas(const plan *p)
     const pel_shell *shell = p->body->shell;
     for (int32_t i = 0; i < p->place_count; i++)
         p->made->areas[i] = 0;
-    for (int32_t t = 0; t < shell->triangle_count; t++)
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        double area = pel_shell_rest(shell, t).area;
         for (int k = 0; k < 3; k++)
-            p->made->areas[shell->triangles[t].vertices[k] - p->first_place] += shell->triangles[t].rest.area;
+            p->made->areas[shell->corners[t][k] - p->first_place] += area;
+    }
+}
+
+static void fill_numbers(const plan *p, const pel_batch *batch)
+{
+    for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++)
+        fill_number(p, batch, i);
 }
 
 /* lays out the elements that the body has at present */
@@ -231,8 +242,8 @@ static pel_status fill_batch(plan *p, pel_batch *batch, pel_error *error)
     pel_status status = pel_batch_build(batch, &p->made->pieces, count, p->made->scratch, error);
     if (batch->kind == PEL_CONSTRAINT_CAVE)
         measure_areas(p);
-    for (int32_t i = 0; status == PEL_OK && i < batch->block_count * PEL_BLOCK; i++)
-        fill_number(p, batch, i);
+    if (status == PEL_OK)
+        fill_numbers(p, batch);
     return status;
 }
 
@@ -331,21 +342,10 @@ static pel_status add_bending(plan *p, pel_error *error)
     return add_batch(p, batch, error);
 }
 
-static pel_status add_region(plan *p, int32_t r, pel_error *error)
+static bool changes(const plan *p, const pel_batch *batch)
 {
-    const pel_shell_region *region = &p->body->shell->regions[r];
-    bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
-    pel_batch batch = {.arity = 3, .number_count = PEL_FIBRE_NUMBERS, .multiplier_count = 1, .law.rest_length = 1};
-    batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
-    if (region->def.mode == PEL_FIBRE_CAVE) {
-        batch = (pel_batch){.kind = PEL_CONSTRAINT_CAVE, .arity = 3, .number_count = PEL_CAVE_NUMBERS};
-    } else if (p->literal) {
-        batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
-        batch.number_count = PEL_FIBRE_WEIGHTED_NUMBERS;
-    }
-    batch.region = r;
-    batch.is_projected = projects_shells(p);
-    return add_batch(p, batch, error);
+    return batch->region >= 0 && (batch->kind == PEL_CONSTRAINT_CAVE ||
+                                  p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
 }
 
 /* the batch of the membrane, when it has all triangles and no event changes them; else null */
@@ -363,6 +363,40 @@ static const pel_batch *whole_membrane(const plan *p)
     return NULL;
 }
 
+/* a batch of the very triangles of another one */
+static pel_status add_shared(plan *p, pel_batch batch, const pel_batch *other, pel_error *error)
+{
+    pel_batch *made = &p->made->batches[p->made->batch_count++];
+    *made = batch;
+    pel_batch_share(made, other);
+    if (made->number_count == 0)
+        return PEL_OK;
+    size_t lanes = (size_t)made->capacity * PEL_BLOCK;
+    made->numbers = pel_allocate_aligned(lanes * (size_t)made->number_count, sizeof *made->numbers);
+    if (made->numbers == NULL)
+        return pel_fail_memory(error);
+    fill_numbers(p, made);
+    return PEL_OK;
+}
+
+static pel_status add_region(plan *p, int32_t r, pel_error *error)
+{
+    const pel_shell_region *region = &p->body->shell->regions[r];
+    bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
+    pel_batch batch = {.arity = 3, .number_count = PEL_FIBRE_NUMBERS, .multiplier_count = 1, .law.rest_length = 1};
+    batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
+    if (region->def.mode == PEL_FIBRE_CAVE) {
+        batch = (pel_batch){.kind = PEL_CONSTRAINT_CAVE, .arity = 3, .number_count = PEL_CAVE_NUMBERS};
+    } else if (p->literal) {
+        batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
+        batch.number_count = PEL_FIBRE_WEIGHTED_NUMBERS;
+    }
+    batch.region = r;
+    batch.is_projected = projects_shells(p);
+    const pel_batch *membrane = region->triangles == NULL && !changes(p, &batch) ? whole_membrane(p) : NULL;
+    return membrane != NULL ? add_shared(p, batch, membrane, error) : add_batch(p, batch, error);
+}
+
 static pel_status add_pressure(plan *p, pel_error *error)
 {
     bool weighted = p->body->shell->pressure_weights != NULL;
@@ -370,9 +404,7 @@ static pel_status add_pressure(plan *p, pel_error *error)
     const pel_batch *membrane = weighted ? NULL : whole_membrane(p);
     if (membrane == NULL)
         return add_batch(p, batch, error);
-    pel_batch_share(&batch, membrane);
-    p->made->batches[p->made->batch_count++] = batch;
-    return PEL_OK;
+    return add_shared(p, batch, membrane, error);
 }
 
 /* curls are in the rest angles; caving in is a rule of projection and gives no force */
@@ -455,12 +487,6 @@ static bool caves(const pel_shell *shell)
     return false;
 }
 
-static bool changes(const plan *p, const pel_batch *batch)
-{
-    return batch->region >= 0 && (batch->kind == PEL_CONSTRAINT_CAVE ||
-                                  p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
-}
-
 /* lets go of what only bodies that refine need again */
 static void end_build(plan *p)
 {
@@ -468,7 +494,8 @@ static void end_build(plan *p)
         return;
     for (int32_t i = 0; i < p->made->batch_count; i++)
         if (!changes(p, &p->made->batches[i])) {
-            pel_free(p->made->batches[i].sources);
+            if (!p->made->batches[i].is_shared)
+                pel_free(p->made->batches[i].sources);
             p->made->batches[i].sources = NULL;
         }
     pel_build_scratch_destroy(p->made->scratch);
@@ -600,11 +627,12 @@ static void follow_region(const pel_batch *batch, const pel_shell *shell, const 
 {
     const pel_shell_region *region = &shell->regions[batch->region];
     for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
-        const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
+        int32_t t = pel_shell_fibre_triangle(region, batch->sources[i]);
+        const pel_rest_triangle rest = pel_shell_rest(shell, t);
         double x[3][3], direction[2];
-        pel_load_points(positions, triangle->vertices, 3, x);
-        pel_principal_direction(&triangle->rest, (const double(*)[3])x, direction);
-        set_direction(batch, i, &triangle->rest, direction);
+        pel_load_points(positions, shell->corners[t], 3, x);
+        pel_principal_direction(&rest, (const double(*)[3])x, direction);
+        set_direction(batch, i, &rest, direction);
     }
 }
 

@@ -230,13 +230,15 @@ void pel_batch_share(pel_batch *batch, const pel_batch *other)
     batch->block_count = other->block_count;
     batch->bundle_begin = other->bundle_begin;
     batch->steps = other->steps;
+    batch->sources = other->sources;
     batch->lane_counts = other->lane_counts;
+    batch->followers = other->followers;
 }
 
 void pel_batch_destroy(pel_batch *batch)
 {
-    void *shared[] = {batch->bundle_begin, batch->steps, batch->lane_counts};
-    void *arrays[] = {batch->numbers, batch->multipliers, batch->sources, batch->followers, batch->has_fixed};
+    void *shared[] = {batch->bundle_begin, batch->steps, batch->sources, batch->lane_counts, batch->followers};
+    void *arrays[] = {batch->numbers, batch->multipliers, batch->has_fixed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     for (size_t i = 0; !batch->is_shared && i < sizeof shared / sizeof *shared; i++)

@@ -36,7 +36,7 @@ void pel_build_scratch_destroy(pel_build_scratch *scratch);
 
 /* Room for `capacity` blocks of a batch, of which arity and number_count are set. PEL_OUT_OF_MEMORY. */
 pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_count, pel_error *error);
-/* Lets a batch without numbers stand on the elements of another one, which outlives it. */
+/* Lets a batch stand on the elements of another one, which outlives it; numbers apart. */
 void pel_batch_share(pel_batch *batch, const pel_batch *other);
 void pel_batch_destroy(pel_batch *batch);
 

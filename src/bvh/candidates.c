@@ -28,9 +28,9 @@ static pel_status allocate_boxes(pel_candidates *c)
     c->kept_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
     c->left = pel_allocate(vertex_count, 1);
     c->node_grew = pel_allocate((size_t)tree->node_count, 1);
-    c->kept_positions = pel_allocate(vertex_count, sizeof *c->kept_positions);
+    c->kept_places = pel_allocate((size_t)pel_frame_sample_count(tree->vertex_count), sizeof *c->kept_places);
     bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->left != NULL && c->node_grew != NULL &&
-                c->kept_positions != NULL;
+                c->kept_places != NULL;
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
@@ -68,7 +68,7 @@ void pel_candidates_destroy(pel_candidates *c)
     pel_free(c->kept_boxes);
     pel_free(c->left);
     pel_free(c->node_grew);
-    pel_free(c->kept_positions);
+    pel_free(c->kept_places);
     pel_free(c);
 }
 
@@ -89,13 +89,6 @@ static bool choose_margin(pel_candidates *c)
         return false;
     }
     return c->margin > 0;
-}
-
-static void keep_positions(pel_candidates *c, const pel_frame *frame, const pel_motion *motion)
-{
-    for (int32_t v = 0; v < motion->vertex_count; v++)
-        pel_frame_middle(frame, motion, v, c->kept_positions[v]);
-    c->kept_uses = 0;
 }
 
 /* fits the tree, building it anew when it has become bad */
@@ -147,7 +140,8 @@ static pel_status search_tree(pel_candidates *c, const pel_frame *frame, const p
         status = search_boxes(c, motion, c->vertex_boxes, pool, error);
     }
     if (status == PEL_OK && with_margin) {
-        keep_positions(c, frame, motion);
+        pel_frame_sample(frame, motion, c->kept_places);
+        c->kept_uses = 0;
         c->kept_limit = (size_t)(pair_growth * (double)found_count(c)) + (size_t)c->tree->vertex_count;
         c->has_kept = true;
     }
@@ -176,8 +170,8 @@ static bool may_meet(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
 {
     const pel_collision_groups *groups = &c->groups;
     bool edges = kind == PEL_PAIR_EDGE_EDGE;
-    int32_t first = edges ? c->tree->edges[pair.first][0] : pair.first;
-    int32_t second = edges ? c->tree->edges[pair.second][0] : c->tree->triangles[pair.second][0];
+    int32_t first = edges ? pel_tree_corner(c->tree, pair.first) : pair.first;
+    int32_t second = edges ? pel_tree_corner(c->tree, pair.second) : c->tree->triangles[pair.second][0];
     return groups->may_meet[groups->group_of_vertex[first] * groups->group_count + groups->group_of_vertex[second]];
 }
 
@@ -330,7 +324,7 @@ static pel_status update(pel_candidates *c, const pel_motion *motion, double thi
     pel_status status;
     if (c->has_kept) {
         bool serves = false;
-        frame = pel_frame_follow(motion, (const double(*)[3])c->kept_positions);
+        frame = pel_frame_follow(motion, (const double(*)[3])c->kept_places);
         status = make_boxes(c, &frame, motion, thickness, pool, error);
         if (status == PEL_OK)
             status = use_kept(c, &frame, motion, thickness, pool, &serves, error);
@@ -376,7 +370,9 @@ static bool keep_near(void *context, int32_t chunk, pel_pair_kind kind, pel_pair
     if (near->c->groups.group_of_vertex != NULL && !may_meet(near->c, kind, pair))
         return false;
     if (kind == PEL_PAIR_EDGE_EDGE) {
-        const int32_t *a = tree->edges[pair.first], *b = tree->edges[pair.second];
+        int32_t a[2], b[2];
+        pel_tree_edge_ends(tree, pair.first, a);
+        pel_tree_edge_ends(tree, pair.second, b);
         square = pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights);
     } else {
         const int32_t *t = tree->triangles[pair.second];
@@ -436,7 +432,7 @@ void pel_candidates_memory(pel_candidates *c, pel_memory_part parts[PEL_CANDIDAT
         {&c->pause, sizeof c->pause},
         {&c->pause_length, sizeof c->pause_length},
         {c->kept_boxes, vertex_count * sizeof *c->kept_boxes},
-        {c->kept_positions, vertex_count * sizeof *c->kept_positions},
+        {c->kept_places, (size_t)pel_frame_sample_count(c->tree->vertex_count) * sizeof *c->kept_places},
     };
     memcpy(parts, all, sizeof all);
 }

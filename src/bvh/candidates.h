@@ -50,14 +50,14 @@ typedef struct pel_candidates {
     size_t vertex_face_count, edge_edge_count;
     size_t vertex_face_capacity, edge_edge_capacity;
 
-    pel_box *vertex_boxes;       /* (vertex_count) of the last update */
-    pel_box *kept_boxes;         /* (vertex_count) that the kept pairs allow for */
-    uint8_t *left;               /* (vertex_count) 1 = it is not in its box any more */
-    uint8_t *node_grew;          /* (nodes of the tree) */
-    uint64_t *overlaps;          /* a bit for each kept pair of one kind: its boxes overlap in this update */
-    size_t overlap_capacity;     /* words */
-    size_t kept_limit;           /* pairs beyond which it pays to search anew */
-    double (*kept_positions)[3]; /* (vertex_count x 3) what the frame follows */
+    pel_box *vertex_boxes;    /* (vertex_count) of the last update */
+    pel_box *kept_boxes;      /* (vertex_count) that the kept pairs allow for */
+    uint8_t *left;            /* (vertex_count) 1 = it is not in its box any more */
+    uint8_t *node_grew;       /* (nodes of the tree) */
+    uint64_t *overlaps;       /* a bit for each kept pair of one kind: its boxes overlap in this update */
+    size_t overlap_capacity;  /* words */
+    size_t kept_limit;        /* pairs beyond which it pays to search anew */
+    double (*kept_places)[3]; /* (pel_frame_sample_count x 3) what the frame follows */
     bool has_kept;
     int32_t kept_uses;           /* updates served by the kept pairs */
     int32_t pause, pause_length; /* updates to go without a margin; length of the last such pause */
@@ -65,7 +65,7 @@ typedef struct pel_candidates {
     pel_candidate_counts counts;
 } pel_candidates;
 
-/* A surface as for pel_tree_create. margin [m] >= 0; limit: the most pairs; margins
+/* A surface as for pel_tree_create, whose triangles have to live on. margin [m] >= 0; limit: the most pairs; margins
    shrink to 0 before it is exceeded. Free with pel_candidates_destroy. */
 pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
                                  int32_t triangle_count, double margin, int64_t limit, pel_candidates **candidates,

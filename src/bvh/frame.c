@@ -22,9 +22,15 @@ pel_frame pel_frame_at(const double origin[3])
                        {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 }
 
-static int32_t sample_stride(const pel_motion *motion)
+static int32_t sample_stride(int32_t vertex_count)
 {
-    return 1 + motion->vertex_count / FOLLOW_SAMPLES;
+    return 1 + vertex_count / FOLLOW_SAMPLES;
+}
+
+int32_t pel_frame_sample_count(int32_t vertex_count)
+{
+    int32_t stride = sample_stride(vertex_count);
+    return (vertex_count + stride - 1) / stride;
 }
 
 static void find_mean(const double (*points)[3], int32_t count, int32_t stride, double mean[3])
@@ -41,16 +47,24 @@ static void find_mean(const double (*points)[3], int32_t count, int32_t stride, 
 pel_frame pel_frame_centre(const pel_motion *motion)
 {
     pel_frame frame = pel_frame_at((const double[3]){0, 0, 0});
-    int32_t stride = sample_stride(motion);
+    int32_t stride = sample_stride(motion->vertex_count);
     find_mean(motion->start, motion->vertex_count, stride, frame.origin[0]);
     find_mean(motion->end, motion->vertex_count, stride, frame.origin[1]);
     return frame;
 }
 
-void pel_frame_middle(const pel_frame *frame, const pel_motion *motion, int32_t v, double place[3])
+/* a point at mid-step in a frame without turning and stretch */
+static void place_at_middle(const pel_frame *frame, const pel_motion *motion, int32_t v, double place[3])
 {
     for (int k = 0; k < 3; k++)
         place[k] = 0.5 * (motion->start[v][k] - frame->origin[0][k]) + 0.5 * (motion->end[v][k] - frame->origin[1][k]);
+}
+
+void pel_frame_sample(const pel_frame *frame, const pel_motion *motion, double (*places)[3])
+{
+    int32_t stride = sample_stride(motion->vertex_count);
+    for (int32_t v = 0; v < motion->vertex_count; v += stride)
+        place_at_middle(frame, motion, v, places[v / stride]);
 }
 
 /* false when the matrix is singular */
@@ -90,13 +104,14 @@ pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3])
     const double regular = 1e-4, distortion_limit = 100;
     double mixed[3][3] = {{0}}, own[3][3] = {{0}}, inverse[3][3], stretch[3][3], now[3];
     pel_frame frame = pel_frame_centre(motion);
-    int32_t stride = sample_stride(motion);
+    int32_t stride = sample_stride(motion->vertex_count);
     for (int32_t v = 0; v < motion->vertex_count; v += stride) {
-        pel_frame_middle(&frame, motion, v, now);
+        const double *then = before[v / stride];
+        place_at_middle(&frame, motion, v, now);
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 3; j++) {
-                mixed[i][j] += now[i] * before[v][j];
-                own[i][j] += before[v][i] * before[v][j];
+                mixed[i][j] += now[i] * then[j];
+                own[i][j] += then[i] * then[j];
             }
     }
     double keep = regular * (own[0][0] + own[1][1] + own[2][2]);

@@ -30,13 +30,14 @@ typedef struct pel_motion {
 /* The frame that moves with the mean of the points (of every n-th point of large sets), no turning and no stretch. */
 pel_frame pel_frame_centre(const pel_motion *motion);
 
-/* The frame in which the points at mid-step are nearest to `before` (vertex_count x 3): what pel_frame_centre made of
-   the points of an earlier step, at its middle (least squares). pel_frame_centre where the map would be too distorted.
- */
-pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3]);
+/* Places at mid-step of every n-th point, enough to follow the whole by: their number, and the places
+   (pel_frame_sample_count x 3) in a frame without turning and stretch. */
+int32_t pel_frame_sample_count(int32_t vertex_count);
+void pel_frame_sample(const pel_frame *frame, const pel_motion *motion, double (*places)[3]);
 
-/* A point at mid-step in a frame without turning and stretch. */
-void pel_frame_middle(const pel_frame *frame, const pel_motion *motion, int32_t v, double place[3]);
+/* The frame in which the points at mid-step are nearest to `before` (pel_frame_sample_count x 3): the sample of an
+   earlier step in its pel_frame_centre (least squares). pel_frame_centre where the map would be too distorted. */
+pel_frame pel_frame_follow(const pel_motion *motion, const double (*before)[3]);
 
 /* The box of each point on its way from start to end, grown so that boxes of points that come within `reach` of each
    other overlap. Returns the first point that is not finite, -1 when all are. boxes (vertex_count). pool is nullable.

@@ -15,7 +15,9 @@
 
 struct pel_mesh_query {
     bool closed;
-    double (*positions)[3]; /* (tree->vertex_count) */
+    double (*positions)[3];  /* (tree->vertex_count) */
+    int32_t (*triangles)[3]; /* (tree->triangle_count) */
+    pel_box *boxes;          /* (tree->vertex_count) */
     pel_tree *tree;
     pel_element_list found; /* with room for all triangles */
 };
@@ -64,28 +66,26 @@ static pel_status find_closed(const pel_mesh *mesh, bool *closed, pel_error *err
 
 static pel_status fill(pel_mesh_query *query, const pel_mesh *mesh, pel_error *error)
 {
-    size_t count = (size_t)mesh->vertex_count;
+    size_t count = (size_t)mesh->vertex_count, triangle_count = (size_t)mesh->triangle_count;
+    query->positions = pel_allocate(count, sizeof *query->positions);
+    query->triangles = pel_allocate(triangle_count, sizeof *query->triangles);
+    query->boxes = pel_allocate_aligned(count, sizeof *query->boxes);
+    /* lists grow by whole leaves */
+    bool room = pel_reserve((void **)&query->found.elements, &query->found.capacity, triangle_count + PEL_LANES,
+                            sizeof *query->found.elements);
+    if (query->positions == NULL || query->triangles == NULL || query->boxes == NULL || !room)
+        return pel_fail_memory(error);
+    memcpy(query->positions, mesh->positions, count * sizeof *query->positions);
+    memcpy(query->triangles, mesh->triangles, triangle_count * sizeof *query->triangles);
+    for (size_t v = 0; v < count; v++)
+        query->boxes[v] = make_box(mesh->positions[v], mesh->positions[v]);
     pel_status status = find_closed(mesh, &query->closed, error);
     if (status == PEL_OK)
-        status = pel_tree_create((const double(*)[3])mesh->positions, mesh->vertex_count,
-                                 (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, PEL_TREE_TRIANGLES,
+        status = pel_tree_create((const double(*)[3])query->positions, mesh->vertex_count,
+                                 (const int32_t(*)[3])query->triangles, mesh->triangle_count, PEL_TREE_TRIANGLES,
                                  &query->tree, error);
-    if (status != PEL_OK)
-        return status;
-    pel_box *boxes = pel_allocate_aligned(count, sizeof *boxes);
-    query->positions = pel_allocate(count, sizeof *query->positions);
-    /* lists grow by whole groups of lanes */
-    bool room = pel_reserve((void **)&query->found.elements, &query->found.capacity,
-                            (size_t)mesh->triangle_count + PEL_LANES, sizeof *query->found.elements);
-    if (boxes != NULL && query->positions != NULL && room) {
-        memcpy(query->positions, mesh->positions, count * sizeof *query->positions);
-        for (size_t v = 0; v < count; v++)
-            boxes[v] = make_box(mesh->positions[v], mesh->positions[v]);
-        pel_tree_refit(query->tree, boxes, NULL);
-    } else {
-        status = pel_fail_memory(error);
-    }
-    pel_free(boxes); /* only triangles are searched */
+    if (status == PEL_OK)
+        pel_tree_refit(query->tree, query->boxes, NULL);
     return status;
 }
 
@@ -108,6 +108,8 @@ void pel_mesh_query_destroy(pel_mesh_query *query)
         return;
     pel_tree_destroy(query->tree);
     pel_free(query->positions);
+    pel_free(query->triangles);
+    pel_free(query->boxes);
     pel_free(query->found.elements);
     pel_free(query);
 }

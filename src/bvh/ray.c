@@ -80,11 +80,9 @@ static double entry(const cast *c, const pel_box *box)
 
 static void meet_leaf(cast *c, int32_t leaf)
 {
-    const pel_member_group *group = &c->tree->members[c->tree->leaves[leaf].group];
-    for (int lane = 0; lane < PEL_LANES; lane++) {
-        int32_t t = group->element[lane];
-        if (t < 0)
-            continue;
+    const int32_t *triangles = c->tree->leaves[leaf];
+    for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++) {
+        int32_t t = triangles[lane];
         const int32_t *v = c->tree->triangles[t];
         pel_ray_hit hit = {.triangle = t};
         if (!pel_ray_triangle(c->ray, c->positions[v[0]], c->positions[v[1]], c->positions[v[2]], &hit))

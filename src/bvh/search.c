@@ -10,6 +10,8 @@ enum {
     TASK_LIMIT = 1024,        /* pairs of subtrees */
     TASK_GROWTH = 3,          /* the most that one is cut into */
     LEAF_MEMBERS = 24,        /* vertices or edges of a leaf, at most */
+    LEAF_GROUPS = 4,          /* one of triangles, three of edges */
+    LEAVES_AT_HAND = 16,      /* of each side of a walk, a power of two */
     LEAST_ROOM = 256,         /* pairs of a list that has any: few pairs more take no memory */
     DEPTH_LIMIT = 64,         /* of a tree: the logarithm of its leaves is below 32 */
     REPORT_INTERVAL = 1 << 14 /* pairs after which a chunk adds to the common count */
@@ -36,9 +38,20 @@ typedef struct search_plan {
     int32_t task_count;
 } search_plan;
 
+/* A leaf laid out for comparisons, from the boxes of the vertices: a group of triangles, then those of its edges. */
+typedef struct leaf_content {
+    int32_t leaf; /* -1 = none */
+    int group_count, vertex_count;
+    pel_box_group groups[LEAF_GROUPS];
+    /* what is in the lanes: a triangle or edge, -1 = nothing; and its vertices, of an edge the last one repeated */
+    pel_box8_mask elements[LEAF_GROUPS], corners[LEAF_GROUPS][3];
+    int32_t vertices[LEAF_MEMBERS];
+} leaf_content;
+
 /* a thread's way through its tasks */
 typedef struct walk {
     search_plan *plan;
+    leaf_content *at_hand[2]; /* (LEAVES_AT_HAND) of either tree: a walk comes back to a leaf soon */
     pel_pair_chunk *chunk;
     size_t dropped;  /* pairs of this chunk that search->keep turned down */
     size_t reported; /* pairs of this chunk that are in plan->found */
@@ -122,6 +135,77 @@ static bool report(walk *w, size_t interval)
     return atomic_fetch_add(&w->plan->found, more) + more <= w->plan->search->limit;
 }
 
+/* ---- content of leaves ---- */
+
+static void empty_group(leaf_content *content, int group)
+{
+    const pel_box8_mask none = {-1, -1, -1, -1, -1, -1, -1, -1};
+    const pel_box empty = pel_box_empty();
+    content->elements[group] = none;
+    for (int k = 0; k < 3; k++) {
+        content->corners[group][k] = none;
+        content->groups[group].low[k] = pel_box8_splat(empty.low[0]);
+        content->groups[group].high[k] = pel_box8_splat(empty.high[0]);
+    }
+}
+
+static void set_lane(leaf_content *content, int place, int32_t element, const int32_t corners[3], pel_box box)
+{
+    int group = place / PEL_LANES, lane = place % PEL_LANES;
+    content->elements[group][lane] = element;
+    for (int k = 0; k < 3; k++)
+        content->corners[group][k][lane] = corners[k];
+    pel_box_group_set(&content->groups[group], lane, box);
+}
+
+/* the vertices and edges that belong to a triangle */
+static void add_features(const pel_tree *tree, leaf_content *content, int32_t t, const pel_box boxes[3],
+                         int *edge_count)
+{
+    const int32_t *v = tree->triangles[t];
+    unsigned features = tree->features[t];
+    for (int i = 0; i < 3; i++) {
+        int next = i < 2 ? i + 1 : 0;
+        if (features & 8u << i)
+            content->vertices[content->vertex_count++] = v[i];
+        if (!(features & 1u << i))
+            continue;
+        int place = PEL_LANES + (*edge_count)++;
+        if (place % PEL_LANES == 0)
+            empty_group(content, content->group_count++);
+        set_lane(content, place, 3 * t + i, (const int32_t[3]){v[i], v[next], v[next]},
+                 pel_box_join(boxes[i], boxes[next]));
+    }
+}
+
+static void lay_out(const pel_tree *tree, int32_t leaf, leaf_content *content)
+{
+    const int32_t *triangles = tree->leaves[leaf];
+    int edge_count = 0;
+    content->leaf = leaf;
+    content->group_count = 1;
+    content->vertex_count = 0;
+    empty_group(content, 0);
+    for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++) {
+        int32_t t = triangles[lane];
+        const int32_t *v = tree->triangles[t];
+        pel_box boxes[3];
+        for (int i = 0; i < 3; i++)
+            boxes[i] = tree->vertex_boxes[v[i]];
+        set_lane(content, lane, t, v, pel_box_join(pel_box_join(boxes[0], boxes[1]), boxes[2]));
+        if (tree->features != NULL)
+            add_features(tree, content, t, boxes, &edge_count);
+    }
+}
+
+static const leaf_content *content_of(walk *w, int side, int32_t leaf)
+{
+    leaf_content *content = &w->at_hand[side][leaf & (LEAVES_AT_HAND - 1)];
+    if (content->leaf != leaf)
+        lay_out(side == 0 ? w->plan->a : w->plan->b, leaf, content);
+    return content;
+}
+
 /* ---- pairs of leaves ---- */
 
 /* one element with its box, to be held against the lanes of the other leaf */
@@ -130,12 +214,11 @@ typedef struct probe {
     float low[3], high[3];
 } probe;
 
-static probe get_probe(const pel_tree *tree, int32_t group, int lane)
+static probe get_probe(const leaf_content *leaf, int group, int lane)
 {
-    const pel_box_group *boxes = &tree->groups[group];
-    const pel_member_group *members = &tree->members[group];
-    return (probe){members->element[lane],
-                   {members->vertices[0][lane], members->vertices[1][lane]},
+    const pel_box_group *boxes = &leaf->groups[group];
+    return (probe){leaf->elements[group][lane],
+                   {leaf->corners[group][0][lane], leaf->corners[group][1][lane]},
                    {boxes->low[0][lane], boxes->low[1][lane], boxes->low[2][lane]},
                    {boxes->high[0][lane], boxes->high[1][lane], boxes->high[2][lane]}};
 }
@@ -146,26 +229,24 @@ static probe vertex_probe(int32_t v, const pel_box *box)
 }
 
 /* bit i: lane i of the group overlaps */
-static unsigned touching(const pel_tree *tree, int32_t group, const pel_box *box)
+static unsigned touching(const pel_box_group *group, const pel_box *box)
 {
-    return pel_box8_bits(
-        pel_box_group_overlaps(&tree->groups[group], (const float *)&box->low, (const float *)&box->high));
+    return pel_box8_bits(pel_box_group_overlaps(group, (const float *)&box->low, (const float *)&box->high));
 }
 
-static unsigned touched(const pel_tree *tree, int32_t group, const probe *p)
+static unsigned touched(const pel_box_group *group, const probe *p)
 {
-    return pel_box8_bits(pel_box_group_overlaps(&tree->groups[group], p->low, p->high));
+    return pel_box8_bits(pel_box_group_overlaps(group, p->low, p->high));
 }
 
 /* bit i: lane i of the group, of edges or triangles, has a vertex of the probe, of which it has vertex_count; most of
    what overlaps within a surface are such neighbours */
-static unsigned neighbours(const pel_tree *tree, int32_t group, const probe *p, int vertex_count)
+static unsigned neighbours(const leaf_content *leaf, int group, const probe *p, int vertex_count)
 {
-    const pel_member_group *members = &tree->members[group];
     pel_box8_mask shared = {0};
     for (int i = 0; i < vertex_count; i++)
         for (int corner = 0; corner < 3; corner++)
-            shared |= pel_box8_equal(members->vertices[corner], p->vertices[i]);
+            shared |= pel_box8_equal(leaf->corners[group][corner], p->vertices[i]);
     return pel_box8_bits(shared);
 }
 
@@ -177,23 +258,23 @@ static int next_lane(unsigned *lanes)
     return lane;
 }
 
-/* vertices of leaf p (of tree a) against the triangles of leaf q (of tree b, with this box) */
-static bool vertices_with_faces(walk *w, const pel_tree *a, const pel_leaf *p, const pel_tree *b, const pel_leaf *q,
+/* vertices of leaf p (of tree a) against the triangles of leaf q (with this box) */
+static bool vertices_with_faces(walk *w, const pel_tree *a, const leaf_content *p, const leaf_content *q,
                                 const pel_box *q_box, bool swapped)
 {
     leaf_pairs found;
     pel_pair *pairs = found.pairs;
     bool within = w->plan->within, face_first = swapped && !within;
-    for (int32_t i = p->vertex_begin; i < p->vertex_end; i++) {
-        const pel_box *box = &a->vertex_boxes[a->leaf_vertices[i]];
+    for (int i = 0; i < p->vertex_count; i++) {
+        const pel_box *box = &a->vertex_boxes[p->vertices[i]];
         if (!pel_box_overlaps(box, q_box))
             continue;
-        probe vertex = vertex_probe(a->leaf_vertices[i], box);
-        unsigned faces = touched(b, q->group, &vertex);
+        probe vertex = vertex_probe(p->vertices[i], box);
+        unsigned faces = touched(&q->groups[0], &vertex);
         if (within && faces != 0)
-            faces &= ~neighbours(b, q->group, &vertex, 1);
+            faces &= ~neighbours(q, 0, &vertex, 1);
         while (faces != 0) {
-            int32_t t = b->members[q->group].element[next_lane(&faces)];
+            int32_t t = q->elements[0][next_lane(&faces)];
             *pairs++ = face_first ? (pel_pair){t, vertex.element} : (pel_pair){vertex.element, t};
         }
     }
@@ -207,27 +288,26 @@ static pel_pair ordered(int32_t first, int32_t second)
 }
 
 /* lanes of group g that come after lane `lane` of group `of` */
-static unsigned later_lanes(int32_t g, int32_t of, int lane)
+static unsigned later_lanes(int g, int of, int lane)
 {
     return g > of ? ~0u : ~0u << (lane + 1);
 }
 
-static bool edges_with_edges(walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
+static bool edges_with_edges(walk *w, const leaf_content *p, const leaf_content *q, const pel_box *q_box)
 {
-    const pel_tree *a = w->plan->a, *b = w->plan->b;
-    bool within = w->plan->within, same = within && p == q;
+    bool within = w->plan->within, same = p == q;
     leaf_pairs found;
     pel_pair *pairs = found.pairs;
-    for (int32_t g = p->group + 1; g < p->group_end; g++)
-        for (unsigned lanes = touching(a, g, q_box); lanes != 0;) {
+    for (int g = 1; g < p->group_count; g++)
+        for (unsigned lanes = touching(&p->groups[g], q_box); lanes != 0;) {
             int lane = next_lane(&lanes);
-            probe edge = get_probe(a, g, lane);
-            for (int32_t h = same ? g : q->group + 1; h < q->group_end; h++) {
-                unsigned others = touched(b, h, &edge) & (same ? later_lanes(h, g, lane) : ~0u);
+            probe edge = get_probe(p, g, lane);
+            for (int h = same ? g : 1; h < q->group_count; h++) {
+                unsigned others = touched(&q->groups[h], &edge) & (same ? later_lanes(h, g, lane) : ~0u);
                 if (within && others != 0)
-                    others &= ~neighbours(b, h, &edge, 2);
+                    others &= ~neighbours(q, h, &edge, 2);
                 while (others != 0) {
-                    int32_t e = b->members[h].element[next_lane(&others)];
+                    int32_t e = q->elements[h][next_lane(&others)];
                     *pairs++ = within ? ordered(edge.element, e) : (pel_pair){edge.element, e};
                 }
             }
@@ -236,18 +316,17 @@ static bool edges_with_edges(walk *w, const pel_leaf *p, const pel_leaf *q, cons
     return add_pairs(w, PEL_PAIR_EDGE_EDGE, &found);
 }
 
-static bool faces_with_faces(walk *w, const pel_leaf *p, const pel_leaf *q, const pel_box *q_box)
+static bool faces_with_faces(walk *w, const leaf_content *p, const leaf_content *q, const pel_box *q_box)
 {
-    const pel_tree *a = w->plan->a, *b = w->plan->b;
-    bool within = w->plan->within, same = within && p == q;
+    bool within = w->plan->within, same = p == q;
     leaf_pairs found;
     pel_pair *pairs = found.pairs;
-    for (unsigned lanes = touching(a, p->group, q_box); lanes != 0;) {
+    for (unsigned lanes = touching(&p->groups[0], q_box); lanes != 0;) {
         int lane = next_lane(&lanes);
-        probe face = get_probe(a, p->group, lane);
-        unsigned others = touched(b, q->group, &face) & (same ? later_lanes(0, 0, lane) : ~0u);
+        probe face = get_probe(p, 0, lane);
+        unsigned others = touched(&q->groups[0], &face) & (same ? later_lanes(0, 0, lane) : ~0u);
         while (others != 0) {
-            int32_t t = b->members[q->group].element[next_lane(&others)];
+            int32_t t = q->elements[0][next_lane(&others)];
             *pairs++ = within ? ordered(face.element, t) : (pel_pair){face.element, t};
         }
     }
@@ -281,13 +360,13 @@ static bool find_pairs(walk *w, const task *t)
 {
     const search_plan *plan = w->plan;
     const pel_tree *a = plan->a, *b = plan->b;
-    const pel_leaf *p = &a->leaves[t->a.begin], *q = &b->leaves[t->b.begin];
+    bool same = plan->within && t->a.begin == t->b.begin, fine = true;
+    const leaf_content *p = content_of(w, 0, t->a.begin), *q = same ? p : content_of(w, 1, t->b.begin);
     const pel_box *p_box = &a->nodes[t->a.node], *q_box = &b->nodes[t->b.node];
-    bool fine = true;
     if (plan->kinds & 1u << PEL_PAIR_VERTEX_FACE)
-        fine = vertices_with_faces(w, a, p, b, q, q_box, false);
-    if (fine && plan->kinds & 1u << PEL_PAIR_FACE_VERTEX && !(plan->within && p == q))
-        fine = vertices_with_faces(w, b, q, a, p, p_box, true);
+        fine = vertices_with_faces(w, a, p, q, q_box, false);
+    if (fine && plan->kinds & 1u << PEL_PAIR_FACE_VERTEX && !same)
+        fine = vertices_with_faces(w, b, q, p, p_box, true);
     if (fine && plan->kinds & 1u << PEL_PAIR_EDGE_EDGE)
         fine = edges_with_edges(w, p, q, q_box);
     if (fine && plan->kinds & 1u << PEL_PAIR_FACE_FACE)
@@ -414,7 +493,10 @@ static bool cut_tasks(search_plan *plan)
 static void search_chunk(void *context, int32_t chunk)
 {
     search_plan *plan = context;
-    walk w = {plan, &plan->search->chunks[chunk], 0, 0};
+    leaf_content at_hand[2][LEAVES_AT_HAND];
+    walk w = {plan, {at_hand[0], at_hand[1]}, &plan->search->chunks[chunk], 0, 0};
+    for (int i = 0; i < 2 * LEAVES_AT_HAND; i++)
+        at_hand[i / LEAVES_AT_HAND][i % LEAVES_AT_HAND].leaf = -1;
     for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
         w.chunk->lists[kind].count = plan->growth != NULL ? w.chunk->lists[kind].count : 0;
     w.chunk->status = PEL_OK;
@@ -467,12 +549,16 @@ pel_status pel_find_new_pairs(const pel_tree *tree, unsigned kinds, const pel_pa
 
 /* ---- box ---- */
 
-static bool add_lanes(const pel_tree *tree, int32_t group, unsigned lanes, pel_element_list *list)
+static bool add_leaf(const pel_tree *tree, int32_t leaf, const pel_box *box, pel_element_list *list)
 {
+    const int32_t *triangles = tree->leaves[leaf];
     if (!pel_reserve((void **)&list->elements, &list->capacity, list->count + PEL_LANES, sizeof *list->elements))
         return false;
-    while (lanes != 0)
-        list->elements[list->count++] = tree->members[group].element[next_lane(&lanes)];
+    for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++) {
+        pel_box own = pel_tree_triangle_box(tree, tree->vertex_boxes, triangles[lane]);
+        if (pel_box_overlaps(&own, box))
+            list->elements[list->count++] = triangles[lane];
+    }
     return true;
 }
 
@@ -487,8 +573,7 @@ pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element
         if (!pel_box_overlaps(&tree->nodes[s.node], box))
             continue;
         if (is_leaf(s)) {
-            int32_t group = tree->leaves[s.begin].group;
-            if (!add_lanes(tree, group, touching(tree, group, box), list))
+            if (!add_leaf(tree, s.begin, box, list))
                 return pel_fail_memory(error);
             continue;
         }

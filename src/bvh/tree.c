@@ -6,147 +6,29 @@
 
 #include <string.h>
 
-enum { GROUPS_PER_LEAF = 4 }; /* at most: triangles 1, edges 3 */
-
-/* ---- creation ---- */
-
-static pel_status find_edges(pel_tree *tree)
-{
-    pel_edge_table table;
-    if (pel_edge_table_build((const int32_t(*)[3])tree->triangles, tree->triangle_count, tree->vertex_count, NULL,
-                             &table) != PEL_OK)
-        return PEL_OUT_OF_MEMORY;
-    tree->edge_count = table.edge_count;
-    tree->edges = pel_allocate((size_t)table.edge_count, sizeof *tree->edges);
-    tree->triangle_edges = pel_allocate((size_t)tree->triangle_count, sizeof *tree->triangle_edges);
-    tree->opposite = pel_allocate((size_t)table.edge_count, sizeof *tree->opposite);
-    bool made = tree->edges != NULL && tree->triangle_edges != NULL && tree->opposite != NULL;
-    if (made) {
-        memcpy(tree->triangle_edges, table.edge_of_half_edge, (size_t)tree->triangle_count * sizeof(int32_t[3]));
-        for (int32_t e = 0; e < table.edge_count; e++) {
-            int32_t h = table.half_edge_of_edge[e], next = table.next_in_edge[h];
-            tree->opposite[e][0] = tree->triangles[h / 3][(h + 2) % 3];
-            tree->opposite[e][1] = next >= 0 ? tree->triangles[next / 3][(next + 2) % 3] : -1;
-            tree->edges[e][0] = tree->triangles[h / 3][h % 3];
-            tree->edges[e][1] = tree->triangles[h / 3][(h + 1) % 3];
-        }
-    }
-    pel_edge_table_clear(&table);
-    return made ? PEL_OK : PEL_OUT_OF_MEMORY;
-}
-
-/* At most: each leaf leaves a group of edges unfilled. */
-static size_t group_limit(const pel_tree *tree, pel_tree_content content)
-{
-    size_t leaf_count = (size_t)tree->leaf_count, full;
-    if (content == PEL_TREE_TRIANGLES)
-        return leaf_count;
-    full = ((size_t)tree->edge_count + (PEL_LANES - 1) * leaf_count) / PEL_LANES;
-    return leaf_count + (full < (GROUPS_PER_LEAF - 1) * leaf_count ? full : (GROUPS_PER_LEAF - 1) * leaf_count);
-}
-
-static pel_status allocate_tree(pel_tree *tree, pel_tree_content content)
-{
-    size_t leaf_count = (size_t)tree->leaf_count;
-    size_t group_count = group_limit(tree, content);
-    tree->nodes = pel_allocate_aligned((size_t)tree->node_count, sizeof *tree->nodes);
-    tree->leaves = pel_allocate(leaf_count, sizeof *tree->leaves);
-    tree->groups = pel_allocate_aligned(group_count, sizeof *tree->groups);
-    tree->members = pel_allocate_aligned(group_count, sizeof *tree->members);
-    bool made = tree->nodes != NULL && tree->leaves != NULL && tree->groups != NULL && tree->members != NULL;
-    if (made && content == PEL_TREE_FEATURES) {
-        tree->leaf_vertices = pel_allocate((size_t)tree->vertex_count, sizeof *tree->leaf_vertices);
-        tree->vertex_seen = pel_allocate((size_t)tree->vertex_count, 1);
-        made = tree->leaf_vertices != NULL && tree->vertex_seen != NULL;
-    }
-    return made ? PEL_OK : PEL_OUT_OF_MEMORY;
-}
-
-static pel_status fill_tree(pel_tree *tree, const int32_t (*triangles)[3], pel_tree_content content)
-{
-    tree->triangles = pel_allocate((size_t)tree->triangle_count, sizeof *tree->triangles);
-    if (tree->triangles == NULL)
-        return PEL_OUT_OF_MEMORY;
-    memcpy(tree->triangles, triangles, (size_t)tree->triangle_count * sizeof *triangles);
-    if (content == PEL_TREE_FEATURES && find_edges(tree) != PEL_OK)
-        return PEL_OUT_OF_MEMORY;
-    return allocate_tree(tree, content);
-}
-
-pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
-                           int32_t triangle_count, pel_tree_content content, pel_tree **result, pel_error *error)
-{
-    *result = NULL;
-    if (triangle_count < 1 || triangle_count > INT32_MAX / GROUPS_PER_LEAF)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "a tree over %d triangles cannot be made", (int)triangle_count);
-    pel_tree *tree = pel_allocate(1, sizeof *tree);
-    if (tree == NULL)
-        return pel_fail_memory(error);
-    tree->vertex_count = vertex_count;
-    tree->triangle_count = triangle_count;
-    tree->leaf_count = (triangle_count + PEL_LANES - 1) / PEL_LANES;
-    tree->node_count = 2 * tree->leaf_count - 1;
-    if (fill_tree(tree, triangles, content) != PEL_OK) {
-        pel_tree_destroy(tree);
-        return pel_fail_memory(error);
-    }
-    pel_tree_rebuild(tree, positions);
-    *result = tree;
-    return PEL_OK;
-}
-
-void pel_tree_destroy(pel_tree *tree)
-{
-    if (tree == NULL)
-        return;
-    pel_free(tree->triangles);
-    pel_free(tree->edges);
-    pel_free(tree->triangle_edges);
-    pel_free(tree->opposite);
-    pel_free(tree->nodes);
-    pel_free(tree->leaves);
-    pel_free(tree->groups);
-    pel_free(tree->members);
-    pel_free(tree->leaf_vertices);
-    pel_free(tree->vertex_seen);
-    pel_free(tree);
-}
-
 /* ---- order of the triangles ---- */
 
-/* Scratch of a build, in the memory of the boxes, which a build leaves empty: a group has 24 bytes a triangle or edge,
-   keys and centroids take 20, and all edges come after the triangles. */
+/* Keys stand in the memory of the nodes, which a build leaves empty. */
 typedef struct build {
     pel_tree *tree;
+    const double (*positions)[3];
+    const double *origin;
     uint64_t *keys;        /* (triangle_count) place along an axis, triangle */
-    float (*centroids)[3]; /* (triangle_count) */
-    uint8_t *seen_edges;   /* (edge_count) */
+    float (*centroids)[3]; /* (triangle_count) null = they are computed again and again */
 } build;
 
-static build begin_build(pel_tree *tree)
+static float centroid(const build *b, uint32_t t, int axis)
 {
-    char *memory = (char *)tree->groups;
-    size_t count = (size_t)tree->triangle_count;
-    build b = {.tree = tree, .keys = (uint64_t *)(void *)memory};
-    memory += count * sizeof *b.keys;
-    b.centroids = (float(*)[3])(void *)memory;
-    memory += count * sizeof *b.centroids;
-    b.seen_edges = (uint8_t *)memory;
-    return b;
+    const int32_t *v = b->tree->triangles[t];
+    double origin = b->origin[axis];
+    double sum = (b->positions[v[0]][axis] - origin) + (b->positions[v[1]][axis] - origin);
+    sum += b->positions[v[2]][axis] - origin;
+    return isfinite(sum) ? (float)sum : 0;
 }
 
-static void find_centroids(build *b, const double (*positions)[3])
+static float get_centroid(const build *b, uint32_t t, int axis)
 {
-    const pel_tree *tree = b->tree;
-    const double *origin = positions[tree->triangles[0][0]];
-    for (int32_t t = 0; t < tree->triangle_count; t++) {
-        const int32_t *v = tree->triangles[t];
-        for (int k = 0; k < 3; k++) {
-            double sum = (positions[v[0]][k] - origin[k]) + (positions[v[1]][k] - origin[k]);
-            sum += positions[v[2]][k] - origin[k];
-            b->centroids[t][k] = isfinite(sum) ? (float)sum : 0;
-        }
-    }
+    return b->centroids != NULL ? b->centroids[t][axis] : centroid(b, t, axis);
 }
 
 /* keys rise as the coordinate does, equal ones by triangle: the order is the same whatever sorted them */
@@ -162,10 +44,10 @@ static int longest_axis(const build *b, int32_t begin, int32_t end)
 {
     float low[3], high[3];
     for (int k = 0; k < 3; k++)
-        low[k] = high[k] = b->centroids[(uint32_t)b->keys[begin]][k];
+        low[k] = high[k] = get_centroid(b, (uint32_t)b->keys[begin], k);
     for (int32_t i = begin + 1; i < end; i++)
         for (int k = 0; k < 3; k++) {
-            float x = b->centroids[(uint32_t)b->keys[i]][k];
+            float x = get_centroid(b, (uint32_t)b->keys[i], k);
             low[k] = x < low[k] ? x : low[k];
             high[k] = x > high[k] ? x : high[k];
         }
@@ -222,137 +104,152 @@ static void sort_triangles(build *b, int32_t begin, int32_t end)
     int axis = longest_axis(b, first, last);
     for (int32_t i = first; i < last; i++) {
         uint32_t t = (uint32_t)b->keys[i];
-        b->keys[i] = make_key(b->centroids[t][axis], (int32_t)t);
+        b->keys[i] = make_key(get_centroid(b, t, axis), (int32_t)t);
     }
     select_key(b->keys, first, last, PEL_LANES * middle);
     sort_triangles(b, begin, middle);
     sort_triangles(b, middle, end);
 }
 
-/* ---- content of the leaves ---- */
-
-/* puts an element into the next lane of the groups from `first` on; returns the new number of elements */
-static int32_t add_member(pel_tree *tree, int32_t first, int32_t count, int32_t element)
-{
-    pel_box8_mask *lanes = &tree->members[first + count / PEL_LANES].element;
-    if (count % PEL_LANES == 0)
-        *lanes = (pel_box8_mask){-1, -1, -1, -1, -1, -1, -1, -1};
-    (*lanes)[count % PEL_LANES] = element;
-    return count + 1;
-}
-
-/* edges of a leaf's triangles that no earlier triangle has; returns the group after the last */
-static int32_t add_edges(build *b, int32_t triangle_group)
+static void fill_leaves(const build *b)
 {
     pel_tree *tree = b->tree;
-    int32_t count = 0, group = triangle_group + 1;
-    for (int lane = 0; lane < PEL_LANES; lane++) {
-        int32_t t = tree->members[triangle_group].element[lane];
-        for (int i = 0; i < 3 && t >= 0; i++) {
-            int32_t e = tree->triangle_edges[t][i];
-            if (!b->seen_edges[e])
-                count = add_member(tree, group, count, e);
-            b->seen_edges[e] = 1;
+    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
+        for (int32_t lane = 0; lane < PEL_LANES; lane++) {
+            int32_t i = PEL_LANES * leaf + lane;
+            tree->leaves[leaf][lane] = i < tree->triangle_count ? (int32_t)(uint32_t)b->keys[i] : -1;
         }
-    }
-    return group + (count + PEL_LANES - 1) / PEL_LANES;
 }
 
-static void add_triangles(const build *b, int32_t leaf, int32_t group)
+static void run_build(build *b)
 {
     pel_tree *tree = b->tree;
-    int32_t end = PEL_LANES * (leaf + 1) < tree->triangle_count ? PEL_LANES * (leaf + 1) : tree->triangle_count;
-    for (int32_t i = PEL_LANES * leaf, count = 0; i < end; i++)
-        count = add_member(tree, group, count, (int32_t)(uint32_t)b->keys[i]);
-}
-
-static void fill_groups(build *b)
-{
-    pel_tree *tree = b->tree;
-    int32_t group = 0;
-    memset(b->seen_edges, 0, (size_t)tree->edge_count);
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
-        pel_leaf *at = &tree->leaves[leaf];
-        *at = (pel_leaf){.group = group, .group_end = group + 1};
-        add_triangles(b, leaf, group);
-        if (tree->edges != NULL)
-            at->group_end = add_edges(b, group);
-        group = at->group_end;
-    }
-}
-
-/* vertices of a leaf's triangles that no earlier triangle has */
-static void fill_vertices(pel_tree *tree)
-{
-    int32_t count = 0;
-    memset(tree->vertex_seen, 0, (size_t)tree->vertex_count);
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
-        pel_leaf *at = &tree->leaves[leaf];
-        at->vertex_begin = count;
-        for (int lane = 0; lane < PEL_LANES; lane++) {
-            int32_t t = tree->members[at->group].element[lane];
-            for (int i = 0; i < 3 && t >= 0; i++) {
-                int32_t v = tree->triangles[t][i];
-                if (!tree->vertex_seen[v])
-                    tree->leaf_vertices[count++] = v;
-                tree->vertex_seen[v] = 1;
-            }
-        }
-        at->vertex_end = count;
-    }
-}
-
-static void set_vertices(pel_tree *tree, int32_t leaf)
-{
-    const pel_leaf *at = &tree->leaves[leaf];
-    for (int32_t g = at->group; g < at->group_end; g++)
-        for (int lane = 0; lane < PEL_LANES; lane++) {
-            pel_member_group *members = &tree->members[g];
-            int32_t i = members->element[lane];
-            for (int corner = 0; corner < 3; corner++) {
-                int32_t v = i;
-                if (i >= 0 && g == at->group)
-                    v = tree->triangles[i][corner];
-                else if (i >= 0)
-                    v = tree->edges[i][corner < 2 ? corner : 1];
-                members->vertices[corner][lane] = v;
-            }
-        }
+    b->origin = b->positions[tree->triangles[0][0]];
+    b->keys = (uint64_t *)(void *)tree->nodes;
+    for (int32_t t = 0; t < tree->triangle_count; t++)
+        b->keys[t] = (uint64_t)t;
+    for (int32_t t = 0; b->centroids != NULL && t < tree->triangle_count; t++)
+        for (int k = 0; k < 3; k++)
+            b->centroids[t][k] = centroid(b, (uint32_t)t, k);
+    sort_triangles(b, 0, tree->leaf_count);
+    fill_leaves(b);
+    for (int32_t n = 0; n < tree->node_count; n++)
+        tree->nodes[n] = pel_box_empty();
+    tree->built_cost = 0;
 }
 
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
 {
-    build b = begin_build(tree);
-    find_centroids(&b, positions);
-    for (int32_t t = 0; t < tree->triangle_count; t++)
-        b.keys[t] = (uint64_t)t;
-    sort_triangles(&b, 0, tree->leaf_count);
-    fill_groups(&b);
-    if (tree->leaf_vertices != NULL)
-        fill_vertices(tree);
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++)
-        set_vertices(tree, leaf);
-    for (int32_t n = 0; n < tree->node_count; n++)
-        tree->nodes[n] = pel_box_empty();
-    for (int32_t g = 0; g < tree->leaves[tree->leaf_count - 1].group_end; g++)
-        for (int lane = 0; lane < PEL_LANES; lane++)
-            pel_box_group_set(&tree->groups[g], lane, pel_box_empty());
-    tree->built_cost = 0;
+    build b = {.tree = tree, .positions = positions};
+    run_build(&b);
+}
+
+/* for the first time, with memory to do it faster */
+static pel_status build_first(pel_tree *tree, const double (*positions)[3])
+{
+    build b = {.tree = tree, .positions = positions};
+    b.centroids = pel_allocate((size_t)tree->triangle_count, sizeof *b.centroids);
+    if (b.centroids == NULL)
+        return PEL_OUT_OF_MEMORY;
+    run_build(&b);
+    pel_free(b.centroids);
+    return PEL_OK;
+}
+
+/* ---- creation ---- */
+
+/* closes the chain of the half-edges of each edge to a ring */
+static void close_rings(const pel_edge_table *table, int32_t half_edge_count)
+{
+    for (int32_t h = 0; h < half_edge_count; h++)
+        if (table->next_in_edge[h] < 0)
+            table->next_in_edge[h] = table->half_edge_of_edge[table->edge_of_half_edge[h]];
+}
+
+/* gives each edge and each vertex to the first triangle that has it; seen: (vertex_count) zeros */
+static void assign_features(pel_tree *tree, const pel_edge_table *table, uint8_t *seen)
+{
+    for (int32_t e = 0; e < table->edge_count; e++) {
+        int32_t h = table->half_edge_of_edge[e];
+        tree->features[h / 3] |= (uint8_t)(1 << h % 3);
+    }
+    for (int32_t h = 0; h < 3 * tree->triangle_count; h++) {
+        int32_t v = pel_tree_corner(tree, h);
+        if (!seen[v])
+            tree->features[h / 3] |= (uint8_t)(8 << h % 3);
+        seen[v] = 1;
+    }
+}
+
+static pel_status find_features(pel_tree *tree)
+{
+    pel_edge_table table;
+    if (pel_edge_table_build(tree->triangles, tree->triangle_count, tree->vertex_count, NULL, &table) != PEL_OK)
+        return PEL_OUT_OF_MEMORY;
+    uint8_t *seen = pel_allocate((size_t)tree->vertex_count, 1);
+    tree->features = pel_allocate((size_t)tree->triangle_count, 1);
+    bool made = seen != NULL && tree->features != NULL;
+    if (made) {
+        close_rings(&table, 3 * tree->triangle_count);
+        assign_features(tree, &table, seen);
+        tree->next_in_edge = table.next_in_edge;
+        table.next_in_edge = NULL;
+    }
+    pel_free(seen);
+    pel_edge_table_clear(&table);
+    return made ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+static pel_status allocate_tree(pel_tree *tree)
+{
+    /* one more: a build keeps its keys there */
+    tree->nodes = pel_allocate_aligned((size_t)tree->node_count + 1, sizeof *tree->nodes);
+    tree->leaves = pel_allocate((size_t)tree->leaf_count, sizeof *tree->leaves);
+    return tree->nodes != NULL && tree->leaves != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
+                           int32_t triangle_count, pel_tree_content content, pel_tree **result, pel_error *error)
+{
+    *result = NULL;
+    if (triangle_count < 1 || triangle_count > INT32_MAX / 3)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "a tree over %d triangles cannot be made", (int)triangle_count);
+    pel_tree *tree = pel_allocate(1, sizeof *tree);
+    if (tree == NULL)
+        return pel_fail_memory(error);
+    tree->vertex_count = vertex_count;
+    tree->triangle_count = triangle_count;
+    tree->leaf_count = (triangle_count + PEL_LANES - 1) / PEL_LANES;
+    tree->node_count = 2 * tree->leaf_count - 1;
+    tree->triangles = triangles;
+    if ((content == PEL_TREE_FEATURES && find_features(tree) != PEL_OK) || allocate_tree(tree) != PEL_OK ||
+        build_first(tree, positions) != PEL_OK) {
+        pel_tree_destroy(tree);
+        return pel_fail_memory(error);
+    }
+    *result = tree;
+    return PEL_OK;
+}
+
+void pel_tree_destroy(pel_tree *tree)
+{
+    if (tree == NULL)
+        return;
+    pel_free(tree->next_in_edge);
+    pel_free(tree->features);
+    pel_free(tree->nodes);
+    pel_free(tree->leaves);
+    pel_free(tree);
 }
 
 /* ---- boxes ---- */
 
-static pel_box refit_leaf(pel_tree *tree, const pel_leaf *leaf, const pel_box *boxes)
+static pel_box leaf_box(const pel_tree *tree, int32_t leaf, const pel_box *boxes)
 {
+    const int32_t *triangles = tree->leaves[leaf];
     pel_box whole = pel_box_empty();
-    for (int lane = 0; lane < PEL_LANES && tree->members[leaf->group].element[lane] >= 0; lane++) {
-        pel_box box = pel_tree_triangle_box(tree, boxes, tree->members[leaf->group].element[lane]);
-        pel_box_group_set(&tree->groups[leaf->group], lane, box);
-        whole = pel_box_join(whole, box);
-    }
-    for (int32_t g = leaf->group + 1; g < leaf->group_end; g++)
-        for (int lane = 0; lane < PEL_LANES && tree->members[g].element[lane] >= 0; lane++)
-            pel_box_group_set(&tree->groups[g], lane, pel_tree_edge_box(tree, boxes, tree->members[g].element[lane]));
+    for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++)
+        whole = pel_box_join(whole, pel_tree_triangle_box(tree, boxes, triangles[lane]));
     return whole;
 }
 
@@ -371,7 +268,7 @@ static pel_box refit_below(const fit *f, int32_t node, int32_t begin, int32_t en
 {
     pel_tree *tree = f->tree;
     if (end - begin == 1)
-        return tree->nodes[node] = refit_leaf(tree, &tree->leaves[begin], f->boxes);
+        return tree->nodes[node] = leaf_box(tree, begin, f->boxes);
     int32_t middle = pel_tree_middle(begin, end);
     pel_box left = refit_below(f, node + 1, begin, middle);
     pel_box right = refit_below(f, node + 2 * (middle - begin), middle, end);
@@ -420,13 +317,13 @@ void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool)
         tree->built_cost = pel_tree_cost(tree);
 }
 
-static bool leaf_changed(const fit *f, const pel_leaf *leaf)
+static bool leaf_changed(const fit *f, int32_t leaf)
 {
-    const pel_member_group *members = &f->tree->members[leaf->group];
+    const int32_t *triangles = f->tree->leaves[leaf];
     bool changed = false;
-    for (int lane = 0; lane < PEL_LANES && members->element[lane] >= 0; lane++)
+    for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++)
         for (int corner = 0; corner < 3; corner++)
-            changed |= f->vertex_changed[members->vertices[corner][lane]];
+            changed |= f->vertex_changed[f->tree->triangles[triangles[lane]][corner]];
     return changed;
 }
 
@@ -434,9 +331,9 @@ static void refit_changed(const fit *f, int32_t node, int32_t begin, int32_t end
 {
     pel_tree *tree = f->tree;
     if (end - begin == 1) {
-        f->node_changed[node] = leaf_changed(f, &tree->leaves[begin]);
+        f->node_changed[node] = leaf_changed(f, begin);
         if (f->node_changed[node])
-            tree->nodes[node] = refit_leaf(tree, &tree->leaves[begin], f->boxes);
+            tree->nodes[node] = leaf_box(tree, begin, f->boxes);
         return;
     }
     int32_t middle = pel_tree_middle(begin, end), left = node + 1, right = node + 2 * (middle - begin);

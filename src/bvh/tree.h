@@ -2,12 +2,15 @@
 
    The tree is a balanced binary tree of boxes, built by splitting at the median along the longest side of the
    centroids. Every leaf but the last holds eight triangles: one wide comparison tests a box against all of them. Each
-   vertex and each edge belongs to one triangle that has it (its representative, the first in the order of the leaves),
-   hence to one leaf: so a search over pairs of leaves meets every pair of features exactly once. The box of a triangle
-   holds those of its vertices and edges, so no pair that overlaps is lost.
+   vertex and each edge belongs to the first triangle that has it, hence to one leaf: so a search over pairs of leaves
+   meets every pair of features exactly once. The box of a triangle holds those of its vertices and edges, so no pair
+   that overlaps is lost.
 
    Nodes stand in preorder: the left child of node n over leaves begin..end follows it, the right child stands
-   2 (middle - begin) further on. Only boxes are stored.
+   2 (middle - begin) further on. Only boxes of nodes are stored. A search gathers those of the features of a leaf from
+   the boxes of the vertices when it comes to the leaf (search.c): stored ones took 135 bytes a triangle.
+
+   An edge is named by the first half-edge 3 t + i that runs along it (pellicle/topology.h).
 
    Tried and left out: normal cones (a smooth patch that turns by less than a right angle does not touch itself). The
    theorem needs a patch whose outline, seen along the axis of its cone, does not cross itself, at all times of the
@@ -18,35 +21,20 @@
 
 #include "base/pool.h"
 #include "bvh/box.h"
-
-/* groups of a leaf: one of triangles, then those of its edges, up to group_end; its vertices */
-typedef struct pel_leaf {
-    int32_t group, group_end;
-    int32_t vertex_begin, vertex_end; /* in leaf_vertices */
-} pel_leaf;
-
-/* what is in the lanes of a group: a triangle or edge, -1 = nothing; and its vertices, of an edge the last one
-   repeated */
-typedef struct pel_member_group {
-    pel_box8_mask element, vertices[3];
-} pel_member_group;
+#include "pellicle/topology.h"
 
 typedef struct pel_tree {
-    int32_t vertex_count, triangle_count, edge_count;
-    int32_t (*triangles)[3];      /* (triangle_count x 3) a copy */
-    int32_t (*edges)[2];          /* (edge_count x 2) vertices; none when only triangles are asked for */
-    int32_t (*triangle_edges)[3]; /* (triangle_count x 3) edge i joins corners i and i + 1 */
-    int32_t (*opposite)[2]; /* (edge_count x 2) vertices across from an edge in its first two triangles, -1 = none */
+    int32_t vertex_count, triangle_count;
+    const int32_t (*triangles)[3]; /* (triangle_count x 3) not owned */
+    /* none when only triangles are asked for: */
+    int32_t *next_in_edge; /* (3 triangle_count) the next half-edge on the same edge, after the last one the first */
+    uint8_t *features;     /* (triangle_count) bit i: edge i belongs to the triangle, bit 3 + i: its corner i does */
 
     int32_t leaf_count, node_count;
-    pel_box *nodes;              /* (node_count) */
-    pel_leaf *leaves;            /* (leaf_count) */
-    pel_box_group *groups;       /* (leaves[leaf_count - 1].group_end) */
-    pel_member_group *members;   /* (as groups) */
-    int32_t *leaf_vertices;      /* (used vertices) leaf after leaf; none when only triangles are asked for */
-    uint8_t *vertex_seen;        /* (vertex_count) scratch of a build */
-    const pel_box *vertex_boxes; /* (vertex_count) not owned: what the tree was fitted to, as long as it is searched */
-    double built_cost;           /* pel_tree_cost after the first refit since the last build; 0 = not yet */
+    pel_box *nodes;               /* (node_count) */
+    int32_t (*leaves)[PEL_LANES]; /* (leaf_count) triangles, -1 = none */
+    const pel_box *vertex_boxes;  /* (vertex_count) not owned: what the tree was fitted to */
+    double built_cost;            /* pel_tree_cost after the first refit since the last build; 0 = not yet */
 } pel_tree;
 
 /* what is in the leaves */
@@ -55,9 +43,9 @@ typedef enum pel_tree_content {
     PEL_TREE_FEATURES   /* vertices and edges too */
 } pel_tree_content;
 
-/* A tree over any triangles with three different vertices 0 .. vertex_count - 1, at least one; positions
-   (vertex_count x 3), finite. Its boxes are empty until the first refit. PEL_OUT_OF_MEMORY, PEL_BAD_ARGUMENT (no
-   triangle, too many). */
+/* A tree over any triangles with three different vertices 0 .. vertex_count - 1, at least one, which have to live on;
+   positions (vertex_count x 3), finite. Its boxes are empty until the first refit. PEL_OUT_OF_MEMORY, PEL_BAD_ARGUMENT
+   (no triangle, too many). */
 pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
                            int32_t triangle_count, pel_tree_content content, pel_tree **tree, pel_error *error);
 void pel_tree_destroy(pel_tree *tree);
@@ -65,8 +53,8 @@ void pel_tree_destroy(pel_tree *tree);
 /* Sorts the triangles anew; no memory is allocated. Boxes are to be refitted. */
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3]);
 
-/* All boxes from those of the vertices (vertex_count), which have to live on while pairs with vertices are searched.
-   pool is nullable. */
+/* All boxes from those of the vertices (vertex_count), which have to live on while the tree is searched. pool is
+   nullable. */
 void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool);
 
 /* The same where a vertex changed (vertex_count, 1 = it did); marks the nodes that were fitted (node_count). */
@@ -76,10 +64,43 @@ void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const u
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);
 
+/* ---- edges ---- */
+
+static inline int32_t pel_tree_corner(const pel_tree *tree, int32_t h)
+{
+    const int32_t *corners = *tree->triangles;
+    return corners[h];
+}
+
+/* the edge along which a half-edge runs */
+static inline int32_t pel_tree_edge(const pel_tree *tree, int32_t h)
+{
+    int32_t first = h;
+    for (int32_t g = tree->next_in_edge[h]; g != h; g = tree->next_in_edge[g])
+        first = g < first ? g : first;
+    return first;
+}
+
+static inline void pel_tree_edge_ends(const pel_tree *tree, int32_t e, int32_t ends[2])
+{
+    ends[0] = pel_tree_corner(tree, e);
+    ends[1] = pel_tree_corner(tree, pel_half_edge_next(e));
+}
+
+/* the vertices across from an edge in its first two triangles, -1 = none */
+static inline void pel_tree_edge_opposites(const pel_tree *tree, int32_t e, int32_t opposites[2])
+{
+    int32_t second = tree->next_in_edge[e];
+    opposites[0] = pel_tree_corner(tree, pel_half_edge_previous(e));
+    opposites[1] = second != e ? pel_tree_corner(tree, pel_half_edge_previous(second)) : -1;
+}
+
 /* The box of an edge or triangle from those of the vertices (vertex_count). */
 static inline pel_box pel_tree_edge_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t e)
 {
-    return pel_box_join(vertex_boxes[tree->edges[e][0]], vertex_boxes[tree->edges[e][1]]);
+    int32_t ends[2];
+    pel_tree_edge_ends(tree, e, ends);
+    return pel_box_join(vertex_boxes[ends[0]], vertex_boxes[ends[1]]);
 }
 
 static inline pel_box pel_tree_triangle_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t t)

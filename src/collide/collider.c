@@ -35,6 +35,7 @@ typedef struct part {
 } part;
 
 struct pel_collider {
+    int32_t (*triangles)[3]; /* own */
     pel_candidates *candidates;
     pel_clearance clearance;
     double margin;        /* as in the def */
@@ -128,23 +129,26 @@ static pel_status make_surface(const pel_collider *collider, const double (*posi
     return status;
 }
 
-static void replace_surface(pel_collider *collider, pel_candidates *made, const pel_clearance *clearance)
+static void replace_surface(pel_collider *collider, int32_t (*triangles)[3], pel_candidates *made,
+                            const pel_clearance *clearance)
 {
     pel_clearance_clear(&collider->clearance);
     pel_candidates_destroy(collider->candidates);
+    pel_free(collider->triangles);
     collider->clearance = *clearance;
     collider->candidates = made;
+    collider->triangles = triangles;
 }
 
 pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
-                                    const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
+                                    int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
 {
     pel_candidates *made;
     pel_clearance clearance;
-    pel_status status =
-        make_surface(collider, positions, vertex_count, triangles, triangle_count, &made, &clearance, error);
+    pel_status status = make_surface(collider, positions, vertex_count, (const int32_t(*)[3])triangles, triangle_count,
+                                     &made, &clearance, error);
     if (status == PEL_OK)
-        replace_surface(collider, made, &clearance);
+        replace_surface(collider, triangles, made, &clearance);
     return status;
 }
 
@@ -161,13 +165,13 @@ static void copy_memory(const pel_memory_part *from, const pel_memory_part *to, 
 }
 
 pel_status pel_collider_recall(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
-                               const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
+                               int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
 {
     pel_memory_part saved[PEL_COLLIDER_PARTS], parts[PEL_CANDIDATES_PARTS];
     pel_candidates *made;
     pel_clearance clearance;
-    pel_status status =
-        make_surface(collider, positions, vertex_count, triangles, triangle_count, &made, &clearance, error);
+    pel_status status = make_surface(collider, positions, vertex_count, (const int32_t(*)[3])triangles, triangle_count,
+                                     &made, &clearance, error);
     if (status != PEL_OK)
         return status;
     pel_collider_memory(collider, saved);
@@ -185,7 +189,7 @@ pel_status pel_collider_recall(pel_collider *collider, const double (*positions)
         pel_candidates_destroy(made);
         return status;
     }
-    replace_surface(collider, made, &clearance);
+    replace_surface(collider, triangles, made, &clearance);
     return PEL_OK;
 }
 
@@ -194,8 +198,14 @@ static pel_status fill_collider(pel_collider *collider, const pel_collider_def *
     const pel_mesh *mesh = def->mesh;
     collider->margin = def->margin;
     collider->memory_limit = def->memory_limit;
+    int32_t(*triangles)[3] = pel_allocate((size_t)mesh->triangle_count, sizeof *triangles);
+    if (triangles == NULL)
+        return pel_fail_memory(error);
+    memcpy(triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof *triangles);
     pel_status status = pel_collider_set_surface(collider, (const double(*)[3])mesh->positions, mesh->vertex_count,
-                                                 (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, error);
+                                                 triangles, mesh->triangle_count, error);
+    if (status != PEL_OK)
+        pel_free(triangles);
     int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
     if (status == PEL_OK && threads > 1)
         status = pel_pool_create(threads, &collider->own_pool, error);
@@ -228,6 +238,7 @@ void pel_collider_destroy(pel_collider *collider)
         return;
     pel_candidates_destroy(collider->candidates);
     pel_clearance_clear(&collider->clearance);
+    pel_free(collider->triangles);
     pel_pool_destroy(collider->own_pool);
     for (int i = 0; i < PARTS; i++)
         pel_free(collider->parts[i].list.collisions);
@@ -291,8 +302,6 @@ pel_status pel_collider_candidates(pel_collider *collider, const pel_collision_q
             .vertex_face_count = (int64_t)c->vertex_face_count,
             .edge_edge = c->edge_edge,
             .edge_edge_count = (int64_t)c->edge_edge_count,
-            .edges = (const int32_t(*)[2])c->tree->edges,
-            .edge_count = c->tree->edge_count,
             .searches = c->counts.searches,
             .kept = c->counts.kept,
         };
@@ -314,8 +323,8 @@ typedef struct narrow {
 static void set_points(const narrow *n, pel_pair pair, int32_t points[4])
 {
     if (n->edge_edge) {
-        memcpy(points, n->tree->edges[pair.first], sizeof(int32_t[2]));
-        memcpy(points + 2, n->tree->edges[pair.second], sizeof(int32_t[2]));
+        pel_tree_edge_ends(n->tree, pair.first, points);
+        pel_tree_edge_ends(n->tree, pair.second, points + 2);
     } else {
         points[0] = pair.first;
         memcpy(points + 1, n->tree->triangles[pair.second], sizeof(int32_t[3]));

@@ -12,14 +12,15 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool);
 /* Only pairs of these groups are found from now on. The arrays stay the caller's and have to live on. */
 void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups);
 
-/* The tree over the present surface, which owns it: numbers of edges and triangles in results are those of this tree.
- */
+/* The tree over the present surface, which owns it and its triangles: numbers of edges and triangles in results are
+   those of this tree. */
 const pel_tree *pel_collider_tree(const pel_collider *collider);
 
-/* Another surface, valid as for pel_collider_create; limits and groups stay. Allocates. On failure
-   (PEL_OUT_OF_MEMORY) the old surface stays. */
+/* Another surface, valid as for pel_collider_create; limits and groups stay. The triangles, from pel_allocate, are the
+   collider's from then on. Allocates. On failure (PEL_OUT_OF_MEMORY) the old surface stays, and the triangles are the
+   caller's. */
 pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
-                                    const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
+                                    int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
 
 enum { PEL_COLLIDER_PARTS = PEL_CANDIDATES_PARTS + PEL_CLEARANCE_PARTS };
 
@@ -31,6 +32,6 @@ void pel_collider_memory(pel_collider *collider, pel_memory_part parts[PEL_COLLI
    search of it; what follows from them is found anew. Errors as for pel_collider_set_surface, and PEL_BAD_FORMAT when
    the pieces cannot be what was saved. */
 pel_status pel_collider_recall(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
-                               const int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
+                               int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
 
 #endif

@@ -9,42 +9,119 @@
 
 #include <string.h>
 
-/* slices of a flag each: which of them a force was written to */
-static size_t flag_count(const pel_contact_forces *forces)
-{
-    return (size_t)forces->vertex_count / PEL_WIDTH;
-}
-
 static size_t pair_count(const pel_contact_forces *forces)
 {
     return (size_t)forces->body_count * (size_t)forces->group_count;
 }
 
+/* ---- pages ---- */
+
+static int32_t page_count(const pel_contact_forces *forces)
+{
+    return (forces->vertex_count + PEL_FORCE_PAGE - 1) / PEL_FORCE_PAGE;
+}
+
+static pel_record *make_page(void)
+{
+    return pel_allocate_aligned(PEL_FORCE_PAGE, sizeof(pel_record));
+}
+
+/* with_all: none is made later */
+static bool allocate_pages(const pel_contact_forces *forces, bool with_all, pel_force_pages *made)
+{
+    made->pages = pel_allocate((size_t)page_count(forces), sizeof *made->pages);
+    made->is_touched = pel_allocate((size_t)page_count(forces), 1);
+    bool room = made->pages != NULL && made->is_touched != NULL;
+    for (int32_t p = 0; room && with_all && p < page_count(forces); p++) {
+        made->pages[p] = make_page();
+        room = made->pages[p] != NULL;
+    }
+    return room;
+}
+
+static void destroy_pages(const pel_contact_forces *forces, pel_force_pages *pages)
+{
+    for (int32_t p = 0; pages->pages != NULL && p < page_count(forces); p++)
+        pel_free(pages->pages[p]);
+    pel_free(pages->pages);
+    pel_free(pages->is_touched);
+}
+
+/* a page to write to; null when there is no memory for it */
+static pel_record *touch_page(pel_contact_forces *forces, pel_force_pages *pages, int32_t p)
+{
+    if (pages->pages[p] == NULL)
+        pages->pages[p] = make_page();
+    if (pages->pages[p] == NULL)
+        forces->is_short = true;
+    else
+        pages->is_touched[p] = 1;
+    return pages->pages[p];
+}
+
+static void clear_page(pel_force_pages *pages, int32_t p)
+{
+    if (pages->is_touched[p])
+        memset(pages->pages[p], 0, PEL_FORCE_PAGE * sizeof **pages->pages);
+    pages->is_touched[p] = 0;
+}
+
+void pel_contact_force_add(pel_contact_forces *forces, pel_force_pages *to, int32_t v, const double force[3])
+{
+    pel_record *page = touch_page(forces, to, v / PEL_FORCE_PAGE);
+    for (int k = 0; page != NULL && k < 3; k++)
+        page[v % PEL_FORCE_PAGE][k] += (pel_real)force[k];
+}
+
+void pel_contact_forces_read(const pel_contact_forces *forces, int32_t begin, int32_t count, pel_record *page)
+{
+    const pel_record *own = forces->vertex.pages[begin / PEL_FORCE_PAGE];
+    if (own != NULL)
+        memcpy(page, own, (size_t)count * sizeof *page);
+    else
+        memset(page, 0, (size_t)count * sizeof *page);
+}
+
+static bool is_zero(const pel_record *page, int32_t count)
+{
+    bool zero = true;
+    for (int32_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++)
+            zero &= page[i][k] == 0;
+    return zero;
+}
+
+void pel_contact_forces_write(pel_contact_forces *forces, int32_t begin, int32_t count, const pel_record *page)
+{
+    int32_t p = begin / PEL_FORCE_PAGE;
+    clear_page(&forces->vertex, p);
+    pel_record *own = is_zero(page, count) ? NULL : touch_page(forces, &forces->vertex, p);
+    if (own != NULL)
+        memcpy(own, page, (size_t)count * sizeof *own);
+}
+
+/* ---- of a step ---- */
+
 pel_status pel_contact_forces_create(int32_t vertex_count, int32_t body_count, int32_t obstacle_count,
                                      const int32_t *body_of_slice, pel_contact_forces *forces, pel_error *error)
 {
-    size_t count = (size_t)vertex_count;
     *forces = (pel_contact_forces){.vertex_count = vertex_count,
                                    .body_count = body_count,
                                    .group_count = body_count + obstacle_count,
                                    .body_of_slice = body_of_slice};
-    forces->vertex = pel_allocate_aligned(count, sizeof *forces->vertex);
-    forces->vertex_next = pel_allocate_aligned(count, sizeof *forces->vertex_next);
-    forces->is_touched = pel_allocate(flag_count(forces), 1);
-    forces->is_touched_next = pel_allocate(flag_count(forces), 1);
+    bool with_all = obstacle_count > 0;
+    bool made =
+        allocate_pages(forces, with_all, &forces->vertex) && allocate_pages(forces, with_all, &forces->vertex_next);
     forces->pair = pel_allocate(pair_count(forces), sizeof *forces->pair);
     forces->pair_next = pel_allocate(pair_count(forces), sizeof *forces->pair_next);
-    bool made = forces->vertex != NULL && forces->vertex_next != NULL && forces->is_touched != NULL &&
-                forces->is_touched_next != NULL && forces->pair != NULL && forces->pair_next != NULL;
-    return made ? PEL_OK : pel_fail_memory(error);
+    forces->is_kept = made && forces->pair != NULL && forces->pair_next != NULL;
+    return forces->is_kept ? PEL_OK : pel_fail_memory(error);
 }
 
 void pel_contact_forces_destroy(pel_contact_forces *forces)
 {
-    pel_free(forces->vertex);
-    pel_free(forces->vertex_next);
-    pel_free(forces->is_touched);
-    pel_free(forces->is_touched_next);
+    destroy_pages(forces, &forces->vertex);
+    destroy_pages(forces, &forces->vertex_next);
     pel_free(forces->pair);
     pel_free(forces->pair_next);
     pel_contact_records_destroy(forces);
@@ -52,12 +129,10 @@ void pel_contact_forces_destroy(pel_contact_forces *forces)
 
 void pel_contact_forces_begin(pel_contact_forces *forces)
 {
-    if (forces->vertex == NULL)
+    if (!forces->is_kept)
         return;
-    for (size_t slice = 0; slice < flag_count(forces); slice++)
-        if (forces->is_touched_next[slice])
-            memset(forces->vertex_next + slice * PEL_WIDTH, 0, PEL_WIDTH * sizeof *forces->vertex_next);
-    memset(forces->is_touched_next, 0, flag_count(forces));
+    for (int32_t p = 0; p < page_count(forces); p++)
+        clear_page(&forces->vertex_next, p);
     memset(forces->pair_next, 0, pair_count(forces) * sizeof *forces->pair_next);
     pel_contact_records_begin(forces);
 }
@@ -67,13 +142,14 @@ static void add_part(pel_contact_forces *forces, double share, bool is_first)
 {
     double *sum = (double *)forces->pair;
     const double *own = (const double *)forces->pair_next;
-    for (int32_t v = 0; v < forces->vertex_count; v++) {
-        pel_record before = is_first ? (pel_record){0} : forces->vertex[v];
-        forces->vertex[v] = before + (pel_real)share * forces->vertex_next[v];
+    for (int32_t p = 0; p < page_count(forces); p++) {
+        if (is_first)
+            clear_page(&forces->vertex, p);
+        const pel_record *next = forces->vertex_next.pages[p];
+        pel_record *page = forces->vertex_next.is_touched[p] ? touch_page(forces, &forces->vertex, p) : NULL;
+        for (int32_t i = 0; page != NULL && i < PEL_FORCE_PAGE; i++)
+            page[i] += (pel_real)share * next[i];
     }
-    for (size_t slice = 0; slice < flag_count(forces); slice++)
-        forces->is_touched[slice] =
-            (uint8_t)((!is_first && forces->is_touched[slice]) | forces->is_touched_next[slice]);
     for (size_t i = 0; i < pair_count(forces) * sizeof *forces->pair / sizeof *sum; i++)
         sum[i] = (is_first ? 0 : sum[i]) + share * own[i];
 }
@@ -81,26 +157,16 @@ static void add_part(pel_contact_forces *forces, double share, bool is_first)
 void pel_contact_forces_accept(pel_contact_forces *forces, double share, bool is_first)
 {
     pel_contact_records_accept(forces, share, is_first);
-    if (forces->vertex != NULL && share < 1) {
+    if (forces->is_kept && share < 1) {
         add_part(forces, share, is_first);
         return;
     }
-    pel_record *vertex = forces->vertex;
-    uint8_t *is_touched = forces->is_touched;
+    pel_force_pages vertex = forces->vertex;
     pel_pair_force *pair = forces->pair;
     forces->vertex = forces->vertex_next;
     forces->vertex_next = vertex;
-    forces->is_touched = forces->is_touched_next;
-    forces->is_touched_next = is_touched;
     forces->pair = forces->pair_next;
     forces->pair_next = pair;
-}
-
-void pel_contact_forces_loaded(pel_contact_forces *forces)
-{
-    if (forces->vertex != NULL)
-        memset(forces->is_touched, 1, flag_count(forces));
-    pel_contact_records_forget(forces);
 }
 
 /* ---- actions ---- */
@@ -112,9 +178,9 @@ static int32_t body_of(const pel_contact_forces *forces, int32_t v)
 
 static void add_to_vertex(pel_contact_forces *forces, int32_t v, double share, const double force[3])
 {
-    forces->is_touched_next[v / PEL_WIDTH] = 1;
-    for (int k = 0; k < 3; k++)
-        forces->vertex_next[v][k] += (pel_real)(share * force[k]);
+    double part[3];
+    pel_vec3_scale(force, share, part);
+    pel_contact_force_add(forces, &forces->vertex_next, v, part);
 }
 
 /* the two groups of an action, the lower one first, and the sum of weights of that one; false inside a body */

@@ -4,6 +4,7 @@
 
 #include "math/pose.h"
 #include "math/record.h"
+#include "math/vec3.h"
 #include "pellicle/base.h"
 
 /* What acts at a point of surfaces, a weighted sum of vertices. */
@@ -46,15 +47,26 @@ typedef struct pel_contact_records {
     pel_contact_table last, next;
 } pel_contact_records;
 
+/* vertices of a page of forces: whole slices */
+enum { PEL_FORCE_PAGE = 32 };
+
+/* Forces by vertex, in pages that are there where one has acted: most vertices never touch anything. With obstacles all
+   are there from the start: they press anywhere, in steps that allocate nothing. */
+typedef struct pel_force_pages {
+    pel_record **pages;  /* (pages) null = zeros */
+    uint8_t *is_touched; /* (pages) 0 = all of its forces are zero */
+} pel_force_pages;
+
 /* Forces of contacts and obstacles in a step, means where it has substeps. */
 typedef struct pel_contact_forces {
+    bool is_kept;                                  /* false = nothing is */
     int32_t vertex_count, body_count, group_count; /* groups are bodies, then obstacles */
     const int32_t *body_of_slice;                  /* (vertex_count / PEL_WIDTH), the caller's */
-    pel_record *vertex, *vertex_next; /* (vertex_count) N, in the last step and in the present one; null = not kept */
-    uint8_t *is_touched, *is_touched_next; /* (slices) 0 = the forces of a slice are zero, so that a step clears few */
-    pel_pair_force *pair, *pair_next;      /* (body_count x group_count) on the body of the row; of two bodies the lower
-                                              one has the row */
-    pel_contact_records *records;          /* null = they are not kept */
+    pel_force_pages vertex, vertex_next;           /* N, in the last step and in the present one */
+    bool is_short;                    /* there was no memory for a page: a force is missing; the caller resets it */
+    pel_pair_force *pair, *pair_next; /* (body_count x group_count) on the body of the row; of two bodies the lower
+                                         one has the row */
+    pel_contact_records *records;     /* null = they are not kept */
 } pel_contact_forces;
 
 /* The motion in which an action is: positions at the start and the end of the step, and poses of its obstacle. */
@@ -74,8 +86,20 @@ void pel_contact_forces_begin(pel_contact_forces *forces);
 /* The forces of the step become the present ones; those of a part, which is a share of the step, are added to the mean:
    the first one forgets the step before. */
 void pel_contact_forces_accept(pel_contact_forces *forces, double share, bool is_first);
-/* After those of the last step were written from outside: nothing is known of where they are, and no records. */
-void pel_contact_forces_loaded(pel_contact_forces *forces);
+/* The force on a vertex; zero where none are kept. */
+static inline void pel_contact_force_at(const pel_force_pages *forces, int32_t v, double force[3])
+{
+    const pel_record *page = forces->pages != NULL ? forces->pages[v / PEL_FORCE_PAGE] : NULL;
+    if (page != NULL)
+        pel_vertex_position(page, v % PEL_FORCE_PAGE, force);
+    else
+        pel_vec3_set(force, 0, 0, 0);
+}
+/* Adds to the force on a vertex. */
+void pel_contact_force_add(pel_contact_forces *forces, pel_force_pages *to, int32_t v, const double force[3]);
+/* The forces of the last step as they are stored elsewhere: begin .. begin + count of the vertices, of one page. */
+void pel_contact_forces_read(const pel_contact_forces *forces, int32_t begin, int32_t count, pel_record *page);
+void pel_contact_forces_write(pel_contact_forces *forces, int32_t begin, int32_t count, const pel_record *page);
 /* Adds an action to the forces of the step. */
 void pel_contact_forces_add(pel_contact_forces *forces, const pel_contact_way *given, const pel_contact_action *action);
 /* The force of an obstacle on one vertex, without a load. */

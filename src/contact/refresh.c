@@ -63,13 +63,15 @@ static bool leads_away(const refresh_job *job, const pel_contact_key *key, int32
 {
     const pel_tree *tree = pel_collider_tree(job->set->collider);
     double along[3], square;
+    int32_t opposites[2];
+    pel_tree_edge_opposites(tree, edge, opposites);
     pel_vec3_subtract(b, a, along);
     square = pel_vec3_squared_length(along);
     for (int i = 0; i < 2; i++) {
         double inward[3];
-        if (tree->opposite[edge][i] < 0 || !(square > 0) || has_point(key, tree->opposite[edge][i]))
+        if (opposites[i] < 0 || !(square > 0) || has_point(key, opposites[i]))
             continue;
-        load_point(job, tree->opposite[edge][i], inward);
+        load_point(job, opposites[i], inward);
         pel_vec3_subtract(inward, a, inward);
         pel_vec3_along(inward, -pel_vec3_dot(inward, along) / square, along, inward);
         if (pel_vec3_dot(inward, direction) > LEAN * pel_vec3_length(inward))
@@ -85,7 +87,7 @@ static bool leads_away_from_border(const refresh_job *job, const pel_contact_key
     const pel_tree *tree = pel_collider_tree(job->set->collider);
     for (int i = 0; i < 3; i++)
         if (w[(i + 2) % 3] <= INSIDE &&
-            !leads_away(job, key, tree->triangle_edges[key->second][i], x[1 + i], x[1 + (i + 1) % 3], direction))
+            !leads_away(job, key, pel_tree_edge(tree, 3 * key->second + i), x[1 + i], x[1 + (i + 1) % 3], direction))
             return false;
     return true;
 }

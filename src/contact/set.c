@@ -73,7 +73,7 @@ void pel_contact_set_destroy(pel_contact_set *set)
     pel_collider_destroy(set->collider);
     void *arrays[] = {set->obstacles,
                       set->groups,
-                      set->triangles,
+                      set->next_triangles,
                       set->group_of_point,
                       set->may_meet,
                       set->start,

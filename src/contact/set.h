@@ -149,8 +149,10 @@ typedef struct pel_contact_set {
     /* the surface */
     pel_collider *collider; /* null = no surface was set */
     int32_t vertex_count, point_count, triangle_count;
-    int32_t (*triangles)[3]; /* (triangle_count) those of obstacles first */
+    const int32_t (*triangles)[3]; /* (triangle_count) the collider's; those of obstacles first */
     int32_t obstacle_triangle_count;
+    int32_t (*next_triangles)[3]; /* (next_count) the next surface, until it is finished */
+    int32_t next_count;
     int32_t *group_of_point;                       /* (point_count) its body, or body_count and its obstacle */
     uint8_t *may_meet;                             /* (groups x groups) */
     double (*start)[3], (*end)[3];                 /* (point_count) */
@@ -210,10 +212,10 @@ double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b);
 /* Points, groups and the triangles of obstacles, in a set that is empty but for its def and obstacles.
  * PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_surface_create(pel_contact_set *set, pel_error *error);
-/* Another surface: only the triangles of obstacles; then one of a body; then the collider takes all, with the points at
-   `start`. is_known: the collider's memory is that of this surface (pel_collider_recall). Errors of that and of
-   pel_collider_create; the old surface stays. */
-void pel_contact_surface_clear(pel_contact_set *set);
+/* Another surface: at first the triangles of obstacles (PEL_OUT_OF_MEMORY); then one of a body; then the collider takes
+   all, with the points at `start`. is_known: the collider's memory is that of this surface (pel_collider_recall).
+   Errors of that and of pel_collider_create; the old surface stays. */
+pel_status pel_contact_surface_begin(pel_contact_set *set, pel_error *error);
 void pel_contact_surface_add(pel_contact_set *set, const int32_t corners[3]);
 pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error);
 /* Points at both ends of a step, from positions (vertex_count) and the poses of obstacles; if they differ from those of

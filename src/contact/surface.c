@@ -44,20 +44,6 @@ static void set_points(pel_obstacle *obstacle, int32_t point)
             obstacle->corners[i][k] = (i >> k & 1 ? 1 : -1) * obstacle->solid.half_extents[k];
 }
 
-static void set_obstacle_triangles(pel_contact_set *set)
-{
-    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
-        const pel_obstacle *obstacle = &set->obstacles[i];
-        int32_t count = triangle_count_of(obstacle);
-        const int32_t(*triangles)[3] =
-            obstacle->mesh != NULL ? (const int32_t(*)[3])obstacle->mesh->triangles : box_triangles;
-        for (int32_t t = 0; t < count; t++, set->obstacle_triangle_count++)
-            for (int c = 0; c < 3; c++)
-                set->triangles[set->obstacle_triangle_count][c] = obstacle->point_begin + triangles[t][c];
-    }
-    set->triangle_count = set->obstacle_triangle_count;
-}
-
 int32_t pel_contact_obstacle_of(const pel_contact_set *set, int32_t point)
 {
     return point < set->vertex_count ? -1 : set->group_of_point[point] - set->def.body_count;
@@ -147,15 +133,35 @@ void pel_contact_set_place_start(pel_contact_set *set, const pel_record *positio
 
 /* ---- triangles ---- */
 
-void pel_contact_surface_clear(pel_contact_set *set)
+static void add_obstacles(pel_contact_set *set)
 {
-    set->triangle_count = set->obstacle_triangle_count;
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        const pel_obstacle *obstacle = &set->obstacles[i];
+        int32_t count = triangle_count_of(obstacle), first = obstacle->point_begin;
+        const int32_t(*triangles)[3] =
+            obstacle->mesh != NULL ? (const int32_t(*)[3])obstacle->mesh->triangles : box_triangles;
+        for (int32_t t = 0; t < count; t++)
+            pel_contact_surface_add(
+                set, (const int32_t[3]){first + triangles[t][0], first + triangles[t][1], first + triangles[t][2]});
+    }
+}
+
+pel_status pel_contact_surface_begin(pel_contact_set *set, pel_error *error)
+{
+    size_t limit = (size_t)(set->obstacle_triangle_count + set->def.triangle_limit);
     set->way_is_searched = false;
+    set->next_count = 0;
+    if (set->next_triangles == NULL)
+        set->next_triangles = pel_allocate(limit, sizeof *set->next_triangles);
+    if (set->next_triangles == NULL)
+        return pel_fail_memory(error);
+    add_obstacles(set);
+    return PEL_OK;
 }
 
 void pel_contact_surface_add(pel_contact_set *set, const int32_t corners[3])
 {
-    memcpy(set->triangles[set->triangle_count++], corners, sizeof set->triangles[0]);
+    memcpy(set->next_triangles[set->next_count++], corners, sizeof set->next_triangles[0]);
 }
 
 /* of the bodies: obstacles may have far larger triangles */
@@ -163,23 +169,20 @@ static double mean_edge(const pel_contact_set *set)
 {
     double sum = 0;
     int64_t count = 0;
-    for (int32_t t = set->obstacle_triangle_count; t < set->triangle_count; t++)
+    for (int32_t t = set->obstacle_triangle_count; t < set->next_count; t++) {
+        const int32_t *v = set->next_triangles[t];
         for (int c = 0; c < 3; c++, count++)
-            sum += pel_vec3_distance(set->start[set->triangles[t][c]], set->start[set->triangles[t][(c + 1) % 3]]);
+            sum += pel_vec3_distance(set->start[v[c]], set->start[v[(c + 1) % 3]]);
+    }
     return isfinite(sum) ? sum / (double)count : 0;
-}
-
-pel_mesh pel_contact_mesh(const pel_contact_set *set)
-{
-    return (pel_mesh){.vertex_count = set->point_count,
-                      .triangle_count = set->triangle_count,
-                      .positions = set->start,
-                      .triangles = set->triangles};
 }
 
 static pel_status create_collider(pel_contact_set *set, pel_error *error)
 {
-    pel_mesh mesh = pel_contact_mesh(set);
+    const pel_mesh mesh = {.vertex_count = set->point_count,
+                           .triangle_count = set->next_count,
+                           .positions = set->start,
+                           .triangles = set->next_triangles};
     pel_collider_def def = pel_collider_def_default();
     def.mesh = &mesh;
     set->mean_edge = mean_edge(set);
@@ -192,16 +195,33 @@ static pel_status create_collider(pel_contact_set *set, pel_error *error)
     const pel_collision_groups groups = {set->group_of_point, set->may_meet,
                                          set->def.body_count + set->def.obstacle_count};
     pel_collider_use_groups(set->collider, &groups);
+    pel_free(set->next_triangles); /* it has a copy */
     return PEL_OK;
 }
 
 pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error)
 {
+    pel_status status;
     if (set->collider == NULL)
-        return create_collider(set, error);
-    return (is_known ? pel_collider_recall
-                     : pel_collider_set_surface)(set->collider, (const double(*)[3])set->start, set->point_count,
-                                                 (const int32_t(*)[3])set->triangles, set->triangle_count, error);
+        status = create_collider(set, error);
+    else
+        status = (is_known ? pel_collider_recall
+                           : pel_collider_set_surface)(set->collider, (const double(*)[3])set->start, set->point_count,
+                                                       set->next_triangles, set->next_count, error);
+    if (status != PEL_OK)
+        return status;
+    set->next_triangles = NULL;
+    set->triangles = pel_collider_tree(set->collider)->triangles;
+    set->triangle_count = set->next_count;
+    return PEL_OK;
+}
+
+pel_mesh pel_contact_mesh(const pel_contact_set *set)
+{
+    return (pel_mesh){.vertex_count = set->point_count,
+                      .triangle_count = set->triangle_count,
+                      .positions = set->start,
+                      .triangles = (int32_t(*)[3])set->triangles};
 }
 
 /* ---- creation ---- */
@@ -224,11 +244,10 @@ static void set_groups(pel_contact_set *set)
     }
 }
 
-static pel_status allocate_surface(pel_contact_set *set, int32_t triangle_limit, pel_error *error)
+static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
 {
     size_t group_count = (size_t)(set->def.body_count + set->def.obstacle_count);
     size_t point_count = (size_t)set->point_count, obstacle_points = point_count - (size_t)set->vertex_count;
-    set->triangles = pel_allocate((size_t)triangle_limit, sizeof *set->triangles);
     set->group_of_point = pel_allocate(point_count, sizeof *set->group_of_point);
     set->may_meet = pel_allocate(group_count * group_count, sizeof *set->may_meet);
     /* one more: points are read four numbers at once */
@@ -236,25 +255,23 @@ static pel_status allocate_surface(pel_contact_set *set, int32_t triangle_limit,
     set->end = pel_allocate(point_count + 1, sizeof *set->end);
     set->substep_start = pel_allocate(obstacle_points, sizeof *set->substep_start);
     set->substep_end = pel_allocate(obstacle_points, sizeof *set->substep_end);
-    bool made = set->triangles != NULL && set->group_of_point != NULL && set->may_meet != NULL && set->start != NULL &&
-                set->end != NULL && set->substep_start != NULL && set->substep_end != NULL;
+    bool made = set->group_of_point != NULL && set->may_meet != NULL && set->start != NULL && set->end != NULL &&
+                set->substep_start != NULL && set->substep_end != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
 pel_status pel_contact_surface_create(pel_contact_set *set, pel_error *error)
 {
-    int32_t triangle_limit = set->def.triangle_limit;
     set->point_count = set->vertex_count;
     for (int32_t i = 0; i < set->def.obstacle_count; i++) {
         set_points(&set->obstacles[i], set->point_count);
         set->point_count = set->obstacles[i].point_end;
-        triangle_limit += triangle_count_of(&set->obstacles[i]);
+        set->obstacle_triangle_count += triangle_count_of(&set->obstacles[i]);
     }
-    pel_status status = allocate_surface(set, triangle_limit, error);
+    pel_status status = allocate_surface(set, error);
     if (status != PEL_OK)
         return status;
     set_groups(set);
-    set_obstacle_triangles(set);
     return PEL_OK;
 }
 

@@ -90,10 +90,10 @@ void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t sl
     pel_wide half = pel_wide_splat((pel_real)0.5), sum = pel_wide_splat(0);
     for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
         pel_wide3 d = pel_slot_offset(model, state->position, slot, &own.position);
-        pel_wide stiffness = pel_wide_splat(body.stiffness);
+        pel_wide length = pel_spring_length(d), stiffness = pel_wide_splat(body.stiffness);
         if (!body.uniform)
             stiffness *= model->stiffnesses[slot];
-        sum += half * pel_spring_energy(pel_spring_length(d), model->rest_lengths[slot], stiffness);
+        sum += half * pel_spring_energy(length, pel_slot_rest(model, slot, length), stiffness);
     }
     pel_slice rest = pel_slice_load(model->rest, slice);
     pel_wide3 e = {own.position.x - rest.position.x, own.position.y - rest.position.y,

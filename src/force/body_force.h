@@ -58,6 +58,12 @@ static inline pel_slot_flight pel_slot_begin(const pel_model *model, const pel_r
     return (pel_slot_flight){offset, pel_spring_length(offset)};
 }
 
+/* rest lengths of a slot; where no body has springs, which have no force then, the present ones do */
+static inline pel_wide pel_slot_rest(const pel_model *model, int32_t slot, pel_wide length)
+{
+    return model->rest_lengths != NULL ? model->rest_lengths[slot] : length;
+}
+
 /* what a slice gathers: force over the common factor of the stiffnesses, and the longest spring */
 typedef struct pel_spring_sum {
     pel_wide3 force;
@@ -67,8 +73,9 @@ typedef struct pel_spring_sum {
 static inline void pel_slot_end(const pel_model *model, int32_t slot, bool uniform, const pel_slot_flight *flight,
                                 pel_spring_sum *sum)
 {
-    pel_wide scale = uniform ? pel_spring_scale(flight->length, pel_wide_splat(1), model->rest_lengths[slot])
-                             : pel_spring_scale(flight->length, model->stiffnesses[slot], model->products[slot]);
+    pel_wide scale =
+        uniform ? pel_spring_scale(flight->length, pel_wide_splat(1), pel_slot_rest(model, slot, flight->length))
+                : pel_spring_scale(flight->length, model->stiffnesses[slot], model->products[slot]);
     sum->force.x += scale * flight->offset.x;
     sum->force.y += scale * flight->offset.y;
     sum->force.z += scale * flight->offset.z;

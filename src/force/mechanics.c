@@ -35,14 +35,14 @@ static void fill_triangle(const pel_shell_body *own, int32_t t, const pel_record
 {
     const pel_shell *shell = own->shell;
     double x[3][3], gradient[3][3];
-    pel_load_points(position, shell->triangles[t].vertices, 3, x);
+    pel_load_points(position, shell->corners[t], 3, x);
     if (shell->has_membrane) {
         out->membrane_energy = pel_shell_membrane_energy(own, t, (const double(*)[3])x, gradient);
         add_virial((const double(*)[3])x, (const double(*)[3])gradient, out->force);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {
-        const pel_shell_fibre *fibre = pel_shell_find_fibre(&shell->regions[r], t);
-        if (fibre == NULL)
+        int32_t fibre = pel_shell_find_fibre(&shell->regions[r], t);
+        if (fibre < 0)
             continue;
         out->fibre_energy +=
             pel_shell_fibre_energy(shell, &shell->regions[r], fibre, time, (const double(*)[3])x, gradient);
@@ -87,25 +87,27 @@ static void foot_and_height(const double tail[3], const double head[3], const do
 static double hinge_moment(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
                            const double x[4][3])
 {
-    const pel_hinge stencil = pel_shell_angle(rest, hinge);
+    const pel_hinge stencil = pel_shell_angle(shell, rest, hinge);
     if (shell->bending == PEL_BENDING_HINGE)
         return hinge->stiffness * stencil.factor * pel_angle_from_rest(x[0], stencil.rest_angle);
     return hinge->stiffness * stencil.factor * 2 * pel_sin(0.5 * pel_dihedral_angle(x, NULL));
 }
 
-static int corner_of(const pel_shell_triangle *triangle, int32_t vertex)
+static int corner_of(const int32_t corners[3], int32_t vertex)
 {
-    return triangle->vertices[0] == vertex ? 0 : triangle->vertices[1] == vertex ? 1 : 2;
+    return corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
 }
 
-/* adds a tensor with components along the edge, across it and mixed */
-static void add_along_edge(const pel_shell_triangle *triangle, const pel_shell_hinge *hinge, const double tensor[3],
+/* adds a tensor with components along the edge, across it and mixed, to that of the triangle on one side */
+static void add_along_edge(const pel_shell *shell, const pel_shell_hinge *hinge, int side, const double tensor[3],
                            double moment[6])
 {
+    const int32_t *corners = shell->corners[hinge->triangles[side]];
+    const pel_rest_triangle rest = pel_shell_rest(shell, hinge->triangles[side]);
     double corner[3][2], along[2];
-    rest_corners(&triangle->rest, corner);
-    const double *tail = corner[corner_of(triangle, hinge->vertices[0])];
-    const double *head = corner[corner_of(triangle, hinge->vertices[1])];
+    rest_corners(&rest, corner);
+    const double *tail = corner[corner_of(corners, hinge->vertices[0])];
+    const double *head = corner[corner_of(corners, hinge->vertices[1])];
     double length = pel_hypot(head[0] - tail[0], head[1] - tail[1]);
     for (int c = 0; c < 2; c++)
         along[c] = (head[c] - tail[c]) / length;
@@ -138,7 +140,7 @@ static void add_hinge(const pel_shell *shell, const pel_record *rest, const pel_
         pel_shell_hinge_factor(shell, hinge) * pel_shell_hinge_energy(shell, rest, hinge, (const double(*)[3])x, NULL);
     for (int side = 0; side < 2; side++) {
         pel_triangle_mechanics *out = &triangles[hinge->triangles[side]];
-        add_along_edge(&shell->triangles[hinge->triangles[side]], hinge, half, out->moment);
+        add_along_edge(shell, hinge, side, half, out->moment);
         out->bending_energy += 0.5 * energy;
     }
 }
@@ -187,7 +189,7 @@ void pel_mechanics_add_midedge(pel_tangent *tangent, const double *unknowns, pel
     for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++) {
         double moment[3];
         triangles[t].bending_energy += midedge_moments(tangent, own, t, unknowns, moment);
-        add_midedge(&own->shell->triangles[t].rest, moment, triangles[t].moment);
+        add_midedge(&own->rests[t], moment, triangles[t].moment);
     }
 }
 
@@ -199,7 +201,7 @@ void pel_mechanics_share_midedge(pel_tangent *tangent, const double *unknowns, p
     for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++) {
         double moment[3], energy = midedge_moments(tangent, own, t, unknowns, moment);
         for (int k = 0; k < 3; k++) {
-            int32_t v = tangent->model->mesh_vertex[own->shell->triangles[t].vertices[k]];
+            int32_t v = tangent->model->mesh_vertex[own->shell->corners[t][k]];
             bending[output_vertex != NULL ? output_vertex[v] : v] += energy / 3;
         }
     }
@@ -216,8 +218,10 @@ void pel_mechanics_fill(const pel_shell_forces *forces, int32_t body, int32_t tr
         return;
     for (int32_t t = 0; t < own->shell->triangle_count; t++)
         fill_triangle(own, t, position, time, &triangles[t]);
-    for (int32_t i = 0; i < pel_shell_elastic_hinges(own->shell); i++)
-        add_hinge(own->shell, forces->model->rest, &own->shell->hinges[i], position, triangles);
+    for (int32_t i = 0; i < pel_shell_elastic_hinges(own->shell); i++) {
+        const pel_shell_hinge hinge = pel_shell_hinge_of(own->shell, i);
+        add_hinge(own->shell, forces->model->rest, &hinge, position, triangles);
+    }
 }
 
 /* columns f1, f2 times a tensor in the plane (11, 22, 12) times their transpose: xx, yy, zz, xy, yz, xz */
@@ -247,19 +251,21 @@ static void to_plane(const double u[6], const double space[6], double plane[3])
 static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_record *rest, const pel_record *position,
                             pel_triangle_mechanics *out)
 {
-    const pel_shell_triangle *triangle = &own->shell->triangles[t];
+    const int32_t *corners = own->shell->corners[t];
+    const pel_rest_triangle shape = pel_shell_rest(own->shell, t);
+    double thickness = pel_shell_sheet_of(own->shell, t).thickness;
     double x[3][3], at_rest[3][3], axes[6], f[6], inverse[6], plane[3];
-    pel_load_points(position, triangle->vertices, 3, x);
-    pel_load_points(rest, triangle->vertices, 3, at_rest);
-    pel_deformation_gradient(&triangle->rest, (const double(*)[3])at_rest, axes);
-    pel_deformation_gradient(&triangle->rest, (const double(*)[3])x, f);
+    pel_load_points(position, corners, 3, x);
+    pel_load_points(rest, corners, 3, at_rest);
+    pel_deformation_gradient(&shape, (const double(*)[3])at_rest, axes);
+    pel_deformation_gradient(&shape, (const double(*)[3])x, f);
     double c11 = 0, c22 = 0, c12 = 0;
     for (int i = 0; i < 3; i++) {
         c11 += f[2 * i] * f[2 * i];
         c22 += f[2 * i + 1] * f[2 * i + 1];
         c12 += f[2 * i] * f[2 * i + 1];
     }
-    out->rest_area = triangle->rest.area;
+    out->rest_area = shape.area;
     out->area = pel_vec3_triangle_area(x[0], x[1], x[2]);
     double ratio = out->area / out->rest_area, determinant = ratio * ratio, poisson = own->law.poisson;
     const double green[3] = {0.5 * (c11 - 1), 0.5 * (c22 - 1), 0.5 * c12};
@@ -273,9 +279,9 @@ static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_reco
             inverse[2 * i + 1] = (f[2 * i + 1] * c11 - f[2 * i] * c12) / determinant;
         }
         to_plane(inverse, out->force, plane);
-        if (triangle->thickness > 0)
-            to_space(axes, 1 / (triangle->thickness * out->rest_area), plane, out->piola_stress);
-        out->thickness = triangle->thickness * pel_pow(ratio, -poisson / (1 - poisson));
+        if (thickness > 0)
+            to_space(axes, 1 / (thickness * out->rest_area), plane, out->piola_stress);
+        out->thickness = thickness * pow(ratio, -poisson / (1 - poisson));
     }
     to_space(f, per_area, moment, out->moment);
     for (int k = 0; k < 6; k++)

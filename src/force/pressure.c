@@ -80,8 +80,7 @@ double pel_body_volume(const pel_model *model, int32_t body, const pel_record *p
     pel_vertex_position(position, model->bodies[body].model_index[0], at);
     int32_t count = pel_surface_count(model, body);
     for (int32_t i = 0; i < count; i++) {
-        const int32_t *v =
-            shell != NULL ? shell->triangles[i].vertices : model->triangles[pel_surface_triangle(model, body, i)];
+        const int32_t *v = shell != NULL ? shell->corners[i] : model->triangles[pel_surface_triangle(model, body, i)];
         double x[3][3];
         for (int k = 0; k < 3; k++)
             pel_vertex_position(position, v[k], x[k]);

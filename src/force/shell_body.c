@@ -17,7 +17,7 @@ static pel_status check_bending(const pel_shell_body *own, pel_error *error)
 {
     const pel_shell *shell = own->shell;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
-        if (shell->has_membrane || shell->hinges[i].stiffness > 0)
+        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
             continue;
         pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
         pel_fail_element(error, "body", own->body);
@@ -39,20 +39,25 @@ static void set_law(pel_shell_body *own)
 
 /* Lists by owner: counts stand two places after their owner's number, sums make them begins one place after; filling
    moves each up to the start of the next owner, so that begin[owner] .. begin[owner + 1] is right at the end. */
+static void visit_element(pel_shell_body *own, bool list, int32_t element, const int32_t *vertices, int count)
+{
+    for (int k = 0; k < count; k++) {
+        int32_t *begin = &own->element_begin[vertices[k] - own->first_place];
+        if (list)
+            own->elements[begin[1]++] = element;
+        else
+            begin[2]++;
+    }
+}
+
 static void visit_elements(pel_shell_body *own, bool list)
 {
     const pel_shell *shell = own->shell;
-    for (int32_t i = 0; i < shell->triangle_count + shell->hinge_count; i++) {
-        bool hinge = i >= shell->triangle_count;
-        const int32_t *vertices =
-            hinge ? shell->hinges[i - shell->triangle_count].vertices : shell->triangles[i].vertices;
-        for (int k = 0; k < (hinge ? 4 : 3); k++) {
-            int32_t *begin = &own->element_begin[vertices[k] - own->first_place];
-            if (list)
-                own->elements[begin[1]++] = i;
-            else
-                begin[2]++;
-        }
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        visit_element(own, list, t, shell->corners[t], 3);
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        visit_element(own, list, shell->triangle_count + i, hinge.vertices, 4);
     }
 }
 

@@ -61,16 +61,16 @@ double pel_shell_sweep_volumes(const pel_batch *batch, int32_t begin, int32_t en
 /* ---- shell_element.c ---- */
 /* Energy of the membrane of triangle t and its gradient, which may be null. */
 double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3]);
-/* The same of the fibres of a region in a triangle. */
-double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, const pel_shell_fibre *fibre,
-                              double time, const double x[3][3], double gradient[3][3]);
+/* The same of fibres i of a region in their triangle. */
+double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, int32_t i, double time,
+                              const double x[3][3], double gradient[3][3]);
 /* fibres of a region that give forces */
 static inline int32_t pel_shell_fibre_count(const pel_shell_region *region)
 {
     return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
 }
-/* the fibres of a region in a triangle, or null: they stand by rising triangle */
-const pel_shell_fibre *pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle);
+/* which fibres of a region are in a triangle, -1 = none: they stand by rising triangle */
+int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle);
 /* rest length of a region's fibres over that of the shape */
 double pel_shell_rest_length(const pel_shell_region *region, double time);
 /* Energy of a hinge over its factor, and its gradient, which may be null. */

@@ -36,7 +36,7 @@ static void add_hinge_norms(const pel_shell *shell, const pel_record *rest, cons
         pel_dihedral_angle((const double(*)[3])x, gradient);
         for (int a = 0; a < 4; a++)
             norms[a] = pel_vec3_length(gradient[a]);
-        factor *= pel_shell_angle(rest, hinge).factor;
+        factor *= pel_shell_angle(shell, rest, hinge).factor;
     } else {
         const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
         for (int a = 0; a < 4; a++)
@@ -71,7 +71,7 @@ static void add_pressure_norms(const pel_shell_body *own, int32_t t, const doubl
     double size = pressure_size(shell) * (shell->pressure_weights != NULL ? fabs(shell->pressure_weights[t]) : 1);
     double edges = pel_vec3_distance(x[0], x[1]) + pel_vec3_distance(x[1], x[2]) + pel_vec3_distance(x[2], x[0]);
     for (int i = 0; i < 3; i++)
-        sums[shell->triangles[t].vertices[i] - own->first_place] += size * edges / 6;
+        sums[shell->corners[t][i] - own->first_place] += size * edges / 6;
 }
 
 /* what a pressure that changes with the volume adds: the eigenvalue c sum |g|^2 / m of c g g^T / m, with its slope c
@@ -88,8 +88,9 @@ static double volume_bound(const pel_model *model, const pel_shell_body *own, do
     memset(sums, 0, (size_t)own->place_count * sizeof *sums);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         double weight = shell->pressure_weights != NULL ? fabs(shell->pressure_weights[t]) : 1;
+        double area = pel_shell_rest(shell, t).area;
         for (int i = 0; i < 3; i++)
-            sums[shell->triangles[t].vertices[i] - own->first_place] += weight * shell->triangles[t].rest.area / 3;
+            sums[shell->corners[t][i] - own->first_place] += weight * area / 3;
     }
     double sum = 0;
     for (int32_t v = 0; v < own->place_count; v++)
@@ -99,10 +100,10 @@ static double volume_bound(const pel_model *model, const pel_shell_body *own, do
 
 static void add_triangle(const pel_shell_body *own, int32_t t, double stiffness, double *sums)
 {
-    const pel_shell_triangle *triangle = &own->shell->triangles[t];
+    const pel_rest_triangle rest = pel_shell_rest(own->shell, t);
     double norms[3];
-    strain_norms(&triangle->rest, norms);
-    add_norms(triangle->rest.area * stiffness, triangle->vertices, 3, norms, own->first_place, sums);
+    strain_norms(&rest, norms);
+    add_norms(rest.area * stiffness, own->shell->corners[t], 3, norms, own->first_place, sums);
 }
 
 /* largest stiffness of materials, fibres, bending and pressure at rest [N/m] */
@@ -112,20 +113,22 @@ static double body_bound(const pel_model *model, const pel_shell_body *own, doub
     double bound = 0, volume = volume_bound(model, own, sums), x[3][3];
     memset(sums, 0, (size_t)own->place_count * sizeof *sums);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
-        const pel_shell_triangle *triangle = &shell->triangles[t];
-        pel_load_points(model->rest, triangle->vertices, 3, x);
+        pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
+        pel_load_points(model->rest, shell->corners[t], 3, x);
         if (shell->has_membrane)
-            add_triangle(own, t, own->stiffness * triangle->young * triangle->thickness, sums);
+            add_triangle(own, t, own->stiffness * sheet.young * sheet.thickness, sums);
         add_pressure_norms(own, t, (const double(*)[3])x, sums);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {
         const pel_shell_region *region = &shell->regions[r];
         double stiffness = region->def.stiffness * pel_fibre_law_stiffness(region->def.kind);
         for (int32_t i = 0; i < pel_shell_fibre_count(region); i++)
-            add_triangle(own, region->fibres[i].triangle, stiffness * region->fibres[i].weight, sums);
+            add_triangle(own, pel_shell_fibre_triangle(region, i), stiffness * pel_shell_fibre_weight(region, i), sums);
     }
-    for (int32_t i = 0; i < shell->hinge_count; i++)
-        add_hinge_norms(shell, model->rest, &shell->hinges[i], own->first_place, sums);
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        add_hinge_norms(shell, model->rest, &hinge, own->first_place, sums);
+    }
     for (int32_t v = 0; v < own->place_count; v++)
         bound = fmax(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
     return bound + volume;

@@ -85,7 +85,7 @@ static double find_volume(const shell_loop *loop, const pel_shell_body *own, pel
         return pel_body_volume(loop->forces->model, own->body, loop->position);
     volume_job job = {.batch = own->pressed, .position = loop->position};
     double volume = 0;
-    job.origin = loop->position[own->shell->triangles[0].vertices[0]];
+    job.origin = loop->position[own->shell->corners[0][0]];
     pel_pool_run(pool, VOLUME_PARTS, volume_part, &job);
     for (int part = 0; part < VOLUME_PARTS; part++)
         volume += job.parts[part];

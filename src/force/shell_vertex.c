@@ -42,7 +42,7 @@ static void add_membrane(const corner_sums *sums, double *values)
     const pel_shell *shell = sums->own->shell;
     double x[3][3], gradient[3][3];
     for (int32_t t = 0; shell->has_membrane && t < shell->triangle_count; t++) {
-        const int32_t *vertices = shell->triangles[t].vertices;
+        const int32_t *vertices = shell->corners[t];
         pel_load_points(sums->position, vertices, 3, x);
         double energy = pel_shell_membrane_energy(sums->own, t, (const double(*)[3])x, sums->virial ? gradient : NULL);
         share(sums->virial ? virial_of((const double(*)[3])x, (const double(*)[3])gradient) : energy, vertices, 3,
@@ -56,10 +56,9 @@ static void add_fibres(const corner_sums *sums, double *values)
     double x[3][3], gradient[3][3];
     for (int32_t r = 0; r < shell->region_count; r++)
         for (int32_t i = 0; i < pel_shell_fibre_count(&shell->regions[r]); i++) {
-            const pel_shell_fibre *fibre = &shell->regions[r].fibres[i];
-            const int32_t *vertices = shell->triangles[fibre->triangle].vertices;
+            const int32_t *vertices = shell->corners[pel_shell_fibre_triangle(&shell->regions[r], i)];
             pel_load_points(sums->position, vertices, 3, x);
-            double energy = pel_shell_fibre_energy(shell, &shell->regions[r], fibre, sums->time, (const double(*)[3])x,
+            double energy = pel_shell_fibre_energy(shell, &shell->regions[r], i, sums->time, (const double(*)[3])x,
                                                    sums->virial ? gradient : NULL);
             share(sums->virial ? virial_of((const double(*)[3])x, (const double(*)[3])gradient) : energy, vertices, 3,
                   &sums->map, values);
@@ -92,12 +91,12 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     add_membrane(&sums, membrane);
     add_fibres(&sums, fibres);
     for (int32_t i = 0; i < pel_shell_elastic_hinges(shell); i++) {
-        const pel_shell_hinge *hinge = &shell->hinges[i];
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         double x[4][3];
-        pel_load_points(position, hinge->vertices, 4, x);
-        double energy = pel_shell_hinge_factor(shell, hinge) *
-                        pel_shell_hinge_energy(shell, forces->model->rest, hinge, (const double(*)[3])x, NULL);
-        share(energy, hinge->vertices, 4, &sums.map, bending);
+        pel_load_points(position, hinge.vertices, 4, x);
+        double energy = pel_shell_hinge_factor(shell, &hinge) *
+                        pel_shell_hinge_energy(shell, forces->model->rest, &hinge, (const double(*)[3])x, NULL);
+        share(energy, hinge.vertices, 4, &sums.map, bending);
     }
 }
 
@@ -111,13 +110,14 @@ static int corner_at(const int32_t *vertices, int32_t place)
     return corner;
 }
 
-static void subtract_hinge(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
-                           const pel_record *position, int32_t place, double force[3])
+static void subtract_hinge(const pel_shell *shell, const pel_record *rest, int32_t i, const pel_record *position,
+                           int32_t place, double force[3])
 {
+    const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
     double x[4][3], gradient[4][3];
-    pel_load_points(position, hinge->vertices, 4, x);
-    pel_shell_hinge_energy(shell, rest, hinge, (const double(*)[3])x, gradient);
-    pel_vec3_along(force, -pel_shell_hinge_factor(shell, hinge), gradient[corner_at(hinge->vertices, place)], force);
+    pel_load_points(position, hinge.vertices, 4, x);
+    pel_shell_hinge_energy(shell, rest, &hinge, (const double(*)[3])x, gradient);
+    pel_vec3_along(force, -pel_shell_hinge_factor(shell, &hinge), gradient[corner_at(hinge.vertices, place)], force);
 }
 
 static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_record *position, double time,
@@ -125,15 +125,15 @@ static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_re
 {
     const pel_shell *shell = own->shell;
     double x[3][3], gradient[3][3];
-    int corner = corner_at(shell->triangles[t].vertices, place);
-    pel_load_points(position, shell->triangles[t].vertices, 3, x);
+    int corner = corner_at(shell->corners[t], place);
+    pel_load_points(position, shell->corners[t], 3, x);
     if (shell->has_membrane) {
         pel_shell_membrane_energy(own, t, (const double(*)[3])x, gradient);
         pel_vec3_subtract(force, gradient[corner], force);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {
-        const pel_shell_fibre *fibre = pel_shell_find_fibre(&shell->regions[r], t);
-        if (fibre == NULL)
+        int32_t fibre = pel_shell_find_fibre(&shell->regions[r], t);
+        if (fibre < 0)
             continue;
         pel_shell_fibre_energy(shell, &shell->regions[r], fibre, time, (const double(*)[3])x, gradient);
         pel_vec3_subtract(force, gradient[corner], force);
@@ -153,7 +153,6 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
         if (element < triangle_count)
             subtract_triangle(own, element, position, time, place, force);
         else if (element - triangle_count < pel_shell_elastic_hinges(own->shell))
-            subtract_hinge(own->shell, forces->model->rest, &own->shell->hinges[element - triangle_count], position,
-                           place, force);
+            subtract_hinge(own->shell, forces->model->rest, element - triangle_count, position, place, force);
     }
 }

@@ -48,8 +48,7 @@ static double add_fibres(const tangent_loop *loop, const pel_tangent_shell *own,
         bool active = region->def.mode == PEL_FIBRE_ACTIVE, squared = !active && region->def.kind == PEL_FIBRE_STVK;
         double length =
             active ? region->def.rest_length.value * curve_value(&region->rest_length, loop->input->time) : 1;
-        const pel_line line =
-            pel_line_of_fibre(&own->shell->triangles[t].rest, squared, fibre->stiffness, length, fibre->direction);
+        const pel_line line = pel_line_of_fibre(&own->rests[t], squared, fibre->stiffness, length, fibre->direction);
         const pel_tangent_request request = request_of(loop, element, stress + i - own->fibre_begin[t]);
         energy += pel_line_tangent(&line, element->x, &request, &element->sum);
     }
@@ -80,9 +79,10 @@ static void add_triangle(const tangent_loop *loop, const pel_tangent_part *part,
         stress += own->fibre_begin[t];
     if (shell->has_membrane) {
         pel_membrane_law law = own->law;
-        law.modulus *= shell->triangles[t].young * shell->triangles[t].thickness;
+        pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
+        law.modulus *= sheet.young * sheet.thickness;
         const pel_tangent_request request = request_of(loop, element, stress);
-        energy->membrane += pel_membrane_tangent(&shell->triangles[t].rest, &law, element->x, &request, &element->sum);
+        energy->membrane += pel_membrane_tangent(&own->rests[t], &law, element->x, &request, &element->sum);
     }
     if (own->midedges != NULL)
         energy->edges += add_midedge(loop, own, t, stress + PEL_MEMBRANE_STRAINS, element);
@@ -103,17 +103,18 @@ static void add_hinge(const tangent_loop *loop, const pel_tangent_part *part, in
 {
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const pel_shell *shell = own->shell;
-    const pel_shell_hinge *hinge = &shell->hinges[i];
     const pel_tangent_request request = request_of(loop, element, part->first_stress + i * part->strains);
     if (own->hinges != NULL) {
-        energy->bending += pel_hinge_tangent(&own->hinges[i], hinge->stiffness, element->x, &request, &element->sum);
+        energy->bending += pel_hinge_tangent(&own->hinges[i], pel_shell_hinge_stiffness(shell, i), element->x, &request,
+                                             &element->sum);
         return;
     }
-    const pel_bending_isometric stencil = pel_shell_isometric(loop->tangent->model->rest, hinge);
-    const pel_line line = pel_line_of_isometric(&stencil, hinge->stiffness);
+    const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+    const pel_bending_isometric stencil = pel_shell_isometric(loop->tangent->model->rest, &hinge);
+    const pel_line line = pel_line_of_isometric(&stencil, hinge.stiffness);
     energy->bending += pel_line_tangent(&line, element->x, &request, &element->sum);
     if (shell->bending == PEL_BENDING_ISOMETRIC_REST)
-        energy->bending -= hinge->stiffness / 3 * stencil.rest_energy;
+        energy->bending -= hinge.stiffness / 3 * stencil.rest_energy;
 }
 
 static double factor_of(const tangent_loop *loop, int32_t body, pel_parameter parameter)
@@ -252,7 +253,7 @@ static double shell_volume(const tangent_loop *loop, const pel_tangent_shell *ow
 {
     double volume = 0, origin[3] = {0, 0, 0}, x[9];
     for (int32_t t = 0; t < own->shell->triangle_count; t++) {
-        pel_tangent_points(loop->input->unknowns, own->shell->triangles[t].vertices, 3, x);
+        pel_tangent_points(loop->input->unknowns, own->shell->corners[t], 3, x);
         if (t == 0)
             pel_vec3_copy(x, origin);
         volume += pel_vec3_cone_volume(origin, x, x + 3, x + 6);
@@ -264,7 +265,7 @@ static double shell_volume(const tangent_loop *loop, const pel_tangent_shell *ow
 static void pressure_vector(const tangent_loop *loop, const pel_tangent_shell *own, int32_t t, double vector[3])
 {
     double x[9], weight = own->shell->pressure_weights != NULL ? own->shell->pressure_weights[t] : 1;
-    pel_tangent_points(loop->input->unknowns, own->shell->triangles[t].vertices, 3, x);
+    pel_tangent_points(loop->input->unknowns, own->shell->corners[t], 3, x);
     pel_vec3_triangle_normal(x, x + 3, x + 6, vector);
     pel_vec3_scale(vector, weight / 6, vector);
 }
@@ -278,7 +279,7 @@ static void fill_rank_one(const tangent_loop *loop, const pel_tangent_shell *own
         double vector[3];
         pressure_vector(loop, own, t, vector);
         for (int k = 0; k < 3; k++) {
-            double *at = rank_one->gradient + 3 * (own->shell->triangles[t].vertices[k] - rank_one->first_vertex);
+            double *at = rank_one->gradient + 3 * (own->shell->corners[t][k] - rank_one->first_vertex);
             pel_vec3_add(at, vector, at);
         }
     }
@@ -315,7 +316,7 @@ static void add_normal_pressure(const tangent_loop *loop, const pel_tangent_shel
         double vector[3];
         pressure_vector(loop, own, t, vector);
         for (int k = 0; k < 3; k++) {
-            int32_t v = own->shell->triangles[t].vertices[k] - first;
+            int32_t v = own->shell->corners[t][k] - first;
             for (int c = 0; c < 3; c++)
                 own->normal_pressure[c][v] += vector[c];
             own->normal_pressure[3][v] += pel_vec3_length(vector);
@@ -401,9 +402,8 @@ void pel_tangent_follow(pel_tangent *tangent, const double *unknowns)
                 if (own->shell->regions[own->fibres[i].region].def.direction != PEL_FIBRE_PRINCIPAL)
                     continue;
                 double x[3][3];
-                pel_tangent_points(unknowns, own->shell->triangles[t].vertices, 3, x[0]);
-                pel_principal_direction(&own->shell->triangles[t].rest, (const double(*)[3])x,
-                                        own->fibres[i].direction);
+                pel_tangent_points(unknowns, own->shell->corners[t], 3, x[0]);
+                pel_principal_direction(&own->rests[t], (const double(*)[3])x, own->fibres[i].direction);
             }
     }
 }

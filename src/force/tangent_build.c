@@ -42,7 +42,7 @@ static int32_t edge_limit(const pel_shell *shell)
 static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error *error)
 {
     for (int32_t i = 0; i < shell->hinge_count; i++) {
-        if (shell->has_membrane || shell->hinges[i].stiffness > 0)
+        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
             continue;
         pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
         pel_fail_element(error, "body", body);
@@ -79,6 +79,8 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
     int32_t first = tangent->model->bodies[own->body].slice_begin * PEL_WIDTH;
     size_t places = (size_t)(pel_body_place_end(tangent->model, own->body) - first);
     bool all = allocate_fibres(own);
+    own->rests = pel_allocate(triangles, sizeof *own->rests);
+    all &= own->rests != NULL;
     if (has_midedge(shell)) {
         own->edges = pel_allocate(triangles, sizeof *own->edges);
         own->midedges = pel_allocate(triangles, sizeof *own->midedges);
@@ -189,22 +191,22 @@ static void fill_fibres(pel_tangent_shell *own)
     memset(own->fibre_begin, 0, ((size_t)shell->triangle_count + 2) * sizeof *own->fibre_begin);
     for (int32_t r = 0; r < shell->region_count; r++)
         for (int32_t i = 0; has_energy(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++)
-            own->fibre_begin[shell->regions[r].fibres[i].triangle + 2]++;
+            own->fibre_begin[pel_shell_fibre_triangle(&shell->regions[r], i) + 2]++;
     sum_counts(own->fibre_begin, shell->triangle_count);
     for (int32_t r = 0; r < shell->region_count; r++)
         for (int32_t i = 0; has_energy(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++) {
-            const pel_shell_fibre *fibre = &shell->regions[r].fibres[i];
-            own->fibres[own->fibre_begin[fibre->triangle + 1]++] =
+            const pel_shell_fibre fibre = pel_shell_fibre_of(shell, &shell->regions[r], i);
+            own->fibres[own->fibre_begin[fibre.triangle + 1]++] =
                 (pel_tangent_fibre){.region = r,
-                                    .stiffness = shell->regions[r].def.stiffness * fibre->weight,
-                                    .direction = {fibre->direction[0], fibre->direction[1]}};
+                                    .stiffness = shell->regions[r].def.stiffness * fibre.weight,
+                                    .direction = {fibre.direction[0], fibre.direction[1]}};
         }
 }
 
 /* the side of a triangle that begins at a vertex */
-static int side_from(const pel_shell_triangle *triangle, int32_t vertex)
+static int side_from(const int32_t corners[3], int32_t vertex)
 {
-    return triangle->vertices[0] == vertex ? 0 : triangle->vertices[1] == vertex ? 1 : 2;
+    return corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
 }
 
 static void add_edge(pel_tangent *tangent, const pel_tangent_edge *edge)
@@ -220,19 +222,19 @@ static void fill_edges(pel_tangent *tangent, pel_tangent_shell *own)
         for (int k = 0; k < 3; k++)
             own->edges[t][k] = NONE;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
-        const pel_shell_hinge *hinge = &shell->hinges[i];
-        pel_tangent_edge edge = {.body = own->body, .rest_angle = hinge->rest_angle};
-        memcpy(edge.vertices, hinge->vertices, sizeof edge.vertices);
-        memcpy(edge.triangles, hinge->triangles, sizeof edge.triangles);
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        pel_tangent_edge edge = {.body = own->body, .rest_angle = pel_shell_rest_angle(shell, i)};
+        memcpy(edge.vertices, hinge.vertices, sizeof edge.vertices);
+        memcpy(edge.triangles, hinge.triangles, sizeof edge.triangles);
         for (int side = 0; side < 2; side++) {
-            int32_t t = hinge->triangles[side], e = tangent->pattern.edge_count;
-            own->edges[t][side_from(&shell->triangles[t], hinge->vertices[side])] = side == 0 ? e : ~e;
+            int32_t t = hinge.triangles[side], e = tangent->pattern.edge_count;
+            own->edges[t][side_from(shell->corners[t], hinge.vertices[side])] = side == 0 ? e : ~e;
         }
         add_edge(tangent, &edge);
     }
     for (int32_t t = 0; t < shell->triangle_count; t++)
         for (int k = 0; k < 3; k++) {
-            const int32_t *v = shell->triangles[t].vertices;
+            const int32_t *v = shell->corners[t];
             if (own->edges[t][k] != NONE)
                 continue;
             const pel_tangent_edge edge = {
@@ -250,13 +252,17 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
     material.young = material.thickness = 1;
     own->law = pel_membrane_law_of(&material);
     fill_fibres(own);
-    for (int32_t i = 0; own->hinges != NULL && i < shell->hinge_count; i++)
-        own->hinges[i] = pel_shell_angle(tangent->model->rest, &shell->hinges[i]);
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        own->rests[t] = pel_shell_rest(shell, t);
+    for (int32_t i = 0; own->hinges != NULL && i < shell->hinge_count; i++) {
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        own->hinges[i] = pel_shell_angle(shell, tangent->model->rest, &hinge);
+    }
     if (!has_midedge(shell))
         return;
     fill_edges(tangent, own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        own->midedges[t] = pel_midedge_setup(&shell->triangles[t].rest, shell->parts[t].stiffness, poisson);
+        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, poisson);
 }
 
 /* ---- springs and points ---- */
@@ -336,14 +342,14 @@ static void fill_nodes_of(pel_tangent *tangent, const pel_tangent_part *part, in
     const pel_tangent_shell *own = part->shell >= 0 ? &tangent->shells[part->shell] : NULL;
     switch (part->kind) {
     case PEL_TANGENT_PART_TRIANGLES:
-        memcpy(nodes, own->shell->triangles[i].vertices, 3 * sizeof *nodes);
+        memcpy(nodes, own->shell->corners[i], 3 * sizeof *nodes);
         for (int k = 3; k < part->nodes; k++) {
             double sign;
             nodes[k] = tangent->pattern.vertex_count + pel_tangent_edge_of(own->edges[i][k - 3], &sign);
         }
         return;
     case PEL_TANGENT_PART_HINGES:
-        memcpy(nodes, own->shell->hinges[i].vertices, 4 * sizeof *nodes);
+        memcpy(nodes, pel_shell_hinge_of(own->shell, i).vertices, 4 * sizeof *nodes);
         return;
     case PEL_TANGENT_PART_SPRINGS:
         memcpy(nodes, tangent->springs[i].vertices, 2 * sizeof *nodes);
@@ -459,7 +465,8 @@ void pel_tangent_destroy(pel_tangent *tangent)
         return;
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         pel_tangent_shell *own = &tangent->shells[i];
-        void *arrays[] = {own->fibre_begin,
+        void *arrays[] = {own->rests,
+                          own->fibre_begin,
                           own->fibres,
                           own->edges,
                           own->midedges,

@@ -41,8 +41,8 @@ static void load_triangle(const pel_tangent *tangent, const pel_tangent_shell *o
     size_t positions = 3 * (size_t)tangent->pattern.vertex_count;
     const double *xi = tangent->input.unknowns + positions;
     *at = (triangle){.tangent = tangent, .own = own, .t = t};
-    pel_tangent_points(tangent->input.unknowns, own->shell->triangles[t].vertices, 3, at->x);
-    pel_tangent_points(m, own->shell->triangles[t].vertices, 3, at->m);
+    pel_tangent_points(tangent->input.unknowns, own->shell->corners[t], 3, at->x);
+    pel_tangent_points(m, own->shell->corners[t], 3, at->m);
     for (int k = 0; own->midedges != NULL && k < 3; k++) {
         int32_t e = at->edges[k] = pel_tangent_edge_of(own->edges[t][k], &at->sign[k]);
         at->alpha[k] = tangent->half_angles[e] + at->sign[k] * xi[e];
@@ -54,8 +54,9 @@ static triangle_numbers numbers_of(const triangle *at)
 {
     const pel_shell *shell = at->own->shell;
     pel_membrane_material material = shell->material;
-    triangle_numbers numbers = {.rest = shell->triangles[at->t].rest, .law = at->own->law};
-    numbers.law.modulus *= shell->triangles[at->t].young * shell->triangles[at->t].thickness;
+    triangle_numbers numbers = {.rest = at->own->rests[at->t], .law = at->own->law};
+    pel_shell_sheet sheet = pel_shell_sheet_of(shell, at->t);
+    numbers.law.modulus *= sheet.young * sheet.thickness;
     numbers.stiffness = at->own->midedges != NULL ? shell->parts[at->t].stiffness : 0;
     numbers.poisson = shell->has_membrane ? pel_membrane_law_of(&material).poisson : material.poisson;
     return numbers;
@@ -107,13 +108,14 @@ static const double places[4] = {-2, -1, 1, 2};
 static double poisson_slope(const triangle *at, const triangle_numbers *numbers)
 {
     const pel_shell *shell = at->own->shell;
+    pel_shell_sheet sheet = pel_shell_sheet_of(shell, at->t);
     double f[4];
     for (int i = 0; i < 4; i++) {
         pel_membrane_material material = shell->material;
         triangle_numbers moved = *numbers;
         material.poisson += places[i] * STEP;
-        material.young = shell->triangles[at->t].young;
-        material.thickness = shell->triangles[at->t].thickness;
+        material.young = sheet.young;
+        material.thickness = sheet.thickness;
         moved.law = pel_membrane_law_of(&material);
         moved.poisson = shell->has_membrane ? moved.law.poisson : material.poisson;
         f[i] = membrane_product(at, &moved) + bending_product(at, &moved, at->alpha);
@@ -125,7 +127,7 @@ static double poisson_slope(const triangle *at, const triangle_numbers *numbers)
 
 static void rest_slopes(const triangle *at, const triangle_numbers *numbers, double *rest)
 {
-    const int32_t *v = at->own->shell->triangles[at->t].vertices;
+    const int32_t *v = at->own->shell->corners[at->t];
     double corners[3][3];
     for (int k = 0; k < 3; k++)
         pel_vertex_position(at->tangent->model->rest, v[k], corners[k]);
@@ -186,12 +188,12 @@ static double hinges_product(const pel_tangent *tangent, const pel_tangent_shell
     const pel_shell *shell = own->shell;
     double sum = 0;
     for (int32_t i = 0; own->midedges == NULL && i < shell->hinge_count; i++) {
-        const pel_shell_hinge *hinge = &shell->hinges[i];
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         double x[12], gradient[4][3], moved[12];
-        pel_tangent_points(tangent->input.unknowns, hinge->vertices, 4, x);
-        pel_tangent_points(m, hinge->vertices, 4, moved);
-        pel_shell_hinge_energy(shell, tangent->model->rest, hinge, (const double(*)[3])x, gradient);
-        sum += pel_shell_hinge_factor(shell, hinge) * product(moved, &gradient[0][0], 12);
+        pel_tangent_points(tangent->input.unknowns, hinge.vertices, 4, x);
+        pel_tangent_points(m, hinge.vertices, 4, moved);
+        pel_shell_hinge_energy(shell, tangent->model->rest, &hinge, (const double(*)[3])x, gradient);
+        sum += pel_shell_hinge_factor(shell, &hinge) * product(moved, &gradient[0][0], 12);
     }
     return sum;
 }

@@ -43,7 +43,7 @@ static bool is_like(const double a[3], const double b[3])
 /* force of a touched vertex on the tool; returns its size and its direction */
 static double touch_force(const pel_sim *sim, int32_t v, double direction[3])
 {
-    pel_vertex_position(sim->contact_forces.vertex, v, direction);
+    pel_contact_force_at(&sim->contact_forces.vertex, v, direction);
     pel_vec3_scale(direction, -1, direction);
     return pel_vec3_normalize(direction);
 }

@@ -208,17 +208,19 @@ bool pel_model_allocate(pel_model *model)
            model->triangle_begin != NULL && model->fan_begin != NULL;
 }
 
-bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan_count)
+bool pel_model_allocate_slots(pel_model *model, pel_spring_room room, int32_t fan_count)
 {
+    bool with_lengths = room != PEL_SPRINGS_OFF, with_stiffness = room == PEL_SPRINGS_OWN;
     size_t count = (size_t)model->slot_begin[model->slice_count];
     model->neighbours = pel_allocate_aligned(count, sizeof *model->neighbours);
-    model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
+    if (with_lengths)
+        model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
     if (with_stiffness) {
         model->stiffnesses = pel_allocate_aligned(count, sizeof *model->stiffnesses);
         model->products = pel_allocate_aligned(count, sizeof *model->products);
     }
     model->fans = pel_allocate((size_t)fan_count, sizeof *model->fans);
-    return model->neighbours != NULL && model->rest_lengths != NULL && model->fans != NULL &&
+    return model->neighbours != NULL && (!with_lengths || model->rest_lengths != NULL) && model->fans != NULL &&
            (!with_stiffness || (model->stiffnesses != NULL && model->products != NULL));
 }
 
@@ -482,7 +484,7 @@ static pel_status name_body(pel_status status, const char *name, int32_t body, p
 
 static pel_status build_bodies(pel_model *model, const pel_model_def *def, build *builds, pel_error *error)
 {
-    bool with_stiffness = false;
+    pel_spring_room springs = PEL_SPRINGS_OFF;
     for (int32_t b = 0; b < model->body_count; b++) {
         pel_body *body = &model->bodies[b];
         pel_status status = begin_body(&def->bodies[b], body, &builds[b], error);
@@ -492,7 +494,10 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         model->slice_count += (body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH;
         body->slice_end = model->slice_count;
         model->triangle_count += body->mesh->triangle_count;
-        with_stiffness |= body->uniform_spring < 0;
+        if (body->uniform_spring < 0)
+            springs = PEL_SPRINGS_OWN;
+        else if (body->uniform_spring > 0 && springs == PEL_SPRINGS_OFF)
+            springs = PEL_SPRINGS_UNIFORM;
     }
     model->vertex_count = model->slice_count * PEL_WIDTH;
     if (!pel_model_allocate(model))
@@ -509,7 +514,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         fill_triangles(model, b);
     }
     int32_t *filled = pel_allocate((size_t)model->vertex_count, sizeof *filled);
-    bool room = filled != NULL && pel_model_allocate_slots(model, with_stiffness, 3 * model->triangle_count);
+    bool room = filled != NULL && pel_model_allocate_slots(model, springs, 3 * model->triangle_count);
     for (int32_t b = 0; room && b < model->body_count; b++)
         fill_springs(model, &builds[b].def, &model->bodies[b], builds[b].topology, filled);
     pel_free(filled);

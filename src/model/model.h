@@ -105,7 +105,7 @@ struct pel_model {
     int32_t *slot_begin;              /* (slice_count + 1) */
     int32_t *slot_end;                /* (slice_count) at least one slot in each; an active model has room behind it */
     int32_t (*neighbours)[PEL_WIDTH]; /* (slot_count) */
-    pel_wide *rest_lengths;           /* (slot_count) */
+    pel_wide *rest_lengths;           /* (slot_count) null where no body has springs: pel_model_rest_length */
     pel_wide *stiffnesses;            /* (slot_count), null when every body has a uniform one */
     pel_wide *products;               /* (slot_count) stiffness x rest length, null likewise */
 
@@ -129,24 +129,44 @@ static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
 /* The arrays by vertex, slice and triangle, for the counts that the model has; false when out of memory. What was made
    is freed by pel_model_free_arrays. */
 bool pel_model_allocate(pel_model *model);
+/* What is known of the springs of a model. */
+typedef enum pel_spring_room {
+    PEL_SPRINGS_OFF,     /* which vertices are neighbours */
+    PEL_SPRINGS_UNIFORM, /* rest lengths too */
+    PEL_SPRINGS_OWN      /* and stiffnesses */
+} pel_spring_room;
 /* Those by slot, for the slots up to slot_begin[slice_count], and fans. */
-bool pel_model_allocate_slots(pel_model *model, bool with_stiffness, int32_t fan_count);
+bool pel_model_allocate_slots(pel_model *model, pel_spring_room room, int32_t fan_count);
 /* All of them; names, meshes and the like belong to the bodies. */
 void pel_model_free_arrays(pel_model *model);
 
 /* Stiffness of the spring on an edge of the body's mesh [N/m]; of keyed springs that at the factor 1. */
 double pel_model_rest_stiffness(const pel_body_def *def, const pel_topology *topology, int32_t edge);
 
+/* by the very operations of the force loop */
+static inline pel_real pel_model_distance_at_rest(const pel_model *model, int32_t i, int32_t j)
+{
+    pel_record d = model->rest[j] - model->rest[i];
+    return pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+}
+
+/* Rest length of the spring, or of the edge, in a slot of place i. */
+static inline pel_real pel_model_rest_length(const pel_model *model, int32_t slot, int32_t i)
+{
+    return model->rest_lengths != NULL ? model->rest_lengths[slot][i % PEL_WIDTH]
+                                       : pel_model_distance_at_rest(model, i, model->neighbours[slot][i % PEL_WIDTH]);
+}
+
 /* Writes the spring from place i to j into a slot of i; from i to itself, with stiffness 0, it fills the slot up. The
    rest length comes from the very operations of the force loop, and the stiffness, in its last bit, from the product:
    so the rest shape is free of force to the last bit. */
 static inline void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness)
 {
-    pel_record d = model->rest[j] - model->rest[i];
-    pel_real length = pel_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + PEL_REAL_TINY);
+    pel_real length = pel_model_distance_at_rest(model, i, j);
     int32_t lane = i % PEL_WIDTH;
     model->neighbours[slot][lane] = j;
-    model->rest_lengths[slot][lane] = length;
+    if (model->rest_lengths != NULL)
+        model->rest_lengths[slot][lane] = length;
     if (model->stiffnesses == NULL)
         return;
     pel_real product = (pel_real)stiffness * length;

@@ -208,7 +208,9 @@ static void copy_springs(pel_refined_model *active, int32_t b)
     for (int32_t s = body->slice_begin; s < body->slice_end; s++) {
         int32_t from = given->slot_begin[s - shift / PEL_WIDTH], to = model->slot_begin[s];
         for (int32_t i = 0; i < model->slot_end[s] - to; i++) {
-            model->rest_lengths[to + i] = given->rest_lengths[from + i];
+            for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
+                model->rest_lengths[to + i][lane] =
+                    pel_model_rest_length(given, from + i, s * PEL_WIDTH - shift + lane);
             if (given->stiffnesses != NULL) {
                 model->stiffnesses[to + i] = given->stiffnesses[from + i];
                 model->products[to + i] = given->products[from + i];
@@ -691,13 +693,14 @@ static pel_status create_shell(pel_refined_model *active, int32_t b, pel_error *
     pel_refined_body *own = &active->bodies[b];
     if (given->shell == NULL)
         return PEL_OK;
-    int32_t shift = (body->slice_begin - given->slice_begin) * PEL_WIDTH, limit = given->shell->triangle_count;
+    int32_t limit = given->shell->triangle_count;
+    const int32_t(*corners)[3] = (const int32_t(*)[3])active->model.triangles + active->model.triangle_begin[b];
     if (body->front != NULL) {
         const pel_lod_forest *forest = body->front->forest;
         limit = forest->levels[forest->depth]->triangle_count;
         limit = own->triangle_limit < limit ? own->triangle_limit : limit;
     }
-    pel_status status = pel_shell_front_create(given, body, shift, own->fine_limit, limit, &own->shell, error);
+    pel_status status = pel_shell_front_create(given, body, corners, own->fine_limit, limit, &own->shell, error);
     if (status == PEL_OK)
         body->shell = &own->shell->shell;
     return status;
@@ -713,7 +716,7 @@ static pel_status build(pel_refined_model *active, pel_error *error)
     for (int32_t b = 0; room && b < model->body_count; b++)
         room = allocate_body(active, b);
     room = room && allocate_row(active, lay_out_slots(active)) &&
-           pel_model_allocate_slots(model, true, 3 * active->given->triangle_count);
+           pel_model_allocate_slots(model, PEL_SPRINGS_OWN, 3 * active->given->triangle_count);
     if (!room)
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {

@@ -239,48 +239,61 @@ static double mean_weight(const double *weights, const int32_t vertices[3])
     return weights == NULL ? 1 : (weights[vertices[0]] + weights[vertices[1]] + weights[vertices[2]]) / 3;
 }
 
-static pel_status create_triangles(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
+static void load_corners(const pel_mesh *mesh, int32_t t, double x[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        memcpy(x[i], mesh->positions[mesh->triangles[t][i]], sizeof x[i]);
+}
+
+static pel_status check_areas(const pel_body *body, pel_shell *shell, pel_error *error)
 {
     const pel_mesh *mesh = body->mesh;
-    shell->triangle_count = shell->triangle_limit = mesh->triangle_count;
-    shell->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *shell->triangles);
-    if (shell->triangles == NULL)
-        return pel_fail_memory(error);
-    double edges = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        pel_shell_triangle *triangle = &shell->triangles[t];
-        const int32_t *v = mesh->triangles[t];
         double x[3][3];
-        for (int i = 0; i < 3; i++) {
-            triangle->vertices[i] = body->model_index[v[i]];
-            memcpy(x[i], mesh->positions[v[i]], sizeof x[i]);
-        }
-        if (!pel_rest_triangle_setup((const double(*)[3])x, &triangle->rest)) {
+        pel_rest_triangle rest;
+        load_corners(mesh, t, x);
+        if (!pel_rest_triangle_setup((const double(*)[3])x, &rest)) {
             pel_fail(error, PEL_BAD_MESH, "triangle has no area");
             pel_fail_element(error, "triangle", t);
             pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
             return PEL_BAD_MESH;
         }
-        triangle->young = corner_mean(&def->shell.membrane.young, v);
-        triangle->thickness = corner_mean(&def->shell.membrane.thickness, v);
         for (int i = 0; i < 3; i++)
-            edges += pel_vec3_distance(x[i], x[(i + 1) % 3]) / (3.0 * mesh->triangle_count);
+            shell->mean_edge += pel_vec3_distance(x[i], x[(i + 1) % 3]) / (3.0 * mesh->triangle_count);
     }
-    shell->mean_edge = edges;
-    shell->has_membrane = def->shell.membrane.on;
-    shell->strain_limit = shell->has_membrane ? def->shell.membrane.strain_limit : 0;
-    shell->material = material_at(&def->shell.membrane, mesh->triangles[0][0]);
-    shell->material.young = shell->triangles[0].young;
-    shell->material.thickness = shell->triangles[0].thickness;
     return PEL_OK;
 }
 
+static pel_status create_triangles(const pel_body_def *def, const pel_model *model, const pel_body *body,
+                                   pel_shell *shell, pel_error *error)
+{
+    const pel_membrane_def *membrane = &def->shell.membrane;
+    const pel_mesh *mesh = shell->mesh = body->mesh;
+    shell->triangle_count = shell->triangle_limit = mesh->triangle_count;
+    shell->corners = (const int32_t(*)[3])model->triangles + model->triangle_begin[body - model->bodies];
+    if (membrane->young.field != NULL || membrane->thickness.field != NULL) {
+        shell->sheets = pel_allocate((size_t)mesh->triangle_count, sizeof *shell->sheets);
+        if (shell->sheets == NULL)
+            return pel_fail_memory(error);
+    }
+    for (int32_t t = 0; shell->sheets != NULL && t < mesh->triangle_count; t++)
+        shell->sheets[t] = (pel_shell_sheet){corner_mean(&membrane->young, mesh->triangles[t]),
+                                             corner_mean(&membrane->thickness, mesh->triangles[t])};
+    shell->has_membrane = membrane->on;
+    shell->strain_limit = shell->has_membrane ? membrane->strain_limit : 0;
+    shell->material = material_at(membrane, mesh->triangles[0][0]);
+    shell->material.young = corner_mean(&membrane->young, mesh->triangles[0]);
+    shell->material.thickness = corner_mean(&membrane->thickness, mesh->triangles[0]);
+    return check_areas(body, shell, error);
+}
+
 /* D of a triangle by its material; 0 without a membrane */
-static double triangle_bending(const pel_shell *shell, const pel_shell_triangle *triangle)
+static double triangle_bending(const pel_shell *shell, int32_t t)
 {
     if (!shell->has_membrane)
         return 0;
-    return pel_bending_stiffness(triangle->young, pel_membrane_law_of(&shell->material).poisson, triangle->thickness);
+    pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
+    return pel_bending_stiffness(sheet.young, pel_membrane_law_of(&shell->material).poisson, sheet.thickness);
 }
 
 /* bending of triangles: of hinges between their parts, or of mid-edge elements */
@@ -296,7 +309,7 @@ static pel_status create_parts(const pel_body_def *def, const pel_body *body, pe
         pel_shell_part_bending *part = &shell->parts[t];
         const int32_t *v = body->mesh->triangles[t];
         bool own = given->field == NULL && given->value < 0;
-        part->stiffness = own ? triangle_bending(shell, &shell->triangles[t]) : corner_mean(given, v);
+        part->stiffness = own ? triangle_bending(shell, t) : corner_mean(given, v);
         part->curl = 1;
         for (int32_t i = 0; i < def->shell.anisotropy_count; i++) {
             const pel_anisotropy_def *curl = &def->shell.anisotropies[i];
@@ -308,7 +321,7 @@ static pel_status create_parts(const pel_body_def *def, const pel_body *body, pe
 }
 
 /* D of a hinge: given, or that of the two triangles beside it */
-static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, const pel_shell_hinge *hinge,
+static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, const int32_t sides[2],
                               const int32_t ends[2])
 {
     const pel_quantity *given = &def->shell.bending.stiffness;
@@ -316,36 +329,65 @@ static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, c
         return 0.5 * (given->field[ends[0]] + given->field[ends[1]]);
     if (!(given->value < 0))
         return given->value;
-    return 0.5 * triangle_bending(shell, &shell->triangles[hinge->triangles[0]]) +
-           0.5 * triangle_bending(shell, &shell->triangles[hinge->triangles[1]]);
+    return 0.5 * triangle_bending(shell, sides[0] / 3) + 0.5 * triangle_bending(shell, sides[1] / 3);
 }
 
-static bool setup_hinge(const pel_body *body, const pel_topology *topology, int32_t h, pel_shell_hinge *hinge)
+/* false when there is no hinge */
+static bool find_rest_angle(const pel_mesh *mesh, const int32_t sides[2], double *angle)
 {
-    int32_t twin = topology->twin[h];
-    const int32_t v[4] = {pel_half_edge_origin(topology, h), pel_half_edge_target(topology, h),
-                          pel_half_edge_origin(topology, pel_half_edge_previous(h)),
-                          pel_half_edge_origin(topology, pel_half_edge_previous(twin))};
+    const int32_t corners[4] = {sides[0], pel_half_edge_next(sides[0]), pel_half_edge_previous(sides[0]),
+                                pel_half_edge_previous(sides[1])};
     double x[4][3];
-    for (int i = 0; i < 4; i++) {
-        hinge->vertices[i] = body->model_index[v[i]];
-        memcpy(x[i], body->mesh->positions[v[i]], sizeof x[i]);
-    }
-    hinge->triangles[0] = h / 3;
-    hinge->triangles[1] = twin / 3;
     pel_hinge stencil;
-    if (!pel_hinge_setup((const double(*)[3])x, &stencil))
-        return false;
-    hinge->rest_angle = stencil.rest_angle;
-    return true;
+    for (int i = 0; i < 4; i++)
+        memcpy(x[i], mesh->positions[mesh->triangles[corners[i] / 3][corners[i] % 3]], sizeof x[i]);
+    bool is_hinge = pel_hinge_setup((const double(*)[3])x, &stencil);
+    *angle = stencil.rest_angle;
+    return is_hinge;
 }
 
-static pel_status fail_folded(const pel_shell_hinge *hinge, pel_error *error)
+static pel_status fail_folded(const int32_t sides[2], pel_error *error)
 {
-    pel_fail(error, PEL_BAD_MESH, "triangle is folded onto its neighbour %d at rest", (int)hinge->triangles[1]);
-    pel_fail_element(error, "triangle", hinge->triangles[0]);
+    pel_fail(error, PEL_BAD_MESH, "triangle is folded onto its neighbour %d at rest", (int)(sides[1] / 3));
+    pel_fail_element(error, "triangle", sides[0] / 3);
     pel_fail_remedy(error, "unfold or remove one of them, or leave out the bending");
     return PEL_BAD_MESH;
+}
+
+/* a rest angle with all curls applied */
+static double curl(const pel_body_def *def, const int32_t ends[2], double angle)
+{
+    for (int32_t i = 0; i < def->shell.anisotropy_count; i++) {
+        const pel_anisotropy_def *region = &def->shell.anisotropies[i];
+        if (region->mode != PEL_FIBRE_CURL)
+            continue;
+        double w = region->weights == NULL ? 1 : 0.5 * (region->weights[ends[0]] + region->weights[ends[1]]);
+        angle *= 1 + w * (region->curvature - 1);
+    }
+    return angle;
+}
+
+static bool has_curls(const pel_body_def *def)
+{
+    for (int32_t i = 0; i < def->shell.anisotropy_count; i++)
+        if (def->shell.anisotropies[i].mode == PEL_FIBRE_CURL)
+            return true;
+    return false;
+}
+
+/* A body that refines keeps its rest angles: events take them over. */
+static pel_status allocate_hinges(const pel_body_def *def, const pel_topology *topology, bool refines, pel_shell *shell,
+                                  pel_error *error)
+{
+    size_t limit = (size_t)topology->edge_count;
+    bool keeps = refines || has_curls(def),
+         varies = shell->sheets != NULL || def->shell.bending.stiffness.field != NULL;
+    shell->hinge_sides = pel_allocate(limit, sizeof *shell->hinge_sides);
+    shell->rest_angles = keeps ? pel_allocate(limit, sizeof *shell->rest_angles) : NULL;
+    shell->hinge_stiffnesses = varies ? pel_allocate(limit, sizeof *shell->hinge_stiffnesses) : NULL;
+    bool made = shell->hinge_sides != NULL && (!keeps || shell->rest_angles != NULL) &&
+                (!varies || shell->hinge_stiffnesses != NULL);
+    return made ? PEL_OK : pel_fail_memory(error);
 }
 
 static pel_status create_hinges(const pel_body_def *def, const pel_body *body, const pel_topology *topology,
@@ -355,30 +397,25 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
     shell->bending_weight = def->shell.bending.weight;
     if (shell->bending == PEL_BENDING_OFF)
         return PEL_OK;
-    shell->hinges = pel_allocate((size_t)topology->edge_count, sizeof *shell->hinges);
-    if (shell->hinges == NULL)
-        return pel_fail_memory(error);
-    for (int32_t e = 0; e < topology->edge_count; e++) {
-        int32_t h = topology->half_edge_of_edge[e];
-        if (topology->twin[h] < 0)
-            continue;
-        pel_shell_hinge *hinge = &shell->hinges[shell->hinge_count];
-        if (!setup_hinge(body, topology, h, hinge))
-            continue;
-        if (fabs(hinge->rest_angle) > FOLDED_ANGLE)
-            return fail_folded(hinge, error);
+    pel_status status = allocate_hinges(def, topology, body->detail != NULL, shell, error);
+    for (int32_t e = 0; status == PEL_OK && e < topology->edge_count; e++) {
+        int32_t h = topology->half_edge_of_edge[e], i = shell->hinge_count;
+        const int32_t sides[2] = {h, topology->twin[h]};
         const int32_t ends[2] = {pel_half_edge_origin(topology, h), pel_half_edge_target(topology, h)};
-        hinge->stiffness = hinge_stiffness(def, shell, hinge, ends);
-        for (int32_t i = 0; i < def->shell.anisotropy_count; i++) {
-            const pel_anisotropy_def *curl = &def->shell.anisotropies[i];
-            if (curl->mode != PEL_FIBRE_CURL)
-                continue;
-            double w = curl->weights == NULL ? 1 : 0.5 * (curl->weights[ends[0]] + curl->weights[ends[1]]);
-            hinge->rest_angle *= 1 + w * (curl->curvature - 1);
-        }
+        double angle;
+        if (sides[1] < 0 || !find_rest_angle(shell->mesh, sides, &angle))
+            continue;
+        if (fabs(angle) > FOLDED_ANGLE)
+            return fail_folded(sides, error);
+        shell->hinge_stiffness = hinge_stiffness(def, shell, sides, ends);
+        memcpy(shell->hinge_sides[i], sides, sizeof sides);
+        if (shell->rest_angles != NULL)
+            shell->rest_angles[i] = curl(def, ends, angle);
+        if (shell->hinge_stiffnesses != NULL)
+            shell->hinge_stiffnesses[i] = shell->hinge_stiffness;
         shell->hinge_count++;
     }
-    return PEL_OK;
+    return status;
 }
 
 void pel_shell_fibre_direction(const pel_anisotropy_def *def, const double x[3][3], double direction[2])
@@ -402,22 +439,23 @@ static pel_status create_region(const pel_anisotropy_def *def, const pel_body *b
     pel_status status = pel_curve_copy(&def->rest_length, &region->rest_length, error);
     if (status != PEL_OK || def->mode == PEL_FIBRE_CURL)
         return status;
-    int32_t count = 0;
+    if (def->weights == NULL) {
+        region->fibre_count = mesh->triangle_count;
+        return PEL_OK;
+    }
+    size_t count = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++)
         count += mean_weight(def->weights, mesh->triangles[t]) > 0;
-    region->fibres = pel_allocate((size_t)count, sizeof *region->fibres);
-    if (region->fibres == NULL)
+    region->triangles = pel_allocate(count, sizeof *region->triangles);
+    region->weights = pel_allocate(count, sizeof *region->weights);
+    if (region->triangles == NULL || region->weights == NULL)
         return pel_fail_memory(error);
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         double weight = mean_weight(def->weights, mesh->triangles[t]);
         if (!(weight > 0))
             continue;
-        pel_shell_fibre *fibre = &region->fibres[region->fibre_count++];
-        *fibre = (pel_shell_fibre){.triangle = t, .weight = weight};
-        double x[3][3];
-        for (int i = 0; i < 3; i++)
-            memcpy(x[i], mesh->positions[mesh->triangles[t][i]], sizeof x[i]);
-        pel_shell_fibre_direction(def, (const double(*)[3])x, fibre->direction);
+        region->triangles[region->fibre_count] = t;
+        region->weights[region->fibre_count++] = weight;
     }
     return PEL_OK;
 }
@@ -485,7 +523,7 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
         return pel_fail_memory(error);
     pel_status status = check_closed(def, b, body, error);
     if (status == PEL_OK)
-        status = create_triangles(def, b, shell, error);
+        status = create_triangles(def, model, b, shell, error);
     if (status == PEL_OK)
         status = create_hinges(def, b, topology, shell, error);
     if (status == PEL_OK)
@@ -511,12 +549,61 @@ void pel_shell_destroy(pel_shell *shell)
     if (shell == NULL)
         return;
     for (int32_t i = 0; i < shell->region_count; i++) {
-        pel_free(shell->regions[i].fibres);
+        pel_free(shell->regions[i].triangles);
+        pel_free(shell->regions[i].weights);
         pel_free(shell->regions[i].rest_length.keys);
     }
-    void *arrays[] = {shell->triangles,    shell->hinges,      shell->regions,         shell->parts,
+    void *arrays[] = {shell->sheets,       shell->hinge_sides, shell->hinge_stiffnesses,
+                      shell->rest_angles,  shell->regions,     shell->parts,
                       shell->outside.keys, shell->target.keys, shell->pressure_weights};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(shell);
+}
+
+/* ---- elements ---- */
+
+pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t)
+{
+    if (shell->rests != NULL)
+        return shell->rests[t];
+    double x[3][3];
+    pel_rest_triangle rest;
+    load_corners(shell->mesh, t, x);
+    pel_rest_triangle_setup((const double(*)[3])x, &rest);
+    return rest;
+}
+
+pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i)
+{
+    const int32_t *sides = shell->hinge_sides[i], h = sides[0];
+    const int32_t corners[4] = {h, pel_half_edge_next(h), pel_half_edge_previous(h), pel_half_edge_previous(sides[1])};
+    pel_shell_hinge hinge = {.number = i, .triangles = {h / 3, sides[1] / 3}};
+    for (int k = 0; k < 4; k++)
+        hinge.vertices[k] = shell->corners[corners[k] / 3][corners[k] % 3];
+    hinge.stiffness = pel_shell_hinge_stiffness(shell, i);
+    return hinge;
+}
+
+double pel_shell_rest_angle(const pel_shell *shell, int32_t i)
+{
+    double angle;
+    if (shell->rest_angles != NULL)
+        return shell->rest_angles[i];
+    find_rest_angle(shell->mesh, shell->hinge_sides[i], &angle);
+    return angle;
+}
+
+pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i)
+{
+    pel_shell_fibre fibre = {.triangle = pel_shell_fibre_triangle(region, i),
+                             .weight = pel_shell_fibre_weight(region, i)};
+    double x[3][3];
+    if (region->directions != NULL) {
+        memcpy(fibre.direction, region->directions[i], sizeof fibre.direction);
+        return fibre;
+    }
+    load_corners(shell->mesh, fibre.triangle, x);
+    pel_shell_fibre_direction(&region->def, (const double(*)[3])x, fibre.direction);
+    return fibre;
 }

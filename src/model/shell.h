@@ -1,18 +1,14 @@
-/* What a body has as a shell, beside the springs: rest shapes and numbers of its triangles and hinges, fibres and
-   pressure. Plain arrays in double and in mesh order, vertices by their places in the model's order: the reference from
-   which solvers lay out what they need (colour batches, lists by vertex). */
+/* What a body has as a shell, beside the springs: triangles and hinges, fibres and pressure, with vertices by their
+   places in the model's order: the reference from which solvers lay out what they need (colour batches, lists by
+   vertex).
+
+   Only what differs from element to element is stored. Rest shapes follow from the mesh and are computed where they are
+   asked for; a body that refines keeps those of its present surface. Stored, all of it took 156 bytes a triangle. */
 #ifndef PEL_MODEL_SHELL_H
 #define PEL_MODEL_SHELL_H
 
 #include "model/model.h"
 #include "pellicle/element.h"
-
-/* A membrane triangle; t is its number in the body's mesh. */
-typedef struct pel_shell_triangle {
-    int32_t vertices[3];
-    pel_rest_triangle rest;
-    double young, thickness; /* means of the corners */
-} pel_shell_triangle;
 
 /* Bending of a triangle, as hinges between its parts and its mid-edge element take it. */
 typedef struct pel_shell_part_bending {
@@ -20,11 +16,11 @@ typedef struct pel_shell_part_bending {
     double curl;      /* factor on rest angles */
 } pel_shell_part_bending;
 
-/* Two triangles that share an edge: vertices as in pellicle/bending.h. Other numbers follow from the rest positions. */
+/* Two triangles that share an edge: vertices as in pellicle/bending.h. */
 typedef struct pel_shell_hinge {
+    int32_t number;
     int32_t vertices[4];
-    int32_t triangles[2]; /* of the mesh, left and right */
-    double rest_angle;    /* rad, with curls applied */
+    int32_t triangles[2]; /* of the shell, left and right */
     double stiffness;     /* D, N m; 0 = unknown (no membrane and none given) */
 } pel_shell_hinge;
 
@@ -36,18 +32,28 @@ typedef struct pel_shell_fibre {
 } pel_shell_fibre;
 
 typedef struct pel_shell_region {
-    pel_anisotropy_def def; /* pointers null */
-    pel_curve rest_length;  /* with def.rest_length.value as its factor */
-    int32_t fibre_count, fibre_limit;
-    pel_shell_fibre *fibres; /* (fibre_count) by rising triangle; none for PEL_FIBRE_CURL */
+    pel_anisotropy_def def;           /* pointers null */
+    pel_curve rest_length;            /* with def.rest_length.value as its factor */
+    int32_t fibre_count, fibre_limit; /* 0 for PEL_FIBRE_CURL */
+    int32_t *triangles;               /* (fibre_count) with fibres, rising; null = all */
+    double *weights;                  /* (fibre_count) null = 1 */
+    double (*directions)[2];          /* (fibre_count) null = those of the rest shape */
 } pel_shell_region;
+
+/* Young's modulus [Pa] and thickness [m] of a triangle: means of its corners. */
+typedef struct pel_shell_sheet {
+    double young, thickness;
+} pel_shell_sheet;
 
 struct pel_shell {
     bool has_membrane;
     pel_membrane_material material; /* young and thickness: those of the first triangle */
+    const pel_mesh *mesh;           /* of the body: the rest shape, but where `rests` has it */
     /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
     int32_t triangle_count, triangle_limit;
-    pel_shell_triangle *triangles; /* (triangle_count) also without a membrane */
+    const int32_t (*corners)[3];   /* (triangle_count) places; not owned */
+    pel_rest_triangle *rests;      /* (triangle_count) of a body that refines, else null */
+    pel_shell_sheet *sheets;       /* (triangle_count) null = the material's */
     pel_shell_part_bending *parts; /* (triangle_count) of a body that can refine or has mid-edge bending, else null */
 
     double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
@@ -55,7 +61,11 @@ struct pel_shell {
     pel_bending_model bending;
     double bending_weight; /* k_B; negative = automatic */
     int32_t hinge_count, hinge_limit;
-    pel_shell_hinge *hinges; /* (hinge_count) by rising edge number of the topology; none without bending */
+    int32_t (*hinge_sides)[2]; /* (hinge_count) half-edges 3 t + i of the left and the right triangle; by rising edge
+                                  number of the topology; none without bending */
+    double hinge_stiffness;    /* D of every hinge, unless they differ: */
+    double *hinge_stiffnesses; /* (hinge_count) else null */
+    double *rest_angles;       /* (hinge_count) rad, with curls applied; null = those of the rest shape */
 
     int32_t region_count;
     pel_shell_region *regions;
@@ -80,14 +90,40 @@ static inline void pel_load_points(const pel_record *position, const int32_t *ve
             x[i][c] = (double)position[vertices[i]][c];
 }
 
+/* ---- elements ---- */
+
+static inline pel_shell_sheet pel_shell_sheet_of(const pel_shell *shell, int32_t t)
+{
+    return shell->sheets != NULL ? shell->sheets[t]
+                                 : (pel_shell_sheet){shell->material.young, shell->material.thickness};
+}
+pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t);
+
+static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i)
+{
+    return shell->hinge_stiffnesses != NULL ? shell->hinge_stiffnesses[i] : shell->hinge_stiffness;
+}
+pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i);
+double pel_shell_rest_angle(const pel_shell *shell, int32_t i);
+
+static inline int32_t pel_shell_fibre_triangle(const pel_shell_region *region, int32_t i)
+{
+    return region->triangles != NULL ? region->triangles[i] : i;
+}
+static inline double pel_shell_fibre_weight(const pel_shell_region *region, int32_t i)
+{
+    return region->weights != NULL ? region->weights[i] : 1;
+}
+pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i);
+
 /* The stencils of a hinge, from rest positions (model vertex_count). */
-static inline pel_hinge pel_shell_angle(const pel_record *rest, const pel_shell_hinge *hinge)
+static inline pel_hinge pel_shell_angle(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge)
 {
     double x[4][3];
     pel_hinge stencil;
     pel_load_points(rest, hinge->vertices, 4, x);
     pel_hinge_setup((const double(*)[3])x, &stencil);
-    stencil.rest_angle = hinge->rest_angle;
+    stencil.rest_angle = pel_shell_rest_angle(shell, hinge->number);
     return stencil;
 }
 static inline pel_bending_isometric pel_shell_isometric(const pel_record *rest, const pel_shell_hinge *hinge)

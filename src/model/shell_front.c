@@ -8,7 +8,7 @@
 
 /* ---- creation ---- */
 
-static bool allocate_regions(pel_shell_front *own, bool refines)
+static bool allocate_regions(pel_shell_front *own)
 {
     const pel_shell *given = own->given;
     pel_shell *shell = &own->shell;
@@ -19,37 +19,50 @@ static bool allocate_regions(pel_shell_front *own, bool refines)
     for (int32_t r = 0; r < given->region_count; r++) {
         pel_shell_region *region = &shell->regions[r];
         *region = given->regions[r];
-        if (refines && region->fibre_count > 0)
-            region->fibre_limit = shell->triangle_limit;
-        region->fibres = pel_allocate((size_t)region->fibre_limit, sizeof *region->fibres);
-        if (region->fibres == NULL)
-            return false;
-        if (!refines)
-            continue;
+        region->fibre_limit = region->fibre_count > 0 ? shell->triangle_limit : 0;
+        size_t limit = (size_t)region->fibre_limit;
+        region->triangles = pel_allocate(limit, sizeof *region->triangles);
+        region->weights = pel_allocate(limit, sizeof *region->weights);
+        region->directions = pel_allocate(limit, sizeof *region->directions);
         int32_t *fibre_of = own->fibre_of_triangle[r] =
             pel_allocate((size_t)given->triangle_count, sizeof *own->fibre_of_triangle[r]);
-        if (fibre_of == NULL)
+        if (region->triangles == NULL || region->weights == NULL || region->directions == NULL || fibre_of == NULL)
             return false;
         memset(fibre_of, -1, (size_t)given->triangle_count * sizeof *fibre_of);
         for (int32_t i = 0; i < region->fibre_count; i++)
-            fibre_of[given->regions[r].fibres[i].triangle] = i;
+            fibre_of[pel_shell_fibre_triangle(&given->regions[r], i)] = i;
     }
     return true;
 }
 
-static bool allocate_shell(pel_shell_front *own, bool refines)
+/* an array that the given shell has too, or none */
+static bool allocate_like(const void *given, void **array, size_t count, size_t size)
 {
+    *array = given != NULL ? pel_allocate(count, size) : NULL;
+    return given == NULL || *array != NULL;
+}
+
+static bool allocate_shell(pel_shell_front *own)
+{
+    const pel_shell *given = own->given;
     pel_shell *shell = &own->shell;
-    size_t triangles = (size_t)shell->triangle_limit;
-    shell->triangles = pel_allocate(triangles, sizeof *shell->triangles);
-    shell->hinges = pel_allocate((size_t)shell->hinge_limit, sizeof *shell->hinges);
-    bool weighted = own->given->pressure_weights != NULL;
-    shell->pressure_weights = weighted ? pel_allocate(triangles, sizeof *shell->pressure_weights) : NULL;
+    size_t triangles = (size_t)shell->triangle_limit, hinges = (size_t)shell->hinge_limit;
     /* of each triangle for mid-edge elements; hinges look them up in the given shell */
-    bool has_elements = shell->bending == PEL_BENDING_MIDEDGE;
-    shell->parts = has_elements ? pel_allocate(triangles, sizeof *shell->parts) : NULL;
-    return shell->triangles != NULL && shell->hinges != NULL && (!weighted || shell->pressure_weights != NULL) &&
-           (!has_elements || shell->parts != NULL) && allocate_regions(own, refines);
+    const void *parts = shell->bending == PEL_BENDING_MIDEDGE ? given->parts : NULL;
+    shell->regions = NULL;
+    own->corners = pel_allocate(triangles, sizeof *own->corners);
+    shell->rests = pel_allocate(triangles, sizeof *shell->rests);
+    shell->hinge_sides = pel_allocate(hinges, sizeof *shell->hinge_sides);
+    shell->rest_angles = pel_allocate(hinges, sizeof *shell->rest_angles);
+    shell->corners = (const int32_t(*)[3])own->corners;
+    bool room = allocate_like(given->sheets, (void **)&shell->sheets, triangles, sizeof *shell->sheets);
+    room &= allocate_like(given->pressure_weights, (void **)&shell->pressure_weights, triangles,
+                          sizeof *shell->pressure_weights);
+    room &= allocate_like(parts, (void **)&shell->parts, triangles, sizeof *shell->parts);
+    room &= allocate_like(given->hinge_stiffnesses, (void **)&shell->hinge_stiffnesses, hinges,
+                          sizeof *shell->hinge_stiffnesses);
+    return room && own->corners != NULL && shell->rests != NULL && shell->hinge_sides != NULL &&
+           shell->rest_angles != NULL && allocate_regions(own);
 }
 
 static bool allocate_scratch(pel_shell_front *own)
@@ -65,99 +78,84 @@ static bool allocate_scratch(pel_shell_front *own)
            own->is_base != NULL && own->begin != NULL && own->half_edges != NULL;
 }
 
-/* the corner of a triangle at a place */
-static int corner_at(const int32_t vertices[3], int32_t place)
-{
-    return vertices[0] == place ? 0 : vertices[1] == place ? 1 : 2;
-}
-
 static void find_hinges(pel_shell_front *own)
 {
     const pel_shell *given = own->given;
     memset(own->hinge_of_half_edge, -1, 3 * (size_t)given->triangle_count * sizeof *own->hinge_of_half_edge);
-    for (int32_t i = 0; i < given->hinge_count; i++) {
-        const pel_shell_hinge *hinge = &given->hinges[i];
-        int32_t t = hinge->triangles[0];
-        own->hinge_of_half_edge[3 * t + corner_at(given->triangles[t].vertices, hinge->vertices[0])] = i;
-    }
+    for (int32_t i = 0; i < given->hinge_count; i++)
+        own->hinge_of_half_edge[given->hinge_sides[i][0]] = i;
 }
 
-/* the given shell at the places of the active model */
-static void copy_shell(pel_shell_front *own)
-{
-    const pel_shell *given = own->given;
-    pel_shell *shell = &own->shell;
-    for (int32_t t = 0; t < given->triangle_count; t++) {
-        shell->triangles[t] = given->triangles[t];
-        for (int k = 0; k < 3; k++)
-            shell->triangles[t].vertices[k] += own->shift;
-        if (shell->pressure_weights != NULL)
-            shell->pressure_weights[t] = given->pressure_weights[t];
-        if (shell->parts != NULL)
-            shell->parts[t] = given->parts[t];
-    }
-    for (int32_t i = 0; i < given->hinge_count; i++) {
-        shell->hinges[i] = given->hinges[i];
-        for (int k = 0; k < 4; k++)
-            shell->hinges[i].vertices[k] += own->shift;
-    }
-    for (int32_t r = 0; r < given->region_count; r++)
-        for (int32_t i = 0; i < given->regions[r].fibre_count; i++)
-            shell->regions[r].fibres[i] = given->regions[r].fibres[i];
-}
-
-pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, int32_t shift, int32_t place_limit,
-                                  int32_t triangle_limit, pel_shell_front **made, pel_error *error)
+pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, const int32_t (*corners)[3],
+                                  int32_t place_limit, int32_t triangle_limit, pel_shell_front **made, pel_error *error)
 {
     *made = NULL;
     pel_shell_front *own = pel_allocate(1, sizeof *own);
     if (own == NULL)
         return pel_fail_memory(error);
-    bool refines = body->front != NULL;
     own->given = given->shell;
-    own->shift = shift;
+    own->shell = *given->shell;
+    own->shell.corners = corners;
+    own->refines = body->front != NULL;
+    *made = own;
+    if (!own->refines)
+        return PEL_OK;
     own->first_place = body->slice_begin * PEL_WIDTH;
     own->place_count = place_limit - own->first_place;
-    own->shell = *given->shell;
-    own->shell.triangles = NULL;
-    own->shell.hinges = NULL;
-    own->shell.regions = NULL;
-    own->shell.pressure_weights = NULL;
-    own->shell.parts = NULL;
-    if (refines) {
-        own->shell.triangle_limit = triangle_limit;
-        /* each triangle has three sides, and each hinge two triangles */
-        own->shell.hinge_limit = given->shell->bending != PEL_BENDING_OFF ? triangle_limit / 2 * 3 + 3 : 0;
-    }
-    if (!allocate_shell(own, refines) || (refines && !allocate_scratch(own))) {
+    own->shell.triangle_limit = triangle_limit;
+    /* each triangle has three sides, and each hinge two triangles */
+    own->shell.hinge_limit = given->shell->bending != PEL_BENDING_OFF ? triangle_limit / 2 * 3 + 3 : 0;
+    own->shell.triangle_count = own->shell.hinge_count = 0;
+    bool room = allocate_shell(own);
+    if (!room || !allocate_scratch(own)) {
         pel_shell_front_destroy(own);
+        *made = NULL;
         return pel_fail_memory(error);
     }
-    copy_shell(own);
-    if (refines)
-        find_hinges(own);
-    *made = own;
+    find_hinges(own);
     return PEL_OK;
+}
+
+static void clear_regions(pel_shell_front *own)
+{
+    for (int32_t r = 0; r < own->given->region_count; r++) {
+        if (own->shell.regions != NULL) {
+            pel_free(own->shell.regions[r].triangles);
+            pel_free(own->shell.regions[r].weights);
+            pel_free(own->shell.regions[r].directions);
+        }
+        if (own->fibre_of_triangle != NULL)
+            pel_free(own->fibre_of_triangle[r]);
+    }
 }
 
 void pel_shell_front_destroy(pel_shell_front *own)
 {
     if (own == NULL)
         return;
-    for (int32_t r = 0; r < own->given->region_count; r++) {
-        if (own->shell.regions != NULL)
-            pel_free(own->shell.regions[r].fibres);
-        if (own->fibre_of_triangle != NULL)
-            pel_free(own->fibre_of_triangle[r]);
+    /* else the arrays are the given shell's */
+    if (own->refines) {
+        pel_shell *shell = &own->shell;
+        clear_regions(own);
+        void *arrays[] = {own->corners,
+                          shell->rests,
+                          shell->sheets,
+                          shell->parts,
+                          shell->hinge_sides,
+                          shell->hinge_stiffnesses,
+                          shell->rest_angles,
+                          shell->regions,
+                          shell->pressure_weights,
+                          own->fibre_of_triangle,
+                          own->hinge_of_half_edge,
+                          own->surface,
+                          own->base_of_triangle,
+                          own->is_base,
+                          own->begin,
+                          own->half_edges};
+        for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+            pel_free(arrays[i]);
     }
-    void *arrays[] = {own->shell.triangles,   own->shell.hinges,
-                      own->shell.regions,     own->shell.pressure_weights,
-                      own->fibre_of_triangle, own->hinge_of_half_edge,
-                      own->surface,           own->base_of_triangle,
-                      own->is_base,           own->begin,
-                      own->half_edges,        own->shell.parts};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
     pel_free(own);
 }
 
@@ -181,15 +179,13 @@ static void update_triangles(pel_shell_front *own, const pel_front *front, const
         if (own->shell.parts != NULL)
             own->shell.parts[t] = own->given->parts[base];
         own->is_base[t] = level == 0 && front->shapes[face->node] == PEL_FRONT_WHOLE;
-        pel_shell_triangle *triangle = &shell->triangles[t];
-        *triangle = own->given->triangles[base];
+        double x[3][3];
+        load_rest(front, face->vertices, 3, x);
+        pel_rest_triangle_setup((const double(*)[3])x, &shell->rests[t]);
         for (int k = 0; k < 3; k++)
-            triangle->vertices[k] = model_index[face->vertices[k]];
-        if (!own->is_base[t]) {
-            double x[3][3];
-            load_rest(front, face->vertices, 3, x);
-            pel_rest_triangle_setup((const double(*)[3])x, &triangle->rest);
-        }
+            own->corners[t][k] = model_index[face->vertices[k]];
+        if (shell->sheets != NULL)
+            shell->sheets[t] = own->given->sheets[base];
         if (shell->pressure_weights != NULL)
             shell->pressure_weights[t] = own->given->pressure_weights[base];
     }
@@ -204,25 +200,23 @@ static void update_region(pel_shell_front *own, const pel_front *front, int32_t 
         int32_t i = own->fibre_of_triangle[r][own->base_of_triangle[t]];
         if (i < 0)
             continue;
-        pel_shell_fibre *fibre = &region->fibres[region->fibre_count++];
-        *fibre = given->fibres[i];
-        fibre->triangle = t;
-        if (own->is_base[t])
-            continue;
+        int32_t fibre = region->fibre_count++;
         double x[3][3];
         load_rest(front, own->surface[t].vertices, 3, x);
-        pel_shell_fibre_direction(&region->def, (const double(*)[3])x, fibre->direction);
+        region->triangles[fibre] = t;
+        region->weights[fibre] = pel_shell_fibre_weight(given, i);
+        pel_shell_fibre_direction(&region->def, (const double(*)[3])x, region->directions[fibre]);
     }
 }
 
 static int32_t origin_of(const pel_shell_front *own, int32_t h)
 {
-    return own->shell.triangles[h / 3].vertices[h % 3];
+    return own->corners[h / 3][h % 3];
 }
 
 static int32_t target_of(const pel_shell_front *own, int32_t h)
 {
-    return own->shell.triangles[h / 3].vertices[pel_half_edge_next(h) % 3];
+    return own->corners[h / 3][pel_half_edge_next(h) % 3];
 }
 
 static int32_t bucket_of(const pel_shell_front *own, int32_t h)
@@ -256,37 +250,41 @@ static int32_t twin_of(const pel_shell_front *own, int32_t h)
     return -1;
 }
 
-/* a hinge of the base as it was given; false when there is none there */
-static bool copy_hinge(const pel_shell_front *own, int32_t h, pel_shell_hinge *hinge)
+/* adds a hinge */
+static void put_hinge(pel_shell *shell, int32_t h, int32_t twin, double rest_angle, double stiffness)
+{
+    int32_t i = shell->hinge_count++;
+    shell->hinge_sides[i][0] = h;
+    shell->hinge_sides[i][1] = twin;
+    shell->rest_angles[i] = rest_angle;
+    if (shell->hinge_stiffnesses != NULL)
+        shell->hinge_stiffnesses[i] = stiffness;
+}
+
+/* adds a hinge of the base as it was given; false when there is none there */
+static bool copy_hinge(pel_shell_front *own, int32_t h, int32_t twin)
 {
     int32_t i = own->hinge_of_half_edge[3 * own->base_of_triangle[h / 3] + h % 3];
     if (i < 0)
         return false;
-    *hinge = own->given->hinges[i];
-    for (int k = 0; k < 4; k++)
-        hinge->vertices[k] += own->shift;
+    put_hinge(&own->shell, h, twin, pel_shell_rest_angle(own->given, i), pel_shell_hinge_stiffness(own->given, i));
     return true;
 }
 
-static bool make_hinge(const pel_shell_front *own, const pel_front *front, int32_t h, int32_t twin,
-                       pel_shell_hinge *hinge)
+static void make_hinge(pel_shell_front *own, const pel_front *front, int32_t h, int32_t twin)
 {
     const int32_t corners[4] = {h, pel_half_edge_next(h), pel_half_edge_previous(h), pel_half_edge_previous(twin)};
     double x[4][3];
-    for (int k = 0; k < 4; k++) {
-        int32_t t = corners[k] / 3, c = corners[k] % 3;
-        hinge->vertices[k] = own->shell.triangles[t].vertices[c];
-        pel_vec3_copy(front->forest->rest_positions[own->surface[t].vertices[c]], x[k]);
-    }
+    for (int k = 0; k < 4; k++)
+        pel_vec3_copy(front->forest->rest_positions[own->surface[corners[k] / 3].vertices[corners[k] % 3]], x[k]);
     pel_hinge stencil;
     if (!pel_hinge_setup((const double(*)[3])x, &stencil))
-        return false;
+        return;
     const pel_shell_part_bending *parts = own->given->parts;
     const pel_shell_part_bending *left = &parts[own->base_of_triangle[h / 3]];
     const pel_shell_part_bending *right = &parts[own->base_of_triangle[twin / 3]];
-    hinge->stiffness = 0.5 * (left->stiffness + right->stiffness);
-    hinge->rest_angle = stencil.rest_angle * 0.5 * (left->curl + right->curl);
-    return true;
+    put_hinge(&own->shell, h, twin, stencil.rest_angle * 0.5 * (left->curl + right->curl),
+              0.5 * (left->stiffness + right->stiffness));
 }
 
 static void update_hinges(pel_shell_front *own, const pel_front *front)
@@ -300,19 +298,13 @@ static void update_hinges(pel_shell_front *own, const pel_front *front)
         int32_t twin = twin_of(own, h);
         if (twin < h)
             continue;
-        pel_shell_hinge *hinge = &shell->hinges[shell->hinge_count];
-        int32_t first = h, second = twin;
         bool base = own->is_base[h / 3] && own->is_base[twin / 3];
-        if (base && !copy_hinge(own, first, hinge)) {
-            first = twin;
-            second = h;
-            base = copy_hinge(own, first, hinge);
-        }
-        if (!base && !make_hinge(own, front, first, second, hinge))
+        if (base && (copy_hinge(own, h, twin) || copy_hinge(own, twin, h)))
             continue;
-        hinge->triangles[0] = first / 3;
-        hinge->triangles[1] = second / 3;
-        shell->hinge_count++;
+        if (base)
+            make_hinge(own, front, twin, h);
+        else
+            make_hinge(own, front, h, twin);
     }
 }
 

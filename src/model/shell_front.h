@@ -1,5 +1,5 @@
-/* The shell of a body in an active model: its places are those of that model, and where the body refines its triangles
-   and hinges are those of the present surface.
+/* The shell of a body in an active model: its places are those of that model. Where the body refines its triangles and
+   hinges are those of the present surface; else all but the places is the given shell's.
 
    Rest data of finer triangles come from the subdivided rest surface, the material, fibres and pressure from the base
    triangle that they are a part of, so that an event changes the shape of the rest surface by what subdivision adds and
@@ -15,8 +15,9 @@
 typedef struct pel_shell_front {
     pel_shell shell; /* curves belong to the given one */
     const pel_shell *given;
-    int32_t shift;               /* of places, from the given model to the active one */
-    int32_t **fibre_of_triangle; /* (region_count x given triangles) -1 = none; bodies that refine only, and so on */
+    bool refines;                /* else all below is null */
+    int32_t (*corners)[3];       /* (triangle_limit) */
+    int32_t **fibre_of_triangle; /* (region_count x given triangles) -1 = none */
     int32_t *hinge_of_half_edge; /* (3 x given triangles) -1 = none */
     pel_front_triangle *surface; /* (triangle_limit) scratch */
     int32_t *base_of_triangle;   /* (triangle_limit) */
@@ -26,10 +27,12 @@ typedef struct pel_shell_front {
     int32_t first_place, place_count;
 } pel_shell_front;
 
-/* For body b of an active model, of which model_index and front are known. place_limit: past the last place that it
-   can have. triangle_limit: of any surface. Errors: PEL_OUT_OF_MEMORY. */
-pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, int32_t shift, int32_t place_limit,
-                                  int32_t triangle_limit, pel_shell_front **made, pel_error *error);
+/* For a body of an active model, of which model_index and front are known. corners: its triangles in that model, if it
+   does not refine. place_limit: past the last place that it can have. triangle_limit: of any surface. Errors:
+   PEL_OUT_OF_MEMORY. */
+pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, const int32_t (*corners)[3],
+                                  int32_t place_limit, int32_t triangle_limit, pel_shell_front **made,
+                                  pel_error *error);
 void pel_shell_front_destroy(pel_shell_front *own);
 
 /* After the front of a body that refines has changed. */

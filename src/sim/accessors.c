@@ -50,7 +50,7 @@ size_t pel_sim_step_bytes(const pel_sim *sim)
         records += pel_sim_has_velocity(sim) ? 2 : 1;
         numbers = 2;
     }
-    return slots * (sizeof *model->neighbours + sizeof *model->rest_lengths) +
+    return slots * (sizeof *model->neighbours + (model->rest_lengths != NULL ? sizeof *model->rest_lengths : 0)) +
            with_stiffness * sizeof *model->stiffnesses +
            slices * PEL_WIDTH * (records * sizeof(pel_record) + numbers * sizeof(pel_real)) +
            slices * sizeof *model->slot_begin;

@@ -162,11 +162,10 @@ static void give_loads(const pel_adjoint_work *a)
 static bool bending_follows(const pel_shell *shell)
 {
     pel_membrane_material material = shell->material;
-    const pel_shell_triangle *first = &shell->triangles[0];
     if (!shell->has_membrane || (shell->parts == NULL && shell->hinge_count == 0))
         return false;
-    double stiffness = shell->parts != NULL ? shell->parts[0].stiffness : shell->hinges[0].stiffness;
-    double own = pel_bending_stiffness(first->young, pel_membrane_law_of(&material).poisson, first->thickness);
+    double stiffness = shell->parts != NULL ? shell->parts[0].stiffness : pel_shell_hinge_stiffness(shell, 0);
+    double own = pel_bending_stiffness(material.young, pel_membrane_law_of(&material).poisson, material.thickness);
     return fabs(stiffness - own) <= 1e-9 * own;
 }
 

@@ -283,9 +283,11 @@ static pel_contact_motion motion_of(const pel_sim *sim)
 
 /* ---- the surface ---- */
 
-static void set_triangles(pel_sim *sim)
+static pel_status set_triangles(pel_sim *sim, pel_error *error)
 {
-    pel_contact_surface_clear(sim->contacts);
+    pel_status status = pel_contact_surface_begin(sim->contacts, error);
+    if (status != PEL_OK)
+        return status;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         int32_t count = pel_surface_count(sim->model, b), begin = sim->model->triangle_begin[b];
         const pel_front_triangle *surface = pel_surface_in_order(sim, b);
@@ -294,6 +296,7 @@ static void set_triangles(pel_sim *sim)
                 sim->contacts, sim->model->triangles[begin + (surface != NULL ? pel_surface_number(&surface[i]) : i)]);
         sim->contact.revisions[b] = pel_sim_surface_revision(sim, b);
     }
+    return PEL_OK;
 }
 
 /* the collider has the present surface */
@@ -315,8 +318,9 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
     if (is_present(sim))
         return PEL_OK;
     bool is_known = sim->contact.is_loaded && is_of_present(sim);
-    set_triangles(sim);
-    pel_status status = pel_contact_surface_finish(sim->contacts, is_known, error);
+    pel_status status = set_triangles(sim, error);
+    if (status == PEL_OK)
+        status = pel_contact_surface_finish(sim->contacts, is_known, error);
     if (status == PEL_OK)
         sim->contact.is_loaded = false;
     else if (!is_known)

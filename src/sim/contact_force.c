@@ -75,10 +75,7 @@ void pel_sim_get_contact_forces(const pel_sim *sim, int32_t body, double *forces
         return;
     int32_t count = pel_output_count(sim, body);
     for (int32_t r = 0; r < count; r++) {
-        double force[3] = {0, 0, 0};
-        if (sim->contact_forces.vertex != NULL)
-            pel_vertex_position(sim->contact_forces.vertex, pel_output_model_index(sim, body, r), force);
-        pel_vec3_copy(force, forces + 3 * (size_t)r);
+        pel_contact_force_at(&sim->contact_forces.vertex, pel_output_model_index(sim, body, r), forces + 3 * (size_t)r);
     }
 }
 

@@ -202,11 +202,10 @@ static void set_substeps(pel_sim *sim, int32_t count, bool is_loaded)
 /* the mean of the substeps and the contacts */
 static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
 {
-    double contact[3] = {0, 0, 0};
+    double contact[3];
     pel_vertex_position(sim->projector->reaction, v, force);
     pel_vec3_scale(force, 1.0 / sim->solver.substeps, force);
-    if (sim->contact_forces.vertex_next != NULL)
-        pel_vertex_position(sim->contact_forces.vertex_next, v, contact);
+    pel_contact_force_at(&sim->contact_forces.vertex_next, v, contact);
     pel_vec3_add(force, contact, force);
 }
 

@@ -218,11 +218,11 @@ static void push_body(const encounter *e, int i, double impulse)
         pel_vec3_subtract(x, motion->center, x);
         pel_vec3_cross(spin, x, change);
         pel_vec3_along(change, impulse * motion->inverse_mass, e->state->normal, change);
-        sim->contact_forces.is_touched[v / PEL_WIDTH] = 1;
         for (int k = 0; k < 3; k++) {
             sim->state->velocity[v][k] += (pel_real)change[k];
-            sim->contact_forces.vertex[v][k] += (pel_real)((double)model->mass[v] * change[k] / dt);
+            change[k] = (double)model->mass[v] * change[k] / dt;
         }
+        pel_contact_force_add(&sim->contact_forces, &sim->contact_forces.vertex, v, change);
     }
     if (sim->stepper->restart != NULL)
         sim->stepper->restart(sim, e->groups[i]);

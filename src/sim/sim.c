@@ -143,6 +143,10 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
         return pel_parts_halve(sim, error);
     if (status == PEL_OK)
         status = pel_pool_check(sim->pool, error);
+    if (status == PEL_OK && sim->contact_forces.is_short) {
+        sim->contact_forces.is_short = false;
+        status = pel_fail_memory(error);
+    }
     if (status == PEL_OK)
         accept_part(sim, next);
     return status;

@@ -236,7 +236,7 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
         status = pel_contact_forces_create(sim->model->vertex_count, sim->model->body_count, sim->tool_count,
                                            sim->model->body_of_slice, &sim->contact_forces, error);
-    if (status == PEL_OK && def->record_contacts && sim->contact_forces.vertex != NULL)
+    if (status == PEL_OK && def->record_contacts && sim->contact_forces.is_kept)
         status = pel_contact_records_create(&sim->contact_forces, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);

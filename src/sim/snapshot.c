@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 11 };
+enum { SNAPSHOT_VERSION = 12 };
 
 typedef struct header {
     char magic[8];
@@ -301,8 +301,16 @@ static void transfer_supports(cursor *at, const pel_sim *sim, int32_t unused)
 static void transfer_vertex_forces(cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    if (sim->contact_forces.vertex != NULL)
-        transfer(at, sim->contact_forces.vertex, vertex_count_of(sim) * sizeof *sim->contact_forces.vertex);
+    pel_contact_forces *forces = (pel_contact_forces *)(uintptr_t)&sim->contact_forces;
+    int32_t vertex_count = (int32_t)vertex_count_of(sim);
+    for (int32_t begin = 0; forces->is_kept && begin < vertex_count; begin += PEL_FORCE_PAGE) {
+        pel_record page[PEL_FORCE_PAGE];
+        int32_t count = vertex_count - begin < PEL_FORCE_PAGE ? vertex_count - begin : PEL_FORCE_PAGE;
+        pel_contact_forces_read(forces, begin, count, page);
+        transfer(at, page, (size_t)count * sizeof *page);
+        if (at->load)
+            pel_contact_forces_write(forces, begin, count, page);
+    }
 }
 
 /* rows of bodies, columns of bodies and tools */
@@ -311,7 +319,7 @@ static void transfer_pairs(cursor *at, const pel_sim *sim, int32_t unused)
     (void)unused;
     const pel_contact_forces *forces = &sim->contact_forces;
     size_t count = (size_t)sim->model->body_count * (size_t)forces->group_count;
-    if (forces->vertex != NULL)
+    if (forces->is_kept)
         transfer(at, forces->pair, count * sizeof *forces->pair);
     if (sim->collisions != NULL)
         transfer(at, sim->collisions, count * sizeof *sim->collisions);
@@ -545,9 +553,10 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
             return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
+    sim->contact_forces.is_short = false;
     transfer_sim(&place, sim);
     sim->held_is_listed = false;
-    pel_contact_forces_loaded(&sim->contact_forces);
+    pel_contact_records_forget(&sim->contact_forces);
     sim->state->step = head.step;
     for (int32_t l = 0; l < sim->load_count; l++)
         memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads[l].force, sizeof sim->loads[l].force);
@@ -566,7 +575,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
         return refuse(error, damage_remedy, "the snapshot is damaged: its parts of a step are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return refuse(error, damage_remedy, "the snapshot is damaged: its number of substeps is out of range");
-    return PEL_OK;
+    return sim->contact_forces.is_short ? pel_fail_memory(error) : PEL_OK;
 }
 
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
@@ -712,7 +721,7 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error
         }
         rest_unused_places(to);
     }
-    if (status == PEL_OK && c.is_full)
+    if (status == PEL_OK && (c.is_full || to->contact_forces.is_short))
         status = pel_fail_memory(error);
     pel_free(c.bytes);
     return status;

@@ -84,15 +84,14 @@ void pel_supports_read(pel_sim *sim, double time)
  */
 static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
 {
-    double contact[3] = {0, 0, 0};
+    double contact[3];
     pel_vec3_set(force, 0, 0, 0);
     if (sim->reactions != NULL)
         pel_vec3_copy(sim->reactions[v], force);
     if (sim->stepper->get_held_force != NULL || !is_pinned(sim, v))
         return;
     pel_vertex_position(sim->force, v, force);
-    if (sim->contact_forces.vertex != NULL)
-        pel_vertex_position(sim->contact_forces.vertex, v, contact);
+    pel_contact_force_at(&sim->contact_forces.vertex, v, contact);
     pel_vec3_add(force, contact, force);
     pel_vec3_scale(force, -1, force);
 }

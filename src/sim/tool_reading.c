@@ -23,8 +23,10 @@ static void static_force(const pel_sim *sim, int32_t v, double force[3])
 {
     const pel_state *state = sim->state;
     pel_record elastic = pel_elastic_force_at(sim->model, state, state->position_next, v);
+    double contact[3];
+    pel_contact_force_at(&sim->contact_forces.vertex_next, v, contact);
     for (int i = 0; i < 3; i++)
-        force[i] = (double)(elastic[i] + sim->force[v][i] + sim->contact_forces.vertex_next[v][i]);
+        force[i] = (double)(elastic[i] + sim->force[v][i] + (pel_real)contact[i]);
 }
 
 /* normal part of a force, which cannot pull, and the tangential part that friction holds */
@@ -81,7 +83,7 @@ static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
         int32_t v = tool->held[i];
         double force[3], point[3];
         /* the grip itself is among the forces of the step */
-        pel_vertex_position(sim->contact_forces.vertex_next, v, force);
+        pel_contact_force_at(&sim->contact_forces.vertex_next, v, force);
         pel_vec3_add(force, sim->grip_forces[v], force);
         pel_tool_mean_point(sim, tool, v, point);
         pel_tool_add_grip(sim, tool, v, point, force);

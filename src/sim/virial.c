@@ -18,7 +18,7 @@ static pel_wide slice_virial(const pel_sim *sim, const pel_body_force *body, int
         pel_wide length = pel_spring_length(d), stiffness = pel_wide_splat(body->stiffness);
         if (!body->uniform)
             stiffness *= model->stiffnesses[slot];
-        sum += stiffness * (length - model->rest_lengths[slot]) * length;
+        sum += stiffness * (length - pel_slot_rest(model, slot, length)) * length;
     }
     return pel_wide_splat((pel_real)0.5) * sum;
 }

@@ -24,20 +24,19 @@ static double strain_of(pel_fibre_kind kind, double square)
 }
 
 /* depth [m] of each corner of a triangle in a step */
-static void find_depths(const pel_batch *batch, const pel_anisotropy_def *def, int32_t i,
-                        const pel_shell_triangle *triangle, const pel_state *state, double dt, double depth[3])
+static void find_depths(const pel_batch *batch, const pel_anisotropy_def *def, int32_t i, const int32_t corners[3],
+                        double edge, const pel_state *state, double dt, double depth[3])
 {
     double x[3][3], v[3][3], image[3], normal[3];
     double c0 = (double)*pel_batch_number(batch, i, 0), c1 = (double)*pel_batch_number(batch, i, 1);
-    pel_load_points(state->position, triangle->vertices, 3, x);
-    pel_load_points(state->velocity, triangle->vertices, 3, v);
+    pel_load_points(state->position, corners, 3, x);
+    pel_load_points(state->velocity, corners, 3, v);
     for (int c = 0; c < 3; c++)
         image[c] = c0 * (x[0][c] - x[2][c]) + c1 * (x[1][c] - x[2][c]);
     double strain = strain_of(def->kind, pel_vec3_squared_length(image)) / PEL_CAVE_STRAIN;
     pel_vec3_triangle_normal(x[0], x[1], x[2], normal);
     double size = pel_vec3_length(normal);
-    /* the edge of a regular triangle of its area */
-    double most = def->max_step * sqrt(4 / sqrt(3.0) * triangle->rest.area);
+    double most = def->max_step * edge;
     for (int k = 0; k < 3; k++) {
         double inward = size > 0 ? fmax(-dt * pel_vec3_dot(v[k], normal) / size, 0) : 0;
         depth[k] = strain < 0 && size > 0 ? fmax(fmin(def->strength * strain * strain, most - inward), 0) : 0;
@@ -50,9 +49,11 @@ void pel_project_cave_begin(const pel_batch *batch, const pel_shell *shell, cons
     const pel_shell_region *region = &shell->regions[batch->region];
     double projections = (double)solver->substeps * solver->substeps * solver->iterations;
     for (int32_t i = 0; i < batch->block_count * PEL_BLOCK; i++) {
-        const pel_shell_triangle *triangle = &shell->triangles[region->fibres[batch->sources[i]].triangle];
+        int32_t t = pel_shell_fibre_triangle(region, batch->sources[i]);
+        /* of a regular triangle of its area */
+        double edge = sqrt(4 / sqrt(3.0) * pel_shell_rest(shell, t).area);
         double depth[3], weight = (double)*pel_batch_number(batch, i, PEL_CAVE_WEIGHT);
-        find_depths(batch, &region->def, i, triangle, state, solver->dt, depth);
+        find_depths(batch, &region->def, i, shell->corners[t], edge, state, solver->dt, depth);
         for (int k = 0; k < 3; k++)
             *pel_batch_number(batch, i, PEL_CAVE_WAY + k) =
                 (pel_real)(weight / projections * (double)*pel_batch_number(batch, i, PEL_CAVE_SHARE + k) * depth[k]);

@@ -80,7 +80,7 @@ static void find_means(const pel_model *model, int32_t body, const pel_softness_
         scratch->mean[v] = scratch->excess[v];
     }
     for (int32_t t = 0; shell != NULL && t < shell->triangle_count; t++) {
-        const int32_t *v = shell->triangles[t].vertices;
+        const int32_t *v = shell->corners[t];
         for (int k = 0; k < 3; k++) {
             scratch->sum[v[k]] += scratch->energy[v[(k + 1) % 3]] + scratch->energy[v[(k + 2) % 3]];
             scratch->mean[v[k]] += scratch->excess[v[(k + 1) % 3]] + scratch->excess[v[(k + 2) % 3]];
@@ -221,14 +221,14 @@ static void find_tangent(const pel_membrane_law *law, const double f[6], double 
 }
 
 /* g: sum over the corners of 1 / m times the products of the gradients of the modes [1/(kg m2)] */
-static void find_mobility(const pel_model *model, const pel_shell_triangle *triangle,
+static void find_mobility(const pel_model *model, const int32_t corners[3], const pel_rest_triangle *rest,
                           double g[STRAIN_COUNT][STRAIN_COUNT])
 {
-    const double *inverse = triangle->rest.inverse;
+    const double *inverse = rest->inverse;
     const double shapes[3][2] = {{inverse[0], inverse[1]}, {0, inverse[2]}, {-inverse[0], -inverse[1] - inverse[2]}};
     double xx = 0, xy = 0, yy = 0;
     for (int k = 0; k < 3; k++) {
-        double w = (double)model->inverse_mass[triangle->vertices[k]];
+        double w = (double)model->inverse_mass[corners[k]];
         xx += w * shapes[k][0] * shapes[k][0];
         xy += w * shapes[k][0] * shapes[k][1];
         yy += w * shapes[k][1] * shapes[k][1];
@@ -270,21 +270,23 @@ static void add_membrane(const pel_model *model, const pel_shell *shell, const p
 {
     pel_membrane_material material = shell->material;
     for (int32_t t = 0; t < shell->triangle_count && shell->has_membrane; t++) {
-        const pel_shell_triangle *triangle = &shell->triangles[t];
+        const int32_t *corners = shell->corners[t];
+        const pel_rest_triangle rest = pel_shell_rest(shell, t);
+        pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
         double x[3][3], f[6], r[6], modes[STRAIN_COUNT][6];
         double h[STRAIN_COUNT][STRAIN_COUNT], g[STRAIN_COUNT][STRAIN_COUNT];
-        pel_load_points(positions, triangle->vertices, 3, x);
-        pel_deformation_gradient(&triangle->rest, (const double(*)[3])x, f);
-        if (!(triangle->rest.area > 0) || !find_rotation(f, r))
+        pel_load_points(positions, corners, 3, x);
+        pel_deformation_gradient(&rest, (const double(*)[3])x, f);
+        if (!(rest.area > 0) || !find_rotation(f, r))
             continue;
-        material.young = triangle->young;
-        material.thickness = triangle->thickness;
+        material.young = sheet.young;
+        material.thickness = sheet.thickness;
         pel_membrane_law law = pel_membrane_law_of(&material);
         find_modes(r, modes);
         find_tangent(&law, f, modes, h);
-        find_mobility(model, triangle, g);
-        double energy = triangle->rest.area * (h[0][0] + h[1][1] + h[2][2]);
-        add_element(scratch, triangle->vertices, 3, energy, triangle->rest.area * largest_product(h, g));
+        find_mobility(model, corners, &rest, g);
+        double energy = rest.area * (h[0][0] + h[1][1] + h[2][2]);
+        add_element(scratch, corners, 3, energy, rest.area * largest_product(h, g));
     }
 }
 
@@ -312,14 +314,14 @@ static void add_bending(const pel_model *model, const pel_shell *shell, const pe
 {
     bool is_angle = shell->bending == PEL_BENDING_HINGE;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
-        const pel_shell_hinge *hinge = &shell->hinges[i];
-        const pel_bending_isometric isometric = pel_shell_isometric(model->rest, hinge);
-        double factor = is_angle ? pel_shell_angle(model->rest, hinge).factor : isometric.factor;
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        const pel_bending_isometric isometric = pel_shell_isometric(model->rest, &hinge);
+        double factor = is_angle ? pel_shell_angle(shell, model->rest, &hinge).factor : isometric.factor;
         /* the factor of the isometric stencil is 3 over the area */
-        double stiffness = hinge->stiffness * (is_angle ? factor : factor / 3);
-        double energy = factor > 0 ? hinge->stiffness / isometric.factor : 0;
-        add_element(scratch, hinge->vertices, 4, energy,
-                    stiffness * hinge_mobility(model, shell, hinge, &isometric, positions));
+        double stiffness = hinge.stiffness * (is_angle ? factor : factor / 3);
+        double energy = factor > 0 ? hinge.stiffness / isometric.factor : 0;
+        add_element(scratch, hinge.vertices, 4, energy,
+                    stiffness * hinge_mobility(model, shell, &hinge, &isometric, positions));
     }
 }
 
@@ -327,16 +329,17 @@ static void add_fibres(const pel_model *model, const pel_shell *shell, const pel
                        const pel_softness_scratch *scratch)
 {
     for (int32_t i = 0; i < region->fibre_count && region->def.mode != PEL_FIBRE_CAVE; i++) {
-        const pel_shell_fibre *fibre = &region->fibres[i];
-        const pel_shell_triangle *triangle = &shell->triangles[fibre->triangle];
-        const double *inverse = triangle->rest.inverse, *d = fibre->direction;
+        const pel_shell_fibre fibre = pel_shell_fibre_of(shell, region, i);
+        const int32_t *corners = shell->corners[fibre.triangle];
+        const pel_rest_triangle rest = pel_shell_rest(shell, fibre.triangle);
+        const double *inverse = rest.inverse, *d = fibre.direction;
         double c[3] = {inverse[0] * d[0] + inverse[1] * d[1], inverse[2] * d[1], 0}, mobility = 0;
         c[2] = -c[0] - c[1];
         for (int k = 0; k < 3; k++)
-            mobility += (double)model->inverse_mass[triangle->vertices[k]] * c[k] * c[k];
+            mobility += (double)model->inverse_mass[corners[k]] * c[k] * c[k];
         bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
-        double stiffness = (squared ? 4 : 1) * triangle->rest.area * region->def.stiffness * fibre->weight;
-        add_element(scratch, triangle->vertices, 3, stiffness, stiffness * mobility);
+        double stiffness = (squared ? 4 : 1) * rest.area * region->def.stiffness * fibre.weight;
+        add_element(scratch, corners, 3, stiffness, stiffness * mobility);
     }
 }
 
@@ -357,12 +360,12 @@ static double pressure_rate(const pel_model *model, int32_t body, const pel_reco
     memset(scratch->energy, 0, (size_t)model->vertex_count * sizeof *scratch->energy);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         double x[3][3], first[3], second[3], normal[3];
-        pel_load_points(positions, shell->triangles[t].vertices, 3, x);
+        pel_load_points(positions, shell->corners[t], 3, x);
         pel_vec3_subtract(x[1], x[0], first);
         pel_vec3_subtract(x[2], x[0], second);
         pel_vec3_cross(first, second, normal);
         for (int k = 0; k < 3; k++)
-            scratch->energy[shell->triangles[t].vertices[k]] += pel_vec3_length(normal) / 6;
+            scratch->energy[shell->corners[t][k]] += pel_vec3_length(normal) / 6;
     }
     for (int32_t v = b->slice_begin * PEL_WIDTH; v < pel_body_place_end(model, body); v++)
         sum += scratch->energy[v] * scratch->energy[v] * (double)model->inverse_mass[v];

@@ -72,7 +72,7 @@ static void stiffness_product(const pel_model *model, int32_t v, const double (*
         int32_t j = model->neighbours[slot][lane];
         double k = spring_stiffness(model, slot, lane, v, factors, uniform), along = 0, n[3];
         for (int i = 0; i < 3; i++) {
-            n[i] = (double)(model->rest[j][i] - model->rest[v][i]) / (double)model->rest_lengths[slot][lane];
+            n[i] = (double)(model->rest[j][i] - model->rest[v][i]) / (double)pel_model_rest_length(model, slot, v);
             along += n[i] * (u[v][i] - u[j][i]);
         }
         for (int i = 0; i < 3 && k > 0; i++)

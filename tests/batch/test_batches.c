@@ -104,8 +104,9 @@ static int32_t expect(const pel_batches *batches, const pel_batch *batch, int32_
                     : hinges ? shell->hinge_count
                              : shell->triangle_count;
     for (int32_t i = 0; i < total; i++) {
-        int32_t t = fibres ? shell->regions[batch->region].fibres[i].triangle : i;
-        const int32_t *vertices = hinges ? shell->hinges[i].vertices : shell->triangles[t].vertices;
+        int32_t t = fibres ? pel_shell_fibre_triangle(&shell->regions[batch->region], i) : i;
+        const pel_shell_hinge hinge = hinges ? pel_shell_hinge_of(shell, i) : (pel_shell_hinge){0};
+        const int32_t *vertices = hinges ? hinge.vertices : shell->corners[t];
         bool pressed = !pressure || shell->pressure_weights == NULL || shell->pressure_weights[t] != 0;
         bool moves = may_move(model, vertices, batch->arity) || !batches->is_projected;
         if (pressure ? pressed : moves)

@@ -144,6 +144,7 @@ static inline bool pairs_equal(pair_set *a, pair_set *b)
 
 /* ---- brute force ---- */
 
+/* boxes of edges stand at the half-edges that name them; those of other half-edges are empty */
 typedef struct feature_boxes {
     pel_box *vertices, *edges, *triangles;
 } feature_boxes;
@@ -151,14 +152,14 @@ typedef struct feature_boxes {
 static inline feature_boxes make_feature_boxes(const pel_tree *tree)
 {
     return (feature_boxes){aligned_alloc(32, (size_t)tree->vertex_count * sizeof(pel_box)),
-                           aligned_alloc(32, (size_t)tree->edge_count * sizeof(pel_box)),
+                           aligned_alloc(32, 3 * (size_t)tree->triangle_count * sizeof(pel_box)),
                            aligned_alloc(32, (size_t)tree->triangle_count * sizeof(pel_box))};
 }
 
 static inline void fill_feature_boxes(const pel_tree *tree, feature_boxes *boxes)
 {
-    for (int32_t e = 0; e < tree->edge_count; e++)
-        boxes->edges[e] = pel_tree_edge_box(tree, boxes->vertices, e);
+    for (int32_t h = 0; h < 3 * tree->triangle_count; h++)
+        boxes->edges[h] = pel_tree_edge(tree, h) == h ? pel_tree_edge_box(tree, boxes->vertices, h) : pel_box_empty();
     for (int32_t t = 0; t < tree->triangle_count; t++)
         boxes->triangles[t] = pel_tree_triangle_box(tree, boxes->vertices, t);
 }
@@ -197,11 +198,14 @@ static inline pair_set brute_vertex_face(const pel_tree *tree, const feature_box
 static inline pair_set brute_edge_edge(const pel_tree *tree, const feature_boxes *boxes)
 {
     pair_set set = {0};
-    for (int32_t e = 0; e < tree->edge_count; e++)
-        for (int32_t f = e + 1; f < tree->edge_count; f++)
-            if (!shares_vertex(tree->edges[e], 2, tree->edges[f], 2) &&
-                pel_box_overlaps(&boxes->edges[e], &boxes->edges[f]))
+    for (int32_t e = 0; e < 3 * tree->triangle_count; e++)
+        for (int32_t f = e + 1; f < 3 * tree->triangle_count; f++) {
+            int32_t a[2], b[2];
+            pel_tree_edge_ends(tree, e, a);
+            pel_tree_edge_ends(tree, f, b);
+            if (!shares_vertex(a, 2, b, 2) && pel_box_overlaps(&boxes->edges[e], &boxes->edges[f]))
                 add_pair(&set, (pel_pair){e, f});
+        }
     return set;
 }
 

@@ -54,10 +54,12 @@ static void check_near_pairs(const pel_candidates *c, const surface *s, double t
         add_pair(&list, c->edge_edge[i]);
     if (list.count > 0)
         qsort(list.pairs, list.count, sizeof *list.pairs, compare_pairs);
-    for (int32_t e = 0; e < c->tree->edge_count; e++)
-        for (int32_t f = e + 1; f < c->tree->edge_count; f++) {
-            const int32_t *a = c->tree->edges[e], *b = c->tree->edges[f];
-            if (shares_vertex(a, 2, b, 2))
+    for (int32_t e = 0; e < 3 * c->tree->triangle_count; e++)
+        for (int32_t f = e + 1; f < 3 * c->tree->triangle_count; f++) {
+            int32_t a[2], b[2];
+            pel_tree_edge_ends(c->tree, e, a);
+            pel_tree_edge_ends(c->tree, f, b);
+            if (pel_tree_edge(c->tree, e) != e || pel_tree_edge(c->tree, f) != f || shares_vertex(a, 2, b, 2))
                 continue;
             bool near = false;
             for (int i = 0; i <= 4 && !near; i++) {

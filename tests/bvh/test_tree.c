@@ -20,35 +20,56 @@ static pel_tree *make_tree(const surface *s, pel_tree_content content)
     return tree;
 }
 
-/* every element is in exactly one lane; groups and leaves follow each other */
+/* every triangle is in exactly one lane, and every vertex and edge belongs to exactly one triangle that has it */
 static void check_members(const pel_tree *tree)
 {
-    int32_t *seen = calloc((size_t)(tree->triangle_count + tree->vertex_count + tree->edge_count), sizeof *seen);
-    int32_t next = 0;
-    for (int32_t leaf = 0; leaf < tree->leaf_count; leaf++) {
-        const pel_leaf *at = &tree->leaves[leaf];
-        assert_int_equal(at->group, next);
-        for (int32_t g = at->group; g < at->group_end; g++) {
-            int32_t offset = g == at->group ? 0 : tree->triangle_count + tree->vertex_count;
-            for (int lane = 0; lane < PEL_LANES; lane++)
-                if (tree->members[g].element[lane] >= 0)
-                    seen[offset + tree->members[g].element[lane]]++;
-        }
-        next = at->group_end;
-        for (int32_t i = at->vertex_begin; i < at->vertex_end; i++)
-            seen[tree->triangle_count + tree->leaf_vertices[i]]++;
+    int32_t count = tree->triangle_count;
+    uint8_t *triangles = calloc((size_t)count, 1), *vertices = calloc((size_t)tree->vertex_count, 1);
+    uint8_t *edges = calloc(3 * (size_t)count, 1);
+    for (int32_t i = 0; i < PEL_LANES * tree->leaf_count; i++) {
+        int32_t t = tree->leaves[i / PEL_LANES][i % PEL_LANES];
+        assert_int_equal(t < 0, i >= count);
+        if (t >= 0)
+            triangles[t]++;
     }
-    for (int32_t i = 0; i < tree->triangle_count; i++)
-        assert_int_equal(seen[i], 1);
-    uint8_t *used = calloc((size_t)tree->vertex_count, 1);
-    for (int32_t h = 0; h < 3 * tree->triangle_count; h++)
-        used[tree->triangles[h / 3][h % 3]] = 1;
-    for (int32_t v = 0; v < tree->vertex_count && tree->edges != NULL; v++)
-        assert_int_equal(seen[tree->triangle_count + v], used[v]);
-    for (int32_t e = 0; e < tree->edge_count; e++)
-        assert_int_equal(seen[tree->triangle_count + tree->vertex_count + e], 1);
-    free(used);
-    free(seen);
+    for (int32_t t = 0; t < count; t++)
+        assert_int_equal(triangles[t], 1);
+    for (int32_t h = 0; tree->features != NULL && h < 3 * count; h++) {
+        edges[pel_tree_edge(tree, h)] += tree->features[h / 3] >> h % 3 & 1;
+        vertices[pel_tree_corner(tree, h)] += tree->features[h / 3] >> (3 + h % 3) & 1;
+    }
+    for (int32_t h = 0; tree->features != NULL && h < 3 * count; h++) {
+        assert_int_equal(edges[h], pel_tree_edge(tree, h) == h);
+        assert_int_equal(vertices[pel_tree_corner(tree, h)], 1);
+    }
+    free(triangles);
+    free(vertices);
+    free(edges);
+}
+
+/* an edge has one name, the first half-edge along it, and knows what is across in its first two triangles */
+static void test_edges(void **unused)
+{
+    (void)unused;
+    /* three triangles on the edge 0, 1, and a border */
+    const int32_t triangles[4][3] = {{2, 0, 1}, {1, 0, 3}, {0, 1, 4}, {2, 5, 0}};
+    const double positions[6][3] = {{0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {-1, 1, 0}};
+    pel_tree *tree;
+    assert_int_equal(pel_tree_create(positions, 6, triangles, 4, PEL_TREE_FEATURES, &tree, NULL), PEL_OK);
+    int32_t ends[2], across[2];
+    const int32_t shared[3] = {1, 3, 6};
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(pel_tree_edge(tree, shared[i]), 1);
+    pel_tree_edge_ends(tree, 1, ends);
+    pel_tree_edge_opposites(tree, 1, across);
+    assert_true(ends[0] == 0 && ends[1] == 1 && across[0] == 2 && across[1] == 3);
+    assert_int_equal(pel_tree_edge(tree, 11), 0);
+    pel_tree_edge_opposites(tree, 0, across);
+    assert_true(across[0] == 1 && across[1] == 5);
+    assert_int_equal(pel_tree_edge(tree, 2), 2);
+    pel_tree_edge_opposites(tree, 2, across);
+    assert_true(across[0] == 0 && across[1] == -1);
+    pel_tree_destroy(tree);
 }
 
 static void test_members(void **unused)
@@ -142,8 +163,8 @@ static void test_follow(void **unused)
     pel_motion rest = {(const double(*)[3])s.start, (const double(*)[3])s.start, s.vertex_count};
     pel_motion now = {(const double(*)[3])s.end, (const double(*)[3])s.end, s.vertex_count};
     pel_frame frame = pel_frame_centre(&rest);
-    for (int32_t v = 0; v < s.vertex_count; v++)
-        pel_frame_middle(&frame, &rest, v, before[v]);
+    assert_int_equal(pel_frame_sample_count(s.vertex_count), s.vertex_count);
+    pel_frame_sample(&frame, &rest, before);
     for (int trial = 0; trial < 20; trial++) {
         double rotation[9], scale = random_between(&random, 0.2, 3);
         random_rotation(&random, rotation);
@@ -257,7 +278,7 @@ static void test_pairs_between(void **unused)
         assert_int_equal(pel_find_pairs(first, second, 15u, NULL, &search, NULL), PEL_OK);
         pair_set vf = brute_between(x.vertices, a.vertex_count, y.triangles, b.triangle_count);
         pair_set fv = brute_between(x.triangles, a.triangle_count, y.vertices, b.vertex_count);
-        pair_set ee = brute_between(x.edges, first->edge_count, y.edges, second->edge_count);
+        pair_set ee = brute_between(x.edges, 3 * a.triangle_count, y.edges, 3 * b.triangle_count);
         pair_set ff = brute_between(x.triangles, a.triangle_count, y.triangles, b.triangle_count);
         assert_true(ff.count > 0);
         assert_true(list_equals(&search, PEL_PAIR_VERTEX_FACE, &vf));
@@ -400,11 +421,17 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_members),      cmocka_unit_test(test_boxes_hold_points),
-        cmocka_unit_test(test_not_finite),   cmocka_unit_test(test_follow),
-        cmocka_unit_test(test_pairs_within), cmocka_unit_test(test_pairs_between),
-        cmocka_unit_test(test_in_box),       cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_limit),        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_members),
+        cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_boxes_hold_points),
+        cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_follow),
+        cmocka_unit_test(test_pairs_within),
+        cmocka_unit_test(test_pairs_between),
+        cmocka_unit_test(test_in_box),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -75,10 +75,12 @@ static int64_t check_known(const pieces *p, const double (*x)[3], double distanc
             assert_true(has_pair(&p->clearance.vertex_face, v, t));
             count++;
         }
-    for (int32_t e = 0; e < tree->edge_count; e++)
-        for (int32_t f = e + 1; f < tree->edge_count; f++) {
-            const int32_t *a = tree->edges[e], *b = tree->edges[f];
-            if (shares(a, 2, b, 2) ||
+    for (int32_t e = 0; e < 3 * tree->triangle_count; e++)
+        for (int32_t f = e + 1; f < 3 * tree->triangle_count; f++) {
+            int32_t a[2], b[2];
+            pel_tree_edge_ends(tree, e, a);
+            pel_tree_edge_ends(tree, f, b);
+            if (pel_tree_edge(tree, e) != e || pel_tree_edge(tree, f) != f || shares(a, 2, b, 2) ||
                 !(pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights) < distance * distance))
                 continue;
             assert_true(has_pair(&p->clearance.edge_edge, e, f));

@@ -30,6 +30,13 @@ static void begin(fixture *f)
     f->pose.position[2] = 0.125;
 }
 
+static double force_on(const fixture *f, int32_t v, int axis)
+{
+    double force[3];
+    pel_contact_force_at(&f->forces.vertex, v, force);
+    return force[axis];
+}
+
 /* a vertex of body 0 on the triangle of body 1 below it */
 static pel_contact_action act(int32_t vertices[4], double size)
 {
@@ -55,14 +62,14 @@ static void test_between_bodies(void **unused)
     pel_contact_forces_accept(&f.forces, 1, true);
     double sum[3] = {0, 0, 0}, x[3];
     for (int32_t v = 0; v < VERTICES; v++) {
-        pel_vertex_position(f.forces.vertex, v, x);
+        pel_contact_force_at(&f.forces.vertex, v, x);
         pel_vec3_add(sum, x, sum);
     }
     for (int k = 0; k < 3; k++)
         assert_near(sum[k], 0, 0);
-    assert_near((double)f.forces.vertex[0][2], 8, 0);
-    assert_near((double)f.forces.vertex[PEL_WIDTH][0], -2, 0);
-    assert_near((double)f.forces.vertex[PEL_WIDTH + 2][2], -2, 0);
+    assert_near(force_on(&f, 0, 2), 8, 0);
+    assert_near(force_on(&f, PEL_WIDTH, 0), -2, 0);
+    assert_near(force_on(&f, PEL_WIDTH + 2, 2), -2, 0);
     /* body 0 has the row, with the force on it */
     const pel_pair_force *pair = &f.forces.pair[0 * f.forces.group_count + 1];
     assert_near(pair->force[0], 4, 0);
@@ -96,7 +103,7 @@ static void test_obstacle(void **unused)
     assert_near(pair->load_size, 3, 0);
     /* the vertex stayed, the obstacle came by an eighth */
     assert_near(pair->approach, 3 * 0.125, 1e-12);
-    assert_near((double)f.forces.vertex[PEL_WIDTH + 1][0], 1, 0);
+    assert_near(force_on(&f, PEL_WIDTH + 1, 0), 1, 0);
     assert_int_equal(f.forces.records->last.count, 2);
     pel_contact_forces_destroy(&f.forces);
 }
@@ -117,16 +124,75 @@ static void test_parts(void **unused)
             pel_contact_forces_add(&f.forces, &way, &action);
             pel_contact_forces_accept(&f.forces, shares[part], part == 0);
         }
-        assert_near((double)f.forces.vertex[0][2], 7, 0);
+        assert_near(force_on(&f, 0, 2), 7, 0);
         assert_near(f.forces.pair[1].load_size, 7, 0);
         assert_int_equal(f.forces.records->last.count, 1);
         assert_near(f.forces.records->last.entries[0].load[2], 7, 0);
     }
     pel_contact_forces_begin(&f.forces);
     pel_contact_forces_accept(&f.forces, 1, true);
-    assert_near((double)f.forces.vertex[0][2], 0, 0);
+    assert_near(force_on(&f, 0, 2), 0, 0);
     assert_int_equal(f.forces.records->last.count, 0);
     pel_contact_forces_destroy(&f.forces);
+}
+
+static size_t page_total(const pel_force_pages *pages, int32_t count)
+{
+    size_t sum = 0;
+    for (int32_t p = 0; p < count; p++)
+        sum += pages->pages[p] != NULL;
+    return sum;
+}
+
+/* pages are where forces were; what is written from outside is read back, and zeros take no page */
+static void test_pages(void **unused)
+{
+    (void)unused;
+    enum { PAGES = 5, COUNT = PAGES * PEL_FORCE_PAGE - PEL_WIDTH, LAST = PEL_FORCE_PAGE - PEL_WIDTH };
+    static const int32_t one_body[COUNT / PEL_WIDTH];
+    const double force[3] = {1, -2, 4};
+    pel_record page[PEL_FORCE_PAGE];
+    double x[3];
+    pel_contact_forces f;
+    assert_int_equal(pel_contact_forces_create(COUNT, 1, 0, one_body, &f, NULL), PEL_OK);
+    pel_contact_forces_begin(&f);
+    pel_contact_force_add(&f, &f.vertex_next, 3 * PEL_FORCE_PAGE + 1, force);
+    pel_contact_force_add(&f, &f.vertex_next, 3 * PEL_FORCE_PAGE + 1, force);
+    pel_contact_forces_accept(&f, 1, true);
+    assert_int_equal(page_total(&f.vertex, PAGES) + page_total(&f.vertex_next, PAGES), 1);
+    pel_contact_force_at(&f.vertex, 3 * PEL_FORCE_PAGE + 1, x);
+    assert_true(x[0] == 2 && x[1] == -4 && x[2] == 8);
+    pel_contact_force_at(&f.vertex, 3 * PEL_FORCE_PAGE, x);
+    assert_true(x[0] == 0 && x[1] == 0 && x[2] == 0);
+    /* to the last page, which is shorter, and back to zeros */
+    pel_contact_forces_read(&f, 3 * PEL_FORCE_PAGE, LAST, page);
+    pel_contact_forces_write(&f, 4 * PEL_FORCE_PAGE, LAST, page);
+    pel_contact_force_at(&f.vertex, 4 * PEL_FORCE_PAGE + 1, x);
+    assert_true(x[0] == 2 && x[1] == -4 && x[2] == 8);
+    pel_contact_forces_read(&f, 0, PEL_FORCE_PAGE, page);
+    pel_contact_forces_write(&f, PEL_FORCE_PAGE, PEL_FORCE_PAGE, page);
+    pel_contact_forces_write(&f, 3 * PEL_FORCE_PAGE, PEL_FORCE_PAGE, page);
+    assert_int_equal(page_total(&f.vertex, PAGES), 2);
+    pel_contact_force_at(&f.vertex, 3 * PEL_FORCE_PAGE + 1, x);
+    assert_true(x[0] == 0 && x[1] == 0 && x[2] == 0);
+    pel_contact_forces_destroy(&f);
+}
+
+/* a force for which there is no memory is told; obstacles have theirs from the start */
+static void test_short(void **unused)
+{
+    (void)unused;
+    const double force[3] = {1, 0, 0};
+    for (int32_t obstacles = 0; obstacles < 2; obstacles++) {
+        pel_contact_forces f;
+        assert_int_equal(pel_contact_forces_create(VERTICES, 2, obstacles, body_of_slice, &f, NULL), PEL_OK);
+        pel_contact_forces_begin(&f);
+        failing_malloc_begin(1);
+        pel_contact_force_add(&f, &f.vertex_next, 0, force);
+        assert_int_equal(failing_malloc_end().calls, obstacles == 0);
+        assert_int_equal(f.is_short, obstacles == 0);
+        pel_contact_forces_destroy(&f);
+    }
 }
 
 static pel_status create_case(const void *unused, pel_error *error)
@@ -143,16 +209,14 @@ static pel_status create_case(const void *unused, pel_error *error)
 static void test_allocations(void **unused)
 {
     (void)unused;
-    assert_int_equal(for_every_allocation_failure(create_case, NULL), 7);
+    assert_int_equal(for_every_allocation_failure(create_case, NULL), 9);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_between_bodies),
-        cmocka_unit_test(test_obstacle),
-        cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_between_bodies), cmocka_unit_test(test_obstacle), cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_pages),          cmocka_unit_test(test_short),    cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,7 +84,9 @@ static pel_status make_set(const arrays *a, pel_contact_set **set, pel_error *er
     if (status != PEL_OK)
         return status;
     pel_contact_set_place(*set, a->rest, a->next);
-    pel_contact_surface_clear(*set);
+    status = pel_contact_surface_begin(*set, error);
+    if (status != PEL_OK)
+        return status;
     for (int32_t t = 0; t < a->triangle_count; t++)
         pel_contact_surface_add(*set, a->triangles[t]);
     return pel_contact_surface_finish(*set, false, error);

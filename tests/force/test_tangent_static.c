@@ -238,7 +238,7 @@ static void heavy_strip_is_an_elastica(void **unused)
     double pressure = gamma * young * thickness * thickness * thickness / 12, exact[2], tip[3];
     for (int32_t t = 0; t < shell->triangle_count; t++)
         for (int k = 0; k < 3; k++)
-            on.load[3 * shell->triangles[t].vertices[k] + 2] -= pressure * shell->triangles[t].rest.area / 3;
+            on.load[3 * shell->corners[t][k] + 2] -= pressure * pel_shell_rest(shell, t).area / 3;
     int iterations = solve_static(&on.on, on.load, on.is_fixed, 1, 40);
     solve_rod(0, gamma, exact);
     tip_of(&on, 1, tip);

@@ -28,6 +28,26 @@ static void test_order_is_a_permutation(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* where no body has springs their lengths are not stored, and are the same */
+static void test_lengths_without_springs(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(4);
+    pel_body_def body = ball_body(mesh);
+    body.spring_stiffness.value = 1;
+    pel_model *with = make_model(&body);
+    body.spring_stiffness.value = 0;
+    pel_model *without = make_model(&body);
+    assert_non_null(with->rest_lengths);
+    assert_null(without->rest_lengths);
+    for (int32_t i = 0; i < with->vertex_count; i++)
+        for (int32_t slot = with->slot_begin[i / PEL_WIDTH]; slot < with->slot_end[i / PEL_WIDTH]; slot++)
+            assert_true(pel_model_rest_length(with, slot, i) == pel_model_rest_length(without, slot, i));
+    pel_model_destroy(with);
+    pel_model_destroy(without);
+    pel_mesh_destroy(mesh);
+}
+
 /* each edge stands at both ends once, with its length and stiffness; all else is filler */
 static void test_springs_are_the_edges(void **unused)
 {
@@ -51,7 +71,7 @@ static void test_springs_are_the_edges(void **unused)
                 const double *p = mesh->positions[a], *q = mesh->positions[b];
                 double length =
                     sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
-                assert_near((double)model->rest_lengths[slot][lane], length, 1e-6);
+                assert_near((double)pel_model_rest_length(model, slot, i), length, 1e-6);
                 assert_true(length < 0.4);
                 assert_near((double)model->stiffnesses[slot][lane], 1 + 0.5 * (a + b), 1e-4);
             }
@@ -156,6 +176,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_order_is_a_permutation),
         cmocka_unit_test(test_springs_are_the_edges),
+        cmocka_unit_test(test_lengths_without_springs),
         cmocka_unit_test(test_masses),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_curves),

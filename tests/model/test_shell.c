@@ -42,14 +42,15 @@ static void test_triangles(void **unused)
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         double x[3][3], f[6];
         for (int i = 0; i < 3; i++)
-            assert_int_equal(model->mesh_vertex[shell->triangles[t].vertices[i]], mesh->triangles[t][i]);
-        mesh_corners(model, shell->triangles[t].vertices, 3, x);
-        pel_deformation_gradient(&shell->triangles[t].rest, (const double(*)[3])x, f);
+            assert_int_equal(model->mesh_vertex[shell->corners[t][i]], mesh->triangles[t][i]);
+        mesh_corners(model, shell->corners[t], 3, x);
+        const pel_rest_triangle rest = pel_shell_rest(shell, t);
+        pel_deformation_gradient(&rest, (const double(*)[3])x, f);
         for (int a = 0; a < 2; a++)
             for (int b = 0; b < 2; b++)
                 assert_near(f[a] * f[b] + f[2 + a] * f[2 + b] + f[4 + a] * f[4 + b], a == b, 1e-12);
-        assert_true(shell->triangles[t].young == 1e5 && shell->triangles[t].thickness == 0.01);
-        area += shell->triangles[t].rest.area;
+        assert_true(pel_shell_sheet_of(shell, t).young == 1e5 && pel_shell_sheet_of(shell, t).thickness == 0.01);
+        area += rest.area;
     }
     assert_near(area, model->bodies[0].rest_area, 1e-12);
     assert_near(shell->mean_edge, 0.25, 0.1);
@@ -73,25 +74,27 @@ static void check_hinges(const pel_mesh *mesh, bool convex)
     const pel_shell *shell = shell_of(model);
     assert_int_equal(shell->hinge_count, topology->edge_count - topology->boundary_edge_count);
     for (int32_t i = 0; i < shell->hinge_count; i++) {
-        const pel_shell_hinge *hinge = &shell->hinges[i];
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        double rest_angle = pel_shell_rest_angle(shell, i);
         int32_t v[4];
         double x[4][3], normal[3], edge[3];
         for (int k = 0; k < 4; k++)
-            v[k] = model->mesh_vertex[hinge->vertices[k]];
-        const int32_t *left = mesh->triangles[hinge->triangles[0]], *right = mesh->triangles[hinge->triangles[1]];
+            v[k] = model->mesh_vertex[hinge.vertices[k]];
+        const int32_t *left = mesh->triangles[hinge.triangles[0]], *right = mesh->triangles[hinge.triangles[1]];
         assert_true(has_corner(left, v[0]) && has_corner(left, v[1]) && has_corner(left, v[2]));
         assert_true(has_corner(right, v[0]) && has_corner(right, v[1]) && has_corner(right, v[3]));
-        mesh_corners(model, hinge->vertices, 4, x);
+        mesh_corners(model, hinge.vertices, 4, x);
         /* (v0, v1, v2) has the winding of the left triangle */
         pel_vec3_triangle_normal(x[0], x[1], x[2], normal);
         pel_vec3_triangle_normal(mesh->positions[left[0]], mesh->positions[left[1]], mesh->positions[left[2]], edge);
         assert_true(pel_vec3_dot(normal, edge) > 0);
-        assert_true(hinge->rest_angle == pel_dihedral_angle((const double(*)[3])x, NULL));
-        assert_true(!convex || hinge->rest_angle > 0);
-        assert_near(hinge->stiffness, 1e5 * 1e-6 / (12 * 0.91), 1e-15);
-        assert_true(pel_shell_isometric(model->rest, hinge).factor > 0);
-        assert_true(pel_shell_angle(model->rest, hinge).factor > 0);
-        assert_true(pel_shell_angle(model->rest, hinge).rest_angle == hinge->rest_angle);
+        assert_int_equal(hinge.number, i);
+        assert_true(rest_angle == pel_dihedral_angle((const double(*)[3])x, NULL));
+        assert_true(!convex || rest_angle > 0);
+        assert_near(hinge.stiffness, 1e5 * 1e-6 / (12 * 0.91), 1e-15);
+        assert_true(pel_shell_isometric(model->rest, &hinge).factor > 0);
+        assert_true(pel_shell_angle(shell, model->rest, &hinge).factor > 0);
+        assert_true(pel_shell_angle(shell, model->rest, &hinge).rest_angle == rest_angle);
     }
     pel_topology_destroy(topology);
     pel_model_destroy(model);
@@ -133,15 +136,15 @@ static void test_fields(void **unused)
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         const int32_t *v = mesh->triangles[t];
         double mean = (v[0] + v[1] + v[2]) / 3.0, inside = (v[0] % 2 + v[1] % 2 + v[2] % 2) / 3.0;
-        assert_near(shell->triangles[t].young, 1000 * (1 + mean), 1e-9);
-        assert_near(shell->triangles[t].thickness, 0.001 * (9 - mean), 1e-15);
+        assert_near(pel_shell_sheet_of(shell, t).young, 1000 * (1 + mean), 1e-9);
+        assert_near(pel_shell_sheet_of(shell, t).thickness, 0.001 * (9 - mean), 1e-15);
         assert_near(shell->pressure_weights[t], 10 * mean * inside, 1e-12);
     }
-    for (int32_t i = 0; i < shell->hinge_count; i++)
-        assert_near(
-            shell->hinges[i].stiffness,
-            0.5 * (model->mesh_vertex[shell->hinges[i].vertices[0]] + model->mesh_vertex[shell->hinges[i].vertices[1]]),
-            1e-12);
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        assert_near(hinge.stiffness,
+                    0.5 * (model->mesh_vertex[hinge.vertices[0]] + model->mesh_vertex[hinge.vertices[1]]), 1e-12);
+    }
     assert_true(shell->pressure.outside.value == 1);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
@@ -179,15 +182,16 @@ static void test_regions(void **unused)
     assert_true(count > 10);
     assert_int_equal(active->fibre_count, count);
     for (int32_t i = 0; i < active->fibre_count; i++) {
-        const pel_shell_fibre *fibre = &active->fibres[i];
+        const pel_shell_fibre fibre = pel_shell_fibre_of(shell, active, i);
+        const pel_rest_triangle rest = pel_shell_rest(shell, fibre.triangle);
         double x[3][3], f[6], along = 0, toward[3] = {0, 0, 1};
-        assert_true(i == 0 || fibre->triangle > active->fibres[i - 1].triangle);
-        assert_near(hypot(fibre->direction[0], fibre->direction[1]), 1, 1e-12);
-        mesh_corners(model, shell->triangles[fibre->triangle].vertices, 3, x);
-        pel_deformation_gradient(&shell->triangles[fibre->triangle].rest, (const double(*)[3])x, f);
+        assert_true(i == 0 || fibre.triangle > pel_shell_fibre_triangle(active, i - 1));
+        assert_near(hypot(fibre.direction[0], fibre.direction[1]), 1, 1e-12);
+        mesh_corners(model, shell->corners[fibre.triangle], 3, x);
+        pel_deformation_gradient(&rest, (const double(*)[3])x, f);
         for (int c = 0; c < 3; c++) {
             toward[c] -= (x[0][c] + x[1][c] + x[2][c]) / 3;
-            along += (f[2 * c] * fibre->direction[0] + f[2 * c + 1] * fibre->direction[1]) * toward[c];
+            along += (f[2 * c] * fibre.direction[0] + f[2 * c + 1] * fibre.direction[1]) * toward[c];
         }
         assert_true(along > 0);
     }
@@ -195,11 +199,13 @@ static void test_regions(void **unused)
     /* hinges inside turn round, those outside stay */
     assert_int_equal(shell->regions[1].fibre_count, 0);
     for (int32_t i = 0; i < shell->hinge_count; i++) {
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         double x[4][3], w = 0;
-        mesh_corners(model, shell->hinges[i].vertices, 4, x);
+        mesh_corners(model, hinge.vertices, 4, x);
         for (int k = 0; k < 2; k++)
-            w += 0.5 * weights[model->mesh_vertex[shell->hinges[i].vertices[k]]];
-        assert_near(shell->hinges[i].rest_angle, (1 - 2 * w) * pel_dihedral_angle((const double(*)[3])x, NULL), 1e-14);
+            w += 0.5 * weights[model->mesh_vertex[hinge.vertices[k]]];
+        assert_near(pel_shell_rest_angle(shell, i), (1 - 2 * w) * pel_dihedral_angle((const double(*)[3])x, NULL),
+                    1e-14);
     }
     pel_model_destroy(model);
     free(weights);

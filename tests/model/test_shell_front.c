@@ -106,19 +106,19 @@ static int32_t base_around(const fixture *made, const double x[3][3])
 static void check_triangle(const fixture *made, const pel_shell *shell, int32_t t)
 {
     const pel_shell *given = made->model->bodies[BODY].shell;
-    const pel_shell_triangle *triangle = &shell->triangles[t];
+    const pel_rest_triangle rest = pel_shell_rest(shell, t);
     double x[3][3], f[6], normal[3];
-    corners_of(made, triangle->vertices, 3, x);
+    corners_of(made, shell->corners[t], 3, x);
     int32_t base = base_around(made, (const double(*)[3])x);
-    const pel_shell_triangle *whole = &given->triangles[base];
+    pel_shell_sheet sheet = pel_shell_sheet_of(shell, t), whole = pel_shell_sheet_of(given, base);
     double tolerance = sizeof(pel_real) == 8 ? 1e-12 : 1e-5;
     pel_vec3_triangle_normal(x[0], x[1], x[2], normal);
-    assert_near(triangle->rest.area / (0.5 * pel_vec3_length(normal)), 1, tolerance);
-    pel_deformation_gradient(&triangle->rest, (const double(*)[3])x, f);
+    assert_near(rest.area / (0.5 * pel_vec3_length(normal)), 1, tolerance);
+    pel_deformation_gradient(&rest, (const double(*)[3])x, f);
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < 2; j++)
             assert_near(f[i] * f[j] + f[2 + i] * f[2 + j] + f[4 + i] * f[4 + j], i == j, tolerance);
-    assert_true(triangle->young == whole->young && triangle->thickness == whole->thickness);
+    assert_true(sheet.young == whole.young && sheet.thickness == whole.thickness);
     const int32_t *v = made->mesh->triangles[base];
     double weight = (made->weights[v[0]] + made->weights[v[1]] + made->weights[v[2]]) / 3;
     assert_near(given->parts[base].curl, (1 - 2 * weight) * (1 - 0.3 * weight), 1e-12);
@@ -126,26 +126,27 @@ static void check_triangle(const fixture *made, const pel_shell *shell, int32_t 
     assert_true(shell->pressure_weights[t] == given->pressure_weights[base]);
     for (int r = 0; r < FIBRE_REGIONS; r++) {
         const pel_shell_region *region = &shell->regions[r], *of = &given->regions[r];
-        const pel_shell_fibre *fibre = NULL, *origin = NULL;
+        int32_t at = -1, origin = -1;
         for (int32_t i = 0; i < region->fibre_count; i++)
-            fibre = region->fibres[i].triangle == t ? &region->fibres[i] : fibre;
+            at = pel_shell_fibre_triangle(region, i) == t ? i : at;
         for (int32_t i = 0; i < of->fibre_count; i++)
-            origin = of->fibres[i].triangle == base ? &of->fibres[i] : origin;
-        assert_true((fibre == NULL) == (origin == NULL));
-        if (fibre == NULL)
+            origin = pel_shell_fibre_triangle(of, i) == base ? i : origin;
+        assert_true((at < 0) == (origin < 0));
+        if (at < 0)
             continue;
+        const pel_shell_fibre fibre = pel_shell_fibre_of(shell, region, at);
         double direction[2];
         pel_shell_fibre_direction(&made->regions[r], (const double(*)[3])x, direction);
-        assert_true(fibre->weight == origin->weight);
-        assert_near(fibre->direction[0], direction[0], tolerance);
-        assert_near(fibre->direction[1], direction[1], tolerance);
+        assert_true(fibre.weight == pel_shell_fibre_weight(of, origin));
+        assert_near(fibre.direction[0], direction[0], tolerance);
+        assert_near(fibre.direction[1], direction[1], tolerance);
     }
 }
 
-static int corner_with(const pel_shell_triangle *triangle, int32_t place)
+static int corner_with(const int32_t corners[3], int32_t place)
 {
     for (int k = 0; k < 3; k++)
-        if (triangle->vertices[k] == place)
+        if (corners[k] == place)
             return k;
     fail();
     return -1;
@@ -154,15 +155,15 @@ static int corner_with(const pel_shell_triangle *triangle, int32_t place)
 static void check_hinge(const fixture *made, const pel_shell *shell, const pel_shell_hinge *hinge)
 {
     const pel_refined_body *own = &made->active->bodies[BODY];
-    const pel_shell_triangle *sides[2];
+    const int32_t *sides[2];
     const pel_shell_part_bending *parts[2];
     for (int s = 0; s < 2; s++) {
         parts[s] = &own->shell->given->parts[own->shell->base_of_triangle[hinge->triangles[s]]];
-        sides[s] = &shell->triangles[hinge->triangles[s]];
+        sides[s] = shell->corners[hinge->triangles[s]];
         /* along the edge in the left one, against it in the right one, with the tip behind */
         int from = corner_with(sides[s], hinge->vertices[s]);
-        assert_int_equal(sides[s]->vertices[(from + 1) % 3], hinge->vertices[1 - s]);
-        assert_int_equal(sides[s]->vertices[(from + 2) % 3], hinge->vertices[2 + s]);
+        assert_int_equal(sides[s][(from + 1) % 3], hinge->vertices[1 - s]);
+        assert_int_equal(sides[s][(from + 2) % 3], hinge->vertices[2 + s]);
     }
     double x[4][3], tolerance = sizeof(pel_real) == 8 ? 1e-12 : 1e-5;
     corners_of(made, hinge->vertices, 4, x);
@@ -171,7 +172,8 @@ static void check_hinge(const fixture *made, const pel_shell *shell, const pel_s
     if (own->shell->is_base[hinge->triangles[0]] && own->shell->is_base[hinge->triangles[1]])
         return;
     double angle = pel_dihedral_angle((const double(*)[3])x, NULL);
-    assert_near(hinge->rest_angle, angle * 0.5 * (parts[0]->curl + parts[1]->curl), 10 * tolerance);
+    assert_near(pel_shell_rest_angle(shell, hinge->number), angle * 0.5 * (parts[0]->curl + parts[1]->curl),
+                10 * tolerance);
 }
 
 /* one hinge on each edge, and on the closed ball all edges have one */
@@ -179,10 +181,12 @@ static void check_hinges(const fixture *made, const pel_shell *shell)
 {
     assert_int_equal(2 * shell->hinge_count, 3 * shell->triangle_count);
     for (int32_t i = 0; i < shell->hinge_count; i++) {
-        const int32_t *v = shell->hinges[i].vertices;
-        check_hinge(made, shell, &shell->hinges[i]);
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        const int32_t *v = hinge.vertices;
+        check_hinge(made, shell, &hinge);
         for (int32_t k = 0; k < i; k++) {
-            const int32_t *w = shell->hinges[k].vertices;
+            const pel_shell_hinge other = pel_shell_hinge_of(shell, k);
+            const int32_t *w = other.vertices;
             assert_false((v[0] == w[0] && v[1] == w[1]) || (v[0] == w[1] && v[1] == w[0]));
         }
     }
@@ -196,7 +200,7 @@ static void check_shell(const fixture *made)
     assert_int_equal(shell->triangle_count, own->front->triangle_count);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         check_triangle(made, shell, t);
-        corners_of(made, shell->triangles[t].vertices, 3, x);
+        corners_of(made, shell->corners[t], 3, x);
         volume += pel_triangle_volume((const double(*)[3])x, NULL);
     }
     check_hinges(made, shell);
@@ -208,21 +212,27 @@ static void check_base(const fixture *made)
 {
     const pel_shell_front *own = made->active->bodies[BODY].shell;
     const pel_shell *shell = &own->shell, *given = own->given;
-    assert_true(own->shift > 0);
+    const pel_model *active = &made->active->model;
+    int32_t shift = (active->bodies[BODY].slice_begin - made->model->bodies[BODY].slice_begin) * PEL_WIDTH;
+    assert_true(shift > 0);
     assert_int_equal(shell->triangle_count, given->triangle_count);
     assert_int_equal(shell->hinge_count, given->hinge_count);
-    for (int32_t t = 0; t < shell->triangle_count; t++)
-        assert_memory_equal(&shell->triangles[t].rest, &given->triangles[t].rest, sizeof shell->triangles[t].rest);
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        const pel_rest_triangle rest = pel_shell_rest(shell, t), like = pel_shell_rest(given, t);
+        assert_memory_equal(&rest, &like, sizeof rest);
+    }
     for (int32_t i = 0; i < shell->hinge_count; i++) {
-        const pel_shell_hinge *hinge = &shell->hinges[i], *like = NULL;
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        int32_t like = -1;
         for (int32_t k = 0; k < given->hinge_count; k++) {
             bool same = true;
             for (int c = 0; c < 2; c++)
-                same &= given->hinges[k].vertices[c] + own->shift == hinge->vertices[c];
-            like = same ? &given->hinges[k] : like;
+                same &= pel_shell_hinge_of(given, k).vertices[c] + shift == hinge.vertices[c];
+            like = same ? k : like;
         }
-        assert_non_null(like);
-        assert_true(hinge->stiffness == like->stiffness && hinge->rest_angle == like->rest_angle);
+        assert_true(like >= 0);
+        assert_true(hinge.stiffness == pel_shell_hinge_stiffness(given, like));
+        assert_true(pel_shell_rest_angle(shell, i) == pel_shell_rest_angle(given, like));
     }
 }
 
