@@ -3,6 +3,7 @@
    PELLICLE_LONG in the environment (make nightly) the scenes run to their ends, with more stops. */
 #define _XOPEN_SOURCE 700 /* nftw */
 #include "run/run_fixture.h"
+#include "source_dir.h"
 
 enum { LONG_STOPS = 4 };
 
