@@ -23,7 +23,8 @@ enum { IS_SLOW = __has_feature(address_sanitizer) || __has_feature(thread_saniti
 enum { IS_SLOW = 0 };
 #endif
 
-/* whether to leave out what takes long: where steps are slow, unless PELLICLE_ALL is in the environment (make nightly) */
+/* whether to leave out what takes long: where steps are slow, unless PELLICLE_ALL is in the environment (make nightly)
+ */
 static inline bool is_slow(void)
 {
     return IS_SLOW && getenv("PELLICLE_ALL") == NULL;
