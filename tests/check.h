@@ -5,6 +5,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -22,14 +23,20 @@ enum { IS_SLOW = __has_feature(address_sanitizer) || __has_feature(thread_saniti
 enum { IS_SLOW = 0 };
 #endif
 
-/* rounds of a loop; few are enough where they are slow: there it counts what each does, not how many are right */
-#define ROUNDS(full, few) (IS_SLOW ? (few) : (full))
+/* whether to leave out what takes long: where steps are slow, unless PELLICLE_ALL is in the environment (make nightly)
+ */
+static inline bool is_slow(void)
+{
+    return IS_SLOW && getenv("PELLICLE_ALL") == NULL;
+}
 
-/* for tests of accuracy alone, whose code shorter tests run too: left out where steps are slow, unless PELLICLE_ALL is
-   in the environment (make nightly) */
+/* rounds of a loop; few are enough where they are slow: there it counts what each does, not how many are right */
+#define ROUNDS(full, few) (is_slow() ? (few) : (full))
+
+/* for tests of accuracy alone, whose code shorter tests run too */
 #define skip_if_slow()                                                                                                 \
     do {                                                                                                               \
-        if (IS_SLOW && getenv("PELLICLE_ALL") == NULL)                                                                 \
+        if (is_slow())                                                                                                 \
             skip();                                                                                                    \
     } while (0)
 

@@ -23,10 +23,10 @@ if(TARGET pellicle_program)
     # whole runs of random scenes: more of them by `make nightly`
     set(PROPERTIES --count 60)
     if(PELLICLE_SANITIZE)
-        set(PROPERTIES --count 12 --sanitized)
+        set(PROPERTIES --count 8 --sanitized)
     endif()
     if(PELLICLE_SINGLE)
-        set(PROPERTIES --count 24 --single)
+        set(PROPERTIES --count 16 --single)
     endif()
     add_test(NAME cli/properties COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/properties.py
                                          $<TARGET_FILE:pellicle_program> ${PROPERTIES} --keep ${PROJECT_BINARY_DIR}/broken)

@@ -126,7 +126,12 @@ allocation_count failing_malloc_end(void)
 
 long for_every_allocation_failure(allocation_case *run, const void *data)
 {
-    for (long n = 1;; n++) {
+    return for_allocation_failures(run, data, 1);
+}
+
+long for_allocation_failures(allocation_case *run, const void *data, long step)
+{
+    for (long n = 1;; n += step) {
         pel_error error = {.status = PEL_OK};
         failing_malloc_begin(n);
         pel_status status = run(data, &error);

@@ -25,5 +25,7 @@ typedef pel_status allocation_case(const void *data, pel_error *error);
    gives PEL_OUT_OF_MEMORY with its error filled (or success, after a failed realloc that was only to shrink) and leaks
    nothing. Returns the number of allocations of the case. */
 long for_every_allocation_failure(allocation_case *run, const void *data);
+/* of every step-th only */
+long for_allocation_failures(allocation_case *run, const void *data, long step);
 
 #endif

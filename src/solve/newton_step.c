@@ -103,11 +103,16 @@ static void measure_inertia(const newton_run *run)
     run->result->inertia_force = sqrt(square);
 }
 
-/* energy at the unknowns, and gradient along the axes of the vertices */
+/* energy at the unknowns, and gradient along the axes of the vertices; nothing once the pool is stopped, where line
+   searches would evaluate on */
 void pel_newton_evaluate(newton_run *run)
 {
     pel_newton *newton = run->newton;
     const pel_newton_problem *problem = run->problem;
+    if (pel_pool_is_stopped(newton->pool)) {
+        run->status = pel_pool_check(newton->pool, run->error);
+        return;
+    }
     const pel_tangent_input input = {
         .unknowns = run->unknowns,
         .time = problem->time,

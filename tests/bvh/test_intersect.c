@@ -6,6 +6,7 @@
 #include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
 #include "sample.h"
+#include "source_dir.h"
 
 static pel_mesh mesh_of(const surface *s, double (*positions)[3])
 {

@@ -378,6 +378,106 @@ static void test_guard(void **unused)
     }
 }
 
+/* Vertices that an obstacle holds go its share of the way, and have the velocity of that; the sheet in their way, which
+   nothing holds, takes no part in it. */
+static void test_guard_of_held(void **unused)
+{
+    (void)unused;
+    static const int32_t held[4] = {0, 1, 7, 8};
+    random_state random = {4};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.005, &random);
+    add_sheet(&a, 6, 0.06, 0.005, &random);
+    pel_obstacle obstacle = {
+        .solid = {.kind = PEL_SOLID_SPHERE, .radius = 0.1}, .body = -1, .held = held, .held_count = 4};
+    add_obstacle(&a, &obstacle, 0);
+    const double up = 0.12;
+    for (int i = 0; i < 4; i++) {
+        a.next[held[i]][2] += (pel_real)up;
+        a.velocity[held[i]][2] = (pel_real)(100 * up);
+    }
+    pel_contact_set *set = create(&a);
+    set->obstacles[0].before = pose_at(0.1, 0.1, 0);
+    set->obstacles[0].pose = pose_at(0.1, 0.1, up);
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    const pel_contact_motion motion = {a.rest, a.next, a.velocity, 0.01};
+    assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+    double gone = set->obstacles[0].pose.position[2], rounding = sizeof(pel_real) == 8 ? 1e-12 : 1e-6;
+    assert_true(set->obstacles[0].is_held_back && set->statistics.tools_held == 1);
+    assert_true(gone > 0.01 && gone < 0.09);
+    for (int i = 0; i < 4; i++) {
+        assert_near(a.next[held[i]][2], a.rest[held[i]][2] + (pel_real)gone, rounding);
+        assert_near(a.velocity[held[i]][2], 100 * gone, 1000 * rounding);
+    }
+    /* without a conflict nothing is held back */
+    memcpy(a.next, a.rest, sizeof a.next);
+    set->obstacles[0].pose = set->obstacles[0].before;
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+    assert_true(!set->obstacles[0].is_held_back && set->statistics.tools_held == 1);
+    pel_contact_set_destroy(set);
+}
+
+/* Sheets that nothing holds keep their momentum; what meets a fixed one (0 or 1, -1: none) has the velocity of its way.
+ */
+static void check_guard_momentum(int fixed)
+{
+    random_state random = {6};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.005, &random);
+    add_sheet(&a, 6, 0.05, 0.005, &random);
+    /* the other one is thrown */
+    int still = fixed == 1 ? 1 : 0;
+    for (int32_t v = 0; v < a.vertex_count; v++) {
+        bool is_still = a.body_of_slice[v / PEL_WIDTH] == still;
+        if (a.mass[v] > 0 && !is_still) {
+            a.next[v][2] += (pel_real)(still == 0 ? -0.04 : 0.04);
+            a.velocity[v][2] = (pel_real)(still == 0 ? -4 : 4);
+        } else if (fixed >= 0) {
+            a.inverse_mass[v] = 0;
+        }
+    }
+    static pel_record thrown[MOST_VERTICES];
+    memcpy(thrown, a.next, sizeof thrown);
+    double before[2][3], after[2][3], rounding = sizeof(pel_real) == 8 ? 1e-10 : 1e-3;
+    int moved = 0;
+    sum_momentum(&a, a.rest, a.next, before[0]);
+    sum_momentum(&a, NULL, a.velocity, before[1]);
+    pel_contact_set *set = create(&a);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    assert_true(set->conflict_count > 0);
+    const pel_contact_motion motion = {a.rest, a.next, a.velocity, 0.01};
+    assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+    sum_momentum(&a, a.rest, a.next, after[0]);
+    sum_momentum(&a, NULL, a.velocity, after[1]);
+    for (int k = 0; fixed < 0 && k < 3; k++) {
+        /* the points of a zone have shares of their own */
+        assert_near(after[0][k], before[0][k], 0.01 * fabs(before[0][2]));
+        assert_near(after[1][k], before[1][k], 100 * rounding);
+    }
+    for (int32_t v = 0; v < a.vertex_count; v++) {
+        if (a.next[v][2] == thrown[v][2])
+            continue;
+        moved++;
+        if (fixed >= 0)
+            assert_near(a.velocity[v][2], 100 * (a.next[v][2] - a.rest[v][2]), rounding);
+    }
+    assert_int_equal(set->statistics.fall_backs, moved);
+    assert_true(moved > 4);
+    pel_contact_set_destroy(set);
+}
+
+static void test_guard_momentum(void **unused)
+{
+    (void)unused;
+    for (int fixed = -1; fixed < 2; fixed++)
+        check_guard_momentum(fixed);
+}
+
 /* two sheets that cross: their pairs are known, and are no conflicts */
 static void test_tangles(void **unused)
 {
@@ -421,8 +521,9 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pairs), cmocka_unit_test(test_box),     cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_guard), cmocka_unit_test(test_tangles), cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_pairs),   cmocka_unit_test(test_box),           cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_guard),   cmocka_unit_test(test_guard_of_held), cmocka_unit_test(test_guard_momentum),
+        cmocka_unit_test(test_tangles), cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 
 #include "pellicle/mesh_check.h"
 #include "pellicle/mesh_io.h"
+#include "source_dir.h"
 
 static pel_vertex_measure measure_of(const curved_mesh *curved, int32_t v)
 {

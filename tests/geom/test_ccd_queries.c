@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "pellicle/geometry.h"
+#include "source_dir.h"
 
 #define QUERY_FOLDER PEL_SOURCE_DIR "/../shared/data/ccd/"
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "pellicle/geometry.h"
+#include "source_dir.h"
 
 typedef struct surface {
     int vertex_count, triangle_count;

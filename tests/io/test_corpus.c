@@ -5,6 +5,7 @@
 #include "../fuzz/fuzz_mesh.h"
 #include "base/memory.h"
 #include "io/file.h"
+#include "source_dir.h"
 
 #include <dirent.h>
 #include <stdlib.h>

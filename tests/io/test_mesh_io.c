@@ -1,6 +1,7 @@
 #include "failing_malloc.h"
 #include "parse.h"
 #include "random.h"
+#include "source_dir.h"
 
 #include <sys/stat.h>
 #include <unistd.h>

@@ -8,6 +8,7 @@
 #include "pellicle/results.h"
 #include "pellicle/shape.h"
 #include "random.h"
+#include "source_dir.h"
 
 #include <dirent.h>
 #include <stdlib.h>

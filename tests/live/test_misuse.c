@@ -1,4 +1,5 @@
 #include "misuse.h"
+#include "source_dir.h"
 
 #include <pellicle/server.h>
 

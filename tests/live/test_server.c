@@ -2,6 +2,7 @@
  */
 #define _XOPEN_SOURCE 700
 #include "check.h"
+#include "source_dir.h"
 
 #include <pellicle/server.h>
 

@@ -7,6 +7,7 @@
 
 #include "pellicle/mesh.h"
 #include "pellicle/shape.h"
+#include "source_dir.h"
 
 #include <stdlib.h>
 

@@ -527,7 +527,7 @@ static void test_allocation_failures_of_blends(void **unused)
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
     def.edge = 0.06 * def.size;
     allocation_count count = {.failed = 1};
-    for (long n = 1; count.failed > 0; n += n < ROUNDS(40, 20) ? 1 : ROUNDS(61, 307)) {
+    for (long n = 1; count.failed > 0; n += n < ROUNDS(40, 10) ? 1 : ROUNDS(127, 1009)) {
         pel_error error = {0};
         failing_malloc_begin(n);
         pel_status status = create_case(&def, &error);

@@ -104,6 +104,24 @@ static void test_parts(void **unused)
     }
 }
 
+/* small balls inside an icosahedron and beside it, close to its large triangles: one inside is a cavity, one outside is
+   inside out */
+static void test_near_triangles(void **unused)
+{
+    (void)unused;
+    for (int i = -60; i <= 60; i++) {
+        const ball balls[2] = {{0, 1, false, false}, {0.01 * i, 0.004, true, false}};
+        double distance = fabs(0.01 * i) * sqrt(3);
+        if (distance > 0.78 && distance < 0.96)
+            continue; /* between the spheres in the icosahedron and about it */
+        pel_mesh *mesh = make_balls(balls, 2, 1);
+        pel_model *model = make_model(mesh, NULL);
+        assert_int_equal(pel_model_turned_count(model, 0), distance > 0.9 ? 20 : 0);
+        pel_model_destroy(model);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 typedef struct outcome {
     double volume; /* ratio */
     double depth;  /* of the vertex at +x, outward */
@@ -181,6 +199,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_near_triangles),
         cmocka_unit_test(test_pressures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

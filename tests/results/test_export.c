@@ -7,6 +7,7 @@
 #include "pellicle/export.h"
 #include "results/export.h"
 #include "run_folder.h"
+#include "source_dir.h"
 
 static char folder[FOLDER_SIZE];
 static pel_frames *frames;

@@ -3,6 +3,7 @@
    PELLICLE_LONG in the environment (make nightly) the scenes run to their ends, with more stops. */
 #define _XOPEN_SOURCE 700 /* nftw */
 #include "run/run_fixture.h"
+#include "source_dir.h"
 
 enum { LONG_STOPS = 4 };
 
@@ -134,7 +135,7 @@ static const char shell[] =
 
 static void check_methods(const char *text, const char *name, const char *const *overrides, int32_t count)
 {
-    for (int32_t i = 0; i < count; i += ROUNDS(1, 2)) {
+    for (int32_t i = 0; i < count; i += ROUNDS(1, 3)) {
         char run[64];
         const char *pair[2];
         snprintf(run, sizeof run, "%s-%d", name, (int)i);

@@ -1,6 +1,7 @@
 /* The library under threads, for ThreadSanitizer above all: a model shared by several simulations, runs side by side
    with their writers of frames, meshes read and checked side by side. Results are those of one thread. */
 #include "check.h"
+#include "source_dir.h"
 
 #include <pellicle/mesh_check.h>
 #include <pellicle/mesh_io.h>

@@ -131,6 +131,7 @@ static void test_unconverged(void **unused)
 static void test_twist(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     const char *text =
         "version: 1\nbodies:\n  - name: strip\n    mesh: { shape: grid, nx: 20, ny: 4, size_x: 0.2, size_y: 0.04 }\n"
         "    membrane: { preset: silicone }\n    bending: { model: midedge }\n"
@@ -149,6 +150,7 @@ static void test_twist(void **unused)
 static void test_swing(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     const char *text =
         "version: 1\nbodies:\n  - name: sheet\n    mesh: { shape: grid, nx: 12, ny: 12, size_x: 0.3, size_y: 0.3 }\n"
         "    membrane: { preset: paper }\n    pinned: { box: { min: [-1, -1, -1], max: [-0.149, 1, 1] } }\n"
@@ -164,6 +166,7 @@ static void test_swing(void **unused)
 static void test_stray(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     const char *text =
         "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.05 }\n"
         "    membrane: { preset: rubber }\n    pressure: { gas: {} }\ntools:\n"
@@ -305,6 +308,7 @@ static void test_energy_appears(void **unused)
 static void test_energy_of_rest(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     pel_run_summary summary;
     run_scene("version: 1\n"
               "bodies:\n"
@@ -340,6 +344,7 @@ static void test_grasp_empty(void **unused)
 static void test_coarse_contact(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     static const char pressed[] =
         "version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 10, radius: 0.05 }, "
         "volumetric: {} }]\n"
@@ -369,6 +374,7 @@ static void test_coarse_contact(void **unused)
 static void test_unsettled(void **unused)
 {
     (void)unused;
+    skip_if_slow();
     static const char pushed[] =
         "version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 5 }, preset: paper-a, "
         "volumetric: { stiffness: 0.01 } }]\n"

@@ -571,13 +571,12 @@ static void test_sim_calls(void **unused)
 
 /* ---- changes while a simulation goes on, looks into it ---- */
 
-static void test_live(void **unused)
+static void test_parameters(void **unused)
 {
     (void)unused;
     pel_parameter_info info;
     const pel_key nan_key = {nan_value, nan_value};
     const double nan3[3] = {nan_value, 0, 0};
-    double *some = calloc(10000, sizeof *some);
     GIVES(pel_parameter_count(NULL) == 0);
     SURVIVES(pel_parameter_at(NULL, 0, &info));
     SURVIVES(pel_parameter_at(sim, 0, NULL));
@@ -600,6 +599,14 @@ static void test_live(void **unused)
     FAILS(pel_set_parameter_keys(sim, "bodies.ball.springs.stiffness", &nan_key, 1, &error));
     REFUSED("text", pel_set_parameter_text(sim, "x", NULL, &error));
     FAILS(pel_set_parameter_text(sim, "solver.dt", "", &error));
+    finish();
+}
+
+static void test_live(void **unused)
+{
+    (void)unused;
+    const double nan3[3] = {nan_value, 0, 0};
+    double *some = calloc(10000, sizeof *some);
     pel_load_def load = pel_load_def_default();
     pel_tool_def tool = make_tool();
     REFUSED("def", pel_sim_add_load(sim, NULL, &error));
@@ -636,6 +643,14 @@ static void test_live(void **unused)
     REFUSED("drag", pel_drag_move(NULL, zero3, &error));
     SURVIVES(pel_drag_get(NULL, NULL));
     GIVES(pel_drag_end(NULL, NULL) == PEL_OK);
+    free(some);
+    finish();
+}
+
+static void test_observations(void **unused)
+{
+    (void)unused;
+    double *some = calloc(10000, sizeof *some);
     pel_snapshot *snapshot;
     REFUSED("sim", pel_snapshot_create(NULL, &snapshot, &error));
     REFUSED("snapshot", pel_snapshot_create(sim, NULL, &error));
@@ -759,9 +774,12 @@ static void test_session(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_results), cmocka_unit_test(test_model),           cmocka_unit_test(test_shell),
-        cmocka_unit_test(test_sim),     cmocka_unit_test(test_loads_and_tools), cmocka_unit_test(test_sim_calls),
-        cmocka_unit_test(test_live),    cmocka_unit_test(test_scenes),          cmocka_unit_test(test_session),
+        cmocka_unit_test(test_results),         cmocka_unit_test(test_model),
+        cmocka_unit_test(test_shell),           cmocka_unit_test(test_sim),
+        cmocka_unit_test(test_loads_and_tools), cmocka_unit_test(test_sim_calls),
+        cmocka_unit_test(test_parameters),      cmocka_unit_test(test_live),
+        cmocka_unit_test(test_observations),    cmocka_unit_test(test_scenes),
+        cmocka_unit_test(test_session),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

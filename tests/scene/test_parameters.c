@@ -274,7 +274,7 @@ static void check_variant(const variant *v, tally *count)
         fail_msg("%s\n%s", pel_error_text(&error, text, sizeof text), scene);
     int32_t parameter_count = pel_parameter_count(first.sim);
     assert_true(parameter_count > 25);
-    for (int32_t p = IS_SLOW ? v->fibre : 0; p < parameter_count; p += ROUNDS(1, 9)) {
+    for (int32_t p = is_slow() ? v->fibre : 0; p < parameter_count; p += ROUNDS(1, 9)) {
         pel_parameter_info info;
         pel_parameter_at(first.sim, p, &info);
         check_number(scene, &info, count);

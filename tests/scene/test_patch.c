@@ -203,7 +203,7 @@ static void test_written_over(void **unused)
     int scenes = 0;
     for (size_t b = 0; b < BODY_COUNT; b++) {
         bool any = false;
-        for (size_t m = IS_SLOW ? b % METHOD_COUNT : 0; m < METHOD_COUNT; m += ROUNDS(1, METHOD_COUNT)) {
+        for (size_t m = is_slow() ? b % METHOD_COUNT : 0; m < METHOD_COUNT; m += ROUNDS(1, METHOD_COUNT)) {
             char text[4000];
             write_scene(text, b, m);
             if (!is_possible(text))
@@ -212,7 +212,7 @@ static void test_written_over(void **unused)
             scenes++;
             check_scene(text, &count);
         }
-        if (!any && !IS_SLOW)
+        if (!any && !is_slow())
             fail_msg("no method knows the body %s", bodies[b]);
     }
     print_message("%d scenes, %ld values written over, %ld refused, %ld to be read\n", scenes, count.written,

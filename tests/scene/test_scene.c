@@ -5,6 +5,7 @@
 
 #include "pellicle/scene.h"
 #include "pellicle/shape.h"
+#include "source_dir.h"
 
 #include <dirent.h>
 #include <stdlib.h>

@@ -199,15 +199,10 @@ static void test_numbers(void **unused)
     }
 }
 
-static pel_status write_all(const void *unused, pel_error *error)
+static pel_status write_one(const void *writer, pel_error *error)
 {
-    (void)unused;
     FILE *file = fopen("/dev/null", "w");
-    pel_status status = pel_scene_write_schema(file, error);
-    if (status == PEL_OK)
-        status = pel_scene_write_reference(file, error);
-    if (status == PEL_OK)
-        status = pel_scene_write_parameters(file, error);
+    pel_status status = (*(write_document *const *)writer)(file, error);
     fclose(file);
     return status;
 }
@@ -215,7 +210,9 @@ static pel_status write_all(const void *unused, pel_error *error)
 static void test_write_failures(void **unused)
 {
     (void)unused;
-    for_every_allocation_failure(write_all, NULL);
+    write_document *const writers[] = {pel_scene_write_schema, pel_scene_write_reference, pel_scene_write_parameters};
+    for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
+        for_allocation_failures(write_one, &writers[i], ROUNDS(1, 11));
     FILE *file = fopen("/dev/full", "w");
     if (file == NULL)
         return;

@@ -3,6 +3,7 @@
 #include "sim/contact_scene.h"
 
 #include "pellicle/mesh_io.h"
+#include "source_dir.h"
 
 enum { FEW_FRAMES = 250 };
 

@@ -48,7 +48,7 @@ static void test_collapse(void **unused)
     int64_t most = run_free(sim, ROUNDS(40, 20));
     pel_sim_measures measures;
     pel_sim_measure(sim, &measures);
-    if (!IS_SLOW) {
+    if (!is_slow()) {
         assert_true(most > 100 && measures.volume_ratio < 0.25);
         assert_true(statistics_of(sim).fall_backs < 1000);
     }
@@ -84,9 +84,9 @@ static void test_plates(void **unused)
         double left = sqrt(scene.meshes[0]->vertex_count) * solver_of(sim).residual;
         assert_near(upper.force[2], -lower.force[2], left + 1e-6 * upper.force[2]);
     }
-    if (!IS_SLOW)
+    if (!is_slow())
         assert_true(touching >= 5);
-    assert_true(statistics_of(sim).fall_backs <= (IS_SLOW ? 50 : 0));
+    assert_true(statistics_of(sim).fall_backs <= (is_slow() ? 50 : 0));
     assert_int_equal(statistics_of(sim).tools_held, 0);
     scene_end(&scene, sim);
 }

@@ -381,7 +381,7 @@ static void test_drag(void **unused)
         /* the hand does not shake: nothing is much harder than the spring when it begins, 4 N */
         assert_true(hardest < 7);
         assert_true(reading.point[0] > hit.point[0] + 0.001 && reading.point[0] < target[0] + 1e-9);
-        if (methods[m] != PEL_METHOD_PBD && !IS_SLOW) {
+        if (methods[m] != PEL_METHOD_PBD && !is_slow()) {
             assert_true(reading.force[0] > 0);
             assert_near(reading.reaction[0], -reading.force[0], 0.02 * fabs(reading.force[0]));
             /* that of the states of rest */

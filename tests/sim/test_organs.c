@@ -4,6 +4,7 @@
 #include "sim/fixture.h"
 
 #include "pellicle/mesh_io.h"
+#include "source_dir.h"
 
 #include <unistd.h>
 

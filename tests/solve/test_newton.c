@@ -66,8 +66,9 @@ typedef struct walls {
     int32_t pairs[WALLS][4];
     double floors[WALLS], stiffness;
     int count;
-    double at[WALLS]; /* sum of z at the last evaluation */
-    int systems;      /* matrices asked for */
+    double at[WALLS];                  /* sum of z at the last evaluation */
+    int systems;                       /* matrices asked for */
+    int evaluations, most_evaluations; /* after which a stop is wanted */
 } walls;
 
 static double depth_of(const walls *w, int i, const double *unknowns)
@@ -79,6 +80,7 @@ static double evaluate_walls(void *context, const double *unknowns, double *grad
 {
     walls *w = context;
     double energy = 0;
+    w->evaluations++;
     for (int i = 0; i < w->count; i++) {
         w->at[i] = depth_of(w, i, unknowns);
         if (!(w->at[i] > 0))
@@ -263,6 +265,45 @@ static void test_deadline(void **unused)
     assert_true(longest > 5);
 }
 
+static bool wants_more(void *context)
+{
+    const walls *w = context;
+    return w->evaluations < w->most_evaluations;
+}
+
+/* whatever a run does when it is stopped, along a step as well, it evaluates once more at most */
+static void test_stop(void **unused)
+{
+    (void)unused;
+    int stops = 0;
+    for (uint32_t seed = 1; seed <= 20; seed++) {
+        pel_status status = PEL_STOPPED;
+        for (int most = 1; status == PEL_STOPPED; most++) {
+            sheet s = make_sheet_of(1e-6, 1, 0);
+            random_state random = {seed};
+            walls w;
+            pel_pool *pool;
+            pel_newton *newton;
+            pel_newton_result result;
+            random_walls(&s, &random, &w);
+            w.most_evaluations = most;
+            const pel_newton_terms terms = terms_of(&w);
+            pel_newton_problem problem = problem_of(&s, &terms);
+            assert_int_equal(pel_pool_create(1, &pool, NULL), PEL_OK);
+            assert_int_equal(pel_newton_create(s.model, pool, &newton, NULL), PEL_OK);
+            pel_pool_watch(pool, wants_more, &w);
+            status = pel_newton_run(newton, &problem, s.unknowns, &result, NULL);
+            assert_true(w.evaluations <= most + 1);
+            stops += status == PEL_STOPPED;
+            pel_newton_destroy(newton);
+            pel_pool_destroy(pool);
+            free_sheet(&s);
+        }
+        assert_int_equal(status, PEL_OK);
+    }
+    assert_true(stops > 100);
+}
+
 static pel_status create_newton(const void *data, pel_error *error)
 {
     pel_newton *newton;
@@ -309,9 +350,8 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_couplings),          cmocka_unit_test(test_kinks),
-        cmocka_unit_test(test_open_pressure),      cmocka_unit_test(test_deadline),
-        cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_couplings), cmocka_unit_test(test_kinks), cmocka_unit_test(test_open_pressure),
+        cmocka_unit_test(test_deadline),  cmocka_unit_test(test_stop),  cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

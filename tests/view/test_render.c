@@ -7,6 +7,7 @@
 #include "pellicle/render.h"
 #include "pellicle/results.h"
 #include "pellicle/shape.h"
+#include "source_dir.h"
 
 #include <png.h>
 #include <stdlib.h>
