@@ -1,4 +1,5 @@
 #include "check.h"
+#include "source_dir.h"
 
 #include "pellicle/render.h"
 
