@@ -281,7 +281,7 @@ static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_reco
         to_plane(inverse, out->force, plane);
         if (thickness > 0)
             to_space(axes, 1 / (thickness * out->rest_area), plane, out->piola_stress);
-        out->thickness = thickness * pow(ratio, -poisson / (1 - poisson));
+        out->thickness = thickness * pel_pow(ratio, -poisson / (1 - poisson));
     }
     to_space(f, per_area, moment, out->moment);
     for (int k = 0; k < 6; k++)

@@ -340,7 +340,8 @@ static const pel_scene_row rows[] = {
      .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper "
             "B; pbd-distance: position-based dynamics on edges; xpbd: position-based dynamics that follows the "
             "stiffness; descent: minimises the energy under tools and contacts; static: equilibria by Newton's method; "
-            "implicit: implicit Euler by Newton's method. Default: xpbd if a body has a membrane or springs by "
+            "implicit: the midpoint rule, BDF2 or Euler by Newton's method. Default: xpbd if a body has a membrane or "
+            "springs by "
             "`young`, as tissue has; implicit if xpbd would be too soft; quasi-static for springs by stiffness"},
     {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
     {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
