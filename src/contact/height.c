@@ -7,6 +7,9 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <float.h>
+#include <math.h>
+
 /* least height, of that at rest */
 #define LEAST_SHARE 0.05
 /* triangles below so many least heights at the start of a step are watched in it */
@@ -64,26 +67,65 @@ static void measure_squares(const int32_t *v, const pel_record *positions, doubl
     *area = pel_vec3_squared_length(normal);
 }
 
-/* Most triangles are far from flat, which is seen without a root or a division: a height is twice the area over the
-   longest edge. A few percent of room, so that what is to be watched passes whatever the rounding. */
-static bool is_far_from_flat(const int32_t *v, const pel_record *rest, const pel_record *positions)
+/* A height is twice the area over the longest edge, the width of the triangle. The bound has a few percent of room for
+   rounding. */
+void pel_contact_heights_set_surface(pel_contact_set *set)
 {
     const double bound = 1.05 * WATCH * LEAST_SHARE;
-    double rest_longest, rest_area, longest, area;
-    measure_squares(v, rest, &rest_longest, &rest_area);
-    measure_squares(v, positions, &longest, &area);
-    return area * rest_longest > bound * bound * rest_area * longest;
+    for (int32_t t = 0; t < set->triangle_count; t++) {
+        double longest, area;
+        if (set->triangles[t][0] >= set->vertex_count)
+            continue;
+        measure_squares(set->triangles[t], set->def.rest, &longest, &area);
+        set->heights.bounds[t] = (float)(bound * sqrt(area / longest));
+    }
+    set->heights.slack = 0;
+}
+
+/* No vertex has moved by half of the slack since all triangles were measured: a width changes by at most twice the
+   longest displacement. */
+static bool are_far_from_flat(const pel_contact_set *set, const pel_record *positions)
+{
+    const pel_contact_heights *heights = &set->heights;
+    double most = 0, size = 0;
+    if (!(heights->slack > 0))
+        return false;
+    for (int32_t v = 0; v < set->vertex_count; v++) {
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            double place = (double)heights->places[v][k], way = (double)positions[v][k] - place;
+            square += way * way;
+            size = fabs(place) > size ? fabs(place) : size;
+        }
+        most = square > most ? square : most;
+    }
+    return 2 * (sqrt(most) + (double)FLT_EPSILON * size) < heights->slack;
+}
+
+static void keep_places(pel_contact_set *set, const pel_record *positions)
+{
+    for (int32_t v = 0; v < set->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            set->heights.places[v][k] = (float)positions[v][k];
 }
 
 pel_status pel_contact_heights_find(pel_contact_set *set, const pel_record *position, pel_error *error)
 {
     pel_contact_heights *heights = &set->heights;
     heights->list.count = 0;
+    if (are_far_from_flat(set, position))
+        return PEL_OK;
+    heights->slack = HUGE_VAL;
+    keep_places(set, position);
     for (int32_t t = 0; t < set->triangle_count; t++) {
         const int32_t *v = set->triangles[t];
+        double longest, area;
         if (v[0] >= set->vertex_count)
             continue;
-        if (is_far_from_flat(v, set->def.rest, position))
+        measure_squares(v, position, &longest, &area);
+        double room = sqrt(area / longest) - (double)heights->bounds[t];
+        heights->slack = room > 0 ? fmin(room, heights->slack) : 0;
+        if (room > 0)
             continue;
         double least = LEAST_SHARE * measure_triangle(v, set->def.rest).length;
         if (!(measure_triangle(v, position).length < WATCH * least))

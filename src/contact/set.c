@@ -86,6 +86,8 @@ void pel_contact_set_destroy(pel_contact_set *set)
                       set->other_contacts,
                       set->heights.list.contacts,
                       set->heights.triangles,
+                      set->heights.bounds,
+                      set->heights.places,
                       set->conflicts,
                       set->impacts,
                       set->solved,

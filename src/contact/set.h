@@ -135,6 +135,9 @@ typedef struct pel_contact_heights {
     pel_contact_list list;
     int32_t *triangles; /* (list.count) of the surface */
     size_t capacity, triangle_capacity;
+    float *bounds;      /* (triangles of the surface) m, height below which one may have to be watched */
+    double slack;       /* m, least height above its bound when all were measured; 0 = measure them */
+    float (*places)[3]; /* (vertex_count) m, of the vertices then */
 } pel_contact_heights;
 
 typedef struct pel_contact_set {
@@ -244,6 +247,8 @@ void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, 
 void pel_contact_set_look_at_start(pel_contact_set *set);
 
 /* ---- height.c ---- */
+/* to be called when the surface has changed */
+void pel_contact_heights_set_surface(pel_contact_set *set);
 /* At the start of a step: triangles that are nearly collapsed. PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_heights_find(pel_contact_set *set, const pel_record *position, pel_error *error);
 /* contacts at positions (vertex_count) */

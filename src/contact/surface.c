@@ -213,6 +213,7 @@ pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_e
     set->next_triangles = NULL;
     set->triangles = pel_collider_tree(set->collider)->triangles;
     set->triangle_count = set->next_count;
+    pel_contact_heights_set_surface(set);
     return PEL_OK;
 }
 
@@ -255,8 +256,12 @@ static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
     set->end = pel_allocate(point_count + 1, sizeof *set->end);
     set->substep_start = pel_allocate(obstacle_points, sizeof *set->substep_start);
     set->substep_end = pel_allocate(obstacle_points, sizeof *set->substep_end);
-    bool made = set->group_of_point != NULL && set->may_meet != NULL && set->start != NULL && set->end != NULL &&
-                set->substep_start != NULL && set->substep_end != NULL;
+    set->heights.bounds =
+        pel_allocate((size_t)(set->obstacle_triangle_count + set->def.triangle_limit), sizeof *set->heights.bounds);
+    set->heights.places = pel_allocate((size_t)set->vertex_count, sizeof *set->heights.places);
+    bool made = set->heights.bounds != NULL && set->heights.places != NULL && set->group_of_point != NULL &&
+                set->may_meet != NULL && set->start != NULL && set->end != NULL && set->substep_start != NULL &&
+                set->substep_end != NULL;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 

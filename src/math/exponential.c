@@ -43,9 +43,19 @@ double pel_exp(double x)
     return isnan(x) ? x : exp_of((pel_pair){x, 0});
 }
 
+/* the series, for |x| < 0.05: the next term is below 2^-59 of x */
+static double small_tanh(double x)
+{
+    double z = x * x;
+    double tail = 2.0 / 15 + z * (-17.0 / 315 + z * (62.0 / 2835 + z * (-1382.0 / 155925)));
+    return x + x * z * (-1.0 / 3 + z * tail);
+}
+
 double pel_tanh(double x)
 {
     const double one = 22; /* beyond it the result is 1 */
+    if (fabs(x) < 0.05)
+        return fabs(x) < 0x1p-27 ? x : small_tanh(x);
     double size = fabs(x);
     int exponent;
     if (isnan(x) || size > one)
