@@ -285,8 +285,8 @@ double pel_descent_short_move(const pel_sim *sim)
 /* relative to the forces that act; Newton's method adds the same share of inertia */
 static double dynamic_tolerance(const pel_sim *sim, double loads)
 {
-    double rounding = ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sim->descent->stiff_force;
-    return fmax(DYNAMIC_SHARE * acting_force(sim, loads), rounding);
+    double acting = acting_force(sim, loads);
+    return acting > 0 ? DYNAMIC_SHARE * acting : ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sim->descent->stiff_force;
 }
 
 /* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */

@@ -15,6 +15,7 @@
    damps what the steps do not resolve, and keeps sliding and resting contact at second order. Euler takes the first
    step and those of a collision, where velocities jump. Damping along volumetric springs is c (u . e) e, with e from
    the start of the step. */
+#include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
@@ -310,6 +311,14 @@ static double potential_at(pel_sim *sim, const pel_record *position, double *ela
     return *elastic + energy.pressure;
 }
 
+/* J, of positions that are rounded, by the bound of the stiffness */
+static double energy_noise(const pel_sim *sim)
+{
+    const pel_sim_descent *descent = sim->descent;
+    double rounding = (double)PEL_REAL_EPSILON * descent->size;
+    return descent->stiff_force / descent->mean_edge * rounding * rounding * sqrt(sim->model->vertex_count);
+}
+
 /* Whether a step of the midpoint rule changes the energy: dK + dE - W over K + E. */
 static bool changes_energy(pel_sim *sim, double potential_before)
 {
@@ -323,7 +332,7 @@ static bool changes_energy(pel_sim *sim, double potential_before)
             kinetic += 0.5 * mass * u * u;
             change += 0.5 * mass * (u * u - w * w) - sim->descent->newton->loads[3 * v + k] * way;
         }
-    return !(fabs(change) <= ENERGY_SHARE * (kinetic + elastic));
+    return !(fabs(change) <= ENERGY_SHARE * (kinetic + elastic) + energy_noise(sim));
 }
 
 static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
