@@ -41,7 +41,8 @@ typedef struct pel_run_progress {
 typedef struct pel_run_beside {
     const pel_scene *const *scenes;
     int32_t count;
-    /* Called with each row of the series of the scene of that number, after `row` of the run. Nullable. */
+    /* Called with each row of the series of the scene of that number, in the calling thread; with more than one thread
+       `row` of the run comes from another one, before or after. Nullable. */
     void (*row)(void *user, int32_t scene, const char *line);
     void *user;
 } pel_run_beside;

@@ -398,6 +398,9 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
     if (shell->bending == PEL_BENDING_OFF)
         return PEL_OK;
     pel_status status = allocate_hinges(def, topology, body->detail != NULL, shell, error);
+    /* of a mesh without an inner edge, whose refined surface has some */
+    const pel_quantity *given = &def->shell.bending.stiffness;
+    shell->hinge_stiffness = given->field == NULL && !(given->value < 0) ? given->value : triangle_bending(shell, 0);
     for (int32_t e = 0; status == PEL_OK && e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e], i = shell->hinge_count;
         const int32_t sides[2] = {h, topology->twin[h]};

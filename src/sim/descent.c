@@ -17,6 +17,7 @@
 #include "sim/tool.h"
 #include "solve/shell_stability.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -255,6 +256,13 @@ static double acting_force(const pel_sim *sim, double loads)
     return sqrt(loads * loads + contact * contact + held * held);
 }
 
+/* N, of the forces of a body at rest; Newton's method, which alone has velocities, works in double */
+static double rounding_force(const pel_sim *sim)
+{
+    double epsilon = pel_sim_has_velocity(sim) ? DBL_EPSILON : (double)PEL_REAL_EPSILON;
+    return ROUNDING_ERRORS * epsilon * sim->descent->stiff_force;
+}
+
 /* Relative to the forces that act. Where none acts at present, a body comes back from those that did; where none ever
    did, it is at rest, to the rounding of its forces. */
 static double tolerance_of(const pel_sim *sim, double loads)
@@ -263,13 +271,13 @@ static double tolerance_of(const pel_sim *sim, double loads)
     double acting = acting_force(sim, loads);
     if (acting == 0)
         acting = descent->acted;
-    return acting > 0 ? LOAD_SHARE * acting : ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * descent->stiff_force;
+    return acting > 0 ? LOAD_SHARE * acting : rounding_force(sim);
 }
 
 double pel_descent_tolerance(pel_sim *sim, double time)
 {
     double loads = find_external(sim, time);
-    return loads > 0 ? LOAD_SHARE * loads : ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sim->descent->stiff_force;
+    return loads > 0 ? LOAD_SHARE * loads : rounding_force(sim);
 }
 
 double pel_descent_held_share(void)
@@ -286,7 +294,7 @@ double pel_descent_short_move(const pel_sim *sim)
 static double dynamic_tolerance(const pel_sim *sim, double loads)
 {
     double acting = acting_force(sim, loads);
-    return acting > 0 ? DYNAMIC_SHARE * acting : ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sim->descent->stiff_force;
+    return acting > 0 ? DYNAMIC_SHARE * acting : rounding_force(sim);
 }
 
 /* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */

@@ -35,6 +35,7 @@ static bool match(const pel_sim *sim, const pel_sim *other)
                 sim->solver.method == other->solver.method && sim->step.dt == other->step.dt &&
                 sim->state->step == other->state->step && (sim->path != NULL) == (other->path != NULL) &&
                 pel_newton_pattern(own)->unknown_count == pel_newton_pattern(its)->unknown_count;
+    same = same && (sim->path == NULL || sim->path->ended == other->path->ended);
     for (int32_t v = 0; same && v < a->vertex_count; v++)
         same = a->mesh_vertex[v] == b->mesh_vertex[v] &&
                a->body_of_slice[v / PEL_WIDTH] == b->body_of_slice[v / PEL_WIDTH];

@@ -139,9 +139,10 @@ static bool volume_moves(const pel_sim *sim)
     return false;
 }
 
+/* whether the energy of a step can be checked */
 static bool has_potential(const pel_sim *sim)
 {
-    bool has = sim->follower_count == 0;
+    bool has = sim->follower_count == 0 && sim->edge_load_count == 0;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         has &= sim->model->bodies[b].shell == NULL || pel_pressure_is_conservative(&sim->model->bodies[b]);
     return has;
@@ -154,7 +155,7 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
     if (sim->descent->newton->lead != NULL)
         return sim->descent->newton->scheme;
     if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
-        !sim->descent->newton->is_damped && has_potential(sim) && state->unresolved == 0)
+        !sim->descent->newton->is_damped && has_potential(sim) && sim->solver.budget <= 0 && state->unresolved == 0)
         return &midpoint;
     return state->older_is_known && state->collision == 0 ? &bdf2 : &euler;
 }
@@ -315,7 +316,11 @@ static double potential_at(pel_sim *sim, const pel_record *position, double *ela
 static double energy_noise(const pel_sim *sim)
 {
     const pel_sim_descent *descent = sim->descent;
-    double rounding = (double)PEL_REAL_EPSILON * descent->size;
+    double farthest = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            farthest = fmax(farthest, fabs((double)sim->state->position[v][k]));
+    double rounding = (double)PEL_REAL_EPSILON * farthest;
     return descent->stiff_force / descent->mean_edge * rounding * rounding * sqrt(sim->model->vertex_count);
 }
 

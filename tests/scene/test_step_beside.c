@@ -4,6 +4,7 @@
 #include "math/vec3.h"
 #include "pellicle/scene.h"
 #include "sim/step_newton.h"
+#include "sim/step_path.h"
 
 #include <string.h>
 
@@ -276,6 +277,27 @@ static void test_simulations_that_do_not_match(void **unused)
         end(all[i]);
 }
 
+/* where a path has ended there is no step whose matrix another could take */
+static void test_ended_path(void **unused)
+{
+    (void)unused;
+    const char *text =
+        "version: 1\n"
+        "bodies: [{name: body, mesh: {shape: grid, nx: 4, ny: 3, size_x: 0.4, size_y: 0.3},\n"
+        "  membrane: {material: neo-hookean, young: 1.0e+4, poisson: 0.3, thickness: 0.01}, bending: {model: hinge},\n"
+        "  pinned: {box: {min: [-0.21, -1, -1], max: [-0.19, 1, 1]}}}]\n"
+        "loads: [{force: [1, 0, 0], at: {nearest: [0.2, 0.15, 0]}}]\n"
+        "solver: {method: static, path: arc-length}\n";
+    pel_error error = {0};
+    stage lead = make(text, NULL, 0), side = make(text, NULL, 0);
+    lead.sim->path->ended = PEL_PATH_END_FULL_LOAD;
+    assert_int_equal(pel_sim_step_beside(lead.sim, &side.sim, 1, &error), PEL_BAD_ARGUMENT);
+    side.sim->path->ended = PEL_PATH_END_FULL_LOAD;
+    assert_int_equal(pel_sim_step_beside(lead.sim, &side.sim, 1, &error), PEL_OK);
+    end(&lead);
+    end(&side);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -284,6 +306,7 @@ int main(void)
         cmocka_unit_test(test_factor_on_all_forces),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_simulations_that_do_not_match),
+        cmocka_unit_test(test_ended_path),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

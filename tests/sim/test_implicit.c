@@ -155,8 +155,6 @@ static void test_spin(void **unused)
 {
     (void)unused;
     double most, left;
-    if (sizeof(pel_real) == 4)
-        skip();
     spin(1e7, 2.5, &most, &left);
     assert_true(most < 1.001 && left > 0.99);
     spin(1e10, 10, &most, &left);

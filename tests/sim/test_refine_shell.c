@@ -377,6 +377,33 @@ static void test_rows_and_shifted_places(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* a mesh without an inner edge bends at the edges of its finer levels */
+static void test_single_triangle(void **unused)
+{
+    (void)unused;
+    const double corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const int32_t triangle[] = {0, 1, 2};
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_create(corners, 3, triangle, 1, &mesh, NULL), PEL_OK);
+    pel_body_def body = refined_body(mesh, 2);
+    body.refine.everywhere = true;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = sim_of(model, PEL_METHOD_XPBD);
+    pel_sim *sim = make_sim(&def);
+    double x[3 * 15];
+    pel_sim_measures measures;
+    assert_int_equal(pel_sim_vertex_count(sim, 0), 15);
+    pel_sim_get_positions(sim, 0, x);
+    for (int i = 0; i < 15; i++)
+        x[3 * i + 2] = 0.1 * x[3 * i] * x[3 * i];
+    assert_int_equal(pel_sim_set_positions(sim, 0, x, NULL), PEL_OK);
+    pel_sim_measure(sim, &measures);
+    assert_true(measures.bending_energy > 0);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 static void test_every_allocation(void **unused)
 {
     (void)unused;
@@ -404,6 +431,7 @@ int main(void)
         cmocka_unit_test(test_events_do_not_allocate),
         cmocka_unit_test(test_criterion_feels_the_shell),
         cmocka_unit_test(test_rows_and_shifted_places),
+        cmocka_unit_test(test_single_triangle),
         cmocka_unit_test(test_every_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
