@@ -3,12 +3,15 @@
    A conflict is a pair that comes nearer than it may between the start x0 of the step and its end x1, all points going
    straight, by the conservative test, which misses none. While there are conflicts the ways get shorter:
 
-     rounds 0 .. 15   the points of conflicts, connected ones together, become zones (the impact zones of Provot 1997
-   and Bridson et al. 2002, without rotation). A zone moves by the mean of its ways, weighted with mass, so that its
-   momentum stays, and its points move against that by a share of their own ways, which every conflict makes smaller:
-   0.9 of the time of impact. In the end it moves as one. A zone with an obstacle, or a vertex that cannot move, has no
-   mean: its ways shrink towards where they began, and so does that of the obstacle, with all that it holds rounds 16 ..
-   21  the points of conflicts, and ever more rings around them, stay where they were round 22         everything stays
+   rounds 0 .. 15: the points of conflicts, connected ones together, become zones (the impact zones of Provot 1997 and
+   Bridson et al. 2002, without rotation). A zone moves by the mean of its ways, weighted with mass, which keeps its
+   momentum; its points move relative to that by a share of their own ways, which every conflict reduces: 0.9 of the
+   time of impact. In the end it moves as one. A zone with an obstacle, or with a vertex that cannot move, has no mean:
+   its ways shrink towards their starts, and so does that of the obstacle, with all that it holds;
+
+   rounds 16 .. 21: the points of conflicts, and ever more rings around them, keep their start positions;
+
+   round 22: everything does.
 
    A pair whose points all stay is as free as at the start: it is no conflict. So the loop ends after 23 rounds at the
    latest, and it ends free: without a conflict no two features that have no vertex in common touch on the way, and an

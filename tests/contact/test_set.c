@@ -323,6 +323,49 @@ static void test_momentum(void **unused)
     pel_contact_set_destroy(set);
 }
 
+/* ---- round obstacles ---- */
+
+/* first time at which a sphere or capsule of radius 0.1 under the sheet z = 0 that starts at a gap and rises comes too
+   near; 2 = never */
+static double rise(pel_solid_kind kind, double x, double gap_share, double gap, double way)
+{
+    random_state random = {5};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0, &random);
+    const double half = kind == PEL_SOLID_CAPSULE ? 0.2 : 0;
+    pel_obstacle obstacle = {.solid = {.kind = kind, .radius = 0.1, .half_length = half}, .presses = true, .body = -1};
+    add_obstacle(&a, &obstacle, 0);
+    pel_contact_set *set = create(&a);
+    gap += gap_share * set->guarded;
+    way *= gap_share > 0 ? set->guarded : 1;
+    set->obstacles[0].before = pose_at(x, 0.52, -0.1 - half - gap);
+    set->obstacles[0].pose = pose_at(x, 0.52, -0.1 - half - gap + way);
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    double time = 2, expected = gap_share > 0 ? 0 : (gap - set->guarded) / way;
+    for (size_t c = 0; c < set->conflict_count; c++)
+        time = fmin(time, set->conflicts[c].time);
+    pel_contact_set_destroy(set);
+    return time > 1 ? 2 : time - expected;
+}
+
+/* impacts of a constant speed in closed form; what touches from the start may come to zero distance, not into it */
+static void test_round_obstacles(void **unused)
+{
+    (void)unused;
+    static const pel_solid_kind kinds[] = {PEL_SOLID_SPHERE, PEL_SOLID_CAPSULE};
+    for (int i = 0; i < 2; i++) {
+        assert_near(rise(kinds[i], 0.55, 0, 0.05, 0.08), 0, 1e-5);
+        assert_near(rise(kinds[i], 0.55, 0, 0.05, 0.02), 2, 0);
+        assert_near(rise(kinds[i], 5, 0, 0.05, 0.08), 2, 0);
+        if (sizeof(pel_real) == 8) {
+            assert_near(rise(kinds[i], 0.55, 0.005, 0, 0.0025), 2, 0);
+            assert_near(rise(kinds[i], 0.55, 0.005, 0, 0.5), 0, 0);
+        }
+    }
+}
+
 /* ---- the guard ---- */
 
 /* Sheets thrown through each other, and through a sphere or box: the guard leaves a way on which nothing meets. */
@@ -521,9 +564,11 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pairs),   cmocka_unit_test(test_box),           cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_guard),   cmocka_unit_test(test_guard_of_held), cmocka_unit_test(test_guard_momentum),
-        cmocka_unit_test(test_tangles), cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_pairs),           cmocka_unit_test(test_box),
+        cmocka_unit_test(test_momentum),        cmocka_unit_test(test_guard),
+        cmocka_unit_test(test_guard_of_held),   cmocka_unit_test(test_guard_momentum),
+        cmocka_unit_test(test_round_obstacles), cmocka_unit_test(test_tangles),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
