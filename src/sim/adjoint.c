@@ -39,6 +39,16 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
+pel_status pel_adjoint_check_step(const pel_sim *sim, pel_error *error)
+{
+    if (sim->descent->accepted.converged)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "the step that ends at %.6g s does not converge: it has no derivatives",
+             pel_sim_time(sim));
+    pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads", sim->step.dt);
+    return PEL_BAD_ARGUMENT;
+}
+
 pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     if (!sim->stepper->turns_edges || sim->modes != NULL)

@@ -16,6 +16,8 @@ typedef struct pel_adjoint_work {
 /* The problem of the last step, x_1 = end y + (1 - end) x_0, at its solution, which becomes the unknowns of the method;
    terms left out. */
 void pel_adjoint_take_problem(pel_sim *sim, double end, pel_newton_problem *problem);
+/* PEL_BAD_ARGUMENT if the last step has not converged. */
+pel_status pel_adjoint_check_step(const pel_sim *sim, pel_error *error);
 /* PEL_BAD_ARGUMENT with the name of a feature without derivatives. */
 pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error);
 /* Room, and results of 0; to be ended also on failure. PEL_OUT_OF_MEMORY. */

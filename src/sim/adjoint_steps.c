@@ -131,12 +131,7 @@ static pel_status step(const path *p, pel_error *error)
 {
     pel_sim *sim = p->sim;
     pel_status status = pel_sim_step(sim, error);
-    if (status != PEL_OK || sim->descent->accepted.converged)
-        return status;
-    pel_fail(error, PEL_BAD_ARGUMENT, "the step that ends at %.6g s does not converge: it has no derivatives",
-             pel_sim_time(sim));
-    pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads", sim->step.dt);
-    return PEL_BAD_ARGUMENT;
+    return status == PEL_OK ? pel_adjoint_check_step(sim, error) : status;
 }
 
 static pel_status go_forth(const path *p, pel_error *error)

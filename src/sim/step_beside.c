@@ -70,12 +70,7 @@ static pel_status step_whole(pel_sim *sim, pel_error *error)
 static pel_status step_lead(pel_sim *sim, pel_error *error)
 {
     pel_status status = step_whole(sim, error);
-    if (status != PEL_OK || sim->descent->accepted.converged)
-        return status;
-    pel_fail(error, PEL_BAD_ARGUMENT, "the step that ends at %.6g s does not converge: it has no derivatives",
-             pel_sim_time(sim));
-    pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads", sim->step.dt);
-    return PEL_BAD_ARGUMENT;
+    return status == PEL_OK ? pel_adjoint_check_step(sim, error) : status;
 }
 
 pel_status pel_sim_step_beside(pel_sim *sim, pel_sim *const *beside, int32_t count, pel_error *error)
