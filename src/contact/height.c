@@ -67,7 +67,7 @@ static void measure_squares(const int32_t *v, const pel_record *positions, doubl
     *area = pel_vec3_squared_length(normal);
 }
 
-/* A height is twice the area over the longest edge, the width of the triangle. The bound has a few percent of room for
+/* The height is the width of the triangle, twice its area over its longest edge. The bound leaves a few percent for
    rounding. */
 void pel_contact_heights_set_surface(pel_contact_set *set)
 {
@@ -82,8 +82,8 @@ void pel_contact_heights_set_surface(pel_contact_set *set)
     set->heights.slack = 0;
 }
 
-/* No vertex has moved by half of the slack since all triangles were measured: a width changes by at most twice the
-   longest displacement. */
+/* true if no vertex has moved by half of the slack since the last measurement: a width changes by at most twice the
+   largest displacement */
 static bool are_far_from_flat(const pel_contact_set *set, const pel_record *positions)
 {
     const pel_contact_heights *heights = &set->heights;

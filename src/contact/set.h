@@ -135,9 +135,9 @@ typedef struct pel_contact_heights {
     pel_contact_list list;
     int32_t *triangles; /* (list.count) of the surface */
     size_t capacity, triangle_capacity;
-    float *bounds;      /* (triangles of the surface) m, height below which one may have to be watched */
-    double slack;       /* m, least height above its bound when all were measured; 0 = measure them */
-    float (*places)[3]; /* (vertex_count) m, of the vertices then */
+    float *bounds;      /* (triangles of the surface) m, triangles below this height are candidates */
+    double slack;       /* m, least height above its bound at the last measurement; 0 = measure all */
+    float (*places)[3]; /* (vertex_count) m, vertex positions at the last measurement */
 } pel_contact_heights;
 
 typedef struct pel_contact_set {

@@ -31,8 +31,8 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 #else
 #define LOAD_SHARE 1e-6
 #endif
-/* The same in motion, of the loads and of the change of momentum; not of momentum over dt, of which 1e-3 a step stops a
-   body that spins. */
+/* The same share in motion, of the loads and of the rate of change of momentum. A share of momentum over dt would stop
+   a spinning body. */
 #define DYNAMIC_SHARE 1e-3
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32

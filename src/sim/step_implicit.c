@@ -10,9 +10,9 @@
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
 
    Forces that change in time are taken at the time of y: in the middle of the step under the midpoint rule, else at its
-   end. The midpoint rule conserves the energy of undamped motion, as long as that is linear in a step: where a stiff
-   body turns or crumples, the ends of steps are strained and energy appears. Such steps are done anew by BDF2, which
-   damps what the steps do not resolve, and keeps sliding and resting contact at second order. Euler takes the first
+   end. The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a stiff body turns
+   or crumples, it strains the positions at the end of the step and energy appears: BDF2 repeats such steps. BDF2 damps
+   unresolved motion and keeps sliding and resting contact at second order. Euler takes the first
    step and those of a collision, where velocities jump. Damping along volumetric springs is c (u . e) e, with e from
    the start of the step. */
 #include "base/lane.h"
@@ -32,7 +32,7 @@
 #define PUSH_SHARE 2.5e-3
 /* The second step of a collision that spreads over two looks like a steady acceleration. */
 enum { COLLISION_STEPS = 2 };
-/* A step of the midpoint rule may change the energy of what conserves it by this share. */
+/* largest relative change of energy in a step of the midpoint rule */
 #define ENERGY_SHARE 0.01
 /* steps until the midpoint rule is tried again */
 enum { UNRESOLVED_STEPS = 50 };
@@ -139,7 +139,7 @@ static bool volume_moves(const pel_sim *sim)
     return false;
 }
 
-/* whether the energy of a step can be checked */
+/* true if all forces have a potential, so that changes_energy applies */
 static bool has_potential(const pel_sim *sim)
 {
     bool has = sim->follower_count == 0 && sim->edge_load_count == 0;
@@ -306,13 +306,13 @@ static double potential_at(pel_sim *sim, const pel_record *position, double *ela
     pel_tangent_follow(tangent, newton->unknowns);
     pel_sim_newton_settle_at(sim);
     pel_tangent_energy energy = pel_tangent_evaluate(tangent, &input, sim->pool, NULL);
-    /* the targets are set again by the next run */
+    /* the gradient is unused; the next run sets the targets again */
     double springs = pel_holds_evaluate(sim, input.time, newton->unknowns, newton->target);
     *elastic = pel_tangent_energy_sum(&energy) - energy.pressure + springs;
     return *elastic + energy.pressure;
 }
 
-/* J, of positions that are rounded, by the bound of the stiffness */
+/* J: energy of rounding errors of positions, from the bound of the stiffness */
 static double energy_noise(const pel_sim *sim)
 {
     const pel_sim_descent *descent = sim->descent;
@@ -324,7 +324,7 @@ static double energy_noise(const pel_sim *sim)
     return descent->stiff_force / descent->mean_edge * rounding * rounding * sqrt(sim->model->vertex_count);
 }
 
-/* Whether a step of the midpoint rule changes the energy: dK + dE - W over K + E. */
+/* true if dK + dE - W of a step of the midpoint rule exceeds its share of K + E */
 static bool changes_energy(pel_sim *sim, double potential_before)
 {
     const pel_state *state = sim->state;

@@ -148,9 +148,8 @@ static void spin(double young, double speed, double *most, double *left)
     end_stage(&s);
 }
 
-/* The residual of a step is relative to what changes the momentum, not to the momentum over dt, of which a share a step
-   would stop a shell that turns by 0.025 rad. Where a stiffer one turns by 0.1 rad the midpoint rule would make energy.
- */
+/* A shell that turns by 0.025 rad a step stops if the residual is relative to momentum over dt. One that is stiffer and
+   turns by 0.1 rad a step gains energy under the midpoint rule alone. */
 static void test_spin(void **unused)
 {
     (void)unused;
