@@ -216,6 +216,18 @@ static pel_status imply_tissue(pel_scene_reader *reader, pel_scene_value *body)
     return set_copy(reader, volumetric, "young", young);
 }
 
+/* A sheet resists bending, unless pbd gives it a weight of its own. method.c may choose another model once the method
+   is known. */
+static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root, pel_scene_value *body)
+{
+    pel_scene_value *solver = find_map(root, "solver"), *bending = find(body, "bending");
+    bool is_weight = is_word(solver, "method", "pbd") || is_word(solver, "method", "pbd-distance");
+    if (bending == NULL && find_map(body, "membrane") != NULL && !is_weight &&
+        (bending = add(reader, body, "bending", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    return bending != NULL && bending->kind == PEL_SCENE_MAP ? set_text(reader, bending, "model", "hinge") : PEL_OK;
+}
+
 /* `has_material`: its response is that of a material, not that of numbers for each edge */
 static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_material)
 {
@@ -225,10 +237,6 @@ static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bo
         status = imply_membrane(reader, body, membrane);
     if (status == PEL_OK && (membrane != NULL || find(body, "bending") != NULL))
         status = imply_no_springs(reader, body);
-    /* method.c may choose another one once the method is known */
-    pel_scene_value *bending = find_map(body, "bending");
-    if (status == PEL_OK && bending != NULL)
-        status = set_text(reader, bending, "model", "hinge");
     if (status != PEL_OK)
         return status;
     bool is_paper_a = body->kind == PEL_SCENE_MAP && is_word(body, "preset", "paper-a");
@@ -343,8 +351,11 @@ pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *ro
     pel_status status = PEL_OK;
     if (bodies == NULL || bodies->kind != PEL_SCENE_LIST)
         return PEL_OK;
-    for (pel_scene_value *body = bodies->first; status == PEL_OK && body != NULL; body = body->next)
+    for (pel_scene_value *body = bodies->first; status == PEL_OK && body != NULL; body = body->next) {
         status = imply_body(reader, body, &has_material);
+        if (status == PEL_OK)
+            status = imply_bending(reader, root, body);
+    }
     if (status == PEL_OK)
         status = imply_static(reader, root);
     if (status == PEL_OK && has_material)

@@ -173,9 +173,12 @@ static const pel_scene_row rows[] = {
     {"bodies[].membrane.strain_limit", NUMBER, .range = {true, true, 0, 0.99},
      .doc = "pbd and xpbd, for cloth: keeps principal stretches between 1 - strain_limit and 1 + strain_limit; "
             "default: no limit"},
-    {"bodies[].bending", MAP, .doc = "resistance against bending (paper B, eq. 3); optional"},
-    {"bodies[].bending.model", WORD("isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
-     .doc = "isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the same with the rest "
+    {"bodies[].bending", MAP,
+     .doc = "resistance against bending (paper B, eq. 3); default: a body with a membrane bends as its material does, "
+            "under pbd it has no bending"},
+    {"bodies[].bending.model", WORD("off", "isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
+     .doc = "off: no resistance; isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the "
+            "same with the rest "
             "shape as minimum; hinge: change of the dihedral angles; midedge: plate bending that does not depend on "
             "the mesh, for the methods static and implicit (their default)"},
     {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
@@ -359,8 +362,7 @@ static const pel_scene_row rows[] = {
             "material's, adapted during the run"},
     {"solver.max_substeps", INTEGER, COUNT_FROM(1), .preset = "200",
      .doc = "xpbd: largest number of automatic substeps. A scene without `method` that needs more, or (without "
-            "`max_substeps`) for which implicit is cheaper, is run by implicit; if its surface refines and it has an "
-            "equilibrium, by descent"},
+            "`max_substeps`) for which implicit is cheaper, is run by implicit"},
     {"solver.second_order", BOOLEAN_OR("auto"), .preset = "auto",
      .doc = "xpbd: second order in time (BDF2), not for bodies that touch; auto: on without tools, contact, gas and "
             "target volumes"},

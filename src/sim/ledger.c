@@ -31,8 +31,9 @@
 #define EXCESS_SHARE 0.05
 /* steps after which the work of gravity is booked */
 enum { GRAVITY_INTERVAL = 8 };
-/* rounding errors of a position, in units of the last place */
+/* rounding errors of a position, in units of the last place; over thousands of sweeps, as a share of its size */
 #define ROUNDING_ERRORS 8
+#define ROUNDING_SHARE 1e-12
 
 /* ---- sums over vertices ---- */
 
@@ -458,7 +459,7 @@ static double rounding_of(const pel_sim *sim)
         for (int c = 0; c < 3; c++)
             farthest = fmax(farthest, fabs((double)model->rest[v][c]));
     }
-    double shift = ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * farthest;
+    double shift = fmax(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE) * farthest;
     double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
     double slack = sim->contacts != NULL && sim->contact_in_loop ? PEL_SLACK_SHARE * sim->contacts->largest : 0;
     return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * (shift + slack);

@@ -402,6 +402,20 @@ static energy_point find_point(step_walk *walk, double share, const energy_point
     return point;
 }
 
+/* Beyond the end of a step of a tangent that was made positive, which is stiffer than the body, while that pays. */
+static void go_on(step_walk *walk, const energy_point *begin, energy_point end)
+{
+    double most = MOST_SHARE * end.share;
+    while (end.slope < FLAT * begin->slope && end.share < most) {
+        const energy_point next = find_point(walk, 2 * end.share, begin);
+        if (!pel_newton_is_finite(walk->run) || !(next.energy < end.energy)) {
+            walk_to(walk, end.share);
+            return;
+        }
+        end = next;
+    }
+}
+
 /* A step as far as the energy falls enough (Armijo 1966; Nocedal, Wright 2006, section 3.1): constraints become
    active and inactive along it. False, at the start, if no share of it lowers the energy. */
 static bool go_by_energy(newton_run *run, double share)
@@ -409,14 +423,18 @@ static bool go_by_energy(newton_run *run, double share)
     step_walk walk = {.run = run};
     const energy_point begin = {0, merit_of(run), slope_of(run->newton, run->newton->gradient)};
     double noise = ROUNDING * run->parts;
+    bool is_stiff = run->kind == PEL_TANGENT_POSITIVE;
     run->result->iterations++;
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
     for (int n = 0; n < CUTS; n++) {
         const energy_point end = find_point(&walk, share, &begin);
         bool is_finite = pel_newton_is_finite(run);
-        if (is_finite && end.energy <= begin.energy + DECREASE * share * begin.slope + noise)
+        if (is_finite && end.energy <= begin.energy + DECREASE * share * begin.slope + noise) {
+            if (is_stiff && n == 0)
+                go_on(&walk, &begin, end);
             return true;
+        }
         share = is_finite ? find_least(begin, end) : LEAST_CUT * share;
     }
     walk_to(&walk, 0);

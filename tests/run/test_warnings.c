@@ -323,6 +323,20 @@ static void test_energy_of_rest(void **unused)
     assert_null(find_warning(&summary, "energy-appears"));
 }
 
+/* nor do sweeps over a body at rest supply energy */
+static void test_energy_of_sweeps(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    run_scene("version: 1\n"
+              "bodies:\n"
+              "  - mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.07, translate: [0.1, 0.2, 0.3] }\n"
+              "    volumetric: {}\n"
+              "duration: 3\n",
+              NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
 /* a grasp that closes beside the body, or before the tool is there, is told; one that holds is not */
 static void test_grasp_empty(void **unused)
 {
@@ -475,15 +489,25 @@ static int two_threads(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clean_run),      cmocka_unit_test(test_softness),
-        cmocka_unit_test(test_unconverged),    cmocka_unit_test(test_stray),
-        cmocka_unit_test(test_twist),          cmocka_unit_test(test_swing),
-        cmocka_unit_test(test_lost_grasp),     cmocka_unit_test(test_millimetres),
-        cmocka_unit_test(test_coarse_mesh),    cmocka_unit_test(test_inverted_mesh),
-        cmocka_unit_test(test_energy_appears), cmocka_unit_test(test_energy_of_rest),
-        cmocka_unit_test(test_grasp_empty),    cmocka_unit_test(test_coarse_contact),
-        cmocka_unit_test(test_unsettled),      cmocka_unit_test(test_tallies),
-        cmocka_unit_test(test_frames),         cmocka_unit_test(test_every_kind_has_a_text),
+        cmocka_unit_test(test_clean_run),
+        cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_unconverged),
+        cmocka_unit_test(test_stray),
+        cmocka_unit_test(test_twist),
+        cmocka_unit_test(test_swing),
+        cmocka_unit_test(test_lost_grasp),
+        cmocka_unit_test(test_millimetres),
+        cmocka_unit_test(test_coarse_mesh),
+        cmocka_unit_test(test_inverted_mesh),
+        cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_energy_of_sweeps),
+        cmocka_unit_test(test_energy_of_rest),
+        cmocka_unit_test(test_grasp_empty),
+        cmocka_unit_test(test_coarse_contact),
+        cmocka_unit_test(test_unsettled),
+        cmocka_unit_test(test_tallies),
+        cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);
     return failures + cmocka_run_group_tests(tests, two_threads, clear_folder);

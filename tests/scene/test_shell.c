@@ -175,6 +175,35 @@ static void test_implied(void **unused)
                   (const char *const[]){"duration: 20\n", NULL});
 }
 
+/* a sheet bends as its material does, unless it says something else or is stepped by pbd */
+static void test_implied_bending(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text;
+        pel_bending_model model;
+    } scenes[] = {
+        {"", PEL_BENDING_HINGE},
+        {"    bending: {model: off}\n", PEL_BENDING_OFF},
+        {"    bending: {model: isometric}\n", PEL_BENDING_ISOMETRIC},
+        {"solver: {method: implicit}\n", PEL_BENDING_MIDEDGE},
+        {"    bending: {model: off}\nsolver: {method: implicit}\n", PEL_BENDING_OFF},
+        {"solver: {method: explicit}\n", PEL_BENDING_HINGE},
+        {"solver: {method: pbd}\n", PEL_BENDING_OFF},
+        {"    bending: {}\nsolver: {method: pbd}\n", PEL_BENDING_HINGE},
+    };
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        char text[512];
+        snprintf(text, sizeof text, BALL "    membrane: {preset: skin}\n%s", scenes[i].text);
+        pel_scene *scene = load(text);
+        const pel_bending_def *bending = &scene->model.bodies[0].shell.bending;
+        assert_int_equal(bending->model, scenes[i].model);
+        if (bending->model != PEL_BENDING_OFF)
+            assert_true(bending->stiffness.value < 0); /* that of the material */
+        pel_scene_destroy(scene);
+    }
+}
+
 static const char *const bad_scenes[][2] = {
     {BALL "    membrane: {thickness: 1}\n", "a.yaml:5:15: error: bodies.0.membrane lacks 'young'"},
     {BALL "    membrane: {young: 1}\n", "a.yaml:5:15: error: bodies.0.membrane lacks 'thickness'"},
@@ -384,9 +413,16 @@ static void test_series(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_head),    cmocka_unit_test(test_materials),  cmocka_unit_test(test_regions_and_pressures),
-        cmocka_unit_test(test_implied), cmocka_unit_test(test_bad_scenes), cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_ignored), cmocka_unit_test(test_bad_runs),   cmocka_unit_test(test_series),
+        cmocka_unit_test(test_head),
+        cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_regions_and_pressures),
+        cmocka_unit_test(test_implied),
+        cmocka_unit_test(test_implied_bending),
+        cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_ignored),
+        cmocka_unit_test(test_bad_runs),
+        cmocka_unit_test(test_series),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
