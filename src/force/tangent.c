@@ -88,7 +88,7 @@ static void add_triangle(const tangent_loop *loop, const pel_tangent_part *part,
         energy->edges += add_midedge(loop, own, t, stress + PEL_MEMBRANE_STRAINS, element);
     if (own->fibre_begin != NULL)
         energy->fibres += add_fibres(loop, own, t, stress + part->strains, element);
-    if (own->pressure != 0) {
+    if (own->pressure != 0 && loop->step == NULL) {
         double weight = shell->pressure_weights != NULL ? shell->pressure_weights[t] : 1;
         const pel_tangent_request request = {.kind = loop->input->kind};
         pel_tangent_sum sum = element->sum;
@@ -178,7 +178,8 @@ static void load_element(const tangent_loop *loop, const pel_tangent_part *part,
 static void add_element(const tangent_loop *loop, const pel_tangent_part *part, int32_t i, pel_tangent_sum sum,
                         pel_tangent_energy *energy)
 {
-    tangent_element element = {.sum = sum};
+    tangent_element element;
+    element.sum = sum;
     load_element(loop, part, part->first + i, &element);
     if (part->kind == PEL_TANGENT_PART_TRIANGLES)
         add_triangle(loop, part, i, &element, energy);
@@ -291,7 +292,7 @@ static double find_pressure(const tangent_loop *loop, pel_tangent_shell *own)
     const pel_body *body = &loop->tangent->model->bodies[own->body];
     const pel_shell *shell = own->shell;
     own->pressure = 0;
-    if (shell->pressure.kind == PEL_PRESSURE_NONE || loop->step != NULL)
+    if (shell->pressure.kind == PEL_PRESSURE_NONE)
         return 0;
     bool conservative = pel_pressure_is_conservative(body);
     double time = loop->input->time, volume = body->rest_volume;
@@ -337,7 +338,7 @@ static pel_tangent_energy run_loop(tangent_loop *loop, pel_pool *pool)
     pel_tangent *tangent = loop->tangent;
     pel_tangent_energy energy = {0};
     pel_tangent_find_angles(tangent, loop->input->unknowns, pool);
-    for (int32_t i = 0; i < tangent->shell_count; i++)
+    for (int32_t i = 0; i < tangent->shell_count && loop->step == NULL; i++)
         energy.pressure += find_pressure(loop, &tangent->shells[i]);
     pel_pool_run(pool, tangent->chunk_count, element_chunk, loop);
     for (int32_t chunk = 0; chunk < tangent->chunk_count; chunk++) {
@@ -390,7 +391,12 @@ void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *inpu
                              double *stresses)
 {
     tangent_loop loop = {tangent, input, NULL, step, stresses};
+    size_t bytes = (size_t)tangent->pattern.edge_count * sizeof *tangent->half_angles;
+    if (bytes > 0)
+        memcpy(tangent->settle[0], tangent->half_angles, bytes);
     run_loop(&loop, pool);
+    if (bytes > 0)
+        memcpy(tangent->half_angles, tangent->settle[0], bytes);
 }
 
 void pel_tangent_follow(pel_tangent *tangent, const double *unknowns)

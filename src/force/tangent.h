@@ -102,8 +102,8 @@ void pel_tangent_matrices(void *tangent, const int32_t *elements, int32_t count,
 /* The sum of an energy's parts. */
 double pel_tangent_energy_sum(const pel_tangent_energy *energy);
 
-/* MIP: stresses (stress_count) at the input plus their linear change over a step (unknown_count). Input of the next
-   evaluation, at the end of the step. Ends the evaluation before. */
+/* MIP: stresses (stress_count) at the input plus their linear change over a step (unknown_count), for the matrices of
+   the evaluation at the end of the step: before it, or after it where its input has the array. */
 void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,
                              double *stresses);
 

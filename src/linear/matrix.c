@@ -519,19 +519,31 @@ static void fix_entry(const fixing *f, int32_t row, int32_t column, double *entr
     *entry = 0;
 }
 
+static bool has_fixed(const fixing *f, int32_t node)
+{
+    uint8_t any = 0;
+    for (int32_t u = f->matrix->first_unknown[node]; u < f->matrix->first_unknown[node + 1]; u++)
+        any |= f->fixed[u];
+    return any != 0;
+}
+
 static void fix_chunk(void *context, int32_t chunk)
 {
     const fixing *f = context;
     const pel_matrix *m = f->matrix;
     int32_t end = (chunk + 1) * ROWS_PER_CHUNK < m->node_count ? (chunk + 1) * ROWS_PER_CHUNK : m->node_count;
-    for (int32_t i = chunk * ROWS_PER_CHUNK; i < end; i++)
+    for (int32_t i = chunk * ROWS_PER_CHUNK; i < end; i++) {
+        bool is_fixed = has_fixed(f, i);
         for (int32_t block = m->row_start[i]; block < m->row_start[i + 1]; block++) {
             int32_t j = m->column[block], rows = size_of(m, i), columns = size_of(m, j);
             double *entry = &m->values[m->block_start[block]];
+            if (!is_fixed && !has_fixed(f, j))
+                continue;
             for (int32_t b = 0; b < columns; b++)
                 for (int32_t a = 0; a < rows; a++)
                     fix_entry(f, m->first_unknown[i] + a, m->first_unknown[j] + b, entry++);
         }
+    }
 }
 
 void pel_matrix_fix(pel_matrix *matrix, pel_pool *pool, const uint8_t *fixed, const double *value, double *right)

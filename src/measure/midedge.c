@@ -10,16 +10,18 @@
 
 /* ---- hinge ---- */
 
-/* adds scale times the Hessian of gamma of a triangle with the given corners of the element, the last of four left out
- */
-static void add_turn_hessian(const pel_face_turn *turn, const int corners[3], double scale, pel_lead_matrix *lead)
+/* adds scale times the Hessian of gamma of a triangle with the corners a, b, c of the element, of which the last is
+   left out where it is 3 */
+PEL_ELEMENT_INLINE void add_turn_hessian(const pel_face_turn *turn, int a, int b, int c, double scale,
+                                         pel_lead_matrix *lead)
 {
+    const int corners[3] = {a, b, c}, count = c < 3 ? 3 : 2;
     double v[3][3][3];
-    memset(v, 0, sizeof v);
-    int count = corners[2] < 3 ? 3 : 2;
     for (int i = 0; i < count; i++)
-        for (int j = 0; j < count; j++)
+        for (int j = 0; j < count; j++) {
+            pel_vec3_set(v[i][j], 0, 0, 0);
             pel_face_turn_add_second(turn, scale, i, j, v[i][j]);
+        }
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count; j++) {
             pel_lead_add_product(lead, corners[i], corners[j], v[i][j], turn->normal);
@@ -36,27 +38,38 @@ double pel_angle_from_rest(const double *x, double rest_angle)
     return fabs(angle) <= 0.5 * turn ? angle : remainder(angle, turn);
 }
 
+/* the triangle of a hinge with the corners a, b, c: its part of B, and of the geometric part where a lead is given */
+PEL_ELEMENT_INLINE void add_side(const double *x, int a, int b, int c, double stress, pel_strain_point *point,
+                                 pel_lead_matrix *lead)
+{
+    const pel_face_turn turn = pel_face_turn_of(x + 3 * a, x + 3 * b, x + 3 * c);
+    const int corners[3] = {a, b, c};
+    for (int i = 0; i < 3; i++) {
+        double *row = &point->gradient[0][3 * corners[i]];
+        pel_vec3_along(row, pel_face_turn_slope(&turn, i), turn.normal, row);
+    }
+    if (lead != NULL)
+        add_turn_hessian(&turn, a, b, c, stress, lead);
+}
+
 double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,
                          const pel_tangent_sum *sum)
 {
-    static const int corners[2][3] = {{0, 1, 2}, {1, 0, 3}};
     double factor = stiffness * hinge->factor, angle = pel_angle_from_rest(x, hinge->rest_angle);
-    pel_strain_point point = {
-        .energy = 0.5 * factor * angle * angle, .stress = {factor * angle}, .tangent = {{factor}}};
+    pel_strain_point point;
+    point.energy = 0.5 * factor * angle * angle;
     if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
         return point.energy;
+    point.stress[0] = factor * angle;
+    point.tangent[0][0] = factor;
+    memset(point.gradient[0], 0, sizeof point.gradient[0]);
     pel_lead_matrix lead;
-    pel_lead_clear(&lead, 4);
-    for (int side = 0; side < 2; side++) {
-        const int *v = corners[side];
-        pel_face_turn turn = pel_face_turn_of(x + 3 * v[0], x + 3 * v[1], x + 3 * v[2]);
-        for (int i = 0; i < 3; i++) {
-            double *row = &point.gradient[0][3 * v[i]];
-            pel_vec3_along(row, pel_face_turn_slope(&turn, i), turn.normal, row);
-        }
-        if (sum->hessian != NULL && request->kind != PEL_TANGENT_POSITIVE)
-            add_turn_hessian(&turn, v, pel_strain_geometric(&point, request)[0], &lead);
-    }
+    if (sum->hessian != NULL)
+        pel_lead_clear(&lead, 4);
+    bool is_geometric = sum->hessian != NULL && request->kind != PEL_TANGENT_POSITIVE;
+    double stress = is_geometric ? pel_strain_geometric(&point, request)[0] : 0;
+    add_side(x, 0, 1, 2, stress, &point, is_geometric ? &lead : NULL);
+    add_side(x, 1, 0, 3, stress, &point, is_geometric ? &lead : NULL);
     pel_strain_add(&point, PEL_HINGE_STRAINS, 4, 0, &lead, request, sum);
     return point.energy;
 }
@@ -119,7 +132,8 @@ double pel_midedge_tangent(const pel_midedge *element, const double alpha[3], co
     if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
         return point.energy;
     pel_lead_matrix lead;
-    pel_lead_clear(&lead, 3);
+    if (sum->hessian != NULL)
+        pel_lead_clear(&lead, 3);
     pel_strain_tangent_set(element->stiffness, 1, &point);
     for (int l = 0; l < 3; l++) {
         turn[l] = pel_face_turn_of(x + 3 * l, x + 3 * ((l + 1) % 3), x + 3 * ((l + 2) % 3));

@@ -201,7 +201,8 @@ double pel_membrane_tangent(const pel_rest_triangle *rest, const pel_membrane_la
     pel_strain_point point;
     pel_lead_matrix lead;
     bool positive = request->kind == PEL_TANGENT_POSITIVE, geometric = sum->hessian != NULL;
-    pel_lead_clear(&lead, 3);
+    if (geometric)
+        pel_lead_clear(&lead, 3);
     if (pel_law_traits(law->kind) & PEL_LAW_ALIGNED) {
         const pel_gradient f = {{shape.f1[0], shape.f1[1], shape.f1[2]}, {shape.f2[0], shape.f2[1], shape.f2[2]}};
         pel_factor factor = pel_factor_of(&f);

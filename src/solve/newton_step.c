@@ -3,6 +3,7 @@
 #include "solve/newton_run.h"
 
 #include <math.h>
+#include <string.h>
 
 /* no vertex goes farther than this share of the model's size in one step */
 #define LONGEST_SHARE 0.5
@@ -199,6 +200,21 @@ static bool has_volume_terms(const pel_newton *newton)
     return false;
 }
 
+/* the stresses that the last step promised: none are needed where it was the last one of the run */
+static void fill_stresses(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    const pel_tangent_input input = {
+        .unknowns = newton->start,
+        .time = run->problem->time,
+        .state = run->problem->state,
+    };
+    if (run->has_stresses && run->promise > 0)
+        pel_tangent_extrapolate(newton->tangent, &input, pel_newton_find_move(run, run->promise), newton->pool,
+                                newton->stresses);
+    run->promise = 0;
+}
+
 /* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
 void pel_newton_assemble(newton_run *run)
 {
@@ -208,6 +224,7 @@ void pel_newton_assemble(newton_run *run)
         run->status = pel_newton_couple(run);
     if (run->status != PEL_OK)
         return;
+    fill_stresses(run);
     pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
     if (run->problem->terms != NULL)
         run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
@@ -361,13 +378,9 @@ void pel_newton_go(newton_run *run, double scale)
 
 void pel_newton_extrapolate(newton_run *run, double scale)
 {
-    pel_newton *newton = run->newton;
-    const pel_tangent_input input = {
-        .unknowns = run->unknowns,
-        .time = run->problem->time,
-        .state = run->problem->state,
-    };
-    pel_tangent_extrapolate(newton->tangent, &input, pel_newton_find_move(run, scale), newton->pool, newton->stresses);
+    const pel_newton *newton = run->newton;
+    memcpy(newton->start, run->unknowns, (size_t)newton->pattern->unknown_count * sizeof *newton->start);
+    run->promise = scale;
     run->has_stresses = true;
 }
 

@@ -242,6 +242,36 @@ static void stresses_stand_by_element(void **unused)
     }
 }
 
+/* stresses from another state leave the matrices of the last evaluation as they are: pressure, angles of edges */
+static void extrapolation_keeps_the_evaluation(void **unused)
+{
+    (void)unused;
+    random_state random = {14};
+    for (int k = 0; k < VARIANT_COUNT; k++) {
+        pel_mesh *mesh = mesh_of(&variants[k], &random);
+        pel_body_def body = body_of(&variants[k], mesh);
+        tangents on = make_tangents(&body);
+        size_t count = (size_t)on.count, numbers = 144 * (size_t)on.pattern->element_count;
+        double *before = calloc(count, sizeof *before), *matrices[2];
+        memcpy(before, on.unknowns, count * sizeof *before);
+        shake_unknowns(&on, 0.05, &random);
+        evaluate_tangents(&on, (pel_tangent_input){0});
+        for (int pass = 0; pass < 2; pass++) {
+            matrices[pass] = calloc(numbers, sizeof *matrices[pass]);
+            for (int32_t e = 0; e < on.pattern->element_count; e++)
+                pel_tangent_matrices(on.tangent, &e, 1, matrices[pass] + 144 * (size_t)e);
+            const pel_tangent_input there = {.unknowns = before};
+            pel_tangent_extrapolate(on.tangent, &there, on.gradient, NULL, on.stresses);
+        }
+        assert_memory_equal(matrices[0], matrices[1], numbers * sizeof(double));
+        for (int pass = 0; pass < 2; pass++)
+            free(matrices[pass]);
+        free(before);
+        free_tangents(&on);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 /* a loop over elements in groups of one kind, as an assembly has it */
 typedef struct kept_matrices {
     double *matrices; /* (elements x 144) */
@@ -459,6 +489,7 @@ int main(void)
         cmocka_unit_test(gradients_are_the_forces),
         cmocka_unit_test(springs_to_points_pull),
         cmocka_unit_test(stresses_stand_by_element),
+        cmocka_unit_test(extrapolation_keeps_the_evaluation),
         cmocka_unit_test(threads_give_the_same_bits),
         cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(steps_allocate_nothing),
