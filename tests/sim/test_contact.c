@@ -71,7 +71,7 @@ static void test_held_tools_catch_up(void **unused)
 {
     (void)unused;
     contact_scene scene;
-    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, -0.3, 40);
+    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 2, -0.1, 20);
     pel_sim_destroy(sim);
     for (int i = 0; i < 2; i++) {
         scene.keys[i][2] = scene.keys[i][0];
@@ -81,7 +81,7 @@ static void test_held_tools_catch_up(void **unused)
     sim = make_sim(&scene.def);
     double dt = scene.def.solver.dt;
     int blocked = 0, freed = 0;
-    for (int n = 0; n < 120; n++) {
+    for (int n = 0; n < 60; n++) {
         pel_pose before[2], keyed[2];
         bool was_blocked[2];
         for (int i = 0; i < 2; i++) {
