@@ -37,7 +37,7 @@ static double force_on(const fixture *f, int32_t v, int axis)
     return force[axis];
 }
 
-/* no force where none was added, on whatever axis */
+/* no force where none was added, or none are kept, on whatever axis */
 static void test_untouched(void **unused)
 {
     (void)unused;
@@ -46,6 +46,10 @@ static void test_untouched(void **unused)
     for (int axis = 0; axis < 3; axis++)
         for (int32_t v = 0; v < VERTICES; v++)
             assert_near(force_on(&f, v, axis), 0, 0);
+    const pel_force_pages none = {0};
+    double force[3] = {1, 1, 1};
+    pel_contact_force_at(&none, 1, force);
+    assert_true(force[0] == 0 && force[1] == 0 && force[2] == 0);
     pel_contact_forces_destroy(&f.forces);
 }
 
