@@ -37,6 +37,22 @@ static double force_on(const fixture *f, int32_t v, int axis)
     return force[axis];
 }
 
+/* no force where none was added, or none are kept, on whatever axis */
+static void test_untouched(void **unused)
+{
+    (void)unused;
+    fixture f;
+    begin(&f);
+    for (int axis = 0; axis < 3; axis++)
+        for (int32_t v = 0; v < VERTICES; v++)
+            assert_near(force_on(&f, v, axis), 0, 0);
+    const pel_force_pages none = {0};
+    double force[3] = {1, 1, 1};
+    pel_contact_force_at(&none, 1, force);
+    assert_true(force[0] == 0 && force[1] == 0 && force[2] == 0);
+    pel_contact_forces_destroy(&f.forces);
+}
+
 /* a vertex of body 0 on the triangle of body 1 below it */
 static pel_contact_action act(int32_t vertices[4], double size)
 {
@@ -215,8 +231,9 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_between_bodies), cmocka_unit_test(test_obstacle), cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_pages),          cmocka_unit_test(test_short),    cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_untouched),   cmocka_unit_test(test_between_bodies), cmocka_unit_test(test_obstacle),
+        cmocka_unit_test(test_parts),       cmocka_unit_test(test_pages),          cmocka_unit_test(test_short),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,6 +6,8 @@
 #include "failing_malloc.h"
 #include "random.h"
 
+#include <time.h>
+
 #define THICKNESS 0.02
 
 enum { MOST_VERTICES = 256, MOST_SLICES = MOST_VERTICES / PEL_WIDTH, MOST_TRIANGLES = 512, MOST_EDGES = 1024 };
@@ -521,6 +523,239 @@ static void test_guard_momentum(void **unused)
         check_guard_momentum(fixed);
 }
 
+/* A train of triangles falls on the fixed lowest one: each round of the guard reaches the next car or two. A triangle
+   that no conflict reaches keeps its way if 22 rounds are enough; else the last one stops everything. */
+static void drive_train(int32_t cars, bool stays)
+{
+    static arrays a;
+    a = (arrays){.body_count = 1, .groups[0].thickness = THICKNESS, .triangle_count = cars + 2};
+    a.vertex_count = (3 * (cars + 2) + PEL_WIDTH - 1) / PEL_WIDTH * PEL_WIDTH;
+    assert_true(a.vertex_count <= MOST_VERTICES);
+    for (int32_t i = 0; i < a.triangle_count; i++) {
+        /* plates and darts in turn; the last one flies alone */
+        static const double plate[3][3] = {{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}},
+                            dart[3][3] = {{0, 0, 0}, {0.1, 0, 0.03}, {-0.1, 0, 0.03}};
+        double z = i <= cars ? 0.13 * (i / 2) + 0.05 * (i % 2) : 100;
+        for (int c = 0; c < 3; c++) {
+            int32_t v = 3 * i + c;
+            const double *x = i % 2 == 0 ? plate[c] : dart[c];
+            a.mass[v] = 1;
+            a.inverse_mass[v] = i > 0;
+            a.rest[v] = a.next[v] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)(x[2] + z), 1};
+            a.next[v][2] -= (pel_real)(i > 0 ? 0.25 : 0);
+            a.triangles[i][c] = v;
+        }
+    }
+    pel_contact_set *set = create(&a);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    assert_true(set->conflict_count > 0);
+    const pel_contact_motion motion = {a.rest, a.next, NULL, 0.01};
+    assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+    for (int32_t v = 0; v < 3 * (cars + 2); v++) {
+        double way = (double)(a.rest[v][2] - a.next[v][2]);
+        assert_true(way >= 0 && way <= 0.25 + 1e-6);
+        if (stays || v / 3 > cars)
+            assert_near(way, stays ? 0 : 0.25, stays ? 0 : 1e-5);
+    }
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    assert_int_equal(set->conflict_count, 0);
+    pel_contact_set_destroy(set);
+}
+
+static void test_guard_of_train(void **unused)
+{
+    (void)unused;
+    drive_train(8, false);
+    drive_train(43, false);
+    drive_train(44, true);
+}
+
+/* A body that flies far and meets another one keeps its shape: all of it goes the same share of its way. */
+static void check_far_flight(int32_t flying)
+{
+    random_state random = {8};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.005, &random);
+    add_sheet(&a, 6, 0.3, 0.005, &random);
+    const double up = flying == 0 ? 2 : -2;
+    for (int32_t v = 0; v < a.vertex_count; v++)
+        if (a.mass[v] > 0 && a.body_of_slice[v / PEL_WIDTH] == flying)
+            a.next[v][2] += (pel_real)up;
+    pel_contact_set *set = create(&a);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    const pel_contact_motion motion = {a.rest, a.next, NULL, 0.01};
+    assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+    int32_t first = -1;
+    for (int32_t v = 0; v < a.vertex_count; v++)
+        if (a.mass[v] > 0 && a.body_of_slice[v / PEL_WIDTH] == flying) {
+            first = first < 0 ? v : first;
+            assert_near((double)(a.next[v][2] - a.rest[v][2]), (double)(a.next[first][2] - a.rest[first][2]), 1e-6);
+        }
+    double way = (double)(a.next[first][2] - a.rest[first][2]) / up;
+    assert_true(way > 0.1 && way < 0.15);
+    pel_contact_set_destroy(set);
+}
+
+static void test_far_flight(void **unused)
+{
+    (void)unused;
+    check_far_flight(0);
+    check_far_flight(1);
+}
+
+/* ---- the list ---- */
+
+/* No more contacts than the limit; the others are counted. */
+static void test_limit(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.01, &random);
+    add_sheet(&a, 6, 0.025, 0.01, &random);
+    pel_contact_set *set = create(&a);
+    assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
+    int32_t all = set->list.count;
+    assert_true(all > 20);
+    for (int32_t limit = all - 1; limit <= all + 1; limit++) {
+        set->def.limit = limit;
+        set->statistics.dropped = 0;
+        assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
+        assert_int_equal(set->list.count, limit < all ? limit : all);
+        assert_int_equal(set->statistics.dropped, all - set->list.count);
+    }
+    pel_contact_set_destroy(set);
+}
+
+/* What is where it was is not searched again; one coordinate of one vertex is enough for another search. */
+static void test_search_is_kept(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.01, &random);
+    pel_contact_set *set = create(&a);
+    pel_collision_result found;
+    assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
+    assert_true(set->way_is_searched);
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_true(set->way_is_searched);
+    for (int32_t v = 0; v < 49; v += 48)
+        for (int k = 0; k < 3; k++) {
+            a.next[v][k] += (pel_real)1e-3;
+            pel_contact_set_place(set, a.rest, a.next);
+            assert_false(set->way_is_searched);
+            assert_near(set->end[v][k], (double)a.next[v][k], 0);
+            assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
+        }
+    pel_contact_set_destroy(set);
+}
+
+/* Impacts act where the pair is a little through; what is far through is left to the guard. */
+static void test_far_through(void **unused)
+{
+    (void)unused;
+    int acting = 0, left = 0, off = 0;
+    for (double down = 0.1; down < 1; down += 0.1) {
+        random_state random = {3};
+        static arrays a;
+        a = (arrays){0};
+        add_sheet(&a, 7, 0, 0.005, &random);
+        add_sheet(&a, 6, 0.06, 0.005, &random);
+        for (int32_t v = 0; v < a.vertex_count; v++)
+            if (a.mass[v] > 0 && a.body_of_slice[v / PEL_WIDTH] == 1)
+                a.next[v][2] -= (pel_real)down;
+        pel_contact_set *set = create(&a);
+        pel_collision_result found;
+        assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
+        assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
+        assert_int_equal(pel_contact_set_add_way(set, &found, NULL), PEL_OK);
+        pel_contact_set_begin_substep(set);
+        pel_contact_set_refresh(set, a.next, a.rest, HUGE_VAL);
+        for (int32_t c = 0; c < set->list.count; c++) {
+            const pel_contact *contact = &set->list.contacts[c];
+            double gap = 0;
+            for (int i = 0; i < 4; i++)
+                for (int k = 0; k < 3; k++)
+                    gap += set->keys[c].place[i] * (double)(a.next[set->keys[c].points[i]][k] * contact->normal[k]);
+            if (!set->keys[c].is_impact) {
+                /* what leans over a triangle does not act */
+                assert_int_equal((double)contact->separation < -1e30, set->keys[c].is_off);
+                off += set->keys[c].is_off;
+                continue;
+            }
+            bool is_far = gap < -2 * set->mean_edge;
+            assert_int_equal((double)contact->separation < -1e30, is_far);
+            acting += !is_far;
+            left += is_far;
+        }
+        pel_contact_set_destroy(set);
+    }
+    assert_true(acting > 10 && left > 10 && off > 10);
+}
+
+/* Times are those of the clock: above 0, and no more than the whole call took. */
+static void test_seconds(void **unused)
+{
+    (void)unused;
+    random_state random = {3};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 9, 0, 0.01, &random);
+    add_sheet(&a, 9, 0.025, 0.01, &random);
+    pel_contact_set *set = create(&a);
+    struct timespec began, ended;
+    timespec_get(&began, TIME_UTC);
+    for (int i = 0; i < 10; i++) {
+        pel_collision_result found;
+        assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
+        assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
+    }
+    timespec_get(&ended, TIME_UTC);
+    double passed = (double)(ended.tv_sec - began.tv_sec) + 1e-9 * (double)(ended.tv_nsec - began.tv_nsec);
+    assert_true(set->statistics.find_seconds > 0.1 * passed && set->statistics.guard_seconds > 0);
+    assert_true(set->statistics.find_seconds + set->statistics.guard_seconds <= passed + 1e-6);
+    pel_contact_set_destroy(set);
+}
+
+static bool same_pair(pel_pair a, pel_pair b)
+{
+    return a.first == b.first && a.second == b.second;
+}
+
+/* Of three sheets that cross, the pairs of two that do not meet are left out, and no others. */
+static void test_strangers(void **unused)
+{
+    (void)unused;
+    random_state random = {2};
+    static arrays a;
+    a = (arrays){0};
+    for (int i = 0; i < 3; i++)
+        add_sheet(&a, 5, 0, 0.02, &random);
+    pel_contact_set *set = create(&a);
+    pel_tangles all = {0}, some = {0};
+    assert_int_equal(pel_tangles_list(set, &all, NULL), PEL_OK);
+    set->may_meet[0 * 3 + 1] = set->may_meet[1 * 3 + 0] = 0;
+    assert_int_equal(pel_tangles_list(set, &some, NULL), PEL_OK);
+    int64_t kept = 0, dropped = 0;
+    for (int64_t i = 0; i < all.count; i++) {
+        /* the third sheet has the last 32 triangles */
+        bool meets = all.pairs[i].first >= 64 || all.pairs[i].second >= 64;
+        dropped += !meets;
+        if (meets)
+            assert_true(kept < some.count && same_pair(all.pairs[i], some.pairs[kept++]));
+    }
+    assert_int_equal(kept, some.count);
+    assert_true(kept > 10 && dropped > 10);
+    pel_free(all.pairs);
+    pel_free(some.pairs);
+    pel_contact_set_destroy(set);
+}
+
 /* two sheets that cross: their pairs are known, and are no conflicts */
 static void test_tangles(void **unused)
 {
@@ -568,7 +803,10 @@ int main(void)
         cmocka_unit_test(test_momentum),        cmocka_unit_test(test_guard),
         cmocka_unit_test(test_guard_of_held),   cmocka_unit_test(test_guard_momentum),
         cmocka_unit_test(test_round_obstacles), cmocka_unit_test(test_tangles),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_guard_of_train),  cmocka_unit_test(test_far_flight),
+        cmocka_unit_test(test_limit),           cmocka_unit_test(test_search_is_kept),
+        cmocka_unit_test(test_far_through),     cmocka_unit_test(test_seconds),
+        cmocka_unit_test(test_strangers),       cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

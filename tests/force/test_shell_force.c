@@ -566,9 +566,40 @@ static void test_creation(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* a body of springs beside a shell has no part in the shell's forces, which are those of the shell alone */
+static void test_beside_springs(void **unused)
+{
+    (void)unused;
+    random_state random = {4};
+    pel_mesh *mesh = make_irregular_ball(3, &random);
+    pel_body_def bodies[2] = {shell_body(mesh, PEL_MEMBRANE_STVK), ball_body(mesh)};
+    pel_model_def def = pel_model_def_default();
+    def.bodies = bodies;
+    def.body_count = 2;
+    forces alone = make_forces(&bodies[0]), both = {0};
+    assert_int_equal(pel_model_create(&def, &both.model, NULL), PEL_OK);
+    both.state = make_state(both.model);
+    both.force = make_records(both.model);
+    assert_int_equal(pel_batches_create(both.model, PEL_METHOD_EXPLICIT, &both.batches, NULL), PEL_OK);
+    assert_int_equal(pel_shell_forces_create(both.batches, &both.shells, NULL), PEL_OK);
+    random_state first = {5}, second = {5};
+    shake(alone.model, alone.state->position, 0.1, &first);
+    shake(both.model, both.state->position, 0.1, &second);
+    evaluate(&alone, 0, PEL_SHELL_ALL);
+    evaluate(&both, 0, PEL_SHELL_ALL);
+    assert_true(largest_force(&alone) > 0);
+    for (int32_t v = 0; v < both.model->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            assert_true(both.force[v][c] == (v < alone.model->vertex_count ? alone.force[v][c] : 0));
+    free_forces(&alone);
+    free_forces(&both);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_beside_springs),
         cmocka_unit_test(test_materials),
         cmocka_unit_test(test_bending),
         cmocka_unit_test(test_fibres),

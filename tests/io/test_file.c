@@ -89,6 +89,7 @@ static void test_read_failures(void **unused)
     assert_null(bytes);
     assert_non_null(strstr(error.what, "No such file"));
     assert_string_equal(error.file, "does/not/exist");
+    assert_true(error.line == 0 && error.column == 0);
     assert_int_equal(pel_file_read(folder, &bytes, &size, &error), PEL_BAD_FILE);
     assert_non_null(strstr(error.what, "directory"));
 }

@@ -225,6 +225,8 @@ static void test_body_refusals(void **unused)
     refuse_text("a.ply", HEADER_4_2 SQUARE_POSITIONS "3 0 1 2\n3 0 2 -1\n", "-1 is not a vertex index");
     refuse_text("a.ply", HEADER_4_2 SQUARE_POSITIONS "3 0 1 2\n3 0 2 1.5\n", "1.5 is not a vertex index");
     refuse_text("a.ply", HEADER_4_2 SQUARE_POSITIONS "3 0 1 2\n3 0 2 5000000000\n", "5e+09 is not a vertex index");
+    refuse_text("a.ply", HEADER_4_2 SQUARE_POSITIONS "3 0 1 2\n3 0 2 2147483647\n",
+                "2.14748e+09 is not a vertex index");
     refuse_text("a.ply", HEADER_4_2 SQUARE_POSITIONS "3 0 1 2\n3 0 2\n", "the file ends where a number should be");
     refuse_text("a.ply", HEADER_4_2 SQUARE_POSITIONS "1000000 0 1 2\n3 0 2 3\n",
                 "list 'vertex_indices' has 1e+06 values");

@@ -23,6 +23,22 @@ static void test_tags(void **unused)
     assert_false(pel_xml_next(&at, end, &tag));
 }
 
+/* a comment ends at its first --> behind its four marks, whatever stands in it */
+static void test_comments(void **unused)
+{
+    (void)unused;
+    static const char *const tags[] = {"!----", "!-- <a> > ' --", "!-->--", "!--->--", "a"};
+    const char *text = "<!----><!-- <a> > ' --><!-->--><!--->--><a><!-- open ->", *at = text,
+               *end = text + strlen(text);
+    pel_xml_tag tag;
+    for (size_t i = 0; i < sizeof tags / sizeof *tags; i++) {
+        assert_true(pel_xml_next(&at, end, &tag));
+        assert_int_equal(tag.end - tag.start, strlen(tags[i]));
+        assert_memory_equal(tag.start, tags[i], strlen(tags[i]));
+    }
+    assert_false(pel_xml_next(&at, end, &tag));
+}
+
 static void test_names(void **unused)
 {
     (void)unused;
@@ -74,10 +90,8 @@ static void test_counts(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tags),
-        cmocka_unit_test(test_names),
-        cmocka_unit_test(test_attributes),
-        cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_tags),       cmocka_unit_test(test_comments), cmocka_unit_test(test_names),
+        cmocka_unit_test(test_attributes), cmocka_unit_test(test_counts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

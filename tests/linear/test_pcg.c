@@ -219,12 +219,14 @@ static void test_jacobi(void **unused)
     assert_true(test_residual(f.m, f.right, f.x) < 1e-12);
     int32_t first = s.first_unknown[7], size = test_node_size(&s, 7);
     double *block = &f.m->values[f.m->block_start[pel_matrix_block(f.m, 7, 7)]];
+    /* by the diagonal where a block is not definite; by nothing where that is 0 */
     for (int32_t i = 0; i < size * size; i++)
         block[i] = i % (size + 1) == 0 ? -4 : 0;
+    block[0] = 0;
     assert_false(pel_jacobi_compute(jacobi, f.m));
     pel_jacobi_apply(jacobi, NULL, f.right, f.x);
     for (int32_t a = 0; a < size; a++)
-        assert_near(f.x[first + a], f.right[first + a] / 4, 1e-15);
+        assert_near(f.x[first + a], f.right[first + a] / (a == 0 ? 1 : 4), 1e-15);
     pel_jacobi_destroy(jacobi);
     release_fixture(&f);
 }

@@ -30,6 +30,7 @@ static void test_create_refuses(void **unused)
     assert_null(mesh);
     assert_int_equal(error.element, 2);
     assert_non_null(strstr(pel_error_text(&error, text, sizeof text), "vertex 2"));
+    assert_string_equal(error.what, "position (1, nan, 0) is not finite");
     assert_int_equal(pel_mesh_create(square, 3, halves, 2, &mesh, &error), PEL_BAD_ARGUMENT);
     assert_int_equal(error.element, 1);
     assert_int_equal(pel_mesh_create(square, 0, halves, 2, &mesh, &error), PEL_BAD_ARGUMENT);

@@ -260,6 +260,12 @@ static void bad_gas(pel_body_def *body)
     body->shell.pressure.kind = PEL_PRESSURE_GAS;
     body->shell.pressure.value = -1;
 }
+static void gas_in_varying_outside(pel_body_def *body)
+{
+    static const double outside[12];
+    body->shell.pressure.kind = PEL_PRESSURE_GAS;
+    body->shell.pressure.outside.field = outside;
+}
 static void bad_gamma(pel_body_def *body)
 {
     body->shell.pressure.kind = PEL_PRESSURE_GAS;
@@ -324,6 +330,7 @@ static void test_refusals(void **unused)
         {large_weight, "bending weight is 2"},
         {infinite_pressure, "pressure"},
         {bad_gas, "gas pressure is -1"},
+        {gas_in_varying_outside, "varies over the body"},
         {bad_gamma, "gamma"},
         {bad_target, "target volume is -1"},
         {empty_region, "0 on every vertex"},

@@ -331,6 +331,34 @@ static void test_nothing_half_written(void **unused)
     assert_int_equal(access(folder_path(first, folder, "c_00001.obj"), F_OK), -1);
 }
 
+/* a frame that another program replaces between two readings is refused by name */
+static void test_changed_meanwhile(void **unused)
+{
+    (void)unused;
+    static const double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const int32_t triangle[3] = {0, 1, 2};
+    const pel_vtp other = {.vertex_count = 3, .triangle_count = 1, .positions = positions, .triangles = triangle};
+    char path[FOLDER_PATH], text[600];
+    pel_export_source source;
+    pel_error error;
+    pel_mesh *mesh;
+    assert_int_equal(pel_export_open(&source, frames, &error), PEL_OK);
+    assert_int_equal(pel_export_read_bodies(&source, 1, &mesh, &error), PEL_OK);
+    pel_mesh_destroy(mesh);
+    assert_int_equal(pel_vtp_write(folder_path(path, folder, "frames/f00001.vtp"), &other, NULL), PEL_OK);
+    for (int with_tools = 0; with_tools < 2; with_tools++) {
+        mesh = NULL;
+        assert_int_equal((with_tools ? pel_export_read : pel_export_read_bodies)(&source, 1, &mesh, &error),
+                         PEL_BAD_FORMAT);
+        assert_null(mesh);
+        assert_non_null(strstr(error.file, "f00001.vtp"));
+        assert_non_null(strstr(pel_error_text(&error, text, sizeof text), "no other program"));
+    }
+    assert_int_equal(pel_export_read(&source, 2, &mesh, &error), PEL_OK);
+    pel_mesh_destroy(mesh);
+    pel_export_close(&source);
+}
+
 static pel_status export_pc2(const void *path, pel_error *error)
 {
     return pel_export_pc2(path, frames, error);
@@ -399,6 +427,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_too_large, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_sequence, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_nothing_half_written, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_changed_meanwhile, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_allocation_failures, set_up, tear_down),
         cmocka_unit_test(test_parts),
     };

@@ -105,6 +105,25 @@ static void test_softness(void **unused)
     assert_null(find_warning(&summary, "softer-than-material"));
 }
 
+/* springs that stiffen: the warning begins in the frame in which the sweeps fall behind, and counts from there */
+static void test_softness_begins(void **unused)
+{
+    (void)unused;
+    const char *overrides[3] = {"solver={ method: xpbd, dt: 0.001, substeps: 6 }",
+                                "bodies.ball.springs={ stiffness: { keys: [[0, 0.001], [0.02, 5000]] } }",
+                                "stop.frames=16"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 3, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "softer-than-material");
+    assert_non_null(warning);
+    assert_true(warning->first_frame > 1 && warning->first_frame < 12);
+    assert_int_equal(warning->count, 16 - warning->first_frame + 1);
+    assert_true(summary.solver.most_softness > 0.05);
+    overrides[2] = "stop.frames=4";
+    run_scene(SHELL, overrides, 3, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "softer-than-material"));
+}
+
 /* steps are counted over a run and what it is continued by */
 static void test_unconverged(void **unused)
 {
@@ -491,6 +510,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_clean_run),
         cmocka_unit_test(test_softness),
+        cmocka_unit_test(test_softness_begins),
         cmocka_unit_test(test_unconverged),
         cmocka_unit_test(test_stray),
         cmocka_unit_test(test_twist),

@@ -161,21 +161,30 @@ static void check_key(const char *text, const char *key, double value)
     }
 }
 
+/* a number of the scene by its key */
+typedef struct key_value {
+    const char *key;
+    double value;
+} key_value;
+
+/* differences in float tell three digits */
+#define skip_in_float()                                                                                                \
+    do {                                                                                                               \
+        if (sizeof(pel_real) == sizeof(float))                                                                         \
+            skip();                                                                                                    \
+    } while (0)
+
 static void test_numbers_of_a_sheet(void **unused)
 {
     (void)unused;
-    if (sizeof(pel_real) == sizeof(float))
-        skip(); /* differences in float tell three digits */
-    static const struct {
-        const char *key;
-        double value;
-    } keys[] = {{"bodies.body.membrane.young", 1e4},
-                {"bodies.body.membrane.poisson", 0.3},
-                {"bodies.body.springs.stiffness", 3},
-                {"bodies.body.volumetric.stiffness", 0.01},
-                {"loads.pull.force.2", 0.1},
-                {"gravity.2", -2},
-                {"bodies.body.supports.end.displacement.2", 0.01}};
+    skip_in_float();
+    static const key_value keys[] = {{"bodies.body.membrane.young", 1e4},
+                                     {"bodies.body.membrane.poisson", 0.3},
+                                     {"bodies.body.springs.stiffness", 3},
+                                     {"bodies.body.volumetric.stiffness", 0.01},
+                                     {"loads.pull.force.2", 0.1},
+                                     {"gravity.2", -2},
+                                     {"bodies.body.supports.end.displacement.2", 0.01}};
     static const char *const own[] = {"bodies.body.mass.per_vertex", "bodies.body.springs.damping",
                                       "bodies.body.volumetric.damping"};
     static const double values[] = {0.002, 0.02, 0.03};
@@ -194,8 +203,7 @@ static void test_numbers_of_a_sheet(void **unused)
 static void test_numbers_of_a_free_ball(void **unused)
 {
     (void)unused;
-    if (sizeof(pel_real) == sizeof(float))
-        skip(); /* differences in float tell three digits */
+    skip_in_float();
     char text[2000];
     write_scene(ball, "hinge", "implicit", text, sizeof text);
     check_key(text, "bodies.body.membrane.young", 1e5);
@@ -207,14 +215,10 @@ static void test_numbers_of_a_free_ball(void **unused)
 static void test_factor_on_all_forces(void **unused)
 {
     (void)unused;
-    if (sizeof(pel_real) == sizeof(float))
-        skip(); /* differences in float tell three digits */
-    static const struct {
-        const char *key;
-        double value;
-    } keys[] = {{"bodies.body.membrane.young", 1e5},
-                {"bodies.body.pressure.gas.pressure", 900},
-                {"bodies.body.pressure.gas.outside", 700}};
+    skip_in_float();
+    static const key_value keys[] = {{"bodies.body.membrane.young", 1e5},
+                                     {"bodies.body.pressure.gas.pressure", 900},
+                                     {"bodies.body.pressure.gas.outside", 700}};
     char text[2000];
     double sum = 0, most = 0;
     write_scene(ball, "hinge", "static", text, sizeof text);

@@ -82,6 +82,25 @@ static inline pel_sim *make_sim(const pel_sim_def *def)
     return sim;
 }
 
+/* A def with a fault (its number, for the report) is refused with a message that has these words; null: it has no
+   fault. element_kind: what the error names as number 1, with a remedy; null for none. */
+static inline void check_refusal(const pel_sim_def *def, int fault, const char *words, const char *element_kind)
+{
+    pel_sim *sim;
+    pel_error error = {0};
+    pel_status status = pel_sim_create(def, &sim, &error);
+    if (words != NULL && (status != PEL_BAD_ARGUMENT || strstr(error.what, words) == NULL))
+        fail_msg("fault %d: %s", fault, error.what);
+    assert_int_equal(status, words == NULL ? PEL_OK : PEL_BAD_ARGUMENT);
+    assert_true((sim == NULL) == (status != PEL_OK));
+    if (words != NULL && element_kind != NULL) {
+        assert_int_equal(error.element, 1);
+        assert_string_equal(error.element_kind, element_kind);
+        assert_true(error.remedy[0] != '\0');
+    }
+    pel_sim_destroy(sim);
+}
+
 static inline int32_t nearest_vertex(const pel_mesh *mesh, double x, double y, double z)
 {
     int32_t nearest = 0;

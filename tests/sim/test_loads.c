@@ -129,19 +129,7 @@ static void test_refusals(void **unused)
         def.model = model;
         def.loads = loads;
         def.load_count = 2;
-        pel_sim *sim;
-        pel_error error;
-        pel_status status = pel_sim_create(&def, &sim, &error);
-        assert_int_equal(status, f == FAULT_NONE ? PEL_OK : PEL_BAD_ARGUMENT);
-        if (f != FAULT_NONE) {
-            if (strstr(error.what, messages[f]) == NULL)
-                fail_msg("fault %d: %s", f, error.what);
-            assert_int_equal(error.element, 1);
-            assert_string_equal(error.element_kind, "load");
-            assert_true(error.remedy[0] != '\0');
-            assert_null(sim);
-        }
-        pel_sim_destroy(sim);
+        check_refusal(&def, f, messages[f], "load");
     }
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
@@ -166,11 +154,7 @@ static void test_edges_of_what_refines(void **unused)
         def.model = model;
         def.loads = &load;
         def.load_count = 1;
-        pel_sim *sim;
-        pel_error error = {0};
-        assert_int_equal(pel_sim_create(&def, &sim, &error), levels == 0 ? PEL_OK : PEL_BAD_ARGUMENT);
-        assert_true(levels == 0 || strstr(error.what, "load on edges of a body that refines") != NULL);
-        pel_sim_destroy(sim);
+        check_refusal(&def, levels, levels == 0 ? NULL : "load on edges of a body that refines", NULL);
         pel_model_destroy(model);
     }
     pel_mesh_destroy(mesh);

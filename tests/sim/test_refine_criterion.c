@@ -426,6 +426,63 @@ static void test_little_stronger_waits(void **unused)
     end(&b.made);
 }
 
+static int32_t vertex_of_valence(const pel_mesh *mesh, int32_t valence)
+{
+    int32_t *counts = calloc((size_t)mesh->vertex_count, sizeof *counts), found = 0;
+    for (int32_t i = 0; i < 3 * mesh->triangle_count; i++)
+        counts[mesh->triangles[i / 3][i % 3]]++;
+    while (counts[found] != valence)
+        found++;
+    free(counts);
+    return found;
+}
+
+/* What is cold and gives its room to a stronger candidate, for which that is not enough, gets it back; its dwell time
+   goes on: it leaves as soon as without the candidate, which comes at each look. */
+static void test_dwell_of_displaced(void **unused)
+{
+    (void)unused;
+    int leaves[2];
+    for (int disturbed = 0; disturbed < 2; disturbed++) {
+        pel_mesh *mesh = make_sphere(8);
+        /* the triangles of five around a vertex and half of their neighbours, less than those of six */
+        int32_t places[2] = {vertex_of_valence(mesh, 5), nearest_vertex(mesh, 0, 0, 1)};
+        const double *x = mesh->positions[places[0]];
+        if (x[2] > 0)
+            places[1] = nearest_vertex(mesh, 0, 0, -1);
+        pel_body_def body = ball(mesh, 1);
+        body.refine.above = 10;
+        body.refine.below = 5;
+        body.refine.rings = 1;
+        body.refine.dwell = 60;
+        body.refine.interval = 20;
+        body.refine.budget = mesh->triangle_count + 22;
+        pel_load_def loads[2] = {pel_load_def_default(), pel_load_def_default()};
+        for (int i = 0; i < 2; i++) {
+            loads[i].vertices = &places[i];
+            loads[i].vertex_count = 1;
+            for (int k = 0; k < 3; k++)
+                loads[i].force[k] = (i == 0 ? 0.3 : 3) * mesh->positions[places[i]][k];
+        }
+        loads[0].until = 1;
+        loads[1].from = 1;
+        pel_sim_def def = pel_sim_def_default();
+        def.loads = loads;
+        def.load_count = 1 + disturbed;
+        bench made = begin(mesh, &body, &def);
+        const uint8_t *requests = made.sim->refine[0].requests;
+        run_steps(made.sim, 95);
+        assert_int_equal(requests[places[0]], PEL_REQUEST_MADE);
+        int steps = 0;
+        for (; requests[places[0]] == PEL_REQUEST_MADE && steps < 400; steps++)
+            run_steps(made.sim, 1);
+        leaves[disturbed] = steps;
+        end(&made);
+    }
+    assert_in_range(leaves[0], 60, 200);
+    assert_in_range(leaves[1], 60, leaves[0] + 20);
+}
+
 /* ---- time ---- */
 
 /* a ball and a tool that is near it from time `from` to `until`, and touches nothing */
@@ -650,6 +707,7 @@ int main(void)
         cmocka_unit_test(test_region),
         cmocka_unit_test(test_stronger_displaces),
         cmocka_unit_test(test_strongest_first),
+        cmocka_unit_test(test_dwell_of_displaced),
         cmocka_unit_test(test_weakest_goes),
         cmocka_unit_test(test_little_stronger_waits),
         cmocka_unit_test(test_dwell),

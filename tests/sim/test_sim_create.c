@@ -146,13 +146,7 @@ static void test_refusals(void **unused)
         pel_sim_def def = pel_sim_def_default();
         def.model = model;
         break_def((fault)f, &def);
-        pel_sim *sim;
-        pel_error error;
-        assert_int_equal(pel_sim_create(&def, &sim, &error), f == FAULT_NONE ? PEL_OK : PEL_BAD_ARGUMENT);
-        if (f != FAULT_NONE && strstr(error.what, messages[f]) == NULL)
-            fail_msg("fault %d: %s", f, error.what);
-        assert_true((sim == NULL) == (f != FAULT_NONE));
-        pel_sim_destroy(sim);
+        check_refusal(&def, f, messages[f], NULL);
     }
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);

@@ -126,49 +126,58 @@ static void test_stops(void **context)
     }
 }
 
-/* a no that comes once, however late in the step, is not lost */
-static void test_one_no(void **context)
+/* each method that asks along its steps, at its start */
+static void for_each_long(void (*check)(stop_scene *s, pel_sim *sim))
 {
-    (void)context;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         stop_scene s;
         if (!cases[i].is_long)
             continue;
         pel_sim *sim = begin(&s, &cases[i], 1);
-        size_t size = pel_sim_save_size(sim);
-        void *saved = malloc(size);
-        pel_sim_save(sim, saved);
-        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
-        int64_t count = s.patience.asked;
-        for (int64_t last = count - 1; last >= 0; last -= count / 16 + 1) {
-            assert_int_equal(pel_sim_load(sim, saved, size, NULL), PEL_OK);
-            s.patience = (patience){0, last};
-            assert_int_equal(pel_sim_step(sim, NULL), PEL_STOPPED);
-        }
-        free(saved);
+        check(&s, sim);
         press_end(&s.press, sim);
     }
+}
+
+static void say_one_no(stop_scene *s, pel_sim *sim)
+{
+    size_t size = pel_sim_save_size(sim);
+    void *saved = malloc(size);
+    pel_sim_save(sim, saved);
+    assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    int64_t count = s->patience.asked;
+    for (int64_t last = count - 1; last >= 0; last -= count / 16 + 1) {
+        assert_int_equal(pel_sim_load(sim, saved, size, NULL), PEL_OK);
+        s->patience = (patience){0, last};
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_STOPPED);
+    }
+    free(saved);
+}
+
+/* a no that comes once, however late in the step, is not lost */
+static void test_one_no(void **context)
+{
+    (void)context;
+    for_each_long(say_one_no);
+}
+
+static void say_no_soon(stop_scene *s, pel_sim *sim)
+{
+    s->patience.last = 1;
+    assert_int_equal(pel_sim_step(sim, NULL), PEL_STOPPED);
+    assert_int_equal(s->patience.asked, 2);
+    assert_true(pel_sim_step_count(sim) == 0);
+    /* nobody asks outside of a step */
+    pel_sim_ledger ledger;
+    pel_sim_get_ledger(sim, &ledger);
+    assert_int_equal(s->patience.asked, 2);
 }
 
 /* how soon: of the questions of a whole step, few come after the first no, which sticks */
 static void test_soon(void **context)
 {
     (void)context;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        stop_scene s;
-        if (!cases[i].is_long)
-            continue;
-        pel_sim *sim = begin(&s, &cases[i], 1);
-        s.patience.last = 1;
-        assert_int_equal(pel_sim_step(sim, NULL), PEL_STOPPED);
-        assert_int_equal(s.patience.asked, 2);
-        assert_true(pel_sim_step_count(sim) == 0);
-        /* nobody asks outside of a step */
-        pel_sim_ledger ledger;
-        pel_sim_get_ledger(sim, &ledger);
-        assert_int_equal(s.patience.asked, 2);
-        press_end(&s.press, sim);
-    }
+    for_each_long(say_no_soon);
 }
 
 int main(void)

@@ -173,7 +173,11 @@ static void test_slow_steps(void **unused)
         for (int32_t v = 0; v < model->vertex_count; v++)
             for (int c = 0; c < 3; c++)
                 made.sim->state->position[v][c] = model->rest[v][c] + (pel_real)noise(&random);
-        for (int n = 0; n < 4; n++) {
+        for (int n = 0; n < 5; n++) {
+            /* another surface with much of the same border */
+            if (n == 2)
+                refine(&made, 100, 1);
+            assert_true(made.sim->model == model);
             /* the lists are made in the step */
             pel_relax_follow(made.sim->relax);
             step_slowly(&made, expected);
