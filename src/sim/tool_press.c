@@ -285,7 +285,7 @@ static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *bo
 static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
 {
     double weights[3], normal[3];
-    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    const pel_solid solid = pel_tool_triangle_solid(sim, tool, t);
     double depth = pel_tool_triangle_depth(sim, tool, &solid, sim->state->position_next, t, weights, normal);
     return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
 }

@@ -202,7 +202,7 @@ static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_too
         start_in_tool(tool, start, sim->model->triangles[t][c], before[c]);
         way = fmax(way, pel_vec3_distance(local[c], before[c]));
     }
-    pel_solid reach = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    pel_solid reach = pel_tool_triangle_solid(sim, tool, t);
     if (way < FAST_SHARE * reach.radius)
         return false;
     reach.radius += way;
@@ -224,7 +224,7 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, const 
                              pel_contact *contact)
 {
     double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
-    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    const pel_solid solid = pel_tool_triangle_solid(sim, tool, t);
     bool is_box = tool->solid.kind == PEL_SOLID_BOX;
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
