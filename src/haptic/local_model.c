@@ -170,6 +170,21 @@ static bool is_behind(const pel_tool *tool, const pel_solid *press, double corne
     return false;
 }
 
+/* where a triangle may cut into the tool: depth of its deepest corner in the grown tool, if that is touched first */
+static double deepest_corner(const pel_solid *grown, double local[3][3], double depth, double weights[3],
+                             double normal[3])
+{
+    for (int c = 0; c < 3; c++) {
+        double out[3], own = -pel_solid_distance(grown, local[c], out);
+        if (!(own > depth))
+            continue;
+        depth = own;
+        pel_vec3_copy(out, normal);
+        pel_vec3_set(weights, c == 0, c == 1, c == 2);
+    }
+    return depth;
+}
+
 /* the plane of a triangle within the reach of a tool; false when there is none that is nearer than those found */
 static bool near_plane(const pel_sim *sim, const pel_tool *tool, int32_t t, double reach, const candidates *found,
                        candidate *near)
@@ -183,7 +198,10 @@ static bool near_plane(const pel_sim *sim, const pel_tool *tool, int32_t t, doub
         return false;
     for (int c = 0; c < 3; c++)
         pel_pose_to_local(&tool->pose, corners[c], local[c]);
-    double depth = pel_solid_depth(&grown, local[0], local[1], local[2], weights, near->normal);
+    const pel_solid own = pel_tool_triangle_solid(sim, tool, t), grown_own = pel_solid_grown(&own, reach);
+    double depth = pel_solid_depth(&grown_own, local[0], local[1], local[2], weights, near->normal);
+    if (pel_tool_cuts(sim, tool, v[0]))
+        depth = deepest_corner(&grown, local, depth, weights, near->normal);
     if (!(depth > 0))
         return false;
     pel_rotate(tool->pose.rotation, near->normal, near->normal);

@@ -441,6 +441,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
         }
     const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
+    body->is_foundation = body->has_volumetric && def->volumetric_depth > 0;
     body->uniform_spring = body->plain_spring = same_everywhere(def) ? pel_quantity_at(k, 0) : -1;
     body->diameter = bounding_diagonal(def->mesh);
     memcpy(body->velocity, def->velocity, sizeof body->velocity);

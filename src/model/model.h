@@ -54,6 +54,7 @@ typedef struct pel_body {
     int32_t slice_begin, slice_end; /* its slices; vertices are PEL_WIDTH times that */
     int32_t *model_index;           /* (mesh vertex_count) place of a mesh vertex in the model's order */
     bool has_volumetric;
+    bool is_foundation; /* its volumetric springs are those of a material: by area over depth */
     bool closed;
     int32_t turned_count; /* triangles of the mesh as given that were inside out */
     double rest_volume, rest_area;

@@ -89,7 +89,7 @@ static pel_status add_feature(const tool_search *search, pel_descent_contact *co
                               pel_error *error)
 {
     pel_gap_sample meeting;
-    constraint->offset = search->slack;
+    constraint->offset += search->slack;
     pel_descent_contact_meet(search->sim, constraint, search->sim->state->position_next, &meeting);
     if (meeting.gap > search->reach && known == 0)
         return PEL_OK;
@@ -98,11 +98,22 @@ static pel_status add_feature(const tool_search *search, pel_descent_contact *co
     return add(search, constraint, known, error);
 }
 
+/* m, that a triangle and its sides keep more than the tool's surface */
+static double triangle_offset(const tool_search *search, int32_t t)
+{
+    const pel_sim *sim = search->sim;
+    const pel_tool *tool = &sim->tools[search->tool];
+    const pel_solid own = pel_tool_triangle_solid(sim, tool, t),
+                    whole = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    return own.radius - whole.radius;
+}
+
 static pel_status add_face(const tool_search *search, int32_t t, int end, pel_error *error)
 {
     pel_descent_contact constraint = at_triangle(search, t);
     constraint.points = 3;
     constraint.end = end;
+    constraint.offset = triangle_offset(search, t);
     return add_feature(search, &constraint, find_known(search, &constraint), error);
 }
 
@@ -127,6 +138,7 @@ static pel_status add_side(const tool_search *search, int32_t t, int side, pel_e
     for (int i = 0; i < 4; i++)
         constraint.vertices[i] = corners[i == 1 ? (side + 1) % 3 : side];
     constraint.points = 2;
+    constraint.offset = triangle_offset(search, t);
     int32_t known = find_known(search, &constraint);
     bool presses = known > 0 && sim->descent->others[known - 1].load > 0;
     if (is_along_axis(search, &constraint))
@@ -161,12 +173,14 @@ static pel_status add_vertex(const tool_search *search, int32_t v, pel_error *er
 static pel_status add_round(const tool_search *search, int32_t t, pel_error *error)
 {
     const pel_sim *sim = search->sim;
-    if (sim->tools[search->tool].solid.kind == PEL_SOLID_SPHERE)
-        return add_face(search, t, 0, error);
-    pel_status status = PEL_OK;
-    for (int end = -1; status == PEL_OK && end <= 1; end += 2)
+    const pel_tool *tool = &sim->tools[search->tool];
+    bool is_sphere = tool->solid.kind == PEL_SOLID_SPHERE;
+    pel_status status = is_sphere ? add_face(search, t, 0, error) : PEL_OK;
+    if (is_sphere && !pel_tool_cuts(sim, tool, sim->model->triangles[t][0]))
+        return status;
+    for (int end = -1; !is_sphere && status == PEL_OK && end <= 1; end += 2)
         status = add_face(search, t, end, error);
-    for (int i = 0; status == PEL_OK && i < 3; i++)
+    for (int i = 0; !is_sphere && status == PEL_OK && i < 3; i++)
         status = add_side(search, t, i, error);
     for (int i = 0; status == PEL_OK && i < 3; i++)
         status = add_vertex(search, sim->model->triangles[t][i], error);

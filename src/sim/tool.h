@@ -122,6 +122,13 @@ void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
    one alone, what pulls a turning rim inward would turn it on. */
 void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3]);
 
+/* ---- tool_sagitta.c ---- */
+/* Whether triangles at a vertex may cut into a tool: a sphere or capsule on a body with a filling by Young's modulus,
+   without contact between surfaces. */
+bool pel_tool_cuts(const pel_sim *sim, const pel_tool *tool, int32_t v);
+/* the solid that whole triangles are kept out of: pel_tool_press_solid less the sagitta where they may cut in */
+pel_solid pel_tool_triangle_solid(const pel_sim *sim, const pel_tool *tool, int32_t t);
+
 /* ---- tool_start.c ---- */
 /* PEL_BAD_ARGUMENT with that way */
 pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t body, pel_error *error);

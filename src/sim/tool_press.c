@@ -1,4 +1,5 @@
-/* Pressing keeps whole triangles out of a tool, not only vertices: each triangle near the tool is pushed out at its
+/* Pressing keeps whole triangles out of a tool (on filled tissue, out of a smaller one: tool_sagitta.c), not only
+   vertices: each triangle near the tool is pushed out at its
    deepest point p = sum b_i x_i by x_i += w_i b_i / (sum w b^2) depth n, triangle after triangle until none is deeper
    than the tolerance. Vertices come first, which settles most of it.
 
@@ -285,7 +286,7 @@ static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *bo
 static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double tolerance)
 {
     double weights[3], normal[3];
-    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    const pel_solid solid = pel_tool_triangle_solid(sim, tool, t);
     double depth = pel_tool_triangle_depth(sim, tool, &solid, sim->state->position_next, t, weights, normal);
     return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
 }

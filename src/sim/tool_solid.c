@@ -57,7 +57,9 @@ static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t
     if (!pel_reserve((void **)&solids->list.contacts, &solids->capacity, count + 1, sizeof *solids->list.contacts) ||
         !pel_reserve((void **)&solids->pairs, &solids->pair_capacity, count + 1, sizeof *solids->pairs))
         return pel_fail_memory(error);
-    solids->pairs[count] = (pel_solid_pair){tool, triangle, vertex};
+    solids->pairs[count] = (pel_solid_pair){.tool = tool, .triangle = triangle, .vertex = vertex};
+    if (triangle >= 0)
+        solids->pairs[count].solid = pel_tool_triangle_solid(sim, &sim->tools[tool], triangle);
     pel_contact *contact = &solids->list.contacts[count];
     *contact = (pel_contact){.friction = (pel_real)pel_sim_friction(
                                  sim, &sim->tools[tool], triangle < 0 ? vertex : sim->model->triangles[triangle][0])};
@@ -192,17 +194,19 @@ static bool is_deepest_at_corner(const double half[3], double corner[3][3])
 
 /* A round tool goes through a triangle, or out on the other side, in one substep: the point that was closest at its
    start stays on its side. False when that is not so. */
-static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_tool *tool, int32_t t, double local[3][3],
+static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_solid_pair *pair, double local[3][3],
                       const double *normal, pel_contact *contact)
 {
     double before[3][3], weights[3], normal_before[3], from[3] = {0, 0, 0}, to[3] = {0, 0, 0}, point[3] = {0, 0, 0},
                                                        x[3];
+    const pel_tool *tool = &sim->tools[pair->tool];
+    int32_t t = pair->triangle;
     double way = 0;
     for (int c = 0; c < 3; c++) {
         start_in_tool(tool, start, sim->model->triangles[t][c], before[c]);
         way = fmax(way, pel_vec3_distance(local[c], before[c]));
     }
-    pel_solid reach = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    pel_solid reach = pair->solid;
     if (way < FAST_SHARE * reach.radius)
         return false;
     reach.radius += way;
@@ -220,21 +224,23 @@ static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_too
     return true;
 }
 
-static void refresh_triangle(const pel_sim *sim, const pel_record *start, const pel_tool *tool, int32_t t,
+static void refresh_triangle(const pel_sim *sim, const pel_record *start, const pel_solid_pair *pair,
                              pel_contact *contact)
 {
     double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
-    const pel_solid solid = pel_tool_press_solid(sim, tool, sim->model->triangles[t][0]);
+    const pel_tool *tool = &sim->tools[pair->tool];
+    const pel_solid *solid = &pair->solid;
+    int32_t t = pair->triangle;
     bool is_box = tool->solid.kind == PEL_SOLID_BOX;
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
         pel_pose_to_local(&tool->pose, corner[c], local[c]);
     }
     contact->separation = (pel_real)-HUGE_VAL;
-    if (is_box && is_deepest_at_corner(solid.half_extents, local))
+    if (is_box && is_deepest_at_corner(solid->half_extents, local))
         return;
-    double depth = pel_solid_depth(&solid, local[0], local[1], local[2], weights, normal);
-    if (!is_box && is_passed(sim, start, tool, t, local, depth > 0 ? normal : NULL, contact))
+    double depth = pel_solid_depth(solid, local[0], local[1], local[2], weights, normal);
+    if (!is_box && is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
         return;
     if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT)
         return;
@@ -254,7 +260,7 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start)
         if (pair->triangle < 0)
             refresh_vertex(sim, start, tool, pair->vertex, &solids->list.contacts[c]);
         else
-            refresh_triangle(sim, start, tool, pair->triangle, &solids->list.contacts[c]);
+            refresh_triangle(sim, start, pair, &solids->list.contacts[c]);
     }
 }
 

@@ -11,6 +11,7 @@ typedef struct pel_solid_pair {
     int32_t tool;
     int32_t triangle; /* -1 = the vertex */
     int32_t vertex;
+    pel_solid solid; /* that the triangle is kept out of */
 } pel_solid_pair;
 
 struct pel_sim_solids {
