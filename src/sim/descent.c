@@ -288,11 +288,10 @@ static double acting_force(const pel_sim *sim, double loads)
     return sqrt(loads * loads + contact * contact + held * held);
 }
 
-/* N, of the forces of a body at rest; Newton's method, which alone has velocities, works in double */
+/* N, of the forces of a body at rest: in double, as all minimisation */
 static double rounding_force(const pel_sim *sim)
 {
-    double epsilon = pel_sim_has_velocity(sim) ? DBL_EPSILON : (double)PEL_REAL_EPSILON;
-    return ROUNDING_ERRORS * epsilon * sim->descent->stiff_force;
+    return ROUNDING_ERRORS * DBL_EPSILON * sim->descent->stiff_force;
 }
 
 /* Relative to the forces that act. Where none acts at present, a body comes back from those that did; where none ever
@@ -302,7 +301,7 @@ static double tolerance_of(const pel_sim *sim, double loads)
     const pel_sim_descent *descent = sim->descent;
     double acting = acting_force(sim, loads);
     if (acting == 0)
-        acting = descent->acted;
+        acting = descent->step_acted;
     return acting > 0 ? LOAD_SHARE * acting : rounding_force(sim);
 }
 
@@ -333,9 +332,9 @@ static double dynamic_tolerance(const pel_sim *sim, double loads)
 static void remember_acting(pel_sim *sim, double loads, double first_residual)
 {
     pel_sim_descent *descent = sim->descent;
-    bool is_stressed = descent->acted == 0 && first_residual > tolerance_of(sim, loads);
+    bool is_stressed = descent->step_acted == 0 && first_residual > tolerance_of(sim, loads);
     double acting = acting_force(sim, loads);
-    descent->acted = fmax(descent->acted, acting == 0 && is_stressed ? first_residual : acting);
+    descent->step_acted = fmax(descent->step_acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
 /* not by a share of the forces that the round began with: those of gaps that close are far larger than all others */
@@ -541,6 +540,7 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
     sim->descent->result = (pel_descent_result){0};
     sim->descent->count = sim->descent->tool_count = 0;
     sim->descent->step_way = 0;
+    sim->descent->step_acted = sim->descent->acted;
     if (sim->tool_count > 0 || pel_sim_has_loop_contacts(sim))
         status = minimise_under_constraints(&context, loads, error);
     else
@@ -681,6 +681,7 @@ void pel_sim_descent_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->descent->accepted, *part = &sim->descent->result;
     sim->descent->tool_way += sim->descent->step_way;
+    sim->descent->acted = sim->descent->step_acted;
     if (sim->parts.at > 0) {
         part->iterations += accepted->iterations;
         part->evaluations += accepted->evaluations;

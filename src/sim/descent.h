@@ -60,7 +60,8 @@ struct pel_sim_descent {
     double mean_edge;            /* m */
     double size;                 /* m, of the largest body */
     double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
-    double acted;                /* N, largest force that has acted since the start */
+    double acted, step_acted;    /* N, largest force that has acted since the start: before the step in progress, and in
+                                    it. The first is in snapshots */
     double stiffness;            /* 1/s2, bound of that of the bodies over mass */
     double penalty;              /* stiffness of constraints over that bound */
     double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
