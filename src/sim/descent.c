@@ -521,6 +521,14 @@ static pel_status minimise_alone(pel_descent_context *context, double loads, pel
     return status;
 }
 
+void pel_descent_begin_at_state(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        copy_position(state->position, v, sim->descent->position);
+}
+
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_state *state = sim->state;
@@ -532,9 +540,7 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
         pel_sim_has_velocity(sim) ? PEL_OK : pel_descent_check_held(sim, sim->descent->external, context.time, error);
     if (status != PEL_OK)
         return status;
-    memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
-    for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        copy_position(state->position, v, sim->descent->position);
+    pel_descent_begin_at_state(sim);
     if (sim->descent->tangent != NULL)
         pel_tangent_follow(sim->descent->tangent, sim->descent->position);
     sim->descent->result = (pel_descent_result){0};

@@ -105,6 +105,8 @@ typedef struct pel_contact_stiffness {
 /* ---- descent.c ---- */
 /* What all methods need that minimise. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, pel_error *error);
+/* Where a step begins: sim->descent->position and position_next from the state. */
+void pel_descent_begin_at_state(pel_sim *sim);
 /* One step. */
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
