@@ -562,7 +562,6 @@ typedef struct pel_sim_measures {
     double max_force;                                     /* N, largest vertex force as in pel_sim_get_forces */
     double unbalanced_force; /* N, sum of the magnitudes of these forces on free vertices: neither pinned, held nor
                                 touched */
-    double force_rounding;   /* N, about what the rounding of positions makes of max_force */
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
 PEL_API void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);

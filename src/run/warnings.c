@@ -40,9 +40,6 @@ enum { LEAST_CONTACTS = 30 };
 /* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
 
-/* of the largest force: what rounding of positions makes of it */
-#define ROUNDING_SHARE 1e-3
-
 static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
     [PEL_WARN_MILLIMETRES] = "millimetres",         [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
@@ -52,7 +49,6 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
     [PEL_WARN_COARSE_CONTACT] = "coarse-contact",   [PEL_WARN_UNSETTLED] = "unsettled",
-    [PEL_WARN_ROUNDING] = "float-rounding",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -289,9 +285,6 @@ void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const
         pel_warn(tallies, PEL_WARN_COARSE, frame, 0);
     if (ledger->energy_error > ledger->tolerance)
         pel_warn(tallies, PEL_WARN_ENERGY, frame, ledger->energy_error);
-    /* negated: the frame with the largest force counts */
-    if (sizeof(pel_real) < sizeof(double) && ledger->supplied > 0 && measures->max_force > 0)
-        pel_warn(tallies, PEL_WARN_ROUNDING, frame, -measures->force_rounding / measures->max_force);
 }
 
 /* ---- the end ---- */
@@ -629,15 +622,6 @@ static void tell_unsettled(const text_context *at)
         at->run->measures.unbalanced_force, 100 * at->tally->worst);
 }
 
-static void tell_rounding(const text_context *at)
-{
-    snprintf(
-        at->text, at->size,
-        "float rounds positions, which leaves errors of about %.2g %% in max_force, in the field force and in small "
-        "energies of stiff bodies. use a build in double, or move the bodies to the origin",
-        -100 * at->tally->worst);
-}
-
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
@@ -655,7 +639,6 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_UNCOUNTED] = tell_uncounted,
     [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
     [PEL_WARN_UNSETTLED] = tell_unsettled,
-    [PEL_WARN_ROUNDING] = tell_rounding,
 };
 
 /* energy that appears is measured against all that the run supplied in the end */
@@ -671,8 +654,6 @@ static bool holds(const pel_run_state *run, pel_warning_kind kind)
         return tally->count >= JAM_STEPS || (tally->count > 0 && tally->worst >= JAM_AT_ONCE);
     if (kind == PEL_WARN_ENERGY)
         return tally->count > 0 && tally->worst > run->ledger.tolerance;
-    if (kind == PEL_WARN_ROUNDING)
-        return tally->count > 0 && -tally->worst > ROUNDING_SHARE && knows_material(run->scene->sim.solver.method);
     return tally->count > 0;
 }
 

@@ -21,7 +21,6 @@ typedef enum pel_warning_kind {
     PEL_WARN_UNCOUNTED,
     PEL_WARN_COARSE_CONTACT,
     PEL_WARN_UNSETTLED,
-    PEL_WARN_ROUNDING,
     PEL_WARN_COUNT
 } pel_warning_kind;
 

@@ -1,5 +1,4 @@
 /* Getters between the model's vertex order and the mesh's, and sums over everything. */
-#include "base/lane.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "sim/sim.h"
@@ -291,24 +290,6 @@ static void measure_forces(const pel_sim *sim, pel_sim_measures *measures)
     measures->max_force = sqrt(largest);
 }
 
-/* N: the membrane that is stiffest for what rounding moves its corners by */
-static double force_rounding(const pel_sim *sim)
-{
-    const pel_model *model = sim->model;
-    double largest = 0;
-    for (int32_t b = 0; b < model->body_count; b++) {
-        const pel_shell *shell = model->bodies[b].shell;
-        for (int32_t t = 0; shell != NULL && shell->has_membrane && t < shell->triangle_count; t++) {
-            pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
-            double farthest = 0;
-            for (int k = 0; k < 9; k++)
-                farthest = fmax(farthest, fabs((double)sim->state->position[shell->corners[t][k / 3]][k % 3]));
-            largest = fmax(largest, sheet.young * sheet.thickness * farthest);
-        }
-    }
-    return (double)PEL_REAL_EPSILON * largest;
-}
-
 void pel_sim_measure_parts(pel_sim *sim, bool has_surfaces, bool has_energies, pel_sim_measures *measures)
 {
     *measures = (pel_sim_measures){0};
@@ -319,8 +300,6 @@ void pel_sim_measure_parts(pel_sim *sim, bool has_surfaces, bool has_energies, p
     measure_displacements(sim, measures);
     if (has_energies)
         measure_forces(sim, measures);
-    if (has_energies)
-        measures->force_rounding = force_rounding(sim);
 }
 
 void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures)
