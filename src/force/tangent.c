@@ -292,9 +292,9 @@ static double find_pressure(const tangent_loop *loop, pel_tangent_shell *own)
     const pel_body *body = &loop->tangent->model->bodies[own->body];
     const pel_shell *shell = own->shell;
     own->pressure = 0;
-    if (shell->pressure.kind == PEL_PRESSURE_NONE)
-        return 0;
     bool conservative = pel_pressure_is_conservative(body);
+    if (shell->pressure.kind == PEL_PRESSURE_NONE || (loop->input->leaves_followers && !conservative))
+        return 0;
     double time = loop->input->time, volume = body->rest_volume;
     double factor = loop->input->load_factor != NULL ? *loop->input->load_factor : 1;
     if (conservative || own->rank_one != NULL)

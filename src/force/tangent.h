@@ -68,6 +68,7 @@ typedef struct pel_tangent_input {
     const double *point_stiffness; /* (vertex_count) N/m */
     const double (*points)[3];     /* (vertex_count) */
     const double *load_factor;     /* of given pressure; null = 1 */
+    bool leaves_followers;         /* without pressure that has no potential */
 } pel_tangent_input;
 
 typedef struct pel_tangent_energy {

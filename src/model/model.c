@@ -346,6 +346,7 @@ static void fill_fans(pel_model *model)
 
 /* ---- a body ---- */
 
+/* with positions that the state can hold: a body at rest is free of stress in float as well */
 static pel_status copy_mesh(const pel_mesh *mesh, pel_mesh **copy, pel_error *error)
 {
     pel_status status =
@@ -354,6 +355,9 @@ static pel_status copy_mesh(const pel_mesh *mesh, pel_mesh **copy, pel_error *er
         const pel_field *field = &mesh->fields[f];
         status = pel_mesh_add_field(*copy, field->name, field->component_count, field->values, error);
     }
+    for (int32_t v = 0; status == PEL_OK && v < mesh->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            (*copy)->positions[v][k] = (double)(pel_real)mesh->positions[v][k];
     return status;
 }
 

@@ -26,11 +26,7 @@ enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12
 enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 
 /* forces are balanced when the residual is this share of the forces that act */
-#ifdef PEL_SINGLE
-#define LOAD_SHARE 2e-3
-#else
 #define LOAD_SHARE 1e-6
-#endif
 /* The same share in motion, of the loads and of the rate of change of momentum. A share of momentum over dt would stop
    a spinning body. */
 #define DYNAMIC_SHARE 1e-3
@@ -78,22 +74,49 @@ static double spring_energy(const pel_descent_context *at)
     return sum;
 }
 
-static double energy_of(void *context, pel_record *position, pel_record *force)
+/* of springs, shells and conservative pressure by batches of elements, in the precision of the state; clears sim->force
+ */
+static double batch_energy(pel_descent_context *at, const double *position, double *force)
+{
+    const pel_sim *sim = at->sim;
+    pel_record *record = sim->descent->record;
+    at->state.position = record;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            record[v][k] = (pel_real)position[3 * (size_t)v + (size_t)k];
+    pel_body_forces(sim->model, &at->state, NULL, sim->pool, sim->force);
+    pel_shell_energy shells = pel_shell_forces_add(sim->shells, record, at->time,
+                                                   PEL_SHELL_ELASTIC | PEL_SHELL_CONSERVATIVE, sim->pool, sim->force);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            force[3 * (size_t)v + (size_t)k] = (double)sim->force[v][k];
+    return spring_energy(at) + shells.membrane + shells.bending + shells.fibres + shells.pressure;
+}
+
+/* the same in double */
+static double precise_energy(const pel_descent_context *at, const double *position, double *force)
+{
+    const pel_sim *sim = at->sim;
+    const pel_tangent_input input = {
+        .unknowns = position, .time = at->time, .state = sim->state, .leaves_followers = true};
+    pel_tangent_energy energy = pel_tangent_evaluate(sim->descent->tangent, &input, sim->pool, force);
+    for (int32_t u = 0; u < 3 * sim->model->vertex_count; u++)
+        force[u] = -force[u];
+    return pel_tangent_energy_sum(&energy);
+}
+
+static double energy_of(void *context, const double *position, double *force)
 {
     pel_descent_context *at = context;
     const pel_sim *sim = at->sim;
-    const pel_model *model = sim->model;
-    const pel_record *external = sim->descent->external;
-    at->state.position = position;
-    pel_body_forces(model, &at->state, NULL, sim->pool, force);
-    pel_shell_energy shells = pel_shell_forces_add(sim->shells, position, at->time,
-                                                   PEL_SHELL_ELASTIC | PEL_SHELL_CONSERVATIVE, sim->pool, force);
-    double energy = spring_energy(at) + shells.membrane + shells.bending + shells.fibres + shells.pressure;
-    for (int32_t v = 0; v < model->vertex_count; v++) {
-        for (int c = 0; c < 3; c++)
-            energy -= (double)external[v][c] * ((double)position[v][c] - (double)model->rest[v][c]);
-        force[v] += external[v];
-    }
+    const pel_sim_descent *descent = sim->descent;
+    double energy = descent->tangent != NULL ? precise_energy(at, position, force) : batch_energy(at, position, force);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            size_t u = 3 * (size_t)v + (size_t)k;
+            energy -= (double)descent->external[v][k] * (position[u] - (double)sim->model->rest[v][k]);
+            force[u] += (double)descent->external[v][k];
+        }
     return at->is_constrained ? energy + pel_descent_contacts_evaluate(sim, position, force) : energy;
 }
 
@@ -174,11 +197,19 @@ static int count_parts(const pel_sim *sim, double *longest)
     return (int)ceil(fmin(most, MOST_PARTS));
 }
 
+static void copy_position(const pel_record *from, int32_t v, double *to)
+{
+    pel_vertex_position(from, v, to + 3 * (size_t)v);
+}
+
 static void set_poses(pel_sim *sim, double share)
 {
     for (int32_t i = 0; i < sim->tool_count; i++)
         pel_pose_between(&sim->tools[i].pose_before, &sim->tools[i].pose_wanted, share, &sim->tools[i].pose);
     pel_tools_carry(sim);
+    for (int32_t v = 0; sim->held != NULL && v < sim->model->vertex_count; v++)
+        if (sim->held[v])
+            copy_position(sim->state->position_next, v, sim->descent->position);
 }
 
 /* false if it is close enough to continue from its position */
@@ -190,6 +221,7 @@ static bool go_back_to(pel_sim *sim, int32_t v, double share)
         return false;
     for (int k = 0; k < 3; k++)
         sim->state->position_next[v][k] = (pel_real)(start[k] + share * (end[k] - start[k]));
+    copy_position(sim->state->position_next, v, sim->descent->position);
     return true;
 }
 
@@ -243,7 +275,7 @@ static double deepest_gap(const pel_sim *sim)
     double deepest = 0;
     for (int32_t c = 0; c < descent->count; c++) {
         pel_gap_sample meeting;
-        pel_descent_contact_meet(sim, &descent->constraints[c], sim->state->position_next, &meeting);
+        pel_descent_contact_meet(sim, &descent->constraints[c], descent->position, &meeting);
         deepest = fmax(deepest, -meeting.gap / descent->constraints[c].tolerance);
     }
     return deepest;
@@ -256,11 +288,10 @@ static double acting_force(const pel_sim *sim, double loads)
     return sqrt(loads * loads + contact * contact + held * held);
 }
 
-/* N, of the forces of a body at rest; Newton's method, which alone has velocities, works in double */
+/* N, of the forces of a body at rest: in double, as all minimisation */
 static double rounding_force(const pel_sim *sim)
 {
-    double epsilon = pel_sim_has_velocity(sim) ? DBL_EPSILON : (double)PEL_REAL_EPSILON;
-    return ROUNDING_ERRORS * epsilon * sim->descent->stiff_force;
+    return ROUNDING_ERRORS * DBL_EPSILON * sim->descent->stiff_force;
 }
 
 /* Relative to the forces that act. Where none acts at present, a body comes back from those that did; where none ever
@@ -270,7 +301,7 @@ static double tolerance_of(const pel_sim *sim, double loads)
     const pel_sim_descent *descent = sim->descent;
     double acting = acting_force(sim, loads);
     if (acting == 0)
-        acting = descent->acted;
+        acting = descent->step_acted;
     return acting > 0 ? LOAD_SHARE * acting : rounding_force(sim);
 }
 
@@ -301,9 +332,9 @@ static double dynamic_tolerance(const pel_sim *sim, double loads)
 static void remember_acting(pel_sim *sim, double loads, double first_residual)
 {
     pel_sim_descent *descent = sim->descent;
-    bool is_stressed = descent->acted == 0 && first_residual > tolerance_of(sim, loads);
+    bool is_stressed = descent->step_acted == 0 && first_residual > tolerance_of(sim, loads);
     double acting = acting_force(sim, loads);
-    descent->acted = fmax(descent->acted, acting == 0 && is_stressed ? first_residual : acting);
+    descent->step_acted = fmax(descent->step_acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
 /* not by a share of the forces that the round began with: those of gaps that close are far larger than all others */
@@ -313,6 +344,18 @@ static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, dou
                            ? pel_hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)
                            : tolerance_of(sim, loads);
     return round->converged && (round->is_near || round->residual <= tolerance);
+}
+
+/* one run of the minimiser; the state takes its positions */
+static pel_status run_and_round(pel_descent_context *context, const pel_descent_problem *problem,
+                                pel_descent_result *result, pel_error *error)
+{
+    pel_sim *sim = context->sim;
+    pel_status status = sim->descent->minimise(context, problem, result, error);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
+            sim->state->position_next[v][k] = (pel_real)sim->descent->position[3 * (size_t)v + (size_t)k];
+    return status;
 }
 
 /* rounds until gaps are closed and forces balanced; the last part of a step looks for surfaces as well */
@@ -332,7 +375,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         problem.tolerance = is_dynamic ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
         problem.enough = ROUGH_SHARE * problem.tolerance;
         problem.reduction = !had_any || closed ? 0 : problem.goes_on ? REDUCTION : FIRST_REDUCTION;
-        status = descent->minimise(context, &problem, &round, error);
+        status = run_and_round(context, &problem, &round, error);
         if (status != PEL_OK)
             return status;
         sum->iterations += round.iterations;
@@ -367,10 +410,11 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
 }
 
 /* the energy without that of the constraints, and the forces of the bodies */
-static double plain_energy(pel_descent_context *context, pel_record *force)
+static double plain_energy(pel_descent_context *context)
 {
+    const pel_sim_descent *descent = context->sim->descent;
     context->is_constrained = false;
-    double energy = energy_of(context, context->sim->state->position_next, force);
+    double energy = energy_of(context, descent->position, descent->force);
     context->is_constrained = true;
     return energy;
 }
@@ -388,13 +432,13 @@ static double near_distance(const pel_sim *sim)
 }
 
 /* add the forces of inertia at the start of the step */
-static void add_inertia(const pel_sim *sim, pel_record *force)
+static void add_inertia(const pel_sim *sim, double *force)
 {
     const pel_sim_newton *newton = sim->descent->newton;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             double way = newton->points[v][k] - (double)sim->state->position[v][k];
-            force[v][k] += (pel_real)(newton->point_stiffness[v] * way);
+            force[3 * (size_t)v + (size_t)k] += newton->point_stiffness[v] * way;
         }
 }
 
@@ -403,12 +447,12 @@ static void estimate_loads(pel_descent_context *context, double reach)
 {
     pel_sim *sim = context->sim;
     const double *stiffness = NULL;
-    plain_energy(context, sim->force);
+    plain_energy(context);
     if (pel_sim_has_velocity(sim)) {
         stiffness = sim->descent->newton->point_stiffness;
-        add_inertia(sim, sim->force);
+        add_inertia(sim, sim->descent->force);
     }
-    pel_descent_contacts_estimate(sim, sim->force, reach, stiffness);
+    pel_descent_contacts_estimate(sim, sim->descent->force, reach, stiffness);
 }
 
 static pel_status minimise_under_constraints(pel_descent_context *context, double loads, pel_error *error)
@@ -437,7 +481,7 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
         if (!pel_sim_all_inside(sim))
             return status;
     }
-    sim->descent->result.energy = plain_energy(context, sim->force);
+    sim->descent->result.energy = plain_energy(context);
     sim->descent->step_way = way;
     if (!pel_sim_has_velocity(sim))
         pel_descent_find_stray(sim);
@@ -458,7 +502,7 @@ static pel_status minimise_alone(pel_descent_context *context, double loads, pel
     for (int n = 0; status == PEL_OK && !is_done && n < ROUND_LIMIT; n++) {
         int32_t iterations = sum->iterations, evaluations = sum->evaluations;
         problem.tolerance = pel_sim_has_velocity(sim) ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
-        status = sim->descent->minimise(context, &problem, &round, error);
+        status = run_and_round(context, &problem, &round, error);
         if (status != PEL_OK)
             return status;
         if (n == 0)
@@ -477,6 +521,14 @@ static pel_status minimise_alone(pel_descent_context *context, double loads, pel
     return status;
 }
 
+void pel_descent_begin_at_state(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        copy_position(state->position, v, sim->descent->position);
+}
+
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_state *state = sim->state;
@@ -488,10 +540,13 @@ pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *step, pel_error *
         pel_sim_has_velocity(sim) ? PEL_OK : pel_descent_check_held(sim, sim->descent->external, context.time, error);
     if (status != PEL_OK)
         return status;
-    memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
+    pel_descent_begin_at_state(sim);
+    if (sim->descent->tangent != NULL)
+        pel_tangent_follow(sim->descent->tangent, sim->descent->position);
     sim->descent->result = (pel_descent_result){0};
     sim->descent->count = sim->descent->tool_count = 0;
     sim->descent->step_way = 0;
+    sim->descent->step_acted = sim->descent->acted;
     if (sim->tool_count > 0 || pel_sim_has_loop_contacts(sim))
         status = minimise_under_constraints(&context, loads, error);
     else
@@ -543,10 +598,14 @@ pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, 
     descent->minimise = minimise;
     descent->force_time = 1;
     descent->stray_body = -1;
+    descent->position = pel_allocate(3 * count, sizeof *descent->position);
+    descent->force = pel_allocate(3 * count, sizeof *descent->force);
+    descent->record = pel_allocate_aligned(count, sizeof *descent->record);
     descent->external = pel_allocate_aligned(count, sizeof *descent->external);
     descent->constraint_of_vertex = pel_allocate(count, sizeof *descent->constraint_of_vertex);
     descent->shares = pel_allocate(count, sizeof *descent->shares);
-    if (descent->external == NULL || descent->constraint_of_vertex == NULL || descent->shares == NULL)
+    if (descent->position == NULL || descent->force == NULL || descent->record == NULL || descent->external == NULL ||
+        descent->constraint_of_vertex == NULL || descent->shares == NULL)
         return pel_fail_memory(error);
     for (size_t v = 0; v < count; v++)
         descent->shares[v] = 1;
@@ -565,7 +624,7 @@ static pel_status run_minimiser(pel_descent_context *context, const pel_descent_
     pel_descent_problem own = *problem;
     if (sim->descent->newton != NULL && sim->descent->count == 0 && pel_sim_newton_approximate(context))
         own.precondition = pel_sim_newton_precondition;
-    pel_descent_run(sim->descent->minimiser, &own, sim->state->position_next, result);
+    pel_descent_run(sim->descent->minimiser, &own, sim->descent->position, result);
     return pel_pool_check(sim->pool, error);
 }
 
@@ -577,7 +636,20 @@ static pel_status create(pel_sim *sim, pel_error *error)
     /* the pattern of a matrix goes with a surface */
     if (status == PEL_OK && sim->active == NULL && !sim->solver.gradient_only)
         status = pel_sim_newton_create(sim, false, error);
+    if (status == PEL_OK && sizeof(pel_real) < sizeof(double))
+        status = pel_tangent_create(sim->model, &sim->descent->tangent, error);
     return status;
+}
+
+static void follow_surface(pel_sim *sim)
+{
+    if (sim->descent->tangent != NULL)
+        pel_tangent_rebuild(sim->descent->tangent);
+}
+
+static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
+{
+    pel_vec3_copy(pel_descent_force(sim->descent->minimiser) + 3 * (size_t)v, force);
 }
 
 void pel_sim_descent_destroy(pel_sim *sim)
@@ -587,17 +659,35 @@ void pel_sim_descent_destroy(pel_sim *sim)
         return;
     pel_descent_destroy(descent->minimiser);
     pel_sim_newton_destroy(descent->newton);
-    void *arrays[] = {descent->external, descent->constraint_of_vertex, descent->shares, descent->constraints,
-                      descent->others};
+    pel_tangent_destroy(descent->tangent);
+    void *arrays[] = {
+        descent->position, descent->force,       descent->record, descent->external, descent->constraint_of_vertex,
+        descent->shares,   descent->constraints, descent->others};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(descent);
+}
+
+void pel_sim_descent_read_tools(pel_sim *sim)
+{
+    pel_descent_contacts_read(sim);
+    for (int32_t t = 0; t < sim->tool_count; t++) {
+        pel_tool *tool = &sim->tools[t];
+        for (int32_t i = 0; i < tool->held_count; i++) {
+            int32_t v = tool->held[i];
+            double x[3], force[3];
+            pel_vertex_position(sim->state->position_next, v, x);
+            sim->stepper->get_held_force(sim, v, force);
+            pel_tool_add_grip(sim, tool, v, x, force);
+        }
+    }
 }
 
 void pel_sim_descent_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->descent->accepted, *part = &sim->descent->result;
     sim->descent->tool_way += sim->descent->step_way;
+    sim->descent->acted = sim->descent->step_acted;
     if (sim->parts.at > 0) {
         part->iterations += accepted->iterations;
         part->evaluations += accepted->evaluations;
@@ -635,7 +725,9 @@ const pel_stepper pel_descent_kind = {
     .create = create,
     .check_start = pel_descent_check_start,
     .step = pel_sim_descent_step,
-    .read_tools = pel_descent_contacts_read,
+    .read_tools = pel_sim_descent_read_tools,
+    .follow_surface = follow_surface,
+    .get_held_force = get_held_force,
     .mark_contacts = pel_descent_contacts_mark,
     .accept = pel_sim_descent_accept,
     .get_solver = pel_sim_descent_get_solver,

@@ -41,7 +41,7 @@ typedef struct pel_descent_contact {
 
 typedef struct pel_descent_context pel_descent_context;
 
-/* Moves position_next downhill: pel_descent_run, or Newton's method (step_newton.h). PEL_OUT_OF_MEMORY. */
+/* Moves sim->descent->position downhill: pel_descent_run, or Newton's method (step_newton.h). PEL_OUT_OF_MEMORY. */
 typedef pel_status pel_descent_minimise(pel_descent_context *context, const pel_descent_problem *problem,
                                         pel_descent_result *result, pel_error *error);
 
@@ -52,11 +52,16 @@ struct pel_sim_descent {
     pel_descent_minimise *minimise;
     pel_descent *minimiser;      /* of the method descent, else null */
     pel_sim_newton *newton;      /* of the others, else null */
+    pel_tangent *tangent;        /* of the method descent where the state is float: energies in double; else null */
+    double *position;            /* (3 vertex_count) m, at the end of the step: position_next is their rounding */
+    double *force;               /* (3 vertex_count) N, scratch */
+    pel_record *record;          /* (vertex_count) scratch: positions for batches of elements */
     pel_record *external;        /* (vertex_count) forces that stay during a step */
     double mean_edge;            /* m */
     double size;                 /* m, of the largest body */
     double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
-    double acted;                /* N, largest force that has acted since the start */
+    double acted, step_acted;    /* N, largest force that has acted since the start: before the step in progress, and in
+                                    it. The first is in snapshots */
     double stiffness;            /* 1/s2, bound of that of the bodies over mass */
     double penalty;              /* stiffness of constraints over that bound */
     double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
@@ -100,6 +105,8 @@ typedef struct pel_contact_stiffness {
 /* ---- descent.c ---- */
 /* What all methods need that minimise. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, pel_error *error);
+/* Where a step begins: sim->descent->position and position_next from the state. */
+void pel_descent_begin_at_state(pel_sim *sim);
 /* One step. */
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
@@ -109,6 +116,8 @@ double pel_descent_tolerance(pel_sim *sim, double time);
 double pel_descent_held_share(void);
 double pel_descent_short_move(const pel_sim *sim);
 
+/* What tools feel: loads of constraints, and what holds grasped vertices. */
+void pel_sim_descent_read_tools(pel_sim *sim);
 /* After a step that is accepted, or a part of one: what is told of the step is the sum, the worst of residuals. */
 void pel_sim_descent_accept(pel_sim *sim);
 /* the get_solver of the steppers that minimise */
@@ -122,24 +131,24 @@ pel_status pel_descent_check_start(pel_sim *sim, pel_error *error);
 /* Finds a body that only contact holds and that has got away by the end of the step of a static method. */
 void pel_descent_find_stray(pel_sim *sim);
 
-/* ---- descent_contact.c ---- */
+/* ---- descent_contact.c: positions and forces are (3 vertex_count) ---- */
 /* the weighted sum of its points: where it is, against a surface the way between both sides */
-void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_record *position, double point[3]);
-void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+void pel_descent_contact_point(const pel_descent_contact *constraint, const double *position, double point[3]);
+void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
                               pel_gap_sample *meeting);
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
 pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */
-double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force);
+double pel_descent_contacts_evaluate(const pel_sim *sim, const double *position, double *force);
 /* Second derivatives of a constraint's part. False where it does not act. */
-bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint,
-                                   const pel_record *position, pel_contact_stiffness *stiffness);
-/* Loads and drags after a minimisation that ended at position_next. Returns the largest error of a gap over its
+bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
+                                   pel_contact_stiffness *stiffness);
+/* Loads and drags after a minimisation. Returns the largest error of a gap over its
    tolerance. */
 double pel_descent_contacts_update(pel_sim *sim);
-/* Loads that balance `force` (vertex_count), that of the bodies at position_next, best. Writes over it. stiffness
+/* Loads that balance `force`, that of the bodies at the end of the step, best. Writes over it. stiffness
    (vertex_count): N/m of the springs that inertia is, whose forces are in `force`; null = none. */
-void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach, const double *stiffness);
+void pel_descent_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness);
 /* N, root of the sum of squares of what constraints do to vertices */
 double pel_descent_contacts_force(const pel_sim *sim);
 /* Constraints of surfaces from the list of contacts, after those of tools, with the loads that its keys have. */
@@ -150,8 +159,8 @@ void pel_descent_contacts_keep_loads(pel_sim *sim);
 void pel_descent_contacts_mark(const pel_sim *sim);
 
 /* ---- descent_tool.c ---- */
-/* Constraints against all tools at position_next and the present poses, in place of all that were known; those that
-   were known keep their loads. */
+/* Constraints against all tools at the end of the step and the present poses, in place of all that were known; those
+   that were known keep their loads. */
 pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error);
 /* What tools touch, and their reactions. */
 void pel_descent_contacts_read(pel_sim *sim);

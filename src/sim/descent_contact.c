@@ -23,12 +23,21 @@ static double mobility_of(const pel_sim *sim, int32_t v)
     return sim->held != NULL ? pel_tool_mobility(sim, v) : (double)sim->model->inverse_mass[v];
 }
 
-void pel_descent_contact_point(const pel_descent_contact *constraint, const pel_record *position, double point[3])
+void pel_descent_contact_point(const pel_descent_contact *constraint, const double *position, double point[3])
 {
     pel_vec3_set(point, 0, 0, 0);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
-            point[k] += constraint->weights[i] * (double)position[constraint->vertices[i]][k];
+            point[k] += constraint->weights[i] * position[3 * (size_t)constraint->vertices[i] + (size_t)k];
+}
+
+/* the same at the start of the step */
+static void find_start(const pel_sim *sim, const pel_descent_contact *constraint, double point[3])
+{
+    pel_vec3_set(point, 0, 0, 0);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            point[k] += constraint->weights[i] * (double)sim->state->position[constraint->vertices[i]][k];
 }
 
 /* Nearest points of a feature (in the tool's frame) and the axis of a round tool: weights of the feature's vertices and
@@ -59,15 +68,14 @@ static double find_nearest(const pel_solid *solid, const pel_descent_contact *co
     return pel_vec3_length(way);
 }
 
-static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
                        pel_gap_sample *meeting)
 {
     const pel_tool *tool = &sim->tools[constraint->tool];
     const pel_solid solid = pel_tool_press_solid(sim, tool, constraint->vertices[0]);
     double x[3][3], way[3];
     for (int i = 0; i < constraint->points; i++) {
-        pel_vertex_position(position, constraint->vertices[i], x[i]);
-        pel_pose_to_local(&tool->pose, x[i], x[i]);
+        pel_pose_to_local(&tool->pose, position + 3 * (size_t)constraint->vertices[i], x[i]);
     }
     double distance = find_nearest(&solid, constraint, x, meeting->weights, way);
     /* on the axis every way out is as good */
@@ -79,7 +87,7 @@ static void meet_round(const pel_sim *sim, const pel_descent_contact *constraint
     pel_rotate(tool->pose.rotation, way, meeting->normal);
 }
 
-void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
                               pel_gap_sample *meeting)
 {
     double point[3];
@@ -94,14 +102,13 @@ void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *con
 }
 
 /* the drag without limit that friction answers the way since the step began with; false without friction */
-static bool find_drag(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
-                      double drag[3])
+static bool find_drag(const pel_sim *sim, const pel_descent_contact *constraint, const double *position, double drag[3])
 {
     if (!(constraint->friction > 0) || !(constraint->load > 0))
         return false;
     double now[3], before[3], slip[3];
     pel_descent_contact_point(constraint, position, now);
-    pel_descent_contact_point(constraint, sim->state->position, before);
+    find_start(sim, constraint, before);
     pel_vec3_subtract(now, before, slip);
     pel_vec3_subtract(slip, constraint->drift, slip);
     pel_vec3_along(slip, -pel_vec3_dot(slip, constraint->normal), constraint->normal, slip);
@@ -118,16 +125,14 @@ static double limit_length(double vector[3], double limit)
     return length;
 }
 
-static void push(const pel_descent_contact *constraint, const double weights[4], const double load[3],
-                 pel_record *force)
+static void push(const pel_descent_contact *constraint, const double weights[4], const double load[3], double *force)
 {
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3 && weights[i] != 0; k++)
-            force[constraint->vertices[i]][k] += (pel_real)(weights[i] * load[k]);
+            force[3 * (size_t)constraint->vertices[i] + (size_t)k] += weights[i] * load[k];
 }
 
-static double evaluate(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
-                       pel_record *force)
+static double evaluate(const pel_sim *sim, const pel_descent_contact *constraint, const double *position, double *force)
 {
     pel_gap_sample meeting;
     double energy = 0, load[3], drag[3];
@@ -213,13 +218,13 @@ static bool find_side_gradients(double x[3][3], int begin, int end, double gradi
     return true;
 }
 
-static void add_turning(const pel_sim *sim, const pel_descent_contact *constraint, const pel_record *position,
+static void add_turning(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
                         const pel_gap_sample *meeting, double load, pel_contact_stiffness *stiffness)
 {
     double x[3][3], gradients[3][3] = {{0}}, t[2][3];
     int inside[3], count = 0;
     for (int i = 0; i < 3; i++) {
-        pel_vertex_position(position, constraint->vertices[i], x[i]);
+        pel_vec3_copy(position + 3 * (size_t)constraint->vertices[i], x[i]);
         if (meeting->weights[i] > INSIDE)
             inside[count++] = i;
     }
@@ -232,8 +237,8 @@ static void add_turning(const pel_sim *sim, const pel_descent_contact *constrain
         add_row(meeting, load, distance, (const double(*)[3])gradients, t[i], stiffness);
 }
 
-bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint,
-                                   const pel_record *position, pel_contact_stiffness *stiffness)
+bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
+                                   pel_contact_stiffness *stiffness)
 {
     pel_gap_sample meeting;
     double drag[3];
@@ -252,7 +257,7 @@ bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact
     return load > 0 || drags;
 }
 
-double pel_descent_contacts_evaluate(const pel_sim *sim, const pel_record *position, pel_record *force)
+double pel_descent_contacts_evaluate(const pel_sim *sim, const double *position, double *force)
 {
     const pel_sim_descent *descent = sim->descent;
     double energy = 0;
@@ -283,7 +288,7 @@ pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *cons
 
 static double update(const pel_sim *sim, pel_descent_contact *constraint)
 {
-    const pel_record *position = sim->state->position_next;
+    const double *position = sim->descent->position;
     pel_gap_sample meeting;
     double drag[3], change = 0;
     if (find_drag(sim, constraint, position, drag)) {
@@ -313,7 +318,7 @@ double pel_descent_contacts_update(pel_sim *sim)
    With inertia the one under which its point, as far as springs of `stiffness` let the forces move it, keeps the gap
    and stays with the tool. False where it has none. */
 static bool find_left(const pel_sim *sim, const pel_descent_contact *constraint, const pel_gap_sample *meeting,
-                      const double *stiffness, const pel_record *force, double left[3])
+                      const double *stiffness, const double *force, double left[3])
 {
     double square = 0, slip[3];
     pel_vec3_set(left, 0, 0, 0);
@@ -323,7 +328,7 @@ static bool find_left(const pel_sim *sim, const pel_descent_contact *constraint,
         double compliance = weight == 0 || stiffness == NULL ? 1 : 1 / stiffness[v];
         square += weight * weight * compliance;
         for (int k = 0; k < 3; k++)
-            left[k] += weight * compliance * (double)force[v][k];
+            left[k] += weight * compliance * force[3 * (size_t)v + (size_t)k];
     }
     if (stiffness != NULL) {
         double along = pel_vec3_dot(constraint->drift, meeting->normal);
@@ -336,10 +341,10 @@ static bool find_left(const pel_sim *sim, const pel_descent_contact *constraint,
 }
 
 static void balance(const pel_sim *sim, pel_descent_contact *constraint, double reach, const double *stiffness,
-                    pel_record *force)
+                    double *force)
 {
     pel_gap_sample meeting;
-    pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
+    pel_descent_contact_meet(sim, constraint, sim->descent->position, &meeting);
     double left[3], change[3], drag[3];
     if ((stiffness == NULL && meeting.gap > reach) || !find_left(sim, constraint, &meeting, stiffness, force, left))
         return;
@@ -354,7 +359,7 @@ static void balance(const pel_sim *sim, pel_descent_contact *constraint, double 
     pel_vec3_copy(drag, constraint->drag);
 }
 
-void pel_descent_contacts_estimate(pel_sim *sim, pel_record *force, double reach, const double *stiffness)
+void pel_descent_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness)
 {
     pel_sim_descent *descent = sim->descent;
     for (int sweep = 0; sweep < ESTIMATE_SWEEPS; sweep++)

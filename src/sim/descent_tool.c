@@ -48,7 +48,7 @@ static pel_status add(const tool_search *search, pel_descent_contact *constraint
 {
     pel_sim *sim = search->sim;
     double point[3];
-    pel_descent_contact_point(constraint, sim->state->position_next, point);
+    pel_descent_contact_point(constraint, sim->descent->position, point);
     find_drift(&sim->tools[search->tool], point, constraint->drift);
     if (known > 0) {
         const pel_descent_contact *old = &sim->descent->others[known - 1];
@@ -90,7 +90,7 @@ static pel_status add_feature(const tool_search *search, pel_descent_contact *co
 {
     pel_gap_sample meeting;
     constraint->offset += search->slack;
-    pel_descent_contact_meet(search->sim, constraint, search->sim->state->position_next, &meeting);
+    pel_descent_contact_meet(search->sim, constraint, search->sim->descent->position, &meeting);
     if (meeting.gap > search->reach && known == 0)
         return PEL_OK;
     memcpy(constraint->weights, meeting.weights, sizeof constraint->weights);
@@ -120,9 +120,10 @@ static pel_status add_face(const tool_search *search, int32_t t, int end, pel_er
 /* whether an edge lies along the axis, where its nearest point would jump from end to end: its vertices hold it */
 static bool is_along_axis(const tool_search *search, const pel_descent_contact *constraint)
 {
-    double way[3], from[3], to[3];
-    pel_vertex_position(search->sim->state->position_next, constraint->vertices[0], from);
-    pel_vertex_position(search->sim->state->position_next, constraint->vertices[1], to);
+    const double *position = search->sim->descent->position;
+    const double *from = position + 3 * (size_t)constraint->vertices[0];
+    const double *to = position + 3 * (size_t)constraint->vertices[1];
+    double way[3];
     pel_vec3_subtract(to, from, way);
     pel_rotate_back(search->sim->tools[search->tool].pose.rotation, way, way);
     return pel_hypot(way[0], way[1]) < ALONG_AXIS * fabs(way[2]);
@@ -144,7 +145,7 @@ static pel_status add_side(const tool_search *search, int32_t t, int side, pel_e
     if (is_along_axis(search, &constraint))
         return PEL_OK;
     pel_gap_sample meeting;
-    pel_descent_contact_meet(sim, &constraint, sim->state->position_next, &meeting);
+    pel_descent_contact_meet(sim, &constraint, sim->descent->position, &meeting);
     if (!presses && fmax(meeting.weights[0], meeting.weights[1]) > 1 - INSIDE)
         return PEL_OK;
     return add_feature(search, &constraint, presses ? known : 0, error);
@@ -193,7 +194,7 @@ static void set_plane(const tool_search *search, const double local[3], double g
 {
     pel_sim *sim = search->sim;
     double point[3];
-    pel_descent_contact_point(constraint, sim->state->position_next, point);
+    pel_descent_contact_point(constraint, sim->descent->position, point);
     pel_rotate(sim->tools[search->tool].pose.rotation, local, constraint->normal);
     constraint->offset = pel_vec3_dot(constraint->normal, point) - gap + search->slack;
 }
@@ -203,13 +204,12 @@ static pel_status add_corner(const tool_search *search, int32_t v, pel_error *er
     pel_sim *sim = search->sim;
     const pel_tool *tool = &sim->tools[search->tool];
     pel_descent_contact constraint = search->blank;
-    double x[3], local[3], normal[3];
+    double local[3], normal[3];
     int32_t known = sim->descent->constraint_of_vertex[v];
     /* found before, in this search */
     if (known < 0)
         return PEL_OK;
-    pel_vertex_position(sim->state->position_next, v, x);
-    pel_pose_to_local(&tool->pose, x, local);
+    pel_pose_to_local(&tool->pose, sim->descent->position + 3 * (size_t)v, local);
     const pel_solid solid = pel_tool_press_solid(sim, tool, v);
     double gap = pel_solid_distance(&solid, local, normal);
     if (gap > search->reach)
@@ -244,8 +244,7 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
         return status;
     double corner[3][3], axis[3];
     for (int i = 0; i < 3; i++) {
-        pel_vertex_position(sim->state->position_next, sim->model->triangles[t][i], corner[i]);
-        pel_pose_to_local(&tool->pose, corner[i], corner[i]);
+        pel_pose_to_local(&tool->pose, sim->descent->position + 3 * (size_t)sim->model->triangles[t][i], corner[i]);
     }
     double support = pel_box_separation(solid.half_extents, (const double(*)[3])corner, axis);
     double gap = -support;
@@ -338,9 +337,9 @@ static void add_action(pel_sim *sim, const pel_descent_contact *constraint, cons
 
 static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
 {
-    double point[3] = {0, 0, 0}, sum = 0, side = 0, load[3], x[3];
+    double point[3] = {0, 0, 0}, sum = 0, side = 0, load[3];
     pel_gap_sample meeting;
-    pel_descent_contact_meet(sim, constraint, sim->state->position_next, &meeting);
+    pel_descent_contact_meet(sim, constraint, sim->descent->position, &meeting);
     add_action(sim, constraint, &meeting);
     if (constraint->tool < 0)
         return;
@@ -351,8 +350,7 @@ static void read_constraint(pel_sim *sim, const pel_descent_contact *constraint)
             continue;
         pel_contact_vertex *touch = pel_tool_touch(tool, v);
         pel_vec3_along(touch->push, constraint->load * meeting.weights[i], meeting.normal, touch->push);
-        pel_vertex_position(sim->state->position_next, v, x);
-        pel_vec3_along(point, fabs(meeting.weights[i]), x, point);
+        pel_vec3_along(point, fabs(meeting.weights[i]), sim->descent->position + 3 * (size_t)v, point);
         sum += fabs(meeting.weights[i]);
         side += meeting.weights[i];
     }

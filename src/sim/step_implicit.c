@@ -23,6 +23,7 @@
 #include "sim/hold.h"
 #include "sim/step_newton.h"
 
+#include <float.h>
 #include <string.h>
 
 /* A body collides if turn_measure.jump exceeds this share of `change`. Measured: sheets that fall flat 0.7 and more,
@@ -228,8 +229,11 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
             bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
             double velocity = s->end * u + (1 - s->end) * (double)state->velocity[v][k];
             state->velocity_next[v][k] = moves ? (pel_real)velocity : 0;
-            if (s->end != 1 && moves)
-                state->position_next[v][k] = (pel_real)(s->end * y + (1 - s->end) * (double)state->position[v][k]);
+            if (s->end != 1 && moves) {
+                double end = s->end * y + (1 - s->end) * (double)state->position[v][k];
+                sim->descent->position[3 * v + k] = end;
+                state->position_next[v][k] = (pel_real)end;
+            }
         }
 }
 
@@ -294,14 +298,13 @@ static pel_status create(pel_sim *sim, pel_error *error)
 
 /* ---- energy of the midpoint rule ---- */
 
-/* J: elastic energy, with conservative pressure, of positions with their edges settled */
-static double potential_at(pel_sim *sim, const pel_record *position, double *elastic)
+/* J: elastic energy, with conservative pressure, of positions (3 vertex_count) with their edges settled */
+static double potential_at(pel_sim *sim, const double *position, double *elastic)
 {
     pel_sim_newton *newton = sim->descent->newton;
     const pel_tangent_input input = {
         .unknowns = newton->unknowns, .time = pel_sim_part_time(sim, 1 / midpoint.end), .state = sim->state};
-    for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        pel_vertex_position(position, v, newton->unknowns + 3 * (size_t)v);
+    memcpy(newton->unknowns, position, 3 * (size_t)sim->model->vertex_count * sizeof *position);
     pel_tangent *tangent = pel_newton_tangent(newton->newton);
     pel_tangent_follow(tangent, newton->unknowns);
     pel_sim_newton_settle_at(sim);
@@ -312,7 +315,7 @@ static double potential_at(pel_sim *sim, const pel_record *position, double *ela
     return *elastic + energy.pressure;
 }
 
-/* J: energy of rounding errors of positions, from the bound of the stiffness */
+/* J: energy of rounding errors of positions, which the solve has in double, from the bound of the stiffness */
 static double energy_noise(const pel_sim *sim)
 {
     const pel_sim_descent *descent = sim->descent;
@@ -320,7 +323,7 @@ static double energy_noise(const pel_sim *sim)
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++)
             farthest = fmax(farthest, fabs((double)sim->state->position[v][k]));
-    double rounding = (double)PEL_REAL_EPSILON * farthest;
+    double rounding = DBL_EPSILON * farthest;
     return descent->stiff_force / descent->mean_edge * rounding * rounding * sqrt(sim->model->vertex_count);
 }
 
@@ -328,12 +331,13 @@ static double energy_noise(const pel_sim *sim)
 static bool changes_energy(pel_sim *sim, double potential_before)
 {
     const pel_state *state = sim->state;
-    double elastic, kinetic = 0, change = potential_at(sim, state->position_next, &elastic) - potential_before;
+    const double *end = sim->descent->position;
+    double elastic, kinetic = 0, change = potential_at(sim, end, &elastic) - potential_before;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             double mass = (double)sim->model->mass[v], u = (double)state->velocity_next[v][k];
             double w = (double)state->velocity[v][k];
-            double way = (double)state->position_next[v][k] - (double)state->position[v][k];
+            double way = end[3 * v + k] - (double)state->position[v][k];
             kinetic += 0.5 * mass * u * u;
             change += 0.5 * mass * (u * u - w * w) - sim->descent->newton->loads[3 * v + k] * way;
         }
@@ -355,7 +359,8 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
 
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
-    double elastic, before = choose_scheme(sim) == &midpoint ? potential_at(sim, sim->state->position, &elastic) : 0;
+    pel_descent_begin_at_state(sim);
+    double elastic, before = choose_scheme(sim) == &midpoint ? potential_at(sim, sim->descent->position, &elastic) : 0;
     pel_status status = solve(sim, result, error);
     bool is_beside = sim->descent->newton->lead != NULL;
     if (status == PEL_OK && !is_beside && sim->descent->newton->scheme == &midpoint && changes_energy(sim, before)) {
@@ -416,7 +421,7 @@ const pel_stepper pel_step_implicit_kind = {
     .divides = true,
     .create = create,
     .step = step,
-    .read_tools = pel_sim_newton_read_tools,
+    .read_tools = pel_sim_descent_read_tools,
     .settle_edges = pel_sim_newton_settle_edges,
     .follow_surface = pel_sim_newton_follow_surface,
     .get_held_force = pel_sim_newton_held_force,

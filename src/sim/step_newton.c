@@ -41,10 +41,9 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     newton->target = pel_allocate(count, sizeof *newton->target);
     newton->loads = pel_allocate(count, sizeof *newton->loads);
     newton->fixed = pel_allocate(count, sizeof *newton->fixed);
-    newton->position = pel_allocate_aligned(vertices, sizeof *newton->position);
     newton->force = pel_allocate_aligned(vertices, sizeof *newton->force);
     bool room = newton->unknowns != NULL && newton->target != NULL && newton->loads != NULL && newton->fixed != NULL &&
-                newton->position != NULL && newton->force != NULL;
+                newton->force != NULL;
     if (is_dynamic) {
         newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
         newton->points = pel_allocate(vertices, sizeof *newton->points);
@@ -61,9 +60,9 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     if (newton == NULL)
         return;
     pel_newton_destroy(newton->newton);
-    void *arrays[] = {newton->unknowns, newton->target,          newton->loads,  newton->fixed,
-                      newton->position, newton->force,           newton->points, newton->couplings,
-                      newton->radial,   newton->point_stiffness, newton->groups, newton->collided};
+    void *arrays[] = {newton->unknowns,        newton->target, newton->loads,     newton->fixed,
+                      newton->force,           newton->points, newton->couplings, newton->radial,
+                      newton->point_stiffness, newton->groups, newton->collided};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -273,16 +272,12 @@ static double evaluate_constraints(void *context, const double *unknowns, double
     springs += evaluate_radial(sim->descent->newton, sim->model->vertex_count, unknowns, gradient);
     if (!at->is_constrained)
         return springs;
-    pel_sim_newton *newton = sim->descent->newton;
-    int32_t count = sim->model->vertex_count;
-    for (int32_t v = 0; v < count; v++)
-        for (int k = 0; k < 3; k++)
-            newton->position[v][k] = (pel_real)unknowns[3 * v + k];
-    memset(newton->force, 0, (size_t)count * sizeof *newton->force);
-    double energy = pel_descent_contacts_evaluate(sim, newton->position, newton->force);
-    for (int32_t v = 0; v < count; v++)
-        for (int k = 0; k < 3; k++)
-            gradient[3 * v + k] -= (double)newton->force[v][k];
+    double *force = sim->descent->force;
+    int32_t count = 3 * sim->model->vertex_count;
+    memset(force, 0, (size_t)count * sizeof *force);
+    double energy = pel_descent_contacts_evaluate(sim, unknowns, force);
+    for (int32_t u = 0; u < count; u++)
+        gradient[u] -= force[u];
     return energy + springs;
 }
 
@@ -335,7 +330,7 @@ static void add_constraints(void *context, pel_matrix *matrix)
     for (int32_t c = 0; at->is_constrained && c < descent->count; c++) {
         const pel_descent_contact *constraint = &descent->constraints[c];
         pel_contact_stiffness stiffness;
-        if (!pel_descent_contact_stiffness(sim, constraint, descent->newton->position, &stiffness))
+        if (!pel_descent_contact_stiffness(sim, constraint, descent->newton->unknowns, &stiffness))
             continue;
         add_constraint(matrix, constraint->vertices, stiffness.weights, (const double(*)[3])stiffness.along);
         add_constraint(matrix, constraint->vertices, constraint->weights, (const double(*)[3])stiffness.across);
@@ -378,10 +373,10 @@ static int32_t list_constraints(pel_sim *sim, bool acts, int32_t count)
         pel_gap_sample sample;
         if (constraint->tool >= 0 && has_tied_corners(sim, constraint->vertices[0]))
             continue;
-        if (pel_descent_contact_stiffness(sim, constraint, newton->position, &stiffness) != acts)
+        if (pel_descent_contact_stiffness(sim, constraint, newton->unknowns, &stiffness) != acts)
             continue;
         if (!acts) {
-            pel_descent_contact_meet(sim, constraint, newton->position, &sample);
+            pel_descent_contact_meet(sim, constraint, newton->unknowns, &sample);
             if (sample.gap > NEAR_TOLERANCES * constraint->tolerance)
                 continue;
         }
@@ -430,7 +425,7 @@ static void join(const pel_sim *sim, const pel_descent_contact *constraint)
 {
     const pel_sim_newton *newton = sim->descent->newton;
     pel_gap_sample sample;
-    pel_descent_contact_meet(sim, constraint, newton->position, &sample);
+    pel_descent_contact_meet(sim, constraint, newton->unknowns, &sample);
     if (!(constraint->load > 0) && !(constraint->load - constraint->stiffness * sample.gap > 0))
         return;
     int32_t first = -1;
@@ -544,7 +539,7 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
         balance_groups(sim, context->is_constrained);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
-            sim->state->position_next[v][k] = (pel_real)newton->unknowns[3 * v + k];
+            sim->descent->position[3 * v + k] = newton->unknowns[3 * v + k];
     *result = (pel_descent_result){
         .iterations = run.iterations,
         .evaluations = run.iterations + 1,
@@ -618,19 +613,4 @@ void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3])
 {
     const double *gradient = pel_newton_gradient(sim->descent->newton->newton);
     pel_vec3_scale(gradient + 3 * (size_t)v, -1, force);
-}
-
-void pel_sim_newton_read_tools(pel_sim *sim)
-{
-    pel_descent_contacts_read(sim);
-    for (int32_t t = 0; t < sim->tool_count; t++) {
-        pel_tool *tool = &sim->tools[t];
-        for (int32_t i = 0; i < tool->held_count; i++) {
-            int32_t v = tool->held[i];
-            double x[3], force[3];
-            pel_vertex_position(sim->state->position_next, v, x);
-            pel_sim_newton_held_force(sim, v, force);
-            pel_tool_add_grip(sim, tool, v, x, force);
-        }
-    }
 }

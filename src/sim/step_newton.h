@@ -10,14 +10,14 @@ enum { PEL_STATIC_ITERATIONS = 200 };
 
 struct pel_sim_newton {
     pel_newton *newton;
-    double *unknowns;             /* (unknown_count) positions at the end of the step, and the xi of edges */
-    double *target;               /* (unknown_count) of fixed ones */
-    double *loads;                /* (unknown_count) N */
-    uint8_t *fixed;               /* (unknown_count) */
-    pel_newton_frames frames;     /* of supports, since the last gathering */
-    pel_record *position, *force; /* (vertex_count) what constraints see of the unknowns, and answer */
-    double *point_stiffness;      /* (vertex_count) N/m, inertia and drag; null in statics */
-    double (*points)[3];          /* (vertex_count) m */
+    double *unknowns;         /* (unknown_count) positions at the end of the step, and the xi of edges */
+    double *target;           /* (unknown_count) of fixed ones */
+    double *loads;            /* (unknown_count) N */
+    uint8_t *fixed;           /* (unknown_count) */
+    pel_newton_frames frames; /* of supports, since the last gathering */
+    pel_record *force;        /* (vertex_count) N, of loads */
+    double *point_stiffness;  /* (vertex_count) N/m, inertia and drag; null in statics */
+    double (*points)[3];      /* (vertex_count) m */
     double (*radial)[4]; /* (vertex_count) damping along volumetric springs, root of N/m: the energy of positions x is
                             half the square of radial . x - radial[3]; null = none */
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
@@ -76,8 +76,5 @@ typedef struct pel_implicit_scheme {
     double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of one step earlier */
     double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
 } pel_implicit_scheme;
-
-/* What tools feel: loads of constraints, and what holds grasped vertices. */
-void pel_sim_newton_read_tools(pel_sim *sim);
 
 #endif

@@ -13,11 +13,7 @@ enum { PAIR_COUNT = 8, MOST_TRIALS = 30 };
 #define FLATNESS 0.9
 /* changes of the energy below this share of it may be rounding of its parts, which nearly cancel where a stiff body is
    loaded lightly (Hager, Zhang 2005 take 1e-6) */
-#ifdef PEL_SINGLE
-#define ROUNDING 1e-5
-#else
 #define ROUNDING 1e-9
-#endif
 
 struct pel_descent {
     int32_t vertex_count, movable_count;
@@ -30,8 +26,8 @@ struct pel_descent {
     double *step_pairs, *gradient_pairs; /* (PAIR_COUNT x size) */
     double inverse_products[PAIR_COUNT];
     int32_t pair_count, newest;
-    pel_record *position, *force; /* (vertex_count) arguments of the energy */
-    double last_length;           /* of gradient descent: the step that was taken last, over the gradient */
+    double *position, *force; /* (3 vertex_count) arguments of the energy */
+    double last_length;       /* of gradient descent: the step that was taken last, over the gradient */
 };
 
 /* a point on the way: how far, energy, slope */
@@ -48,17 +44,14 @@ pel_status pel_descent_create(int32_t vertex_count, pel_descent **descent, pel_e
     size_t size = 3 * (size_t)vertex_count;
     made->vertex_count = vertex_count;
     made->movable = pel_allocate((size_t)vertex_count, sizeof *made->movable);
-    double **vectors[] = {&made->x,         &made->gradient, &made->trial, &made->trial_gradient,
-                          &made->direction, &made->spread};
+    double **vectors[] = {&made->x,         &made->gradient, &made->trial,    &made->trial_gradient,
+                          &made->direction, &made->spread,   &made->position, &made->force};
     bool room = made->movable != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(size, sizeof **vectors[i])) != NULL;
     made->step_pairs = pel_allocate(PAIR_COUNT * size, sizeof *made->step_pairs);
     made->gradient_pairs = pel_allocate(PAIR_COUNT * size, sizeof *made->gradient_pairs);
-    made->position = pel_allocate_aligned((size_t)vertex_count, sizeof *made->position);
-    made->force = pel_allocate_aligned((size_t)vertex_count, sizeof *made->force);
-    if (!room || made->step_pairs == NULL || made->gradient_pairs == NULL || made->position == NULL ||
-        made->force == NULL) {
+    if (!room || made->step_pairs == NULL || made->gradient_pairs == NULL) {
         pel_descent_destroy(made);
         return pel_fail_memory(error);
     }
@@ -86,16 +79,21 @@ static double dot(size_t size, const double *a, const double *b)
     return sum;
 }
 
+/* a vector over movable vertices into one over all of them */
+static void scatter(const pel_descent *descent, const double *from, double *to)
+{
+    for (int32_t i = 0; i < descent->movable_count; i++)
+        memcpy(to + 3 * (size_t)descent->movable[i], from + 3 * (size_t)i, 3 * sizeof *to);
+}
+
 /* energy and gradient at a vector of positions */
 static double evaluate(pel_descent *descent, const pel_descent_problem *problem, const double *x, double *gradient)
 {
-    for (int32_t i = 0; i < descent->movable_count; i++)
-        for (int c = 0; c < 3; c++)
-            descent->position[descent->movable[i]][c] = (pel_real)x[3 * (size_t)i + (size_t)c];
+    scatter(descent, x, descent->position);
     double energy = problem->energy(problem->context, descent->position, descent->force);
     for (int32_t i = 0; i < descent->movable_count; i++)
         for (int c = 0; c < 3; c++)
-            gradient[3 * (size_t)i + (size_t)c] = -(double)descent->force[descent->movable[i]][c];
+            gradient[3 * (size_t)i + (size_t)c] = -descent->force[3 * (size_t)descent->movable[i] + (size_t)c];
     return energy;
 }
 
@@ -128,8 +126,7 @@ static void keep_pair(pel_descent *descent)
 static void precondition(pel_descent *descent, const pel_descent_problem *problem, double *d)
 {
     memset(descent->spread, 0, 3 * (size_t)descent->vertex_count * sizeof *descent->spread);
-    for (int32_t i = 0; i < descent->movable_count; i++)
-        memcpy(descent->spread + 3 * (size_t)descent->movable[i], d + 3 * (size_t)i, 3 * sizeof *d);
+    scatter(descent, d, descent->spread);
     problem->precondition(problem->context, descent->spread);
     for (int32_t i = 0; i < descent->movable_count; i++)
         memcpy(d + 3 * (size_t)i, descent->spread + 3 * (size_t)descent->movable[i], 3 * sizeof *d);
@@ -280,7 +277,7 @@ static void find_residual(pel_descent *descent, const pel_descent_problem *probl
     double square = 0;
     for (int32_t v = 0; problem->held != NULL && v < descent->vertex_count; v++)
         for (int c = 0; problem->held[v] && c < 3; c++)
-            square += (double)descent->force[v][c] * (double)descent->force[v][c];
+            square += descent->force[3 * (size_t)v + (size_t)c] * descent->force[3 * (size_t)v + (size_t)c];
     result->held_force = sqrt(square);
     result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));
     double held = problem->held_share * result->held_force;
@@ -319,16 +316,15 @@ static void iterate(pel_descent *descent, const pel_descent_problem *problem, pe
     }
 }
 
-void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, pel_record *position,
+void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, double *position,
                      pel_descent_result *result)
 {
     descent->movable_count = 0;
     for (int32_t v = 0; v < descent->vertex_count; v++) {
-        descent->position[v] = position[v];
+        memcpy(descent->position + 3 * (size_t)v, position + 3 * (size_t)v, 3 * sizeof *position);
         if (!(problem->inverse_mass[v] > 0) || (problem->held != NULL && problem->held[v]))
             continue;
-        for (int c = 0; c < 3; c++)
-            descent->x[3 * (size_t)descent->movable_count + (size_t)c] = (double)position[v][c];
+        memcpy(descent->x + 3 * (size_t)descent->movable_count, position + 3 * (size_t)v, 3 * sizeof *position);
         descent->movable[descent->movable_count++] = v;
     }
     descent->size = 3 * (size_t)descent->movable_count;
@@ -341,7 +337,15 @@ void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, p
     find_residual(descent, problem, result);
     result->first_residual = result->residual;
     iterate(descent, problem, result);
-    for (int32_t i = 0; i < descent->movable_count; i++)
-        for (int c = 0; c < 3; c++)
-            position[descent->movable[i]][c] = (pel_real)descent->x[3 * (size_t)i + (size_t)c];
+    /* the last evaluation was elsewhere if its search found nothing lower */
+    if (result->stuck) {
+        evaluate(descent, problem, descent->x, descent->gradient);
+        result->evaluations++;
+    }
+    scatter(descent, descent->x, position);
+}
+
+const double *pel_descent_force(const pel_descent *descent)
+{
+    return descent->force;
 }

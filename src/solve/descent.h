@@ -7,8 +7,9 @@
 #include "base/pool.h"
 #include "model/state.h"
 
-/* Returns the energy [J] at positions (vertex_count) and writes the forces, its negative gradient [N]. */
-typedef double pel_descent_energy(void *context, pel_record *position, pel_record *force);
+/* Returns the energy [J] at positions (3 vertex_count) and writes the forces, its negative gradient [N]: both in
+   double, since changes of position that matter to stiff bodies are lost in float. */
+typedef double pel_descent_energy(void *context, const double *position, double *force);
 
 /* Multiplies a vector (3 vertex_count, 0 where vertices stay) by a positive definite matrix near the inverse of the
    second derivatives [m/N]. */
@@ -51,8 +52,10 @@ typedef struct pel_descent pel_descent;
 pel_status pel_descent_create(int32_t vertex_count, pel_descent **descent, pel_error *error);
 void pel_descent_destroy(pel_descent *descent);
 
-/* Moves positions (vertex_count) downhill. The energy never rises but by rounding. */
-void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, pel_record *position,
+/* Moves positions (3 vertex_count) downhill. The energy never rises but by rounding. */
+void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, double *position,
                      pel_descent_result *result);
+/* (3 vertex_count) N, at the end of the last run, those on vertices that stay included */
+const double *pel_descent_force(const pel_descent *descent);
 
 #endif
