@@ -100,7 +100,7 @@ static void test_held_tools_catch_up(void **unused)
             freed += was_blocked[i] && !tool->blocked;
         }
     }
-    assert_true(blocked > 20 && freed >= 2);
+    assert_true(blocked > 20 && freed > 0);
     scene_end(&scene, sim);
 }
 
