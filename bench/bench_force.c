@@ -84,7 +84,7 @@ int main(int argc, char **argv)
     int threads = argc > 2 ? atoi(argv[2]) : 2;
     printf("%d triangles, %s\n", 20 * frequency * frequency, sizeof(pel_real) == 8 ? "double" : "float");
     printf("%-24s  one thread: min ms  median  ns a triangle | %d threads\n", "", threads);
-    bench("stvk", frequency, PEL_BENDING_OFF, false, threads);
+    bench("stvk", frequency, PEL_BENDING_NONE, false, threads);
     bench("stvk + isometric", frequency, PEL_BENDING_ISOMETRIC, false, threads);
     bench("stvk + hinge", frequency, PEL_BENDING_HINGE, false, threads);
     bench("stvk + hinge + pressure", frequency, PEL_BENDING_HINGE, true, threads);

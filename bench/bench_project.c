@@ -119,8 +119,8 @@ int main(int argc, char **argv)
            20 * frequency * frequency, SWEEPS, sizeof(pel_real) == 8 ? "double" : "float", PEL_BLOCK);
     printf("%-34s  plain min  median ms  ns | wide min median ms  ns | %d threads\n", "", threads);
     const pel_membrane_kind stvk = PEL_MEMBRANE_STVK;
-    bench("pbd-distance", frequency, PEL_METHOD_PBD_DISTANCE, stvk, PEL_BENDING_OFF, threads);
-    bench("pbd stvk", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_OFF, threads);
+    bench("pbd-distance", frequency, PEL_METHOD_PBD_DISTANCE, stvk, PEL_BENDING_NONE, threads);
+    bench("pbd stvk", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_NONE, threads);
     bench("pbd stvk + isometric", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_ISOMETRIC, threads);
     bench("pbd stvk + hinge", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_HINGE, threads);
     bench("pbd corotated + isometric", frequency, PEL_METHOD_PBD, PEL_MEMBRANE_COROTATED, PEL_BENDING_ISOMETRIC,

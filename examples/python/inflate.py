@@ -28,6 +28,7 @@ def inflate(frequency=8, volume=8.0, steps=28):
                     "mesh": pellicle.Mesh.shape("geodesic-sphere", frequency=frequency, radius=RADIUS),
                     "mass": {"density": 950, "thickness": THICKNESS},
                     "membrane": {"material": "mooney-rivlin", "young": YOUNG, "poisson": 0.5, "mooney_ratio": RATIO},
+                    "bending": {"model": "none"},  # the closed form is that of a membrane
                     "pressure": {"volume": {"target": {"keys": [[0, 1], [1, volume]]}, "bulk": 1e6}},
                 }
             ],

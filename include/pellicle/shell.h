@@ -41,7 +41,7 @@ typedef struct pel_membrane_def {
 } pel_membrane_def;
 
 typedef enum pel_bending_model {
-    PEL_BENDING_OFF,
+    PEL_BENDING_NONE,
     PEL_BENDING_ISOMETRIC,      /* paper B, equation 3, literally: flattens a curved rest shape */
     PEL_BENDING_ISOMETRIC_REST, /* the same energy minus that of the rest shape */
     PEL_BENDING_HINGE,          /* change of the dihedral angle */

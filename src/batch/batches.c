@@ -427,7 +427,7 @@ static pel_status add_batches(plan *p, pel_error *error)
         return status;
     if (status == PEL_OK && shell->has_membrane)
         status = add_membrane(p, error);
-    if (status == PEL_OK && shell->bending != PEL_BENDING_OFF && shell->bending != PEL_BENDING_MIDEDGE)
+    if (status == PEL_OK && shell->bending != PEL_BENDING_NONE && shell->bending != PEL_BENDING_MIDEDGE)
         status = add_bending(p, error);
     for (int32_t r = 0; status == PEL_OK && r < shell->region_count; r++)
         if (has_elements(p, &shell->regions[r]))

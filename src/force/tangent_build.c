@@ -20,7 +20,7 @@ static bool has_midedge(const pel_shell *shell)
 
 static bool has_hinges(const pel_shell *shell)
 {
-    return shell->bending != PEL_BENDING_OFF && !has_midedge(shell);
+    return shell->bending != PEL_BENDING_NONE && !has_midedge(shell);
 }
 
 static bool has_springs(const pel_model *model, int32_t body)

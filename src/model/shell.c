@@ -36,7 +36,7 @@ pel_anisotropy_def pel_anisotropy_def_default(void)
 /* whether a def switches anything on */
 static bool is_on(const pel_shell_def *def)
 {
-    return def->membrane.on || def->bending.model != PEL_BENDING_OFF || def->anisotropy_count > 0 ||
+    return def->membrane.on || def->bending.model != PEL_BENDING_NONE || def->anisotropy_count > 0 ||
            def->pressure.kind != PEL_PRESSURE_NONE;
 }
 
@@ -124,7 +124,7 @@ static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error
 {
     const pel_bending_def *bending = &def->shell.bending;
     pel_status status = check_choice((int)bending->model, PEL_BENDING_MIDEDGE + 1, body, "bending model", error);
-    if (status != PEL_OK || bending->model == PEL_BENDING_OFF)
+    if (status != PEL_OK || bending->model == PEL_BENDING_NONE)
         return status;
     if (!(bending->weight < 0)) {
         status = check_number(bending->weight, 0, 1, body, "bending weight", error);
@@ -395,7 +395,7 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
 {
     shell->bending = def->shell.bending.model;
     shell->bending_weight = def->shell.bending.weight;
-    if (shell->bending == PEL_BENDING_OFF)
+    if (shell->bending == PEL_BENDING_NONE)
         return PEL_OK;
     pel_status status = allocate_hinges(def, topology, body->detail != NULL, shell, error);
     /* of a mesh without an inner edge, whose refined surface has some */

@@ -104,7 +104,7 @@ pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, c
     own->place_count = place_limit - own->first_place;
     own->shell.triangle_limit = triangle_limit;
     /* each triangle has three sides, and each hinge two triangles */
-    own->shell.hinge_limit = given->shell->bending != PEL_BENDING_OFF ? triangle_limit / 2 * 3 + 3 : 0;
+    own->shell.hinge_limit = given->shell->bending != PEL_BENDING_NONE ? triangle_limit / 2 * 3 + 3 : 0;
     own->shell.triangle_count = own->shell.hinge_count = 0;
     bool room = allocate_shell(own);
     if (!room || !allocate_scratch(own)) {
@@ -291,7 +291,7 @@ static void update_hinges(pel_shell_front *own, const pel_front *front)
 {
     pel_shell *shell = &own->shell;
     shell->hinge_count = 0;
-    if (shell->bending == PEL_BENDING_OFF)
+    if (shell->bending == PEL_BENDING_NONE)
         return;
     sort_half_edges(own);
     for (int32_t h = 0; h < 3 * shell->triangle_count; h++) {

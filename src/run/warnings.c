@@ -158,7 +158,8 @@ static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
     const pel_body_def *body = &run->scene->model.bodies[b];
     const pel_membrane_def *membrane = &body->shell.membrane;
     double radius, edge;
-    if (!membrane->on || body->shell.bending.model == PEL_BENDING_OFF || !knows_material(run->scene->sim.solver.method))
+    if (!membrane->on || body->shell.bending.model == PEL_BENDING_NONE ||
+        !knows_material(run->scene->sim.solver.method))
         return PEL_OK;
     pel_status status = measure_edges(body->mesh, &radius, &edge, error);
     if (status != PEL_OK)

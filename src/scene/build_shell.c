@@ -29,7 +29,7 @@ static pel_status read_membrane(const pel_scene_body_source *source, pel_membran
 static pel_status read_bending(const pel_scene_body_source *source, pel_bending_def *bending)
 {
     /* in the order of the words in the table */
-    static const pel_bending_model models[] = {PEL_BENDING_OFF, PEL_BENDING_ISOMETRIC, PEL_BENDING_ISOMETRIC_REST,
+    static const pel_bending_model models[] = {PEL_BENDING_NONE, PEL_BENDING_ISOMETRIC, PEL_BENDING_ISOMETRIC_REST,
                                                PEL_BENDING_HINGE, PEL_BENDING_MIDEDGE};
     const pel_scene_value *value = pel_scene_value_entry(source->value, "bending");
     if (value == NULL)

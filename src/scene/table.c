@@ -175,12 +175,11 @@ static const pel_scene_row rows[] = {
             "default: no limit"},
     {"bodies[].bending", MAP,
      .doc = "resistance against bending (paper B, eq. 3); default: a body with a membrane bends as its material does, "
-            "under pbd it has no bending"},
-    {"bodies[].bending.model", WORD("off", "isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
-     .doc = "off: no resistance; isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the "
-            "same with the rest "
-            "shape as minimum; hinge: change of the dihedral angles; midedge: plate bending that does not depend on "
-            "the mesh, for the methods static and implicit (their default)"},
+            "under pbd and pbd-distance it has none"},
+    {"bodies[].bending.model", WORD("none", "isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
+     .doc = "none: no resistance; isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the "
+            "same with the rest shape as minimum; hinge: change of the dihedral angles; midedge: plate bending that "
+            "does not depend on the mesh, for the methods static and implicit (their default)"},
     {"bodies[].bending.weight", NUMBER_OR("auto"), BETWEEN(0, 1), .preset = "0.01",
      .doc = "pbd: factor on the position corrections (paper B, k_B); auto starts at 0.01, decreases while the volume "
             "changes, is halved where the volume turns round, and stays above 0.001"},

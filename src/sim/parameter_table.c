@@ -108,7 +108,7 @@ static bool has_poisson(const void *def)
 
 static bool has_bending(const void *def)
 {
-    return ((const pel_body_def *)def)->shell.bending.model != PEL_BENDING_OFF;
+    return ((const pel_body_def *)def)->shell.bending.model != PEL_BENDING_NONE;
 }
 
 static bool is_pressed(const void *def)
@@ -287,7 +287,7 @@ static const pel_parameter_row rows[] = {
     {"bodies[].membrane.strain_limit", BODY(shell.membrane.strain_limit), NUMBER, .is_open = true, BETWEEN(0, 0.99),
      AUTO(0), .applies = has_membrane},
     {"bodies[].bending.model", BODY(shell.bending.model), .store = PEL_STORE_INT,
-     WORD("off", "isometric", "isometric-rest", "hinge", "midedge"), .applies = has_bending,
+     WORD("none", "isometric", "isometric-rest", "hinge", "midedge"), .applies = has_bending,
      STRUCTURE("the model of bending decides what elements there are")},
     {"bodies[].bending.weight", BODY(shell.bending.weight), NUMBER, BETWEEN(0, 1), AUTO(-1), .applies = has_bending},
     {"bodies[].bending.stiffness", BODY(shell.bending.stiffness), QUANTITY, .unit = "N m", AT_LEAST(0), AUTO(-1),

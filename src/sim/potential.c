@@ -175,7 +175,7 @@ static pel_status create_matrix(pel_potential *potential, pel_error *error)
     const pel_tangent_pattern *pattern = pel_tangent_pattern_of(potential->tangent);
     if (pattern->edge_count > 0) {
         pel_fail(error, PEL_BAD_ARGUMENT, "bending of the model midedge has unknowns on edges beside the positions");
-        pel_fail_remedy(error, "use bending model hinge, or the gradient alone");
+        pel_fail_remedy(error, "set bending: { model: hinge } (or none), or use the gradient alone");
         return PEL_BAD_ARGUMENT;
     }
     if (potential->matrix != NULL)

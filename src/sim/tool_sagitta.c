@@ -1,5 +1,6 @@
 /* Spheres and capsules on filled tissue are kept out of its vertices, and triangles may cut into them as far as a flat
-   triangle with its corners on the tool does, by the sagitta R - sqrt(R^2 - r^2) with the circumradius r.
+   triangle with its corners on the tool does, by the sagitta R - sqrt(R^2 - r^2). r is the circumradius of the
+   equilateral triangle with the same sum of squared edges; that of a right-angled triangle is larger.
 
    The filling is an elastic foundation, lumped at the vertices. Vertices that stand at the depth of the tool sample its
    pressure, and the force of a pressed tool has no error of first order in their spacing. A triangle that is kept out
@@ -7,10 +8,10 @@
    times too high. Only a tool between vertices, deeper in a triangle than the sagitta, is held by that. */
 #include "sim/tool.h"
 
-/* square of the circumradius over that at rest: edges stretch between pressed vertices */
+/* r^2 over that at rest: edges stretch between pressed vertices */
 #define STRETCH 1.2
-/* Radii of the tool over the circumradius: triangles cut in to the full from this on, and not at all up to that. A tool
-   of less than an edge would fall between the vertices. */
+/* Radii of the tool over r: triangles cut in to the full from this on, and not at all up to that. A tool of less than
+   an edge would fall between the vertices. */
 #define FULL_RATIO 2.5
 #define LEAST_RATIO 2.0
 

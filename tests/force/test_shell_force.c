@@ -511,7 +511,7 @@ static void test_force_at(void **unused)
             check_force_at(&body, 1, &random);
         }
         /* triangles on edge collapse to less than a hundredth of their area */
-        body.shell.bending.model = PEL_BENDING_OFF;
+        body.shell.bending.model = PEL_BENDING_NONE;
         check_force_at(&body, 1e-3, &random);
     }
     pel_mesh_destroy(mesh);

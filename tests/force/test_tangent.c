@@ -18,7 +18,7 @@ typedef struct variant {
 } variant;
 
 static const variant variants[] = {
-    {"springs", PEL_BENDING_OFF, PEL_PRESSURE_NONE, true, false, false},
+    {"springs", PEL_BENDING_NONE, PEL_PRESSURE_NONE, true, false, false},
     {"hinges", PEL_BENDING_HINGE, PEL_PRESSURE_GIVEN, false, true, false},
     {"isometric", PEL_BENDING_ISOMETRIC_REST, PEL_PRESSURE_VOLUME, true, false, false},
     {"midedge", PEL_BENDING_MIDEDGE, PEL_PRESSURE_GAS, false, true, false},
@@ -45,7 +45,7 @@ static pel_body_def body_of(const variant *v, const pel_mesh *mesh)
 {
     pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
     body.shell.membrane.thickness.value = 0.05;
-    body.shell.membrane.on = v->bending != PEL_BENDING_OFF;
+    body.shell.membrane.on = v->bending != PEL_BENDING_NONE;
     body.shell.bending.model = v->bending;
     body.shell.pressure.kind = v->pressure;
     body.shell.pressure.value = 2000;

@@ -79,6 +79,12 @@ class Calibration(unittest.TestCase):
             "output": {"every_frame": 5},
         }
 
+    def test_region(self):
+        """The stiffness of a sheet and of its inclusion from markers, with noise: within their intervals and 2 %."""
+        fit = pellicle.calibrate(FITS / "region.yaml", self.folder / "fit")
+        self.check(fit, "bodies.sheet.membrane.young.map.0", 1.5e5, 0.02)
+        self.check(fit, "bodies.sheet.membrane.young.map.1", 6e5, 0.02)
+
     def test_a_parameter_that_the_data_do_not_tell(self):
         parameters = {
             "bodies.ball.springs.stiffness": {"start": 3, "from": 1, "to": 9},

@@ -30,7 +30,7 @@ static const pel_scene_row *find_row(const pel_scene_table *table, const char *p
 static void check_words(const pel_parameter_row *row, const pel_scene_row *scene)
 {
     for (int i = 0; row->words[i] != NULL; i++) {
-        bool is_known = strcmp(row->words[i], "off") == 0 || (scene->forms & PEL_FORM_BOOLEAN) != 0;
+        bool is_known = (scene->forms & PEL_FORM_BOOLEAN) != 0;
         for (int k = 0; scene->words != NULL && scene->words[k] != NULL; k++)
             is_known |= strcmp(scene->words[k], row->words[i]) == 0;
         if (!is_known)

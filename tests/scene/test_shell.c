@@ -184,12 +184,12 @@ static void test_implied_bending(void **unused)
         pel_bending_model model;
     } scenes[] = {
         {"", PEL_BENDING_HINGE},
-        {"    bending: {model: off}\n", PEL_BENDING_OFF},
+        {"    bending: {model: none}\n", PEL_BENDING_NONE},
         {"    bending: {model: isometric}\n", PEL_BENDING_ISOMETRIC},
         {"solver: {method: implicit}\n", PEL_BENDING_MIDEDGE},
-        {"    bending: {model: off}\nsolver: {method: implicit}\n", PEL_BENDING_OFF},
+        {"    bending: {model: none}\nsolver: {method: implicit}\n", PEL_BENDING_NONE},
         {"solver: {method: explicit}\n", PEL_BENDING_HINGE},
-        {"solver: {method: pbd}\n", PEL_BENDING_OFF},
+        {"solver: {method: pbd}\n", PEL_BENDING_NONE},
         {"    bending: {}\nsolver: {method: pbd}\n", PEL_BENDING_HINGE},
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
@@ -198,7 +198,7 @@ static void test_implied_bending(void **unused)
         pel_scene *scene = load(text);
         const pel_bending_def *bending = &scene->model.bodies[0].shell.bending;
         assert_int_equal(bending->model, scenes[i].model);
-        if (bending->model != PEL_BENDING_OFF)
+        if (bending->model != PEL_BENDING_NONE)
             assert_true(bending->stiffness.value < 0); /* that of the material */
         pel_scene_destroy(scene);
     }

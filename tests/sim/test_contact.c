@@ -100,7 +100,7 @@ static void test_held_tools_catch_up(void **unused)
             freed += was_blocked[i] && !tool->blocked;
         }
     }
-    assert_true(blocked > 20 && freed > 0);
+    assert_true(blocked > 20 && freed >= (sizeof(pel_real) == sizeof(float) ? 1 : 2));
     scene_end(&scene, sim);
 }
 

@@ -495,7 +495,7 @@ static void bad_supports_are_refused(void **state)
     s->supports[0].fix_rotation = false;
     assert_sim_refused(s, "free to turn about the axis (0, 1, 0) through (0, ");
     begin_bar(s);
-    s->body.shell.bending.model = PEL_BENDING_OFF;
+    s->body.shell.bending.model = PEL_BENDING_NONE;
     assert_sim_refused(s, "give the body bending of model midedge");
     begin_bar(s);
     support(s, 0, 0, true, false, false, false)->displacement[0] = 0.1;

@@ -101,7 +101,7 @@ static void test_stability_limit(void **unused)
     pel_mesh *mesh = make_sphere(5);
     for (int i = 0; i < 4; i++) {
         pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
-        body.shell.bending.model = i == 1 ? PEL_BENDING_HINGE : PEL_BENDING_OFF;
+        body.shell.bending.model = i == 1 ? PEL_BENDING_HINGE : PEL_BENDING_NONE;
         body.shell.bending.stiffness.value = 5; /* as important as the membrane */
         /* stiffer than the membrane where all of the body breathes */
         body.shell.pressure.kind = i == 2 ? PEL_PRESSURE_GAS : i == 3 ? PEL_PRESSURE_VOLUME : PEL_PRESSURE_NONE;
