@@ -98,7 +98,10 @@ static void test_parts(void **unused)
         assert_int_equal(pel_model_turned_count(model, 0), cases[c].turned * each);
         double unit = 4.0 / 3 * 3.14159265358979;
         assert_near(volume_of(own) / unit, cases[c].volume, 0.06 * fabs(cases[c].volume) + 0.03);
-        assert_memory_equal(own->positions, mesh->positions, (size_t)mesh->vertex_count * sizeof *mesh->positions);
+        /* with the rounding of the state */
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            for (int k = 0; k < 3; k++)
+                assert_true(own->positions[v][k] == (double)(pel_real)mesh->positions[v][k]);
         pel_model_destroy(model);
         pel_mesh_destroy(mesh);
     }
